@@ -1,0 +1,266 @@
+//! Balances of mass and internal energy of the gas: equations (1) to (3) with mass m and internal energy U as states.
+//!
+//! dm/dt = Σ ṁin − Σ ṁout,  dU/dt = −P dV/dt + Q̇ + cp (Σ ṁin Tin − Σ ṁout T),  Q̇ = λ Aq (Tw − T)
+//! P = (γ − 1) U/V,  T = U/(m cv). Both states are conserved to rounding whatever the integrator does.
+//! [`pressure_temperature_rates`] is the paper's own form, for comparison.
+
+use crate::effects::{self, EffectSet, OWN_STATES};
+use crate::model::Chamber;
+use crate::real::Real;
+
+/// Number of states: mass, internal energy and every effect's own.
+pub const STATES: usize = 2 + OWN_STATES;
+/// Index of the mass, kg.
+pub const MASS: usize = 0;
+/// Index of the internal energy, J.
+pub const ENERGY: usize = 1;
+/// Index of the first effect's own state.
+pub const OWN: usize = 2;
+
+/// What the surroundings impose at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boundary<R = f64> {
+    /// Distance of the piston face from the chamber's end, m.
+    pub position: R,
+    /// Its rate, m/s.
+    pub velocity: R,
+    /// Mass flow into the chamber, kg/s, at [`Boundary::temperature_in`].
+    pub mass_flow_in: R,
+    /// Temperature of the gas that enters, K.
+    pub temperature_in: R,
+    /// Mass flow out of the chamber, kg/s, at the gas's temperature.
+    pub mass_flow_out: R,
+    /// Temperature of the surroundings, K.
+    pub ambient_temperature: R,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pressure: R,
+}
+
+impl Boundary<f64> {
+    /// A closed chamber with its piston held.
+    pub fn closed(position: f64, ambient_temperature: f64, ambient_pressure: f64) -> Self {
+        Self {
+            position,
+            velocity: 0.0,
+            mass_flow_in: 0.0,
+            temperature_in: ambient_temperature,
+            mass_flow_out: 0.0,
+            ambient_temperature,
+            ambient_pressure,
+        }
+    }
+}
+
+impl<R: Real> Boundary<R> {
+    /// The same boundary in another number type.
+    #[inline(always)]
+    pub fn lift<S: Real + From<R>>(self) -> Boundary<S> {
+        Boundary {
+            position: self.position.into(),
+            velocity: self.velocity.into(),
+            mass_flow_in: self.mass_flow_in.into(),
+            temperature_in: self.temperature_in.into(),
+            mass_flow_out: self.mass_flow_out.into(),
+            ambient_temperature: self.ambient_temperature.into(),
+            ambient_pressure: self.ambient_pressure.into(),
+        }
+    }
+}
+
+/// Gas, wall and surroundings at one moment, as the effects see them. SI units.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions<R> {
+    /// Mass of the gas, kg.
+    pub mass: R,
+    /// Volume of the gas, m³.
+    pub volume: R,
+    /// Pressure, Pa.
+    pub pressure: R,
+    /// Mean temperature P V/(m R), K.
+    pub temperature: R,
+    /// Temperature of the gas that touches the wall, K: the T of λ and Q̇.
+    pub gas_temperature_at_wall: R,
+    /// Wall temperature, K.
+    pub wall_temperature: R,
+    /// Piston area, m².
+    pub piston_area: R,
+    /// Piston speed, m/s.
+    pub velocity: R,
+    /// Temperature of the surroundings, K.
+    pub ambient_temperature: R,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pressure: R,
+    /// Specific gas constant, J/(kg K).
+    pub gas_constant: R,
+    /// Heat capacity ratio.
+    pub heat_capacity_ratio: R,
+    /// Heat capacity at constant pressure, J/(kg K).
+    pub cp: R,
+    /// P0 of the heat transfer law, Pa.
+    pub reference_pressure: R,
+    /// T0 of the heat transfer law, K.
+    pub reference_temperature: R,
+}
+
+/// Gas that enters and leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct Flows<R> {
+    /// Mass flow in, kg/s.
+    pub inflow: R,
+    /// Σ mass flow in × its temperature, kg K/s.
+    pub inflow_kelvin: R,
+    /// Mass flow out, at the gas's temperature, kg/s.
+    pub outflow: R,
+}
+
+impl<R: Real> Flows<R> {
+    /// Adds a flow into the chamber, kg/s, at a temperature, K.
+    #[inline(always)]
+    pub fn enter(&mut self, flow: R, temperature: R) {
+        self.inflow += flow;
+        self.inflow_kelvin += flow * temperature;
+    }
+}
+
+/// Rates of change of the gas.
+#[derive(Clone, Copy, Debug)]
+pub struct Rates<R> {
+    /// dm/dt, kg/s.
+    pub mass: R,
+    /// dU/dt, W.
+    pub energy: R,
+    /// dP/dt, Pa/s.
+    pub pressure: R,
+    /// Q̇ into the gas, W.
+    pub heat_flow: R,
+    /// λ, W/(m² K).
+    pub heat_transfer_coefficient: R,
+    /// Net enthalpy flow into the gas, W.
+    pub enthalpy_flow: R,
+}
+
+/// Conditions from the states, before any effect.
+#[inline(always)]
+pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
+    let volume = chamber.geometry.volume(boundary.position);
+    let temperature = energy / (mass * chamber.gas.cv());
+    Conditions {
+        mass,
+        volume,
+        pressure: (chamber.gas.heat_capacity_ratio - 1.0) * energy / volume,
+        temperature,
+        gas_temperature_at_wall: temperature,
+        wall_temperature: boundary.ambient_temperature,
+        piston_area: chamber.geometry.piston_area,
+        velocity: boundary.velocity,
+        ambient_temperature: boundary.ambient_temperature,
+        ambient_pressure: boundary.ambient_pressure,
+        gas_constant: chamber.gas.gas_constant,
+        heat_capacity_ratio: chamber.gas.heat_capacity_ratio,
+        cp: chamber.gas.cp(),
+        reference_pressure: chamber.heat_transfer.reference_pressure,
+        reference_temperature: chamber.heat_transfer.reference_temperature,
+    }
+}
+
+/// States of a chamber in equilibrium of its parts, at a pressure, Pa, and temperature, K.
+pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
+    let volume = chamber.geometry.volume(boundary.position);
+    let mass = pressure * volume / (chamber.gas.gas_constant * temperature);
+    let energy = pressure * volume / (chamber.gas.heat_capacity_ratio - 1.0);
+    let mut own = [R::ZERO; OWN_STATES];
+    effects::initial(&conditions(chamber, boundary, mass, energy), &mut own);
+    let mut state = [R::ZERO; STATES];
+    state[MASS] = mass;
+    state[ENERGY] = energy;
+    state[OWN..].copy_from_slice(&own);
+    state
+}
+
+/// Everything that is known of a chamber at one moment: conditions, rates, and the rates of the effects' own states.
+/// Only effects in `set` take part; `set` must contain every effect that is not neutral.
+#[inline(always)]
+pub fn evaluate<R: Real>(
+    set: EffectSet,
+    chamber: &Chamber<R>,
+    boundary: &Boundary<R>,
+    state: &[R; STATES],
+) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
+    let own: [R; OWN_STATES] = core::array::from_fn(|i| state[OWN + i]);
+    let mut at = conditions(chamber, boundary, state[MASS], state[ENERGY]);
+    effects::conditions(set, &chamber.effects, &own, &mut at);
+
+    let eichelberg = chamber.heat_transfer.coefficient_at(at.pressure, at.gas_temperature_at_wall);
+    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, eichelberg);
+    let area = chamber.geometry.heat_transfer_area(at.volume);
+    let heat_flow = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
+
+    let mut flows = Flows { inflow: R::ZERO, inflow_kelvin: R::ZERO, outflow: boundary.mass_flow_out };
+    flows.enter(boundary.mass_flow_in, boundary.temperature_in);
+    effects::flows(set, &chamber.effects, &at, &mut flows);
+
+    let volume_rate = at.piston_area * at.velocity;
+    let work = at.pressure * volume_rate;
+    let pressure_rate =
+        |enthalpy: R| ((at.heat_capacity_ratio - 1.0) * (heat_flow + enthalpy - work) - work) / at.volume;
+    let enthalpy = |flows: &Flows<R>| at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
+
+    let unstored = pressure_rate(enthalpy(&flows));
+    effects::storage(set, &chamber.effects, &at, unstored, |flow, temperature| {
+        flows.outflow += flow.where_positive(flow, R::ZERO);
+        flows.enter(flow.where_positive(R::ZERO, -flow), temperature);
+    });
+
+    let enthalpy_flow = enthalpy(&flows);
+    let rates = Rates {
+        mass: flows.inflow - flows.outflow,
+        energy: heat_flow + enthalpy_flow - work,
+        pressure: pressure_rate(enthalpy_flow),
+        heat_flow,
+        heat_transfer_coefficient: coefficient,
+        enthalpy_flow,
+    };
+    let own_rates = effects::own_rates(set, &chamber.effects, &own, &at, &flows, &rates);
+    (at, rates, own_rates)
+}
+
+/// Rates of all states, per second: what an integrator needs.
+#[inline(always)]
+pub fn rates<R: Real>(
+    set: EffectSet,
+    chamber: &Chamber<R>,
+    boundary: &Boundary<R>,
+    state: &[R; STATES],
+) -> [R; STATES] {
+    let (_, rates, own) = evaluate(set, chamber, boundary, state);
+    let mut out = [R::ZERO; STATES];
+    out[MASS] = rates.mass;
+    out[ENERGY] = rates.energy;
+    out[OWN..].copy_from_slice(&own);
+    out
+}
+
+/// dP/dt and dT/dt of the paper's equations (1) and (2), without effects, for states P, Pa, and T, K.
+pub fn pressure_temperature_rates<R: Real>(
+    chamber: &Chamber<R>,
+    boundary: &Boundary<R>,
+    pressure: R,
+    temperature: R,
+) -> [R; 2] {
+    let (p, t) = (pressure, temperature);
+    let g = chamber.gas.heat_capacity_ratio;
+    let r = chamber.gas.gas_constant;
+    let volume = chamber.geometry.volume(boundary.position);
+    let volume_rate = chamber.geometry.piston_area * boundary.velocity;
+    let (inflow, outflow) = (boundary.mass_flow_in, boundary.mass_flow_out);
+    let heat_flow = chamber.heat_transfer.coefficient_at(p, t)
+        * chamber.geometry.heat_transfer_area(volume)
+        * (boundary.ambient_temperature - t);
+    let pressure_rate = -g * p / volume * volume_rate
+        + g * r / volume * (inflow * boundary.temperature_in - outflow * t)
+        + (g - 1.0) / volume * heat_flow;
+    let temperature_rate = t / volume * volume_rate * (R::ONE - g) - outflow * r * t * t / (volume * p) * (g - 1.0)
+        + inflow * r * t / (volume * p) * (g * boundary.temperature_in - t)
+        + (g - 1.0) * t / (p * volume) * heat_flow;
+    [pressure_rate, temperature_rate]
+}

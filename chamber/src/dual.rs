@@ -1,0 +1,186 @@
+//! Numbers that carry their derivatives along (forward mode), for exact sensitivities.
+//!
+//! One convention where a law has a kink: [`Real::where_positive`] follows the branch the value takes, so at
+//! the kink itself the derivative is that of the non-positive side; |x| has derivative 0 at 0.
+
+use crate::real::{Real, Scalar};
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// A value and its derivatives with respect to `N` parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<const N: usize> {
+    /// The number itself.
+    pub value: f64,
+    /// Its derivatives.
+    pub tangent: [f64; N],
+}
+
+impl<const N: usize> Dual<N> {
+    /// The `index`-th independent variable, with derivative one by itself.
+    #[inline(always)]
+    pub fn variable(value: f64, index: usize) -> Self {
+        let mut tangent = [0.0; N];
+        tangent[index] = 1.0;
+        Self { value, tangent }
+    }
+
+    /// f(self) with the outer derivative f′.
+    #[inline(always)]
+    fn chain(self, value: f64, slope: f64) -> Self {
+        Self { value, tangent: self.tangent.map(|d| slope * d) }
+    }
+
+    /// f(self, other) with both partial derivatives.
+    #[inline(always)]
+    fn chain2(self, other: Self, value: f64, by_self: f64, by_other: f64) -> Self {
+        let mut tangent = [0.0; N];
+        for (t, (a, b)) in tangent.iter_mut().zip(self.tangent.iter().zip(&other.tangent)) {
+            *t = by_self * a + by_other * b;
+        }
+        Self { value, tangent }
+    }
+}
+
+impl<const N: usize> From<f64> for Dual<N> {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self { value, tangent: [0.0; N] }
+    }
+}
+
+impl<const N: usize> Add for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        self.chain2(o, self.value + o.value, 1.0, 1.0)
+    }
+}
+impl<const N: usize> Sub for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        self.chain2(o, self.value - o.value, 1.0, -1.0)
+    }
+}
+impl<const N: usize> Mul for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        self.chain2(o, self.value * o.value, o.value, self.value)
+    }
+}
+impl<const N: usize> Div for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, o: Self) -> Self {
+        let quotient = self.value / o.value;
+        self.chain2(o, quotient, 1.0 / o.value, -quotient / o.value)
+    }
+}
+impl<const N: usize> Neg for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.chain(-self.value, -1.0)
+    }
+}
+impl<const N: usize> AddAssign for Dual<N> {
+    #[inline(always)]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl<const N: usize> SubAssign for Dual<N> {
+    #[inline(always)]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+impl<const N: usize> Mul<f64> for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, o: f64) -> Self {
+        self.chain(self.value * o, o)
+    }
+}
+impl<const N: usize> Add<f64> for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: f64) -> Self {
+        self.chain(self.value + o, 1.0)
+    }
+}
+impl<const N: usize> Sub<f64> for Dual<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: f64) -> Self {
+        self.chain(self.value - o, 1.0)
+    }
+}
+
+impl<const N: usize> Real for Dual<N> {
+    const ZERO: Self = Self { value: 0.0, tangent: [0.0; N] };
+    const ONE: Self = Self { value: 1.0, tangent: [0.0; N] };
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        let slope = if root > 0.0 { 0.5 / root } else { 0.0 };
+        self.chain(root, slope)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let e = self.value.exp();
+        self.chain(e, e)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), 1.0 / self.value)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        let sign = if self.value > 0.0 {
+            1.0
+        } else if self.value < 0.0 {
+            -1.0
+        } else {
+            0.0
+        };
+        self.chain(self.value.abs(), sign)
+    }
+    #[inline(always)]
+    fn where_positive(self, yes: Self, no: Self) -> Self {
+        if self.value > 0.0 { yes } else { no }
+    }
+}
+
+impl<const N: usize> Scalar for Dual<N> {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn by_difference(f: impl Fn(f64) -> f64, x: f64) -> f64 {
+        let h = x.abs().max(1e-3) * 1e-6;
+        (f(x + h) - f(x - h)) / (2.0 * h)
+    }
+
+    fn formula<R: Real>(x: R) -> R {
+        ((x * x + 1.0).sqrt() / (x + 3.0)).ln().exp() * x.abs() - x.powf(R::from(0.3)).max(x * 0.5) + (-x).min(x)
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_are_those_of_central_differences(x in 0.1..9.0f64) {
+            let dual = formula(Dual::<1>::variable(x, 0));
+            prop_assert!((dual.value - formula(x)).abs() < 1e-13);
+            prop_assert!((dual.tangent[0] - by_difference(formula, x)).abs() < 1e-6);
+        }
+    }
+}

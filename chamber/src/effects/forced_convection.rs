@@ -1,0 +1,42 @@
+//! Forced convection: the moving piston stirs the gas, λ grows with its speed.
+//!
+//! Factor 1 + k |ẋ|^0.8; k in (s/m)^0.8, ẋ in m/s. Source: Nu ∝ Re^0.8 of turbulent pipe flow (Dittus and Boelter,
+//! 1930) with the piston speed as velocity, as Woschni (1967) for engine cylinders.
+
+use super::Effect;
+use crate::balance::Conditions;
+use crate::card::{Balance, Card, Parameter, Unit};
+use crate::real::Real;
+
+const EXPONENT: f64 = 0.8;
+/// Keeps the logarithm finite at rest, m/s.
+const SMALLEST_SPEED: f64 = 1e-30;
+
+/// λ raised by the piston's speed.
+pub struct ForcedConvection;
+
+impl Effect for ForcedConvection {
+    const CARD: Card = Card {
+        name: "forced_convection",
+        doc: "The heat transfer coefficient grows with the speed of the piston",
+        equation: "lambda ~ 1 + k |dx/dt|^0.8",
+        source: "Nu ~ Re^0.8, Dittus and Boelter (1930), Woschni (1967)",
+        balance: Balance::Energy,
+        parameters: &[Parameter {
+            name: "coefficient",
+            unit: Unit::SpeedPower,
+            bounds: 0.0..=1e3,
+            neutral: 0.0,
+            typical: 1.0,
+            fitted: true,
+            doc: "Coefficient k of the speed's share in the heat transfer coefficient",
+        }],
+        states: &[],
+    };
+
+    #[inline(always)]
+    fn heat_transfer_factor<R: Real>(p: &[R], at: &Conditions<R>) -> R {
+        let speed = at.velocity.abs().max(R::from(SMALLEST_SPEED));
+        p[0] * (speed.ln() * EXPONENT).exp() + 1.0
+    }
+}

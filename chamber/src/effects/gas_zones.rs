@@ -1,0 +1,71 @@
+//! Gas zones: part of the gas does not touch the wall and exchanges heat with the rest of the gas only.
+//!
+//! A constant mass fraction z (zone 2) at the common pressure P, with Q12 = H (T1 − T2) from the rest (zone 1).
+//! Enthalpy balance of zone 2: z m cp dT2/dt = V2 dP/dt + Q12 + z Σ ṁin cp (Tin − T2), V2 = z m R T2/P.
+//! Flows are in proportion. T = (1 − z) T1 + z T2 = P V/(m R) is the mean; T1 is the T of λ and Q̇.
+//! z  1; H  W/K. z = 0 means off. Source: two-zone models of engine cylinders, Heywood (1988), chapter 14.
+
+use super::Effect;
+use crate::balance::{Conditions, Flows, Rates};
+use crate::card::{Balance, Card, OwnState, Parameter, Unit};
+use crate::real::Real;
+
+/// A core of gas away from the wall.
+pub struct GasZones;
+
+impl Effect for GasZones {
+    const CARD: Card = Card {
+        name: "gas_zones",
+        doc: "A part of the gas exchanges heat with the rest of the gas only, not with the wall",
+        equation: "z m cp dT2/dt = V2 dP/dt + H (T1 - T2) + z sum(mdot_in cp (Tin - T2))",
+        source: "two-zone model, Heywood, Internal Combustion Engine Fundamentals (1988), chapter 14",
+        balance: Balance::Energy,
+        parameters: &[
+            Parameter {
+                name: "mass_fraction",
+                unit: Unit::One,
+                bounds: 0.0..=0.95,
+                neutral: 0.0,
+                typical: 0.25,
+                fitted: true,
+                doc: "Mass fraction z of the gas that does not touch the wall; zero means one zone",
+            },
+            Parameter {
+                name: "conductance",
+                unit: Unit::WattPerKelvin,
+                bounds: 0.0..=1e6,
+                neutral: 0.0,
+                typical: 0.03,
+                fitted: true,
+                doc: "Conductance H between the zones; of no influence while the mass fraction is zero",
+            },
+        ],
+        states: &[OwnState {
+            name: "core_temperature",
+            unit: Unit::Kelvin,
+            nominal: 300.0,
+            doc: "Temperature T2 of the gas that does not touch the wall",
+        }],
+    };
+
+    #[inline(always)]
+    fn initial<R: Real>(at: &Conditions<R>, own: &mut [R]) {
+        own[0] = at.temperature;
+    }
+
+    #[inline(always)]
+    fn conditions<R: Real>(p: &[R], own: &[R], at: &mut Conditions<R>) {
+        let fraction = p[0];
+        at.gas_temperature_at_wall = (at.temperature - fraction * own[0]) / (R::ONE - fraction);
+    }
+
+    #[inline(always)]
+    fn own_rates<R: Real>(p: &[R], own: &[R], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>, out: &mut [R]) {
+        let (fraction, conductance, core) = (p[0], p[1], own[0]);
+        let compression = at.gas_constant * core / at.pressure * rates.pressure;
+        let core_mass = fraction.where_positive(fraction, R::ONE) * at.mass;
+        let exchange = conductance * (at.gas_temperature_at_wall - core) / core_mass;
+        let mixing = at.cp * (flows.inflow_kelvin - flows.inflow * core) / at.mass;
+        out[0] = (compression + fraction.where_positive(exchange, R::ZERO) + mixing) / at.cp;
+    }
+}

@@ -1,0 +1,333 @@
+//! What the paper's model neglects. One effect, one file; adding one touches its file and the list below.
+//!
+//! An effect declares itself on a [`Card`] and takes part in [`balance::rates`](crate::balance::rates) through the
+//! hooks of [`Effect`], each neutral by default. Hooks run in the order of the trait's methods, effects in the list's.
+
+use crate::balance::{Conditions, Flows, Rates};
+use crate::card::Card;
+use crate::real::Real;
+
+/// One physical effect. `p` are its parameters in the card's order, `own` its own states.
+pub trait Effect {
+    /// Its declaration.
+    const CARD: Card;
+
+    /// Values of its own states in a chamber at rest in equilibrium at `at`.
+    fn initial<R: Real>(_at: &Conditions<R>, _own: &mut [R]) {}
+
+    /// Changes what the rest of the balance sees of gas and wall: the gas temperature at the wall, the wall's.
+    #[inline(always)]
+    fn conditions<R: Real>(_p: &[R], _own: &[R], _at: &mut Conditions<R>) {}
+
+    /// A factor of the heat transfer coefficient.
+    #[inline(always)]
+    fn heat_transfer_factor<R: Real>(_p: &[R], _at: &Conditions<R>) -> R {
+        R::ONE
+    }
+
+    /// Gas that enters or leaves.
+    #[inline(always)]
+    fn flows<R: Real>(_p: &[R], _at: &Conditions<R>, _flows: &mut Flows<R>) {}
+
+    /// Gas that leaves (positive) because pressure rises at `pressure_rate`, Pa/s, if nothing left: returns the flow in
+    /// kg/s and the temperature it has, K. See [`tube_volume`](crate::effects::tube_volume).
+    #[inline(always)]
+    fn storage<R: Real>(_p: &[R], _at: &Conditions<R>, _pressure_rate: R) -> Option<(R, R)> {
+        None
+    }
+
+    /// Rates of its own states, per second.
+    #[inline(always)]
+    fn own_rates<R: Real>(
+        _p: &[R],
+        _own: &[R],
+        _at: &Conditions<R>,
+        _flows: &Flows<R>,
+        _rates: &Rates<R>,
+        _out: &mut [R],
+    ) {
+    }
+
+    /// What the sensor shows where the chain before it shows `reading`, Pa, `time` seconds after the record began.
+    #[inline(always)]
+    fn reading<R: Real>(_p: &[R], _own: &[R], reading: R, _time: R) -> R {
+        reading
+    }
+
+    /// How much later than the gas the record shows the gas's state, s.
+    #[inline(always)]
+    fn delay<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
+}
+
+macro_rules! effects {
+    ($($module:ident::$name:ident),* $(,)?) => {
+        $(pub mod $module;)*
+
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        enum Id { $($module,)* COUNT }
+
+        /// Number of effects.
+        pub const COUNT: usize = Id::COUNT as usize;
+
+        /// Every effect's declaration, in order.
+        pub const CARDS: [Card; COUNT] = [$($module::$name::CARD),*];
+
+        $(impl Place for $module::$name { const INDEX: usize = Id::$module as usize; })*
+
+        /// Own states of all effects in a chamber at rest in equilibrium.
+        #[inline(always)]
+        pub fn initial<R: Real>(at: &Conditions<R>, own: &mut [R; OWN_STATES]) {
+            $($module::$name::initial(at, $module::$name::own_mut(own));)*
+        }
+
+        /// [`Effect::conditions`] of the effects in `set`.
+        #[inline(always)]
+        pub fn conditions<R: Real>(set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], at: &mut Conditions<R>) {
+            $(if set.has($module::$name::INDEX) {
+                $module::$name::conditions($module::$name::values(values), $module::$name::own(own), at);
+            })*
+        }
+
+        /// Product of [`Effect::heat_transfer_factor`] of the effects in `set`, times `base`.
+        #[inline(always)]
+        pub fn heat_transfer_factor<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, base: R) -> R {
+            let mut product = base;
+            $(if set.has($module::$name::INDEX) {
+                product = product * $module::$name::heat_transfer_factor($module::$name::values(values), at);
+            })*
+            product
+        }
+
+        /// [`Effect::flows`] of the effects in `set`.
+        #[inline(always)]
+        pub fn flows<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, flows: &mut Flows<R>) {
+            $(if set.has($module::$name::INDEX) {
+                $module::$name::flows($module::$name::values(values), at, flows);
+            })*
+        }
+
+        /// [`Effect::storage`] of the effects in `set`, handed to `take` one by one.
+        #[inline(always)]
+        pub fn storage<R: Real>(
+            set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, pressure_rate: R, mut take: impl FnMut(R, R),
+        ) {
+            $(if set.has($module::$name::INDEX) {
+                if let Some((flow, temperature)) = $module::$name::storage($module::$name::values(values), at, pressure_rate) {
+                    take(flow, temperature);
+                }
+            })*
+        }
+
+        /// [`Effect::own_rates`] of the effects in `set`; zero for the others.
+        #[inline(always)]
+        pub fn own_rates<R: Real>(
+            set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>,
+        ) -> [R; OWN_STATES] {
+            let mut out = [R::ZERO; OWN_STATES];
+            $(if set.has($module::$name::INDEX) {
+                $module::$name::own_rates(
+                    $module::$name::values(values), $module::$name::own(own), at, flows, rates, $module::$name::own_mut(&mut out),
+                );
+            })*
+            out
+        }
+
+        /// What the sensor shows of `pressure`, Pa: [`Effect::reading`] of the effects in `set`, in order.
+        #[inline(always)]
+        pub fn reading<R: Real>(set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], pressure: R, time: R) -> R {
+            let mut reading = pressure;
+            $(if set.has($module::$name::INDEX) {
+                reading = $module::$name::reading($module::$name::values(values), $module::$name::own(own), reading, time);
+            })*
+            reading
+        }
+
+        /// Sum of [`Effect::delay`] of the effects in `set`, s.
+        #[inline(always)]
+        pub fn delay<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
+            let mut delay = R::ZERO;
+            $(if set.has($module::$name::INDEX) {
+                delay += $module::$name::delay($module::$name::values(values));
+            })*
+            delay
+        }
+    };
+}
+
+effects![
+    leakage::Leakage,
+    wall_heating::WallHeating,
+    pressure_exponent::PressureExponent,
+    natural_convection::NaturalConvection,
+    forced_convection::ForcedConvection,
+    gas_column_length::GasColumnLength,
+    gas_zones::GasZones,
+    tube_volume::TubeVolume,
+    sensor_lag::SensorLag,
+    record_delay::RecordDelay,
+    sensor_drift::SensorDrift,
+];
+
+/// Where each effect's parameters begin in [`EffectValues`]; the last entry is their number.
+pub const PARAMETER_OFFSETS: [usize; COUNT + 1] = offsets(true);
+/// Where each effect's own states begin; the last entry is their number.
+pub const STATE_OFFSETS: [usize; COUNT + 1] = offsets(false);
+/// Number of parameters of all effects.
+pub const PARAMETERS: usize = PARAMETER_OFFSETS[COUNT];
+/// Number of own states of all effects.
+pub const OWN_STATES: usize = STATE_OFFSETS[COUNT];
+
+const fn offsets(of_parameters: bool) -> [usize; COUNT + 1] {
+    let mut out = [0; COUNT + 1];
+    let mut i = 0;
+    while i < COUNT {
+        let width = if of_parameters { CARDS[i].parameters.len() } else { CARDS[i].states.len() };
+        out[i + 1] = out[i] + width;
+        i += 1;
+    }
+    out
+}
+
+/// An effect's place in the list, and with it in the arrays of parameters and own states.
+trait Place {
+    const INDEX: usize;
+
+    #[inline(always)]
+    fn values<R>(values: &EffectValues<R>) -> &[R] {
+        &values.0[PARAMETER_OFFSETS[Self::INDEX]..PARAMETER_OFFSETS[Self::INDEX + 1]]
+    }
+    #[inline(always)]
+    fn own<R>(own: &[R; OWN_STATES]) -> &[R] {
+        &own[STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]]
+    }
+    #[inline(always)]
+    fn own_mut<R>(own: &mut [R; OWN_STATES]) -> &mut [R] {
+        &mut own[STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]]
+    }
+}
+
+/// Every effect's declaration with its place in the list.
+pub fn all() -> impl Iterator<Item = (usize, &'static Card)> {
+    static ALL: [Card; COUNT] = CARDS;
+    ALL.iter().enumerate()
+}
+
+/// The effect of that name: its place in the list and its declaration.
+pub fn find(name: &str) -> Option<(usize, &'static Card)> {
+    all().find(|(_, card)| card.name == name)
+}
+
+/// A set of effects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct EffectSet(u32);
+
+impl EffectSet {
+    /// No effect: the paper's model.
+    pub const NONE: EffectSet = EffectSet(0);
+    /// Every effect of the list.
+    pub const ALL: EffectSet = EffectSet((1 << COUNT) - 1);
+
+    /// The set of that one effect, by its place in the list.
+    pub const fn one(index: usize) -> Self {
+        Self(1 << index)
+    }
+    /// Whether the effect at that place is in the set.
+    #[inline(always)]
+    pub const fn has(self, index: usize) -> bool {
+        self.0 & (1 << index) != 0
+    }
+    /// Effects of either set.
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+    /// Whether every effect of `other` is in this set.
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+    /// Whether no effect is in the set.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+    /// Places of its effects, ascending.
+    pub fn iter(self) -> impl Iterator<Item = usize> {
+        (0..COUNT).filter(move |&i| self.has(i))
+    }
+}
+
+/// A value for each parameter of each effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectValues<R = f64>(pub [R; PARAMETERS]);
+
+impl EffectValues<f64> {
+    /// Each parameter at its neutral value.
+    pub const NEUTRAL: Self = {
+        let mut values = [0.0; PARAMETERS];
+        let mut i = 0;
+        while i < COUNT {
+            let mut j = 0;
+            while j < CARDS[i].parameters.len() {
+                values[PARAMETER_OFFSETS[i] + j] = CARDS[i].parameters[j].neutral;
+                j += 1;
+            }
+            i += 1;
+        }
+        Self(values)
+    };
+
+    /// The effects whose parameters are not all neutral.
+    pub fn active(&self) -> EffectSet {
+        let mut set = EffectSet::NONE;
+        for (i, card) in all() {
+            if card.parameters.iter().zip(self.of(i)).any(|(p, v)| p.neutral != *v) {
+                set = set.union(EffectSet::one(i));
+            }
+        }
+        set
+    }
+}
+
+impl<R: Real> EffectValues<R> {
+    /// The parameters of the effect at that place in the list, in its card's order.
+    pub fn of(&self, index: usize) -> &[R] {
+        &self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
+    }
+
+    /// The same, to be changed.
+    pub fn of_mut(&mut self, index: usize) -> &mut [R] {
+        &mut self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
+    }
+
+    /// The same values in another number type.
+    pub fn lift<S: Real + From<R>>(self) -> EffectValues<S> {
+        EffectValues(self.0.map(S::from))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cards_state_neutral_values_within_their_bounds_and_typical_ones_that_are_not_neutral() {
+        for (_, card) in all() {
+            assert!(!card.doc.is_empty() && !card.source.is_empty() && !card.equation.is_empty(), "{}", card.name);
+            for p in card.parameters {
+                assert!(p.bounds.contains(&p.neutral) && p.bounds.contains(&p.typical), "{}.{}", card.name, p.name);
+                assert!(p.neutral != p.typical || !p.fitted, "{}.{}", card.name, p.name);
+                assert!(!p.doc.is_empty() && !p.doc.ends_with('.'), "{}.{}", card.name, p.name);
+            }
+        }
+    }
+
+    #[test]
+    fn effects_at_their_neutral_values_are_off() {
+        assert!(EffectValues::NEUTRAL.active().is_empty());
+        for (i, _) in all() {
+            let mut values = EffectValues::NEUTRAL;
+            values.of_mut(i)[0] += 0.1;
+            assert_eq!(values.active(), EffectSet::one(i));
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! Natural convection: λ grows with the temperature difference that drives it, λ ∝ |T − Tw|^n.
+//!
+//! Factor (|T − Tw|/20 K)^n; n = ¼ for laminar flow along a wall, ⅓ for turbulent. Q̇ = λ Aq (Tw − T) is then a
+//! sign-preserving power of Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
+
+use super::Effect;
+use crate::balance::Conditions;
+use crate::card::{Balance, Card, Parameter, Unit};
+use crate::real::Real;
+
+/// The temperature difference at which λ0 is meant, K.
+pub const REFERENCE_DIFFERENCE_K: f64 = 20.0;
+/// Keeps the logarithm finite at Tw = T, K: below it the power is that of this difference.
+const SMALLEST_DIFFERENCE_K: f64 = 1e-12;
+
+/// λ as a power of the temperature difference.
+pub struct NaturalConvection;
+
+impl Effect for NaturalConvection {
+    const CARD: Card = Card {
+        name: "natural_convection",
+        doc: "The heat transfer coefficient grows with the temperature difference between gas and wall",
+        equation: "lambda ~ (|T - Tw|/20 K)^n",
+        source: "Nu ~ Ra^n, Incropera et al., Fundamentals of Heat and Mass Transfer, chapter 9",
+        balance: Balance::Energy,
+        parameters: &[Parameter {
+            name: "exponent",
+            unit: Unit::One,
+            bounds: -0.5..=2.0,
+            neutral: 0.0,
+            typical: 0.25,
+            fitted: true,
+            doc: "Exponent n of the temperature difference in the heat transfer coefficient; 1/4 by theory",
+        }],
+        states: &[],
+    };
+
+    #[inline(always)]
+    fn heat_transfer_factor<R: Real>(p: &[R], at: &Conditions<R>) -> R {
+        let difference = (at.gas_temperature_at_wall - at.wall_temperature).abs().max(R::from(SMALLEST_DIFFERENCE_K));
+        (p[0] * (difference * (1.0 / REFERENCE_DIFFERENCE_K)).ln()).exp()
+    }
+}

@@ -1,0 +1,35 @@
+//! Sensor drift: the pressure reading wanders by r t from the start of each record.
+//!
+//! r in Pa/s, added after lag and delay.
+
+use super::Effect;
+use crate::card::{Balance, Card, Parameter, Unit};
+use crate::real::Real;
+
+/// Linear drift of the pressure reading.
+pub struct SensorDrift;
+
+impl Effect for SensorDrift {
+    const CARD: Card = Card {
+        name: "sensor_drift",
+        doc: "The pressure reading drifts linearly from the start of each record",
+        equation: "y = P + r t",
+        source: "linear zero drift, e.g. Doebelin, Measurement Systems, chapter 3",
+        balance: Balance::Sensor,
+        parameters: &[Parameter {
+            name: "rate",
+            unit: Unit::PascalPerSecond,
+            bounds: -1e6..=1e6,
+            neutral: 0.0,
+            typical: 50.0,
+            fitted: true,
+            doc: "Rate of the drift, counted from the start of the record",
+        }],
+        states: &[],
+    };
+
+    #[inline(always)]
+    fn reading<R: Real>(p: &[R], _: &[R], reading: R, time: R) -> R {
+        reading + p[0] * time
+    }
+}

@@ -1,0 +1,42 @@
+//! Tube volume: gas in a tube or fitting joined to the chamber stays at ambient temperature.
+//!
+//! ṁ = Vt/(R Tamb) dP/dt flows into the tube; it leaves the chamber at T and returns at Tamb, so
+//! dP/dt = (dP/dt without tube) / (1 + γ (Vt/V) (Tx/Tamb)), Tx = T while pressure rises, Tamb while it falls.
+//! Vt  m³, not part of V, Aq, mass or dead volume. Source: isothermal volume, ISO 6358-2 annex (discharge tests).
+
+use super::Effect;
+use crate::balance::Conditions;
+use crate::card::{Balance, Card, Parameter, Unit};
+use crate::real::Real;
+
+/// An isothermal volume joined to the chamber.
+pub struct TubeVolume;
+
+impl Effect for TubeVolume {
+    const CARD: Card = Card {
+        name: "tube_volume",
+        doc: "A volume joined to the chamber whose gas stays at ambient temperature",
+        equation: "mdot = Vt/(R Tamb) dP/dt, leaving at T, returning at Tamb",
+        source: "isothermal volume, ISO 6358-2:2013",
+        balance: Balance::Volume,
+        parameters: &[Parameter {
+            name: "volume",
+            unit: Unit::CubicMetre,
+            bounds: 0.0..=1.0,
+            neutral: 0.0,
+            typical: 1e-6,
+            fitted: true,
+            doc: "Volume Vt of the tube and fittings whose gas is at ambient temperature",
+        }],
+        states: &[],
+    };
+
+    #[inline(always)]
+    fn storage<R: Real>(p: &[R], at: &Conditions<R>, pressure_rate: R) -> Option<(R, R)> {
+        let volume = p[0];
+        let temperature = pressure_rate.where_positive(at.temperature, at.ambient_temperature);
+        let stiffening = at.heat_capacity_ratio * volume * temperature / (at.volume * at.ambient_temperature) + 1.0;
+        let flow = volume / (at.gas_constant * at.ambient_temperature) * pressure_rate / stiffening;
+        Some((flow, temperature))
+    }
+}

@@ -1,0 +1,283 @@
+//! Adaptive Runge–Kutta integration: the embedded pair of Dormand and Prince, order 5(4), with dense output of order 4.
+//!
+//! Source: J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19; dense output and step control of
+//! E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I (1993), sections II.4 and II.6.
+
+use crate::real::{Real, Scalar};
+use thiserror::Error;
+
+/// A system of N ordinary differential equations.
+pub trait System<R, const N: usize> {
+    /// dy/dt at time `t`.
+    fn rates(&self, t: f64, y: &[R; N]) -> [R; N];
+}
+
+impl<R, const N: usize, F: Fn(f64, &[R; N]) -> [R; N]> System<R, N> for F {
+    #[inline(always)]
+    fn rates(&self, t: f64, y: &[R; N]) -> [R; N] {
+        self(t, y)
+    }
+}
+
+/// How large the local error of a step may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance<const N: usize> {
+    /// Relative to each state.
+    pub relative: f64,
+    /// Absolute, in each state's unit.
+    pub absolute: [f64; N],
+}
+
+/// Why an integration could not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum IntegrationError {
+    /// No step, however small, keeps the error within the tolerance.
+    #[error(
+        "no step from t = {at} s keeps the integration error within its tolerance: the state or an input jumps, or is not finite there"
+    )]
+    StepTooSmall {
+        /// Where, s.
+        at: f64,
+    },
+    /// The step count is exhausted.
+    #[error("more than {limit} integration steps before t = {at} s")]
+    TooManySteps {
+        /// Where, s.
+        at: f64,
+        /// The number allowed.
+        limit: usize,
+    },
+}
+
+const C: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
+const A: [[f64; 6]; 7] = [
+    [0.0; 6],
+    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// Weights of the error estimate: fifth minus fourth order.
+const E: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
+/// Weights of the dense output's fourth-order term.
+const D: [f64; 7] = [
+    -12715105075.0 / 11282082432.0,
+    0.0,
+    87487479700.0 / 32700410799.0,
+    -10690763975.0 / 1880347072.0,
+    701980252875.0 / 199316789632.0,
+    -1453857185.0 / 822651844.0,
+    69997945.0 / 29380423.0,
+];
+
+/// Largest number of steps in one call of [`Integrator::advance`].
+pub const MAX_STEPS: usize = 1_000_000;
+const SAFETY: f64 = 0.9;
+const SHRINK: f64 = 0.2;
+const GROW: f64 = 5.0;
+
+/// One accepted step, and the states within it.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<R, const N: usize> {
+    /// Its begin, s.
+    pub from: f64,
+    /// Its length, s.
+    pub length: f64,
+    start: [R; N],
+    end: [R; N],
+    slopes: [[R; N]; 7],
+}
+
+impl<R: Real, const N: usize> Step<R, N> {
+    /// States at time `t` within the step: Hairer's continuous extension, fourth order.
+    #[inline]
+    pub fn at(&self, t: R) -> [R; N] {
+        let theta = (t - self.from) * (1.0 / self.length);
+        let theta1 = R::ONE - theta;
+        core::array::from_fn(|i| {
+            let difference = self.end[i] - self.start[i];
+            let bspl = self.slopes[0][i] * self.length - difference;
+            let third = difference - self.slopes[6][i] * self.length - bspl;
+            let mut fourth = R::ZERO;
+            for (slope, weight) in self.slopes.iter().zip(D) {
+                if weight != 0.0 {
+                    fourth += slope[i] * (weight * self.length);
+                }
+            }
+            self.start[i] + (difference + (bspl + (third + fourth * theta1) * theta) * theta1) * theta
+        })
+    }
+
+    /// States at its end.
+    pub fn end(&self) -> [R; N] {
+        self.end
+    }
+}
+
+/// An integration under way. The caller breaks it at discontinuities with [`Integrator::advance`]'s end time.
+#[derive(Clone, Debug)]
+pub struct Integrator<R, const N: usize> {
+    /// Time reached, s.
+    pub time: f64,
+    /// States there.
+    pub state: [R; N],
+    /// Next step to try, s; zero asks for a first guess.
+    pub step: f64,
+    tolerance: Tolerance<N>,
+}
+
+impl<R: Scalar, const N: usize> Integrator<R, N> {
+    /// At `time` with these states.
+    pub fn new(time: f64, state: [R; N], tolerance: Tolerance<N>) -> Self {
+        Self { time, state, step: 0.0, tolerance }
+    }
+
+    /// Integrates to `end`, s, over a stretch on which the system is smooth; hands each accepted step to `on_step`.
+    ///
+    /// # Errors
+    /// When no step meets the tolerance, or [`MAX_STEPS`] is exceeded; time and states are then those of the last
+    /// accepted step.
+    #[inline]
+    pub fn advance(
+        &mut self,
+        system: &impl System<R, N>,
+        end: f64,
+        mut on_step: impl FnMut(&Step<R, N>),
+    ) -> Result<(), IntegrationError> {
+        if end <= self.time {
+            return Ok(());
+        }
+        let mut first = system.rates(self.time, &self.state);
+        if self.step <= 0.0 {
+            self.step = self.first_step(&first, end);
+        }
+        let mut rejected = false;
+        for _ in 0..MAX_STEPS {
+            let left = end - self.time;
+            let is_last = self.step >= left * (1.0 - 1e-12);
+            let h = if is_last { left } else { self.step.min(0.5 * left.max(self.step)).max(self.step.min(left)) };
+            if h <= 4.0 * f64::EPSILON * self.time.abs() && !is_last {
+                return Err(IntegrationError::StepTooSmall { at: self.time });
+            }
+            let step = self.attempt(system, first, h);
+            let error = self.error(&step);
+            if error <= 1.0 {
+                self.time = if is_last { end } else { self.time + h };
+                self.state = step.end;
+                first = step.slopes[6];
+                on_step(&step);
+                let factor = (SAFETY * error.max(1e-10).powf(-0.2)).clamp(SHRINK, if rejected { 1.0 } else { GROW });
+                // A step cut short by the end says nothing against the longer one that was planned.
+                self.step = if is_last { self.step.max(h * factor) } else { h * factor };
+                rejected = false;
+                if is_last {
+                    return Ok(());
+                }
+            } else {
+                let factor = if error.is_finite() { (SAFETY * error.powf(-0.2)).clamp(SHRINK, 0.9) } else { 0.1 };
+                self.step = h * factor;
+                rejected = true;
+                if self.step <= 4.0 * f64::EPSILON * self.time.abs().max(1e-6) {
+                    return Err(IntegrationError::StepTooSmall { at: self.time });
+                }
+            }
+        }
+        Err(IntegrationError::TooManySteps { at: self.time, limit: MAX_STEPS })
+    }
+
+    #[inline]
+    fn attempt(&self, system: &impl System<R, N>, first: [R; N], h: f64) -> Step<R, N> {
+        let mut slopes = [[R::ZERO; N]; 7];
+        slopes[0] = first;
+        let mut end = self.state;
+        for stage in 1..7 {
+            end = core::array::from_fn(|i| {
+                let mut sum = slopes[0][i] * A[stage][0];
+                for j in 1..stage {
+                    sum += slopes[j][i] * A[stage][j];
+                }
+                self.state[i] + sum * h
+            });
+            slopes[stage] = system.rates(self.time + C[stage] * h, &end);
+        }
+        Step { from: self.time, length: h, start: self.state, end, slopes }
+    }
+
+    /// Error of a step relative to the tolerance (largest component), infinite where a state is not finite.
+    #[inline]
+    fn error(&self, step: &Step<R, N>) -> f64 {
+        let mut worst: f64 = 0.0;
+        for i in 0..N {
+            let mut sum = 0.0;
+            for (slope, weight) in step.slopes.iter().zip(E) {
+                sum += weight * slope[i].value();
+            }
+            let size = step.start[i].value().abs().max(step.end[i].value().abs());
+            let scale = self.tolerance.absolute[i] + self.tolerance.relative * size;
+            let ratio = (sum * step.length).abs() / scale;
+            if !ratio.is_finite() {
+                return f64::INFINITY;
+            }
+            worst = worst.max(ratio);
+        }
+        worst
+    }
+
+    /// A first step in which no state changes by much more than tolerance^(1/5) of itself.
+    fn first_step(&self, first: &[R; N], end: f64) -> f64 {
+        let mut step = end - self.time;
+        for (i, slope) in first.iter().enumerate() {
+            let scale = self.state[i].value().abs() + self.tolerance.absolute[i] / self.tolerance.relative;
+            let rate = slope.value().abs();
+            if rate > 0.0 && scale > 0.0 {
+                step = step.min(self.tolerance.relative.powf(0.2) * scale / rate);
+            }
+        }
+        step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TIGHT: Tolerance<2> = Tolerance { relative: 1e-11, absolute: [1e-12; 2] };
+
+    fn oscillator(_: f64, y: &[f64; 2]) -> [f64; 2] {
+        [y[1], -y[0]]
+    }
+
+    #[test]
+    fn the_oscillator_is_followed_at_its_ends_and_in_between() {
+        let mut run = Integrator::new(0.0, [0.0, 1.0], TIGHT);
+        let mut worst_inside: f64 = 0.0;
+        run.advance(&oscillator, 10.0, |step| {
+            for k in 0..=4 {
+                let t = step.from + step.length * f64::from(k) / 4.0;
+                worst_inside = worst_inside.max((step.at(t)[0] - t.sin()).abs());
+            }
+        })
+        .unwrap();
+        assert_eq!(run.time, 10.0);
+        assert!((run.state[0] - 10.0f64.sin()).abs() < 1e-9);
+        assert!(worst_inside < 1e-7, "{worst_inside}");
+    }
+
+    #[test]
+    fn a_time_dependent_system_is_of_fifth_order() {
+        // y' = 5 t^4 is integrated without error by a method of order five; y' = t^9 is not.
+        let mut run = Integrator::new(0.0, [0.0], Tolerance { relative: 1e-3, absolute: [1e-3] });
+        run.advance(&|t: f64, _: &[f64; 1]| [5.0 * t.powi(4)], 2.0, |_| ()).unwrap();
+        assert!((run.state[0] - 32.0).abs() < 1e-13 * 32.0, "{}", run.state[0]);
+    }
+
+    #[test]
+    fn a_system_that_blows_up_ends_in_an_error_that_names_the_time() {
+        let mut run = Integrator::new(0.0, [1.0], Tolerance { relative: 1e-8, absolute: [1e-8] });
+        let error = run.advance(&|_: f64, y: &[f64; 1]| [y[0] * y[0]], 2.0, |_| ()).unwrap_err();
+        assert!(matches!(error, IntegrationError::StepTooSmall { at } if (at - 1.0).abs() < 1e-3), "{error}");
+    }
+}

@@ -1,0 +1,145 @@
+//! Eight numbers side by side, in a form that the compiler turns into SIMD instructions of whatever width the
+//! enclosing function may use (AVX-512, AVX2, NEON, SSE2).
+
+use crate::math;
+use crate::real::Real;
+use core::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Neg, Sub, SubAssign};
+
+/// How many numbers stand side by side in [`Lanes`].
+pub const WIDTH: usize = 8;
+
+/// [`WIDTH`] numbers that go through the same operations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes(pub [f64; WIDTH]);
+
+impl Lanes {
+    /// One number per lane, made from the lane's index.
+    #[inline(always)]
+    pub fn from_fn(f: impl FnMut(usize) -> f64) -> Self {
+        Self(core::array::from_fn(f))
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Self::from_fn(|i| f(self.0[i]))
+    }
+
+    #[inline(always)]
+    fn zip(self, o: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self::from_fn(|i| f(self.0[i], o.0[i]))
+    }
+}
+
+impl From<f64> for Lanes {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self([value; WIDTH])
+    }
+}
+
+impl Index<usize> for Lanes {
+    type Output = f64;
+    #[inline(always)]
+    fn index(&self, lane: usize) -> &f64 {
+        &self.0[lane]
+    }
+}
+impl IndexMut<usize> for Lanes {
+    #[inline(always)]
+    fn index_mut(&mut self, lane: usize) -> &mut f64 {
+        &mut self.0[lane]
+    }
+}
+
+macro_rules! lanewise {
+    ($($op:ident $method:ident $symbol:tt),*) => {$(
+        impl $op for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, o: Self) -> Self {
+                self.zip(o, |a, b| a $symbol b)
+            }
+        }
+    )*};
+}
+lanewise![Add add +, Sub sub -, Mul mul *, Div div /];
+
+macro_rules! lanes_with_number {
+    ($($op:ident $method:ident $symbol:tt),*) => {$(
+        impl $op<f64> for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, o: f64) -> Self {
+                self.map(|a| a $symbol o)
+            }
+        }
+    )*};
+}
+lanes_with_number![Add add +, Sub sub -, Mul mul *];
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+impl AddAssign for Lanes {
+    #[inline(always)]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl SubAssign for Lanes {
+    #[inline(always)]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+
+impl Real for Lanes {
+    const ZERO: Self = Self([0.0; WIDTH]);
+    const ONE: Self = Self([1.0; WIDTH]);
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.map(math::exp)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.map(math::ln)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(f64::abs)
+    }
+    #[inline(always)]
+    fn where_positive(self, yes: Self, no: Self) -> Self {
+        Self::from_fn(|i| if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn each_lane_equals_the_plain_number(x in prop::array::uniform8(1e-3..1e3f64), y in 1e-3..1e3f64) {
+            let (a, b) = (Lanes(x), Lanes::from(y));
+            let all = (a * b + a / b - a.sqrt()).max(b).where_positive(a.abs(), -b);
+            for i in 0..WIDTH {
+                let plain = (x[i] * y + x[i] / y - x[i].sqrt()).max(y).where_positive(x[i].abs(), -y);
+                prop_assert_eq!(all[i].to_bits(), plain.to_bits());
+                prop_assert!((a.ln()[i] - x[i].ln()).abs() <= 4e-16 * x[i].ln().abs().max(1.0));
+                prop_assert!((a.ln().exp()[i] / x[i] - 1.0).abs() < 4e-15);
+            }
+        }
+    }
+}

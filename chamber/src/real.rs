@@ -1,0 +1,99 @@
+//! The number the physics is written over, so that one source serves plain numbers, derivatives and SIMD lanes.
+//!
+//! Branches between values are taken with [`Real::where_positive`], never with `if`: in lanes both sides run.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// A real number, a number with its derivatives, or several numbers side by side.
+pub trait Real:
+    Copy
+    + Debug
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Mul<f64, Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+
+    /// √self.
+    fn sqrt(self) -> Self;
+    /// e^self, to 1 ulp or better than 1e-15 relative.
+    fn exp(self) -> Self;
+    /// Natural logarithm of a positive number.
+    fn ln(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// `yes` where self > 0, else `no`.
+    fn where_positive(self, yes: Self, no: Self) -> Self;
+
+    /// 1/self.
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::ONE / self
+    }
+    /// The larger of the two.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        (self - other).where_positive(self, other)
+    }
+    /// The smaller of the two.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        (self - other).where_positive(other, self)
+    }
+    /// self^exponent for a positive self.
+    #[inline(always)]
+    fn powf(self, exponent: Self) -> Self {
+        (exponent * self.ln()).exp()
+    }
+}
+
+/// A [`Real`] with a single value to decide by (step sizes, branches of a host): not for lanes.
+pub trait Scalar: Real {
+    /// The number without its derivatives.
+    fn value(self) -> f64;
+}
+
+impl Real for f64 {
+    const ZERO: f64 = 0.0;
+    const ONE: f64 = 1.0;
+
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn exp(self) -> f64 {
+        f64::exp(self)
+    }
+    #[inline(always)]
+    fn ln(self) -> f64 {
+        f64::ln(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn where_positive(self, yes: f64, no: f64) -> f64 {
+        if self > 0.0 { yes } else { no }
+    }
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+}

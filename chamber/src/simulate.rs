@@ -1,0 +1,238 @@
+//! A chamber along given signals, sampled where a record has its rows, as the gas is and as the sensor shows it.
+
+use crate::balance::{self, Boundary, Conditions, ENERGY, MASS, OWN, Rates, STATES};
+use crate::effects::{self, EffectSet};
+use crate::integrate::{IntegrationError, Integrator, Tolerance};
+use crate::model::Chamber;
+use crate::real::Scalar;
+use crate::signals::Signals;
+
+/// One row of a simulation. SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<R = f64> {
+    /// Time, s.
+    pub time: f64,
+    /// What the sensor shows, Pa.
+    pub measured_pressure: R,
+    /// Pressure of the gas, Pa.
+    pub gas_pressure: R,
+    /// Mean temperature of the gas, K.
+    pub temperature: R,
+    /// Mass of the gas, kg.
+    pub mass: R,
+    /// Volume of the gas, m³.
+    pub volume: R,
+    /// Heat flow into the gas, W.
+    pub heat_flow: R,
+}
+
+/// How a simulation begins: in equilibrium at this pressure and temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<R = f64> {
+    /// Gas pressure, Pa.
+    pub pressure: R,
+    /// Gas temperature, K.
+    pub temperature: R,
+}
+
+/// Default relative tolerance of a simulation: far below a sensor's noise.
+pub const RELATIVE_TOLERANCE: f64 = 1e-9;
+
+/// Absolute tolerances that go with a relative one: that share of each state's nominal size.
+pub fn tolerance<R: Scalar>(relative: f64, initial: &[R; STATES]) -> Tolerance<STATES> {
+    let mut absolute = [0.0; STATES];
+    absolute[MASS] = 1e-3 * relative * initial[MASS].value();
+    absolute[ENERGY] = 1e-3 * relative * initial[ENERGY].value();
+    for (index, card) in effects::all() {
+        for (offset, state) in card.states.iter().enumerate() {
+            absolute[OWN + effects::STATE_OFFSETS[index] + offset] = 1e-3 * relative * state.nominal;
+        }
+    }
+    Tolerance { relative, absolute }
+}
+
+/// Simulates from the first knot on; one sample for each of `times` (ascending, s, not before the first knot).
+///
+/// Knots of the signals are breakpoints of the integration; samples in between come from its dense output. With a
+/// `record_delay` the measured pressure of a sample is that of the earlier moment; before the first knot the chamber
+/// is at rest. After the last knot its inputs stay as they are.
+///
+/// # Errors
+/// [`IntegrationError`] where the state leaves what the equations can follow (an emptied chamber, a volume not positive).
+pub fn simulate<R: Scalar>(
+    chamber: &Chamber<R>,
+    set: EffectSet,
+    start: Start<R>,
+    signals: &Signals,
+    times: &[f64],
+    relative_tolerance: f64,
+) -> Result<Vec<Sample<R>>, IntegrationError> {
+    let Some(&last) = times.last() else { return Ok(Vec::new()) };
+    let begin = signals.knots[0].time;
+    let initial = balance::state_at(chamber, &signals.boundary(0, begin).lift(), start.pressure, start.temperature);
+    let mut recorder = Recorder::new(chamber, set, signals, times);
+    recorder.record(0, begin, |_| initial);
+    let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
+    for index in 0..signals.knots.len() {
+        let end = signals.knots.get(index + 1).map_or(last, |knot| knot.time.min(last));
+        let system =
+            |t: f64, state: &[R; STATES]| balance::rates(set, chamber, &signals.boundary(index, t).lift(), state);
+        integrator.advance(&system, end, |step| recorder.record(index, step.from + step.length, |t| step.at(t)))?;
+        if integrator.time >= last {
+            break;
+        }
+    }
+    Ok(recorder.samples)
+}
+
+/// Fills samples while the integration passes by: the gas at each row's time, the sensor's reading of a delay earlier.
+struct Recorder<'a, R> {
+    chamber: &'a Chamber<R>,
+    set: EffectSet,
+    signals: &'a Signals,
+    times: &'a [f64],
+    delay: R,
+    samples: Vec<Sample<R>>,
+    readings: Vec<R>,
+}
+
+impl<'a, R: Scalar> Recorder<'a, R> {
+    fn new(chamber: &'a Chamber<R>, set: EffectSet, signals: &'a Signals, times: &'a [f64]) -> Self {
+        let delay = effects::delay(set, &chamber.effects);
+        Self {
+            chamber,
+            set,
+            signals,
+            times,
+            delay,
+            samples: Vec::with_capacity(times.len()),
+            readings: Vec::with_capacity(times.len()),
+        }
+    }
+
+    /// Takes every sample and reading due until `until`, s, on the stretch from knot `index`, where `state` gives the states.
+    #[inline]
+    fn record(&mut self, index: usize, until: f64, state: impl Fn(R) -> [R; STATES]) {
+        let reach = until + 1e-12 * until.abs();
+        // The sensor shows the gas of a delay earlier, so each reading is due no later than its row's sample.
+        while let Some(&time) = self.times.get(self.readings.len()) {
+            let shown = self.earlier(time);
+            if shown.value() > reach {
+                break;
+            }
+            let states = state(shown);
+            let own = core::array::from_fn(|i| states[OWN + i]);
+            let (at, _) = self.evaluate(index, shown, &states);
+            let elapsed = R::from(time - self.signals.knots[0].time);
+            self.readings.push(effects::reading(self.set, &self.chamber.effects, &own, at.pressure, elapsed));
+        }
+        while let Some(&time) = self.times.get(self.samples.len()).filter(|t| **t <= reach) {
+            let (at, rates) = self.evaluate(index, R::from(time), &state(R::from(time)));
+            self.samples.push(Sample {
+                time,
+                measured_pressure: self.readings[self.samples.len()],
+                gas_pressure: at.pressure,
+                temperature: at.temperature,
+                mass: at.mass,
+                volume: at.volume,
+                heat_flow: rates.heat_flow,
+            });
+        }
+    }
+
+    /// The moment whose gas the record shows at `time`: the delay earlier, but not before the first knot.
+    fn earlier(&self, time: f64) -> R {
+        let first = R::from(self.signals.knots[0].time);
+        (R::from(time) - self.delay).max(first)
+    }
+
+    fn evaluate(&self, index: usize, time: R, states: &[R; STATES]) -> (Conditions<R>, Rates<R>) {
+        let plain = self.signals.boundary(index, time.value());
+        let mut boundary: Boundary<R> = plain.lift();
+        // The position moves on with the derivatives that the time carries (those of a delay).
+        boundary.position += (time - time.value()) * plain.velocity;
+        let (at, rates, _) = balance::evaluate(self.set, self.chamber, &boundary, states);
+        (at, rates)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{EffectValues, find};
+    use crate::{AreaLaw, Gas, Geometry, HeatTransfer, dual::Dual};
+
+    fn push() -> (Chamber, Signals, Vec<f64>) {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let signals = Signals::closed(&[(0.0, 0.1), (0.1, 0.1), (0.3, 0.05), (2.0, 0.05)], 293.0, 1.013e5);
+        (chamber, signals, (0..=200).map(|k| f64::from(k) * 0.01).collect())
+    }
+
+    fn run(chamber: &Chamber, signals: &Signals, times: &[f64]) -> Vec<Sample> {
+        let start = Start { pressure: 1.013e5, temperature: 293.0 };
+        simulate(chamber, chamber.active(), start, signals, times, 1e-10).unwrap()
+    }
+
+    fn with(chamber: &Chamber, effect: &str, values: &[f64]) -> Chamber {
+        let mut effects = EffectValues::NEUTRAL;
+        effects.of_mut(find(effect).unwrap().0)[..values.len()].copy_from_slice(values);
+        Chamber { effects, ..*chamber }
+    }
+
+    #[test]
+    fn a_delayed_record_shows_the_gas_of_that_much_earlier() {
+        let (chamber, signals, times) = push();
+        let plain = run(&chamber, &signals, &times);
+        let delayed = run(&with(&chamber, "record_delay", &[0.05]), &signals, &times);
+        for k in 5..=200 {
+            assert_eq!(delayed[k].gas_pressure, plain[k].gas_pressure);
+            assert!((delayed[k].measured_pressure / plain[k - 5].gas_pressure - 1.0).abs() < 1e-7, "{k}");
+        }
+    }
+
+    #[test]
+    fn drift_is_added_last_and_counts_from_the_first_knot() {
+        let (chamber, signals, times) = push();
+        let mut drifting = with(&chamber, "record_delay", &[0.05]);
+        drifting.effects.of_mut(find("sensor_drift").unwrap().0)[0] = -200.0;
+        let plain = run(&with(&chamber, "record_delay", &[0.05]), &signals, &times);
+        for (d, p) in run(&drifting, &signals, &times).iter().zip(&plain) {
+            assert!((d.measured_pressure - (p.measured_pressure - 200.0 * d.time)).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_lagging_sensor_meets_the_gas_in_the_end() {
+        let (chamber, signals, times) = push();
+        let lagging = run(&with(&chamber, "sensor_lag", &[0.02]), &signals, &times);
+        let peak = lagging.iter().map(|s| s.gas_pressure).fold(0.0, f64::max);
+        assert!(lagging.iter().all(|s| s.measured_pressure < peak * 0.999));
+        assert!((lagging[200].measured_pressure / lagging[200].gas_pressure - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn sensitivities_are_those_of_finite_differences_for_delay_and_coefficient() {
+        let (chamber, signals, times) = push();
+        let delayed = with(&chamber, "record_delay", &[0.013]);
+        let mut dual: Chamber<Dual<2>> = delayed.lift();
+        dual.heat_transfer.coefficient = Dual::variable(26.5, 0);
+        dual.effects.of_mut(find("record_delay").unwrap().0)[0] = Dual::variable(0.013, 1);
+        let start = Start { pressure: 1.013e5.into(), temperature: 293.0.into() };
+        let exact = simulate(&dual, delayed.active(), start, &signals, &times, 1e-10).unwrap();
+        let shifted = |delta: f64, h: f64| {
+            let mut c = with(&chamber, "record_delay", &[0.013 + delta]);
+            c.heat_transfer.coefficient += h;
+            run(&c, &signals, &times)
+        };
+        let (later, sooner) = (shifted(1e-6, 0.0), shifted(-1e-6, 0.0));
+        let (more, less) = (shifted(0.0, 1e-3), shifted(0.0, -1e-3));
+        for k in (0..times.len()).filter(|k| ![10, 11, 12, 30, 31, 32].contains(k)) {
+            let by_delay = (later[k].measured_pressure - sooner[k].measured_pressure) / 2e-6;
+            let by_lambda = (more[k].measured_pressure - less[k].measured_pressure) / 2e-3;
+            let tangent = exact[k].measured_pressure.tangent;
+            assert!((tangent[0] - by_lambda).abs() < 1e-2 + 1e-4 * by_lambda.abs(), "{k}: {} {by_lambda}", tangent[0]);
+            assert!((tangent[1] - by_delay).abs() < 10.0 + 1e-4 * by_delay.abs(), "{k}: {} {by_delay}", tangent[1]);
+        }
+    }
+}

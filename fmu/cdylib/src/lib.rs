@@ -1,0 +1,1 @@
+//! The FMU's shared library.
