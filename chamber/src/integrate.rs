@@ -158,10 +158,8 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         for _ in 0..MAX_STEPS {
             let left = end - self.time;
             let is_last = self.step >= left * (1.0 - 1e-12);
-            let h = if is_last { left } else { self.step.min(0.5 * left.max(self.step)).max(self.step.min(left)) };
-            if h <= 4.0 * f64::EPSILON * self.time.abs() && !is_last {
-                return Err(IntegrationError::StepTooSmall { at: self.time });
-            }
+            // Two even steps rather than one whole and a sliver.
+            let h = if is_last { left } else { self.step.min(0.5 * left) };
             let step = self.attempt(system, first, h);
             let error = self.error(&step);
             if error <= 1.0 {

@@ -4,8 +4,8 @@
 //! ln: x = 2^k m, m in [√½, √2), the odd series in s = (m − 1)/(m + 1) (as in fdlibm, 1993, here with its exact
 //! coefficients 2/(2i + 1)).
 
-const LN2_HIGH: f64 = 6.931_471_803_691_238_164_90e-1;
-const LN2_LOW: f64 = 1.908_214_929_270_587_700_02e-10;
+const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
+const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
 
 /// e^x for x in [−708, 709]; outside, the value at the bound.
