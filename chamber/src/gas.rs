@@ -46,10 +46,7 @@ impl<R: Real> Gas<R> {
     }
 
     /// The same gas in another number type.
-    pub fn lift<S: Real>(self) -> Gas<S>
-    where
-        S: From<R>,
-    {
+    pub fn lift<S: Real + From<R>>(self) -> Gas<S> {
         Gas { gas_constant: self.gas_constant.into(), heat_capacity_ratio: self.heat_capacity_ratio.into() }
     }
 }
