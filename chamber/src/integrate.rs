@@ -92,28 +92,52 @@ pub struct Step<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Step<R, N> {
-    /// States at time `t` within the step: Hairer's continuous extension, fourth order.
+    /// The states in between, as polynomials of time: Hairer's continuous extension, fourth order.
     #[inline]
-    pub fn at(&self, t: R) -> [R; N] {
-        let theta = (t - self.from) * (1.0 / self.length);
-        let theta1 = R::ONE - theta;
-        core::array::from_fn(|i| {
+    pub fn dense(&self) -> Dense<R, N> {
+        let mut terms = [[R::ZERO; N]; 5];
+        for i in 0..N {
             let difference = self.end[i] - self.start[i];
-            let bspl = self.slopes[0][i] * self.length - difference;
-            let third = difference - self.slopes[6][i] * self.length - bspl;
+            let begin = self.slopes[0][i] * self.length - difference;
             let mut fourth = R::ZERO;
             for (slope, weight) in self.slopes.iter().zip(D) {
                 if weight != 0.0 {
                     fourth += slope[i] * (weight * self.length);
                 }
             }
-            self.start[i] + (difference + (bspl + (third + fourth * theta1) * theta) * theta1) * theta
-        })
+            terms[0][i] = self.start[i];
+            terms[1][i] = difference;
+            terms[2][i] = begin;
+            terms[3][i] = difference - self.slopes[6][i] * self.length - begin;
+            terms[4][i] = fourth;
+        }
+        Dense { from: self.from, per_length: 1.0 / self.length, terms }
     }
 
     /// States at its end.
     pub fn end(&self) -> [R; N] {
         self.end
+    }
+}
+
+/// The states within one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Dense<R, const N: usize> {
+    from: f64,
+    per_length: f64,
+    terms: [[R; N]; 5],
+}
+
+impl<R: Real, const N: usize> Dense<R, N> {
+    /// States at time `t`, s, within the step.
+    #[inline]
+    pub fn at(&self, t: R) -> [R; N] {
+        let theta = (t - self.from) * self.per_length;
+        let theta1 = R::ONE - theta;
+        let [start, difference, begin, third, fourth] = &self.terms;
+        core::array::from_fn(|i| {
+            start[i] + (difference[i] + (begin[i] + (third[i] + fourth[i] * theta1) * theta) * theta1) * theta
+        })
     }
 }
 
@@ -255,7 +279,7 @@ mod tests {
         run.advance(&oscillator, 10.0, |step| {
             for k in 0..=4 {
                 let t = step.from + step.length * f64::from(k) / 4.0;
-                worst_inside = worst_inside.max((step.at(t)[0] - t.sin()).abs());
+                worst_inside = worst_inside.max((step.dense().at(t)[0] - t.sin()).abs());
             }
         })
         .unwrap();
