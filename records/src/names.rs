@@ -1,0 +1,33 @@
+//! The nearest known name, for a hint beside an unknown one.
+
+/// The candidate most like `name`, if any is like it at all.
+///
+/// Likeness is the Damerau–Levenshtein distance without regard to case, over the longer length; a candidate that has
+/// less than half of it in common is not offered.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, &candidate.to_lowercase()), candidate))
+        .filter(|(likeness, _)| *likeness >= 0.5)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_of_the_finger_finds_its_name() {
+        let keys = ["bore_m", "rod_m", "stroke_m"];
+        assert_eq!(nearest("boer_m", keys), Some("bore_m"));
+        assert_eq!(nearest("Stroke", keys), Some("stroke_m"));
+    }
+
+    #[test]
+    fn nothing_is_offered_for_a_name_like_none() {
+        assert_eq!(nearest("temperature", ["bore_m", "rod_m"]), None);
+        assert_eq!(nearest("x", []), None);
+    }
+}

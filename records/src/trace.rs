@@ -1,0 +1,36 @@
+//! One record over time, in SI units: strictly increasing times, at least three rows, every number finite.
+
+use std::path::PathBuf;
+
+/// A record as it was measured (or a motion as it is planned). All vectors have the same length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// SHA-256 of the file's bytes, 64 hexadecimal digits.
+    pub sha256: String,
+    /// Time, s, as in the file.
+    pub time_s: Vec<f64>,
+    /// What the sensor showed, Pa, absolute; absent in a planned motion.
+    pub pressure_pa: Option<Vec<f64>>,
+    /// Distance of the piston face from the chamber's end, m.
+    pub position_m: Vec<f64>,
+    /// Ambient temperature, K.
+    pub ambient_temperature_k: Option<Vec<f64>>,
+    /// Gas temperature, K.
+    pub gas_temperature_k: Option<Vec<f64>>,
+    /// Mass flow into the chamber, kg/s, negative out of it.
+    pub mass_flow_kg_per_s: Option<Vec<f64>>,
+}
+
+impl Trace {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there are no rows: never so for a trace that was read.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+}
