@@ -1,1 +1,3 @@
-//! Placeholder until its first commit.
+//! Heat transfer coefficients from measured traces; residuals traced to the effect that causes them.
+
+pub mod paper;

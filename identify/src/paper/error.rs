@@ -1,0 +1,111 @@
+//! Why a push-and-hold test cannot be evaluated, in sentences.
+
+use thiserror::Error;
+
+/// Why a push-and-hold test cannot be evaluated.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Error {
+    /// Columns of a recording differ in length.
+    #[error(
+        "the recording has {time} times, {pressure} pressures and {position} positions; one of each is needed for every row"
+    )]
+    LengthsDiffer {
+        /// Number of times.
+        time: usize,
+        /// Number of pressures.
+        pressure: usize,
+        /// Number of positions.
+        position: usize,
+    },
+    /// A number is NaN or infinite.
+    #[error("row {row} of the recording holds a {quantity} that is not a finite number")]
+    NotFinite {
+        /// Row, counted from 1.
+        row: usize,
+        /// Which column.
+        quantity: &'static str,
+    },
+    /// Time stands still or falls.
+    #[error("time does not increase at row {row} of the recording ({time_s} s)")]
+    TimeNotIncreasing {
+        /// Row, counted from 1.
+        row: usize,
+        /// The time there, s.
+        time_s: f64,
+    },
+    /// A pressure is not absolute.
+    #[error("row {row} of the recording has a pressure of {pressure_pa} Pa; an absolute pressure is positive")]
+    PressureNotPositive {
+        /// Row, counted from 1.
+        row: usize,
+        /// The pressure there, Pa.
+        pressure_pa: f64,
+    },
+    /// Too few rows to fit three parameters and say how well.
+    #[error("the hold has {found} rows; at least {needed} are needed to fit a decay of three parameters")]
+    TooFewRows {
+        /// Rows there.
+        found: usize,
+        /// Rows needed.
+        needed: usize,
+    },
+    /// The piston does not move.
+    #[error("the piston does not move in this recording; a push-and-hold test is needed")]
+    NoMovement,
+    /// The piston does not rest at the end.
+    #[error(
+        "the piston is not at rest in the last quarter of the recording (it moves by {deviation_m} m of a travel of {travel_m} m); record a longer hold"
+    )]
+    NoHold {
+        /// Largest deviation from the final position in the last quarter, m.
+        deviation_m: f64,
+        /// Travel of the piston in the recording, m.
+        travel_m: f64,
+    },
+    /// The decay's time constant cannot be told from the recording.
+    #[error(
+        "the pressure after the stop shows no decay between the sampling interval and the length of the hold ({hold_s} s)"
+    )]
+    NoDecay {
+        /// Length of the hold, s.
+        hold_s: f64,
+    },
+    /// The least squares iteration failed.
+    #[error("the least squares fit of the decay did not converge: {reason}")]
+    NotConverged {
+        /// What the iteration said.
+        reason: String,
+    },
+    /// Pressures and strokes contradict each other.
+    #[error(
+        "the pressure goes from {initial_pa} Pa to {final_pa} Pa while the swept volume goes from {initial_m3} m³ to {final_m3} m³: a closed chamber at one temperature cannot do that; look for a leak, gauge pressure or a wrong sign of the stroke"
+    )]
+    Contradiction {
+        /// Initial pressure, Pa.
+        initial_pa: f64,
+        /// Fitted final pressure, Pa.
+        final_pa: f64,
+        /// Initial swept volume, m³.
+        initial_m3: f64,
+        /// Final swept volume, m³.
+        final_m3: f64,
+    },
+    /// A number that must be positive is not.
+    #[error("{quantity} is {value}; a positive number is needed")]
+    NotPositive {
+        /// Which number, with its unit.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// An embedded table of the paper is not as expected.
+    #[error("{table}: line {line}: {reason}")]
+    Table {
+        /// File name.
+        table: &'static str,
+        /// Line, counted from 1.
+        line: usize,
+        /// What is wrong there.
+        reason: String,
+    },
+}

@@ -1,0 +1,133 @@
+//! 95 % intervals of least squares estimates whose residuals are not independent.
+//!
+//! cov = s² τ_c (JᵀJ)⁻¹ with s² = Σr²/(n − p) and the residuals' integrated autocorrelation time
+//! τ_c = 1 + 2 Σ ρ_k, in rows, summed up to the first ρ_k ≤ 0. The interval is value ± t(97.5 %, n/τ_c − p) · σ.
+//! A residual with structure, or rows that repeat a slow sensor's last value, so widen the interval instead of narrowing it.
+
+use nalgebra::{Matrix3, SMatrix, SVector};
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// A number and its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The estimate.
+    pub value: f64,
+    /// Its 95 % interval, low and high.
+    pub ci95: [f64; 2],
+}
+
+impl Estimate {
+    /// value ± quantile · standard error.
+    pub fn new(value: f64, standard_error: f64, quantile: f64) -> Self {
+        let half = quantile * standard_error;
+        Self { value, ci95: [value - half, value + half] }
+    }
+}
+
+/// Integrated autocorrelation time of residuals, in rows; at least 1.
+pub fn autocorrelation_time(residuals: &[f64]) -> f64 {
+    let n = residuals.len();
+    let energy: f64 = residuals.iter().map(|r| r * r).sum();
+    if n < 2 || energy == 0.0 {
+        return 1.0;
+    }
+    let mut time = 1.0;
+    for lag in 1..n {
+        let product: f64 = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum();
+        if product <= 0.0 {
+            break;
+        }
+        time += 2.0 * product / energy;
+    }
+    time
+}
+
+/// Scale of the covariance s² τ_c and the quantile that goes with it, for residuals of a fit of `parameters` numbers.
+pub fn residual_scale(residuals: &[f64], parameters: usize) -> (f64, f64) {
+    let energy: f64 = residuals.iter().map(|r| r * r).sum();
+    let correlation = autocorrelation_time(residuals);
+    let freedom = (residuals.len() as f64 - parameters as f64).max(1.0);
+    let effective = (residuals.len() as f64 / correlation - parameters as f64).max(1.0);
+    (energy / freedom * correlation, student_95(effective))
+}
+
+/// The 97.5 % quantile of Student's t: half width of a two-sided 95 % interval in standard errors.
+pub fn student_95(degrees_of_freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+}
+
+/// Half width of a 95 % interval in standard errors when the scatter is known.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// Standard deviation of a number printed to a unit in its last place: uniform within half that unit.
+pub fn rounding_deviation(last_place: f64) -> f64 {
+    last_place / 12f64.sqrt()
+}
+
+/// σ of f where f's gradient and the covariance of its arguments are given.
+pub fn propagated<const N: usize>(gradient: &[f64; N], covariance: &SMatrix<f64, N, N>) -> f64 {
+    let g = SVector::<f64, N>::from_row_slice(gradient);
+    (g.transpose() * covariance * g)[(0, 0)].max(0.0).sqrt()
+}
+
+/// (JᵀJ)⁻¹ for three parameters, `None` where the data do not determine them.
+pub fn unscaled_covariance(normal: Matrix3<f64>) -> Option<Matrix3<f64>> {
+    // Scaled to unit diagonal first: the parameters' units differ by many powers of ten.
+    let scale = normal.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+    let scaling = Matrix3::from_diagonal(&scale);
+    let inverse = (scaling * normal * scaling).try_inverse()?;
+    Some(scaling * inverse * scaling)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A small generator, so that the test needs no crate and repeats exactly.
+    fn noise(n: usize) -> Vec<f64> {
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..n).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+    }
+
+    #[test]
+    fn independent_residuals_have_an_autocorrelation_time_of_one() {
+        assert!((autocorrelation_time(&noise(20_000)) - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_first_order_process_has_the_time_that_theory_gives() {
+        let mut last = 0.0;
+        let process: Vec<f64> = noise(200_000)
+            .into_iter()
+            .map(|e| {
+                last = 0.8 * last + e;
+                last
+            })
+            .collect();
+        let theory = (1.0 + 0.8) / (1.0 - 0.8);
+        let found = autocorrelation_time(&process);
+        assert!((found / theory - 1.0).abs() < 0.1, "{found} {theory}");
+    }
+
+    #[test]
+    fn rows_that_repeat_the_last_value_count_once() {
+        let plain = noise(5_000);
+        let held: Vec<f64> = plain.iter().flat_map(|r| [*r; 10]).collect();
+        let (scale, _) = residual_scale(&plain, 3);
+        let (held_scale, _) = residual_scale(&held, 3);
+        // Ten times the rows in JᵀJ, so ten times the scale leaves the interval as it was.
+        assert!((held_scale / scale / 10.0 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        assert!((student_95(5.0) - 2.570_582).abs() < 1e-5);
+        assert!((student_95(30.0) - 2.042_272).abs() < 1e-5);
+        assert!((student_95(1e4) - NORMAL_95).abs() < 3e-4);
+    }
+}
