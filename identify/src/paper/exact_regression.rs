@@ -50,7 +50,7 @@ pub fn quantities<R: Real>(
         area_m2: area,
         final_time_constant_s: rate.recip(),
         coefficient_final_w_per_m2_k: coefficient,
-        coefficient_0_w_per_m2_k: coefficient * setup.to_reference(final_pressure_pa, ambient_k),
+        coefficient_0_w_per_m2_k: coefficient * setup.reference_factor(final_pressure_pa, ambient_k),
     }
 }
 

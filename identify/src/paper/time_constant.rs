@@ -68,7 +68,7 @@ impl Setup {
     }
 
     /// λ0/λ at pressure, Pa, and temperature, K: equation (5) turned round.
-    pub(super) fn to_reference<R: Real>(&self, pressure_pa: R, temperature_k: R) -> R {
+    pub(super) fn reference_factor<R: Real>(&self, pressure_pa: R, temperature_k: R) -> R {
         (R::from(self.reference_pressure_pa * self.reference_temperature_k) / (pressure_pa * temperature_k)).sqrt()
     }
 
@@ -162,7 +162,7 @@ pub fn steps<R: Real>(setup: &Setup, ambient_k: R, push: &Push<R>, regression: &
     let settling_in_tau = (1.0 / SETTLED_SHARE).ln();
     let pressure = pf + rise * ((1.0 - SETTLED_SHARE) / settling_in_tau);
     let temperature = |p: R| volume * p / (mass * setup.gas.gas_constant);
-    let coefficient_0 = coefficient * setup.to_reference(pressure, temperature(pressure));
+    let coefficient_0 = coefficient * setup.reference_factor(pressure, temperature(pressure));
     Steps {
         mass_kg: mass,
         dead_volume_m3: dead,
