@@ -1,0 +1,25 @@
+//! The commands. A new one is its file here, a `mod` line, a variant of [`Command`] and an arm of [`Command::run`].
+//!
+//! A command's file holds `Args` (clap's, with an example in its `after_help`) and `run(&Args) -> anyhow::Result<()>`.
+
+mod completions;
+mod man;
+
+use clap::Subcommand;
+
+/// What the program does, in the order of its help.
+#[derive(Subcommand)]
+pub enum Command {
+    Completions(completions::Args),
+    Man(man::Args),
+}
+
+impl Command {
+    /// Does it.
+    pub fn run(&self) -> anyhow::Result<()> {
+        match self {
+            Command::Completions(args) => completions::run(args),
+            Command::Man(args) => man::run(args),
+        }
+    }
+}

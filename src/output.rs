@@ -1,0 +1,21 @@
+//! How results leave the program: files that appear whole, or standard output for `-`.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Whether a path given for output means standard output.
+pub fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Writes `bytes` to the file, atomically, or to standard output for `-`.
+pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    if is_stdout(path) { print(bytes) } else { Ok(records::write_atomically(path, bytes)?) }
+}
+
+/// Writes to standard output. Unlike `print!` it does not panic when the reader has gone.
+pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(bytes)?;
+    Ok(out.flush()?)
+}
