@@ -1,0 +1,102 @@
+//! What one row of a study gives back. SI units.
+
+use thiserror::Error;
+
+/// The paper's evaluation of one test: P = Pf + ΔP e^(−t/τ) by least squares over the samples of a 100 Hz record from
+/// its peak on, then steps 2 to 7.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Pf, Pa.
+    pub final_pressure_pa: f64,
+    /// ΔP, Pa.
+    pub pressure_rise_pa: f64,
+    /// τ, s.
+    pub time_constant_s: f64,
+    /// λ_av, W/(m² K): step 5.
+    pub lambda_av_w_per_m2_k: f64,
+    /// λ0, W/(m² K): step 7.
+    pub lambda0_w_per_m2_k: f64,
+}
+
+/// Results of one scenario; numbers are NaN where `status` is an error.
+///
+/// Pressures are those of the trace, as the sensor shows it (without sensor effects: the gas's); temperatures are the gas's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Largest pressure of the trace from the end of the push on, for an expansion the smallest, Pa.
+    pub pressure_peak_pa: f64,
+    /// Pressure at the end of the test, Pa.
+    pub pressure_final_pa: f64,
+    /// Gas temperature at the end of the test, K.
+    pub temperature_final_k: f64,
+    /// Largest gas temperature from the end of the push on, for an expansion the smallest, K.
+    pub temperature_peak_k: f64,
+    /// The paper's regression, where it was asked for and the record allows one.
+    pub fit: Option<Fit>,
+    /// From the end of the push until the pressure stays within 1 % of its peak-to-final distance of the final one, s.
+    /// None when not settled in time: when the test ends with more than that 1 % of the pressure, P |1 − Tamb/T|,
+    /// still to be lost to or gained from the wall.
+    pub settling_time_s: Option<f64>,
+    /// Closure of the energy balance: what the change of internal energy misses of heat, work and enthalpy,
+    /// relative to the internal energy before the test.
+    pub energy_error: f64,
+    /// Length of the test, s.
+    pub duration_s: f64,
+    /// Whether the exact solution was used.
+    pub exact: bool,
+    /// Why there is no result.
+    pub status: Result<(), Failure>,
+}
+
+impl Outcome {
+    /// A row without a result.
+    pub const fn failed(reason: Failure) -> Self {
+        Self {
+            pressure_peak_pa: f64::NAN,
+            pressure_final_pa: f64::NAN,
+            temperature_final_k: f64::NAN,
+            temperature_peak_k: f64::NAN,
+            fit: None,
+            settling_time_s: None,
+            energy_error: f64::NAN,
+            duration_s: f64::NAN,
+            exact: false,
+            status: Err(reason),
+        }
+    }
+}
+
+/// Why a scenario has no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
+pub enum Failure {
+    /// A number that must be positive is not.
+    #[error("{0} must be a positive number")]
+    NotPositive(&'static str),
+    /// A number is infinite or missing.
+    #[error("{0} must be a finite number")]
+    NotFinite(&'static str),
+    /// The stroke leaves no gas volume.
+    #[error("the gas volume is not positive along the whole stroke")]
+    NoVolume,
+    /// The test is over before the push.
+    #[error("the test ends before the push does")]
+    EndsInPush,
+    /// Knots out of order.
+    #[error("the profile's times must start at zero and increase")]
+    ProfileTimes,
+    /// Effects are active that the batch was not told of.
+    #[error("an effect is active that the batch does not include")]
+    EffectNotInSet,
+    /// The exact solution was demanded where there is none.
+    #[error("the exact solution needs a closed chamber without effects, pushed linearly")]
+    NoExactSolution,
+    /// The gas is all gone.
+    #[error("the chamber runs empty")]
+    Empty,
+    /// The equations cannot be followed further.
+    #[error("no integration step, however small, keeps the error within the tolerance")]
+    StepTooSmall,
+    /// Step limit.
+    #[error("the integration takes more steps than are allowed")]
+    TooManySteps,
+}

@@ -1,0 +1,294 @@
+//! A scenario cut into stretches of time over which its boundary is linear, after a check of its numbers.
+
+use super::outcome::Failure;
+use super::scenario::{Hold, Scenario};
+use crate::balance::Boundary;
+use crate::effects::{self, EffectSet};
+use crate::exact::Closed;
+use crate::real::Real;
+use crate::signals::Knot;
+
+/// A boundary linear in time, from its begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch<R = f64> {
+    /// Length, s.
+    pub length: R,
+    /// Position at its begin, m.
+    pub position: R,
+    /// Velocity, m/s.
+    pub velocity: R,
+    /// Constant inflow, kg/s, at `temperature_in`, and the profile's inflow at ambient temperature at its begin.
+    pub inflow: [R; 2],
+    /// Rate of the profile's inflow, kg/s².
+    pub inflow_rate: R,
+    /// Temperature of the constant inflow, K.
+    pub temperature_in: R,
+    /// Outflow at its begin, kg/s.
+    pub outflow: R,
+    /// Its rate, kg/s².
+    pub outflow_rate: R,
+    /// Ambient temperature at its begin, K.
+    pub ambient_temperature: R,
+    /// Its rate, K/s.
+    pub ambient_temperature_rate: R,
+    /// Ambient pressure, Pa.
+    pub ambient_pressure: R,
+}
+
+impl<R: Real> Stretch<R> {
+    /// The boundary a time `t`, s, after the stretch's begin.
+    #[inline(always)]
+    pub fn boundary(&self, t: R) -> Boundary<R> {
+        let ambient_temperature = self.ambient_temperature + self.ambient_temperature_rate * t;
+        let from_profile = self.inflow[1] + self.inflow_rate * t;
+        let inflow = self.inflow[0] + from_profile;
+        // One inflow of the mean temperature; without any, of the ambient's.
+        let kelvin = self.inflow[0] * self.temperature_in + from_profile * ambient_temperature;
+        let safe = inflow.where_positive(inflow, R::ONE);
+        Boundary {
+            position: self.position + self.velocity * t,
+            velocity: self.velocity,
+            mass_flow_in: inflow,
+            temperature_in: inflow.where_positive(kelvin / safe, ambient_temperature),
+            mass_flow_out: self.outflow + self.outflow_rate * t,
+            ambient_temperature,
+            ambient_pressure: self.ambient_pressure,
+        }
+    }
+}
+
+impl Stretch<f64> {
+    /// The stretch from a time `t` after its begin on.
+    fn after(&self, t: f64) -> Self {
+        let at = self.boundary(t);
+        Self {
+            length: self.length - t,
+            position: at.position,
+            inflow: [self.inflow[0], self.inflow[1] + self.inflow_rate * t],
+            outflow: at.mass_flow_out,
+            ambient_temperature: at.ambient_temperature,
+            ..*self
+        }
+    }
+}
+
+/// A checked scenario, ready to integrate.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Stretches from the start to the end of the test.
+    pub stretches: Vec<Stretch>,
+    /// End of the push, s.
+    pub push_end: f64,
+    /// End of the test, s.
+    pub duration: f64,
+    /// Time by which the sensor's record is behind the gas, s.
+    pub delay: f64,
+    /// The record shows, from the end of the push to the end of the test, the gas of the stretches from the first of
+    /// these indices to before the second.
+    pub window: [usize; 2],
+    /// The first stretch after the push.
+    pub hold: usize,
+    /// Whether the piston leaves more gas volume than it found.
+    pub expands: bool,
+}
+
+impl Plan {
+    /// Checks a scenario and cuts it into stretches.
+    pub fn new(set: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
+        check(set, scenario)?;
+        let (push_end, duration) = times(scenario)?;
+        let delay = effects::delay(set, &scenario.chamber.effects);
+        let mut stretches = match &scenario.profile {
+            None => ramp(scenario, duration),
+            Some(knots) => along(scenario, knots, duration),
+        };
+        let edges = [(push_end - delay).max(0.0), (duration - delay).max(0.0)];
+        let moments = [edges[0], edges[1], push_end];
+        for t in moments {
+            split(&mut stretches, t);
+        }
+        let [from, to, hold] = moments.map(|t| split(&mut stretches, t));
+        let last = stretches[stretches.len() - 1];
+        let expands = last.position + last.velocity * last.length > stretches[0].position;
+        Ok(Self { stretches, push_end, duration, delay, window: [from, to], hold, expands })
+    }
+}
+
+fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
+    let c = &s.chamber;
+    for (name, value) in [
+        ("the bore", c.geometry.bore),
+        ("the piston area", c.geometry.piston_area),
+        ("the gas constant", c.gas.gas_constant),
+        ("the heat capacity ratio less one", c.gas.heat_capacity_ratio - 1.0),
+        ("the reference pressure", c.heat_transfer.reference_pressure),
+        ("the reference temperature", c.heat_transfer.reference_temperature),
+        ("the initial pressure", s.initial_pressure_pa),
+        ("the initial temperature", s.initial_temperature_k),
+        ("the ambient temperature", s.ambient_temperature_k),
+        ("the ambient pressure", s.ambient_pressure_pa),
+        ("the temperature of the inflow", s.temperature_in_k),
+    ] {
+        if !(value > 0.0 && value < f64::INFINITY) {
+            return Err(Failure::NotPositive(name));
+        }
+    }
+    let at_least_zero = |value: f64| value >= 0.0 && value < f64::INFINITY;
+    for (name, fine) in [
+        ("the dead volume", c.geometry.dead_volume.is_finite()),
+        ("the heat transfer coefficient", at_least_zero(c.heat_transfer.coefficient)),
+        ("the mass flow in (zero or more)", at_least_zero(s.mass_flow_in_kg_per_s)),
+        ("the mass flow out (zero or more)", at_least_zero(s.mass_flow_out_kg_per_s)),
+        ("an effect's parameter", c.effects.0.iter().all(|v| v.is_finite())),
+        ("the initial position", s.profile.is_some() || s.initial_position_m.is_finite()),
+        ("the final position", s.profile.is_some() || s.final_position_m.is_finite()),
+    ] {
+        if !fine {
+            return Err(Failure::NotFinite(name));
+        }
+    }
+    if !set.contains(c.active()) {
+        return Err(Failure::EffectNotInSet);
+    }
+    let leaves_gas = |position: f64| {
+        let volume = c.geometry.volume(position);
+        volume > 0.0 && c.geometry.heat_transfer_area(volume) >= 0.0
+    };
+    let Some(knots) = &s.profile else {
+        if ![s.initial_position_m, s.final_position_m].into_iter().all(leaves_gas) {
+            return Err(Failure::NoVolume);
+        }
+        return if s.push_time_s > 0.0 && s.push_time_s < f64::INFINITY {
+            Ok(())
+        } else {
+            Err(Failure::NotPositive("the push time"))
+        };
+    };
+    let starts_at_zero = knots.first().is_some_and(|k| k.time == 0.0);
+    if !starts_at_zero || knots.windows(2).any(|w| !(w[1].time > w[0].time && w[1].time < f64::INFINITY)) {
+        return Err(Failure::ProfileTimes);
+    }
+    if knots.iter().any(|k| !(k.position.is_finite() && k.mass_flow.is_finite())) {
+        return Err(Failure::NotFinite("the profile"));
+    }
+    if !knots.iter().all(|k| leaves_gas(k.position)) {
+        return Err(Failure::NoVolume);
+    }
+    if knots.iter().any(|k| !(k.ambient_temperature > 0.0 && k.ambient_temperature < f64::INFINITY)) {
+        return Err(Failure::NotPositive("the profile's ambient temperature"));
+    }
+    Ok(())
+}
+
+/// End of the push and of the test, s.
+fn times(scenario: &Scenario) -> Result<(f64, f64), Failure> {
+    let (push_end, last_position) = match &scenario.profile {
+        None => (scenario.push_time_s, scenario.final_position_m),
+        Some(knots) => {
+            let moving = knots.windows(2).rposition(|w| w[0].position != w[1].position);
+            (moving.map_or(0.0, |i| knots[i + 1].time), knots[knots.len() - 1].position)
+        }
+    };
+    let duration = match scenario.hold {
+        Hold::Duration(duration) => duration,
+        Hold::TimeConstants(count) => {
+            let geometry = &scenario.chamber.geometry;
+            let first_position = scenario.profile.as_ref().map_or(scenario.initial_position_m, |k| k[0].position);
+            let begin = geometry.volume(first_position);
+            let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
+            let closed =
+                Closed::filled(&scenario.chamber, pressure, temperature, begin, scenario.ambient_temperature_k);
+            push_end + count / closed.rate(geometry.volume(last_position))
+        }
+    };
+    if !duration.is_finite() {
+        return Err(Failure::NotFinite("the duration"));
+    }
+    if duration <= push_end { Err(Failure::EndsInPush) } else { Ok((push_end, duration)) }
+}
+
+fn still(s: &Scenario, position: f64, length: f64) -> Stretch {
+    Stretch {
+        length,
+        position,
+        velocity: 0.0,
+        inflow: [s.mass_flow_in_kg_per_s, 0.0],
+        inflow_rate: 0.0,
+        temperature_in: s.temperature_in_k,
+        outflow: s.mass_flow_out_kg_per_s,
+        outflow_rate: 0.0,
+        ambient_temperature: s.ambient_temperature_k,
+        ambient_temperature_rate: 0.0,
+        ambient_pressure: s.ambient_pressure_pa,
+    }
+}
+
+fn ramp(s: &Scenario, duration: f64) -> Vec<Stretch> {
+    let velocity = (s.final_position_m - s.initial_position_m) / s.push_time_s;
+    vec![
+        Stretch { velocity, ..still(s, s.initial_position_m, s.push_time_s) },
+        still(s, s.final_position_m, duration - s.push_time_s),
+    ]
+}
+
+/// Stretches between knots, cut where the profile's flow turns round.
+fn along(s: &Scenario, knots: &[Knot], duration: f64) -> Vec<Stretch> {
+    let mut out = Vec::with_capacity(knots.len() + 3);
+    for (i, from) in knots.iter().enumerate().take_while(|(_, k)| k.time < duration) {
+        let end = knots.get(i + 1).copied().unwrap_or(Knot { time: duration, ..*from });
+        let span = end.time - from.time;
+        let rate = (end.mass_flow - from.mass_flow) / span;
+        let turns = from.mass_flow * end.mass_flow < 0.0;
+        let mut pieces = vec![0.0];
+        if turns {
+            pieces.push(-from.mass_flow / rate);
+        }
+        pieces.push(span);
+        for piece in pieces.windows(2) {
+            let (begin, middle) =
+                (from.mass_flow + rate * piece[0], from.mass_flow + rate * 0.5 * (piece[0] + piece[1]));
+            let enters = middle > 0.0;
+            let velocity = (end.position - from.position) / span;
+            let warming = (end.ambient_temperature - from.ambient_temperature) / span;
+            let still = still(
+                s,
+                from.position + velocity * piece[0],
+                (piece[1] - piece[0]).min(duration - from.time - piece[0]),
+            );
+            if still.length <= 0.0 {
+                break;
+            }
+            out.push(Stretch {
+                velocity,
+                inflow: [s.mass_flow_in_kg_per_s, if enters { begin.max(0.0) } else { 0.0 }],
+                inflow_rate: if enters { rate } else { 0.0 },
+                outflow: s.mass_flow_out_kg_per_s + if enters { 0.0 } else { (-begin).max(0.0) },
+                outflow_rate: if enters { 0.0 } else { -rate },
+                ambient_temperature: from.ambient_temperature + warming * piece[0],
+                ambient_temperature_rate: warming,
+                ..still
+            });
+        }
+    }
+    out
+}
+
+/// Makes a stretch begin at time `t` and returns its index; the number of stretches where `t` is the end.
+fn split(stretches: &mut Vec<Stretch>, t: f64) -> usize {
+    let mut begin = 0.0;
+    for i in 0..stretches.len() {
+        let length = stretches[i].length;
+        let near = 1e-12 * t.max(1e-9);
+        if t <= begin + near {
+            return i;
+        }
+        if t < begin + length - near {
+            let rest = stretches[i].after(t - begin);
+            stretches[i].length = t - begin;
+            stretches.insert(i + 1, rest);
+            return i + 1;
+        }
+        begin += length;
+    }
+    stretches.len()
+}

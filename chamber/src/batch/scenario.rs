@@ -1,0 +1,119 @@
+//! What one row of a study asks for, and how a run goes about it. SI units.
+
+use crate::model::Chamber;
+use crate::signals::Knot;
+use std::sync::Arc;
+
+/// How long a test lasts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hold {
+    /// Until this time after the start of the push, s.
+    Duration(f64),
+    /// This many times τ_f = m cv/(λ(Pf, Tamb) Aq) after the end of the push.
+    TimeConstants(f64),
+}
+
+/// The paper's push-and-hold test of one chamber: the piston moves linearly from one position to another, then rests.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// The chamber, its effects' parameters included.
+    pub chamber: Chamber,
+    /// Pressure before the push, Pa.
+    pub initial_pressure_pa: f64,
+    /// Position before the push, m.
+    pub initial_position_m: f64,
+    /// Position of the hold, m.
+    pub final_position_m: f64,
+    /// Duration of the push, s.
+    pub push_time_s: f64,
+    /// When the test ends.
+    pub hold: Hold,
+    /// Gas temperature before the push, K.
+    pub initial_temperature_k: f64,
+    /// Temperature of the surroundings, K.
+    pub ambient_temperature_k: f64,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pressure_pa: f64,
+    /// Constant mass flow into the chamber, kg/s.
+    pub mass_flow_in_kg_per_s: f64,
+    /// Its temperature, K.
+    pub temperature_in_k: f64,
+    /// Constant mass flow out of the chamber, kg/s, at the gas's temperature.
+    pub mass_flow_out_kg_per_s: f64,
+    /// A stroke and flow of one's own in place of the ramp: times from zero, linear in between, the last knot held.
+    /// Its flows (at ambient temperature when they enter) are added to the constant ones; its last moving stretch is the push.
+    pub profile: Option<Arc<[Knot]>>,
+}
+
+impl Scenario {
+    /// A push-and-hold test of a closed chamber at ambient temperature: positions in m, times in s.
+    pub fn push(
+        chamber: Chamber,
+        initial_pressure_pa: f64,
+        positions_m: [f64; 2],
+        push_time_s: f64,
+        hold: Hold,
+    ) -> Self {
+        const AMBIENT_TEMPERATURE_K: f64 = 293.0;
+        Self {
+            chamber,
+            initial_pressure_pa,
+            initial_position_m: positions_m[0],
+            final_position_m: positions_m[1],
+            push_time_s,
+            hold,
+            initial_temperature_k: AMBIENT_TEMPERATURE_K,
+            ambient_temperature_k: AMBIENT_TEMPERATURE_K,
+            ambient_pressure_pa: 101_325.0,
+            mass_flow_in_kg_per_s: 0.0,
+            temperature_in_k: AMBIENT_TEMPERATURE_K,
+            mass_flow_out_kg_per_s: 0.0,
+            profile: None,
+        }
+    }
+}
+
+/// How a batch is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// The exact solution where it applies (no effect, no flow, no profile), the integrator elsewhere.
+    #[default]
+    Auto,
+    /// The exact solution only; where it does not apply the row fails and says so.
+    Exact,
+    /// The adaptive integrator throughout.
+    Adaptive,
+}
+
+impl Solver {
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Solver::Auto => "auto",
+            Solver::Exact => "exact",
+            Solver::Adaptive => "adaptive",
+        }
+    }
+}
+
+/// How a batch is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Which solver.
+    pub solver: Solver,
+    /// Relative tolerance of the adaptive integrator's local error.
+    pub relative_tolerance: f64,
+    /// Whether to evaluate the paper's regression.
+    pub fit: bool,
+}
+
+impl Options {
+    /// Relative tolerance unless told otherwise: keeps peak and final pressure within 1e-8.
+    pub const RELATIVE_TOLERANCE: f64 = 1e-9;
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { solver: Solver::Auto, relative_tolerance: Self::RELATIVE_TOLERANCE, fit: true }
+    }
+}

@@ -1,0 +1,113 @@
+//! Batches against closed forms, against the plain integrator, and against themselves in another order.
+
+use super::*;
+use crate::exact::Closed;
+use crate::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
+
+/// Reproducible numbers in [0, 1): a 64-bit linear congruence, the high bits of it.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.next())
+    }
+}
+
+/// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
+fn sealed(count: usize) -> Vec<Scenario> {
+    let mut r = Numbers(7);
+    let one = |_| {
+        let law = if r.next() < 0.5 { AreaLaw::Total } else { AreaLaw::Swept };
+        let geometry = Geometry::new(r.log_between(0.016, 0.1), 0.0, r.log_between(1e-6, 1e-5), law);
+        let heat_transfer = HeatTransfer::at_paper_reference(r.log_between(10.0, 80.0));
+        let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
+        let positions = [r.between(0.05, 0.4), r.between(0.05, 0.4)];
+        let push_time = r.log_between(0.03, 2.0);
+        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, Hold::TimeConstants(r.between(6.0, 25.0)))
+    };
+    (0..count).map(one).collect()
+}
+
+fn results(set: EffectSet, scenarios: &[Scenario], options: &Options) -> Vec<Outcome> {
+    let mut out = vec![Outcome::failed(Failure::TooManySteps); scenarios.len()];
+    run(set, scenarios, options, &mut out);
+    out
+}
+
+fn assert_close(ours: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((ours / expected - 1.0).abs() <= tolerance, "{what}: {ours} {expected} {:e}", ours / expected - 1.0);
+}
+
+#[test]
+fn sealed_rows_agree_with_the_exact_solution() {
+    let scenarios = sealed(256);
+    let options = Options { solver: Solver::Adaptive, fit: false, ..Options::default() };
+    for (s, o) in scenarios.iter().zip(results(EffectSet::NONE, &scenarios, &options)) {
+        assert_eq!(o.status, Ok(()));
+        let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, 293.0, volumes[0], 293.0);
+        let peak = closed.ramp(293.0, volumes[0], volumes[1], s.push_time_s);
+        let end = closed.held(peak, volumes[1], o.duration_s - s.push_time_s);
+        assert_close(o.pressure_peak_pa, closed.pressure(peak, volumes[1]), 1e-8, "peak");
+        assert_close(o.pressure_final_pa, closed.pressure(end, volumes[1]), 1e-8, "final");
+        assert_close(o.temperature_peak_k, peak, 1e-8, "peak temperature");
+        assert_close(o.temperature_final_k, end, 1e-8, "final temperature");
+        assert!(o.energy_error < 1e-7, "{:e}", o.energy_error);
+        // 1 − Pf/P decays exponentially: the time at which P is within 1 % of the distance follows in closed form.
+        let (a, k) = (1.0 - 293.0 / peak, closed.rate(volumes[1]));
+        let band = 293.0 / end * (1.0 + 0.01 * (peak / end - 1.0)).recip();
+        let settling = -((1.0 - band) / a).ln() / k;
+        assert_close(o.settling_time_s.unwrap(), settling, 1e-4, "settling time");
+    }
+}
+
+#[test]
+fn the_regression_on_section_3_1_gives_the_numbers_found_for_it() {
+    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Swept);
+    let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+    let test = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.04));
+    let fit = results(EffectSet::NONE, &[test], &Options::default())[0].fit.unwrap();
+    assert_close(fit.time_constant_s, 0.4287, 2e-3, "tau");
+    assert_close(fit.lambda_av_w_per_m2_k, 16.08, 2e-3, "lambda_av");
+    assert_close(fit.lambda0_w_per_m2_k, 26.13, 2e-3, "lambda0");
+}
+
+#[test]
+fn a_row_that_cannot_be_solved_says_why_and_leaves_the_others_alone() {
+    let good = sealed(1).remove(0);
+    let with = |change: fn(&mut Scenario)| {
+        let mut s = good.clone();
+        change(&mut s);
+        s
+    };
+    let rows = [
+        good.clone(),
+        with(|s| s.initial_pressure_pa = -1.0),
+        with(|s| s.initial_temperature_k = f64::NAN),
+        with(|s| s.final_position_m = -1.0),
+        with(|s| s.hold = Hold::Duration(0.5 * s.push_time_s)),
+        with(|s| s.push_time_s = 0.0),
+        with(|s| s.chamber.effects.of_mut(0)[0] = 1e-12),
+        with(|s| s.mass_flow_out_kg_per_s = 1e-3),
+        good.clone(),
+    ];
+    let out = results(EffectSet::NONE, &rows, &Options::default());
+    let reasons: Vec<_> = out.iter().map(|o| o.status.err()).collect();
+    use Failure::*;
+    assert_eq!(reasons[0], None);
+    assert_eq!(reasons[1], Some(NotPositive("the initial pressure")));
+    assert_eq!(reasons[2], Some(NotPositive("the initial temperature")));
+    assert_eq!(reasons[3], Some(NoVolume));
+    assert_eq!(reasons[4], Some(EndsInPush));
+    assert_eq!(reasons[5], Some(NotPositive("the push time")));
+    assert_eq!(reasons[6], Some(EffectNotInSet));
+    assert!(matches!(reasons[7], Some(Empty | StepTooSmall | TooManySteps)), "{:?}", reasons[7]);
+    assert_eq!(out[0], out[8]);
+}
