@@ -1,0 +1,161 @@
+"""The chamber once more, written from the documentation alone and integrated by scipy (DOP853, rtol 1e-11).
+
+States are pressure, mass and what an effect adds; the program's are mass and internal energy. Effects are given as a
+dictionary of dictionaries, {"leakage": {"conductance_m3_per_s_pa": 1e-12}}, as in a model file. SI units.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+RTOL = 1e-11
+
+
+@dataclasses.dataclass
+class Chamber:
+    bore: float = 0.02
+    dead_volume: float = 2e-6
+    lambda0: float = 30.0
+    area_law: str = "total"
+    ambient_temperature: float = 293.0
+    ambient_pressure: float = 1.013e5
+    gas_constant: float = 287.0
+    gamma: float = 1.4
+    p0: float = 5.65e5
+    t0: float = 293.0
+    effects: dict = dataclasses.field(default_factory=dict)
+
+    def value(self, effect, key, neutral=0.0):
+        return self.effects.get(effect, {}).get(key, neutral)
+
+    @property
+    def piston_area(self):
+        return math.pi * self.bore**2 / 4
+
+    def volume(self, x):
+        return self.dead_volume + self.piston_area * x
+
+    def heat_area(self, x):
+        lateral = 4 * self.volume(x) / self.bore if self.area_law == "total" else math.pi * self.bore * x
+        return lateral + math.pi * self.bore**2 / 2
+
+    def coefficient(self, p, t, tw, x, v):
+        """Heat transfer coefficient: the contract's product of factors."""
+        n_p = self.value("pressure_exponent", "pressure_exponent", 0.5)
+        n_t = self.value("pressure_exponent", "temperature_exponent", 0.5)
+        n = self.value("natural_convection", "exponent")
+        a = self.value("gas_column_length", "exponent")
+        l_ref = self.value("gas_column_length", "reference_length_m", 0.1)
+        k = self.value("forced_convection", "coefficient")
+        result = self.lambda0 * (p / self.p0) ** n_p * (t / self.t0) ** n_t
+        if n:
+            result *= (abs(t - tw) / 20) ** n
+        return result * (1 + k * abs(v) ** 0.8) * (self.volume(x) / self.piston_area / l_ref) ** a
+
+    def leak(self, p, t):
+        """(inflow, outflow) after ISO 6358."""
+        c = self.value("leakage", "conductance_m3_per_s_pa")
+        b = self.value("leakage", "critical_pressure_ratio", 0.3)
+        rho0 = 1.185 * 287 / self.gas_constant
+
+        def flow(up, t_up, down):
+            r = down / up
+            if r <= b:
+                psi = 1.0
+            elif r <= 0.999:
+                psi = math.sqrt(1 - ((r - b) / (1 - b)) ** 2)
+            else:
+                psi = math.sqrt(1 - ((0.999 - b) / (1 - b)) ** 2) * (1 - r) / 0.001
+            return c * up * rho0 * math.sqrt(293.15 / t_up) * psi
+
+        if p > self.ambient_pressure:
+            return 0.0, flow(p, t, self.ambient_pressure)
+        return flow(self.ambient_pressure, self.ambient_temperature, p), 0.0
+
+    def rates(self, y, x, v, mdot):
+        p, m, core, tw, lagged = y
+        g, r = self.gamma, self.gas_constant
+        cp = g * r / (g - 1)
+        volume, dv = self.volume(x), self.piston_area * v
+        t = p * volume / (m * r)
+        z, h = self.value("gas_zones", "mass_fraction"), self.value("gas_zones", "conductance_w_per_k")
+        t1 = (t - z * core) / (1 - z)
+        capacity = self.value("wall_heating", "capacity_j_per_k")
+        outer = self.value("wall_heating", "outer_conductance_w_per_k")
+        wall = tw if capacity else self.ambient_temperature
+        q = self.coefficient(p, t1, wall, x, v) * self.heat_area(x) * (wall - t1)
+        leak_in, leak_out = self.leak(p, t)
+        flow_in, flow_out = max(mdot, 0.0) + leak_in, max(-mdot, 0.0) + leak_out
+        t_in = self.ambient_temperature
+
+        def pressure_rate(into, out):
+            return (-g * p * dv + g * r * (into * t_in - out * t) + (g - 1) * q) / volume
+
+        tube = self.value("tube_volume", "volume_m3")
+        if tube:
+            # The flow into the tube is what its pressure's own rate asks for: one equation in that rate.
+            per_rate = tube / (r * self.ambient_temperature)
+
+            def excess(rate):
+                s = per_rate * rate
+                return pressure_rate(flow_in + max(-s, 0.0), flow_out + max(s, 0.0)) - rate
+
+            free = pressure_rate(flow_in, flow_out)
+            rate = brentq(excess, min(0.0, 2 * free), max(0.0, 2 * free), xtol=1e-30, rtol=1e-15) if free else 0.0
+            s = per_rate * rate
+            flow_in, flow_out = flow_in + max(-s, 0.0), flow_out + max(s, 0.0)
+        dp = pressure_rate(flow_in, flow_out)
+        dcore = 0.0
+        if z:
+            v2 = z * m * r * core / p
+            dcore = (v2 * dp + h * (t1 - core) + z * flow_in * cp * (t_in - core)) / (z * m * cp)
+        dtw = (-q + outer * (self.ambient_temperature - tw)) / capacity if capacity else 0.0
+        lag = self.value("sensor_lag", "time_constant_s")
+        dlag = (p - lagged) / lag if lag else 0.0
+        return np.array([dp, flow_in - flow_out, dcore, dtw, dlag]), q
+
+
+def simulate(chamber, times, positions, pressure, mass_flows=None):
+    """Rows like the program's: measured pressure, gas pressure, temperature, mass, heat flow at each time."""
+    times, positions = np.asarray(times, float), np.asarray(positions, float)
+    flows = np.zeros_like(times) if mass_flows is None else np.asarray(mass_flows, float)
+    ambient = chamber.ambient_temperature
+    mass = pressure * chamber.volume(positions[0]) / (chamber.gas_constant * ambient)
+    y = np.array([pressure, mass, ambient, ambient, pressure])
+    pieces, states = [], [y]
+    for k in range(len(times) - 1):
+        t0, t1 = times[k], times[k + 1]
+        v = (positions[k + 1] - positions[k]) / (t1 - t0)
+
+        def rates(t, y, k=k, t0=t0, t1=t1, v=v):
+            share = (t - t0) / (t1 - t0)
+            mdot = flows[k] + (flows[k + 1] - flows[k]) * share
+            return chamber.rates(y, positions[k] + v * (t - t0), v, mdot)[0]
+
+        scale = np.array([pressure, mass, 300.0, 300.0, pressure])
+        run = solve_ivp(rates, (t0, t1), y, method="DOP853", rtol=RTOL, atol=1e-13 * scale, dense_output=True)
+        assert run.success, run.message
+        y = run.y[:, -1]
+        pieces.append(run.sol)
+        states.append(y)
+    states = np.array(states)
+    lag = chamber.value("sensor_lag", "time_constant_s")
+    delay = chamber.value("record_delay", "delay_s")
+    column = 4 if lag else 0
+    shown = []
+    for t in times:
+        earlier = max(t - delay, times[0])
+        k = min(np.searchsorted(times, earlier, side="right") - 1, len(pieces) - 1)
+        shown.append(pieces[k](earlier)[column] if delay else states[np.searchsorted(times, t), column])
+    measured = np.array(shown) + chamber.value("sensor_drift", "rate_pa_per_s") * (times - times[0])
+    volume = np.array([chamber.volume(x) for x in positions])
+    return {
+        "pressure_pa": measured,
+        "gas_pressure_pa": states[:, 0],
+        "temperature_k": states[:, 0] * volume / (states[:, 1] * chamber.gas_constant),
+        "mass_kg": states[:, 1],
+        "volume_m3": volume,
+    }

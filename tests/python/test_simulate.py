@@ -1,0 +1,83 @@
+"""`pneutherm simulate` against an independent implementation of every effect, integrated by scipy."""
+
+import csv
+
+import numpy as np
+import pytest
+
+import reference
+
+EFFECTS = {
+    "none": {},
+    "leakage": {"leakage": {"conductance_m3_per_s_pa": 3e-11}},
+    "wall_heating": {"wall_heating": {"capacity_j_per_k": 0.5, "outer_conductance_w_per_k": 0.05}},
+    "pressure_exponent": {"pressure_exponent": {"pressure_exponent": 0.25, "temperature_exponent": 0.9}},
+    "natural_convection": {"natural_convection": {"exponent": 0.25}},
+    "forced_convection": {"forced_convection": {"coefficient": 4.0}},
+    "gas_column_length": {"gas_column_length": {"exponent": -0.5, "reference_length_m": 0.07}},
+    "gas_zones": {"gas_zones": {"mass_fraction": 0.25, "conductance_w_per_k": 0.03}},
+    "tube_volume": {"tube_volume": {"volume_m3": 3e-6}},
+    "sensor_lag": {"sensor_lag": {"time_constant_s": 0.02}},
+    "record_delay": {"record_delay": {"delay_s": 0.013}},
+    "sensor_drift": {"sensor_drift": {"rate_pa_per_s": -250.0}},
+    "several": {
+        "leakage": {"conductance_m3_per_s_pa": 3e-11},
+        "wall_heating": {"capacity_j_per_k": 0.5, "outer_conductance_w_per_k": 0.05},
+        "gas_zones": {"mass_fraction": 0.25, "conductance_w_per_k": 0.03},
+        "tube_volume": {"volume_m3": 3e-6},
+        "sensor_lag": {"time_constant_s": 0.02},
+        "record_delay": {"delay_s": 0.013},
+    },
+}
+
+
+def write_model(path, chamber):
+    lines = [
+        "[gas]",
+        f"gas_constant_j_per_kg_k = {chamber.gas_constant}",
+        f"heat_capacity_ratio = {chamber.gamma}",
+        "[chamber]",
+        f"bore_m = {chamber.bore}",
+        "rod_m = 0.0",
+        f"dead_volume_m3 = {chamber.dead_volume}",
+        f'area_law = "{chamber.area_law}"',
+        "[heat_transfer]",
+        f"coefficient_w_per_m2_k = {chamber.lambda0}",
+        f"reference_pressure_pa = {chamber.p0}",
+        f"reference_temperature_k = {chamber.t0}",
+        "[ambient]",
+        f"temperature_k = {chamber.ambient_temperature}",
+        f"pressure_pa = {chamber.ambient_pressure}",
+    ]
+    for effect, values in chamber.effects.items():
+        lines.append(f"[effect.{effect}]")
+        lines += [f"{key} = {value!r}" for key, value in values.items()]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def stroke():
+    """Push in 50 ms, hold, pull back slowly past the start, hold; 100 Hz."""
+    times = np.round(np.arange(0, 2.001, 0.01), 3)
+    positions = np.interp(times, [0, 0.1, 0.15, 0.9, 1.3], [0.1, 0.1, 0.05, 0.05, 0.12])
+    return times, positions
+
+
+@pytest.mark.parametrize("area_law", ["total", "swept"])
+@pytest.mark.parametrize("name", EFFECTS)
+def test_each_effect_is_the_one_that_an_independent_implementation_gives(name, area_law, pneutherm, tmp_path):
+    chamber = reference.Chamber(effects=EFFECTS[name], area_law=area_law)
+    times, positions = stroke()
+    flows = np.where((times > 1.5) & (times < 1.8), 2e-5, 0.0) - np.where(times > 1.9, 1e-5, 0.0)
+    write_model(tmp_path / "model.toml", chamber)
+    with open(tmp_path / "motion.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time_s", "position_m", "mass_flow_kg_per_s"])
+        writer.writerows(zip(times.tolist(), positions.tolist(), flows.tolist()))
+    pneutherm("simulate", "model.toml", "--motion", "motion.csv", "--initial-pressure", "150000", "-o", "out.csv", cwd=tmp_path)
+    with open(tmp_path / "out.csv") as file:
+        rows = list(csv.DictReader(file))
+    expected = reference.simulate(chamber, times, positions, 150000.0, flows)
+    assert len(rows) == len(times)
+    for column, values in expected.items():
+        ours = np.array([float(row[column]) for row in rows])
+        np.testing.assert_allclose(ours, values, rtol=2e-7, err_msg=f"{name}: {column}")
