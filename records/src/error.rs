@@ -1,5 +1,7 @@
 //! What can be wrong with a file, in sentences: where, what, what to do.
 
+use crate::key::KeyProblem;
+use crate::trace::TraceProblem;
 use std::io;
 use std::path::PathBuf;
 
@@ -23,4 +25,39 @@ pub enum Error {
         /// The system's reason.
         source: io::Error,
     },
+    /// The file is not TOML.
+    #[error("{}: line {line}, column {column}: not valid TOML: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Counted from 1.
+        line: usize,
+        /// Counted from 1, in characters.
+        column: usize,
+        /// The parser's words.
+        message: String,
+    },
+    /// Something is wrong with a key of a TOML file.
+    #[error("{}: line {line}: {key}: {problem}", path.display())]
+    Key {
+        /// The file.
+        path: PathBuf,
+        /// The key's line, or that of the table where it is missing; counted from 1.
+        line: usize,
+        /// The key with its tables, dotted.
+        key: String,
+        /// What is wrong.
+        problem: Box<KeyProblem>,
+    },
+    /// Something is wrong with a trace.
+    #[error("{}: {problem}", path.display())]
+    Trace {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where in the file.
+        problem: TraceProblem,
+    },
+    /// A model cannot be expressed in a model file.
+    #[error("the model cannot be written: {0}")]
+    Unwritable(String),
 }

@@ -5,20 +5,34 @@
 //! | [`trace`] | one record over time: [`Trace`] |
 //! | [`rig`] | what was measured on: [`Rig`], its cylinder, gas and experiments |
 //! | [`model`] | an identified chamber: [`Model`] |
+//! | [`layout`] | which column of a trace is what, in which unit |
+//! | [`document`], [`table`], [`key`] | TOML files, each complaint with file, line and key |
 //! | [`error`] | what can be wrong with a file, in sentences |
 //!
 //! Whatever cannot be right is refused with file, line and key or column; nothing is guessed silently.
 
 pub mod atomic;
+pub mod document;
 pub mod error;
+pub mod gas;
+pub mod key;
+pub mod layout;
+pub mod limits;
 pub mod model;
 pub mod names;
+pub mod provenance;
 pub mod rig;
+pub mod table;
 pub mod trace;
 
 pub use atomic::write_atomically;
+pub use document::Document;
 pub use error::Error;
-pub use model::{Model, Provenance, Rmse, SourceTrace};
+pub use gas::NamedGas;
+pub use layout::Layout;
+pub use model::Model;
 pub use names::nearest;
-pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, NamedGas, Rig, Sensor};
-pub use trace::Trace;
+pub use provenance::{Provenance, Rmse, SourceTrace};
+pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile, Sensor};
+pub use table::Table;
+pub use trace::{Need, Reading, Trace, Window};

@@ -1,11 +1,25 @@
-//! An identified chamber with where it comes from.
+//! Model files: an identified chamber with where it comes from. Written so that reading gives back every bit.
+//!
+//! Only `[chamber] bore_m` and `[heat_transfer] coefficient_w_per_m2_k` must be there. What a file leaves out is: air,
+//! no rod, no dead volume, area law `"total"`, the paper's reference state (5.65e5 Pa, 293 K), no effect, surroundings
+//! of 293.15 K and 101325 Pa; and of an effect that is named, its parameters' neutral values.
 
-use chamber::Chamber;
+use crate::document::Document;
+use crate::error::Error;
+use crate::gas::{self, NamedGas};
+use crate::key::{Bounds, KeyProblem};
+use crate::limits;
+use crate::provenance::{Provenance, quoted};
+use crate::table::Table;
+use chamber::effects::{self, EffectSet};
+use chamber::{AreaLaw, Chamber, EffectValues, Geometry, HeatTransfer, paper};
+use std::fmt::Write;
+use std::path::Path;
 
 /// A chamber as model files hold it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Name of the gas, one of [`chamber::Gas::NAMED`], where it has one.
+    /// Name of the gas: one of [`chamber::Gas::NAMED`], or a label of the user's.
     pub gas_name: Option<String>,
     /// All its constants, effects included.
     pub chamber: Chamber,
@@ -19,35 +33,160 @@ pub struct Model {
     pub provenance: Provenance,
 }
 
-/// Where a model's numbers come from. All of it may be absent in a model written by hand.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct Provenance {
-    /// The program and its version.
-    pub program: Option<String>,
-    /// When it was written, UTC, `2026-11-21T12:00:00Z`.
-    pub date: Option<String>,
-    /// The traces it was identified from.
-    pub traces: Vec<SourceTrace>,
-    /// Error of the paper's model, before any effect.
-    pub rmse_before_pa: Option<Rmse>,
-    /// Error of this model.
-    pub rmse_after_pa: Option<Rmse>,
+const AREA_LAWS: [(&str, AreaLaw); 2] = [("total", AreaLaw::Total), ("swept", AreaLaw::Swept)];
+
+impl Model {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`Error`] names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        Self::from_document(&Document::read(path)?)
+    }
+
+    /// Reads a model from a document.
+    ///
+    /// # Errors
+    /// As [`Model::read`].
+    pub fn from_document(document: &Document) -> Result<Self, Error> {
+        let root = document.root();
+        root.allow(&["gas", "chamber", "heat_transfer", "effect", "ambient", "provenance"])?;
+        let NamedGas { name: gas_name, gas } = gas::read(&root)?;
+        let (geometry, rod_m) = read_geometry(&root.required_table("chamber")?)?;
+        let heat_transfer = read_heat_transfer(&root.required_table("heat_transfer")?)?;
+        let effects = root.table("effect")?.map_or(Ok(EffectValues::NEUTRAL), |table| read_effects(&table))?;
+        let (ambient_temperature_k, ambient_pressure_pa) = read_ambient(&root)?;
+        Ok(Self {
+            gas_name,
+            chamber: Chamber { gas, geometry, heat_transfer, effects },
+            rod_m,
+            ambient_temperature_k,
+            ambient_pressure_pa,
+            provenance: Provenance::read(&root)?,
+        })
+    }
+
+    /// Writes the model file, atomically.
+    ///
+    /// # Errors
+    /// [`Error::Write`], or [`Error::Unwritable`] as [`Model::to_toml`] has it.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        crate::write_atomically(path, self.to_toml()?.as_bytes())
+    }
+
+    /// The model file's text.
+    ///
+    /// # Errors
+    /// [`Error::Unwritable`] for a model that could not be read back the same: a number that is not finite or out of
+    /// its bounds, a piston area that is not that of bore and rod.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        let mut text = String::new();
+        self.render(&mut text).map_err(|_| Error::Unwritable("formatting failed".to_owned()))?;
+        let read_back = Document::parse(Path::new("model"), text.clone()).and_then(|d| Self::from_document(&d));
+        let mut same = read_back.map_err(|error| Error::Unwritable(error.to_string()))?;
+        let (ours, theirs) = (self.chamber.geometry.piston_area, same.chamber.geometry.piston_area);
+        if (ours / theirs - 1.0).abs() > 1e-12 {
+            let message = format!("its piston area {ours:?} m2 is not that of bore and rod, {theirs:?} m2");
+            return Err(Error::Unwritable(message));
+        }
+        same.chamber.geometry.piston_area = ours;
+        if same != *self {
+            return Err(Error::Unwritable("it would not read back the same".to_owned()));
+        }
+        Ok(text)
+    }
+
+    /// `{:?}` writes the shortest digits that read back as the same number.
+    fn render(&self, out: &mut String) -> std::fmt::Result {
+        let Chamber { gas, geometry, heat_transfer, effects } = &self.chamber;
+        writeln!(out, "# A pneumatic cylinder chamber for pneutherm. SI units, absolute pressure.\n\n[gas]")?;
+        if let Some(name) = &self.gas_name {
+            writeln!(out, "name = {}", quoted(name))?;
+        }
+        writeln!(out, "gas_constant_j_per_kg_k = {:?}", gas.gas_constant)?;
+        writeln!(out, "heat_capacity_ratio = {:?}", gas.heat_capacity_ratio)?;
+        writeln!(out, "\n[chamber]\nbore_m = {:?}", geometry.bore)?;
+        writeln!(out, "rod_m = {:?}  # of a rod that runs through this chamber", self.rod_m)?;
+        writeln!(out, "dead_volume_m3 = {:?}", geometry.dead_volume)?;
+        writeln!(out, "area_law = \"{}\"", geometry.area_law.name())?;
+        writeln!(out, "\n[heat_transfer]\ncoefficient_w_per_m2_k = {:?}", heat_transfer.coefficient)?;
+        writeln!(out, "reference_pressure_pa = {:?}", heat_transfer.reference_pressure)?;
+        writeln!(out, "reference_temperature_k = {:?}", heat_transfer.reference_temperature)?;
+        for (index, card) in effects::all().filter(|(index, _)| effects.active().has(*index)) {
+            writeln!(out, "\n[effect.{}]  # {}", card.name, card.doc)?;
+            for (parameter, value) in card.parameters.iter().zip(effects.of(index)) {
+                writeln!(out, "{} = {value:?}", parameter.key())?;
+            }
+        }
+        writeln!(out, "\n[ambient]\ntemperature_k = {:?}", self.ambient_temperature_k)?;
+        writeln!(out, "pressure_pa = {:?}", self.ambient_pressure_pa)?;
+        if !self.provenance.is_empty() {
+            writeln!(out)?;
+            self.provenance.write(out)?;
+        }
+        Ok(())
+    }
+
+    /// The effects that are on.
+    pub fn active(&self) -> EffectSet {
+        self.chamber.active()
+    }
 }
 
-/// A trace by name and content.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SourceTrace {
-    /// The file's path as it was given.
-    pub path: String,
-    /// SHA-256 of its bytes, 64 hexadecimal digits.
-    pub sha256: String,
+fn read_geometry(table: &Table<'_>) -> Result<(Geometry, f64), Error> {
+    table.allow(&["bore_m", "rod_m", "dead_volume_m3", "area_law"])?;
+    let bore = table.required_number("bore_m", &limits::BORE_M)?;
+    let rod = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
+    check_rod(table, bore, rod)?;
+    let dead_volume = table.number("dead_volume_m3", &limits::DEAD_VOLUME_M3)?.unwrap_or(0.0);
+    let area_law = table.choice("area_law", &AREA_LAWS)?.unwrap_or(AreaLaw::Total);
+    Ok((Geometry::new(bore, rod, dead_volume, area_law), rod))
 }
 
-/// Root mean square error against what the sensor recorded, Pa.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rmse {
-    /// On the data of the fit.
-    pub fit: f64,
-    /// On data that took no part in it.
-    pub held_out: Option<f64>,
+/// Refuses a rod that does not fit into the bore.
+pub(crate) fn check_rod(table: &Table<'_>, bore: f64, rod: f64) -> Result<(), Error> {
+    if rod < bore {
+        return Ok(());
+    }
+    let problem = format!("{rod:?} m is not less than the bore, {bore:?} m: there would be no piston area");
+    Err(table.refuse("rod_m", KeyProblem::Contradiction(problem)))
+}
+
+fn read_heat_transfer(table: &Table<'_>) -> Result<HeatTransfer, Error> {
+    table.allow(&["coefficient_w_per_m2_k", "reference_pressure_pa", "reference_temperature_k"])?;
+    Ok(HeatTransfer {
+        coefficient: table.required_number("coefficient_w_per_m2_k", &limits::COEFFICIENT)?,
+        reference_pressure: table
+            .number("reference_pressure_pa", &limits::PRESSURE_PA)?
+            .unwrap_or(paper::REFERENCE_PRESSURE_PA),
+        reference_temperature: table
+            .number("reference_temperature_k", &limits::TEMPERATURE_K)?
+            .unwrap_or(paper::REFERENCE_TEMPERATURE_K),
+    })
+}
+
+fn read_effects(table: &Table<'_>) -> Result<EffectValues, Error> {
+    table.allow(&effects::all().map(|(_, card)| card.name).collect::<Vec<_>>())?;
+    let mut values = EffectValues::NEUTRAL;
+    for (index, card) in effects::all() {
+        let Some(effect) = table.table(card.name)? else { continue };
+        let keys: Vec<String> = card.parameters.iter().map(|parameter| parameter.key()).collect();
+        effect.allow(&keys.iter().map(String::as_str).collect::<Vec<_>>())?;
+        for ((parameter, key), value) in card.parameters.iter().zip(&keys).zip(values.of_mut(index)) {
+            let bounds = Bounds::Within(parameter.bounds.clone(), "");
+            *value = effect.number(key, &bounds)?.unwrap_or(parameter.neutral);
+        }
+    }
+    Ok(values)
+}
+
+fn read_ambient(root: &Table<'_>) -> Result<(f64, f64), Error> {
+    let Some(table) = root.table("ambient")? else {
+        return Ok((limits::ROOM_TEMPERATURE_K, limits::STANDARD_ATMOSPHERE_PA));
+    };
+    table.allow(&["temperature_k", "pressure_pa"])?;
+    Ok((
+        table.number("temperature_k", &limits::TEMPERATURE_K)?.unwrap_or(limits::ROOM_TEMPERATURE_K),
+        table.number("pressure_pa", &limits::PRESSURE_PA)?.unwrap_or(limits::STANDARD_ATMOSPHERE_PA),
+    ))
 }

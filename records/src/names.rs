@@ -3,15 +3,21 @@
 /// The candidate most like `name`, if any is like it at all.
 ///
 /// Likeness is the Damerau–Levenshtein distance without regard to case, over the longer length; a candidate that has
-/// less than half of it in common is not offered.
+/// less than half of it in common is not offered, unless the one begins with the other (`bore` and `bore_m`).
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name = name.to_lowercase();
     candidates
         .into_iter()
-        .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, &candidate.to_lowercase()), candidate))
+        .map(|candidate| (likeness(&name, &candidate.to_lowercase()), candidate))
         .filter(|(likeness, _)| *likeness >= 0.5)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
+}
+
+fn likeness(a: &str, b: &str) -> f64 {
+    let distance = strsim::normalized_damerau_levenshtein(a, b);
+    let one_begins_the_other = a.len().min(b.len()) >= 3 && (a.starts_with(b) || b.starts_with(a));
+    if one_begins_the_other { distance.max(0.5 + 0.5 * distance) } else { distance }
 }
 
 #[cfg(test)]
@@ -23,6 +29,12 @@ mod tests {
         let keys = ["bore_m", "rod_m", "stroke_m"];
         assert_eq!(nearest("boer_m", keys), Some("bore_m"));
         assert_eq!(nearest("Stroke", keys), Some("stroke_m"));
+    }
+
+    #[test]
+    fn a_name_without_its_unit_finds_the_one_with_it() {
+        let keys = ["conductance_m3_per_s_pa", "critical_pressure_ratio"];
+        assert_eq!(nearest("conductance", keys), Some("conductance_m3_per_s_pa"));
     }
 
     #[test]

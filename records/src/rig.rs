@@ -1,8 +1,19 @@
-//! What was measured on: the cylinder, its surroundings, gas and sensor, and the experiments with their traces.
+//! Rig files: the cylinder, its surroundings, gas and sensor, and the experiments with their traces.
+//!
+//! [`RigFile`] is the file itself, [`Rig`] the file with all its traces read. What a file leaves out is: the cap side,
+//! no rod, air, surroundings of 101325 Pa at a temperature to be estimated, SI columns separated by commas.
 
-use crate::trace::Trace;
-use chamber::Gas;
-use std::path::PathBuf;
+use crate::document::Document;
+use crate::error::Error;
+use crate::gas::{self, NamedGas};
+use crate::key::{Bounds, KeyProblem};
+use crate::layout::Layout;
+use crate::limits;
+use crate::model::check_rod;
+use crate::table::Table;
+use crate::trace::{Need, Reading, Trace, Window};
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
 
 /// A rig file with all the traces it names.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,15 +65,6 @@ pub struct Ambient {
     pub pressure_pa: f64,
 }
 
-/// A gas and, where it has one, its name.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NamedGas {
-    /// One of [`Gas::NAMED`], absent for a gas given by its constants.
-    pub name: Option<String>,
-    /// Its constants.
-    pub gas: Gas,
-}
-
 /// What is known of the pressure sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Sensor {
@@ -79,4 +81,166 @@ pub struct Experiment {
     pub name: String,
     /// One trace for each repeat; at least one.
     pub traces: Vec<Trace>,
+}
+
+/// A rig file without the content of its traces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigFile {
+    /// The rig, its experiments empty.
+    pub rig: Rig,
+    /// How its trace files are laid out.
+    pub layout: Layout,
+    /// Its experiments.
+    pub plan: Vec<PlannedExperiment>,
+}
+
+/// One experiment as the rig file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedExperiment {
+    /// Its name.
+    pub name: String,
+    /// Its traces' files.
+    pub traces: Vec<PathBuf>,
+    /// The part of each trace that counts.
+    pub window: Window,
+}
+
+impl Rig {
+    /// Reads a rig file, or the `rig.toml` of a folder, and every trace it names.
+    ///
+    /// # Errors
+    /// [`Error`] names the file, the line and the key or column.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let file = RigFile::read(path)?;
+        let RigFile { mut rig, layout, plan } = file;
+        if plan.is_empty() {
+            let problem = KeyProblem::Missing { expected: "at least one [[experiment]] with its traces".to_owned() };
+            return Err(Error::Key {
+                path: rig.path,
+                line: 1,
+                key: "experiment".to_owned(),
+                problem: Box::new(problem),
+            });
+        }
+        let stroke_m = rig.cylinder.stroke_m;
+        for PlannedExperiment { name, traces, window } in plan {
+            let reading = Reading { layout: &layout, stroke_m, window, need: Need::Measurement };
+            let traces = traces.iter().map(|path| Trace::read(path, &reading)).collect::<Result<_, _>>()?;
+            rig.experiments.push(Experiment { name, traces });
+        }
+        Ok(rig)
+    }
+}
+
+impl RigFile {
+    /// Reads a rig file, or the `rig.toml` of a folder.
+    ///
+    /// # Errors
+    /// [`Error`] names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let path = if path.is_dir() { path.join("rig.toml") } else { path.to_owned() };
+        Self::from_document(&Document::read(&path)?)
+    }
+
+    /// Reads a rig from a document.
+    ///
+    /// # Errors
+    /// As [`RigFile::read`].
+    pub fn from_document(document: &Document) -> Result<Self, Error> {
+        let root = document.root();
+        root.allow(&["cylinder", "ambient", "gas", "sensor", "experiment", "columns", "format"])?;
+        let cylinder_table = root.required_table("cylinder")?;
+        let (ambient, pressure_given) = read_ambient(&root)?;
+        let rig = Rig {
+            path: document.path().to_owned(),
+            cylinder: read_cylinder(&cylinder_table)?,
+            dead_volume: read_dead_volume(&cylinder_table)?,
+            ambient,
+            gas: gas::read(&root)?,
+            sensor: read_sensor(&root)?,
+            experiments: Vec::new(),
+        };
+        let layout = Layout::read(&root, pressure_given.then_some(ambient.pressure_pa))?;
+        let folder = document.path().parent().unwrap_or(Path::new(""));
+        let plan = root.tables("experiment")?.into_iter().map(|table| read_experiment(&table, folder));
+        Ok(Self { rig, layout, plan: plan.collect::<Result<_, _>>()? })
+    }
+}
+
+fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
+    table.allow(&["bore_m", "rod_m", "chamber", "area_m2", "stroke_m", "dead_volume_m3", "dead_volume_known"])?;
+    let stroke_m = table.number("stroke_m", &limits::STROKE_M)?;
+    let rod_side = table.choice("chamber", &[("cap", false), ("rod", true)])?.unwrap_or(false);
+    if let Some(area) = table.number("area_m2", &limits::AREA_M2)? {
+        if let Some(key) = ["bore_m", "rod_m"].into_iter().find(|key| table.has(key)) {
+            let problem = "area_m2 gives the cylinder already; say one of the two";
+            return Err(table.refuse(key, KeyProblem::Contradiction(problem.to_owned())));
+        }
+        let bore_m = (4.0 * area / PI).sqrt();
+        return Ok(Cylinder { bore_m, rod_through_m: 0.0, piston_area_m2: area, stroke_m });
+    }
+    let bore_m = table.number("bore_m", &limits::BORE_M)?;
+    let bore_m = bore_m.ok_or_else(|| table.missing("bore_m", "the bore in m, or area_m2, the piston area in m2,"))?;
+    let rod_m = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
+    check_rod(table, bore_m, rod_m)?;
+    let rod_through_m = if rod_side { rod_m } else { 0.0 };
+    let piston_area_m2 = chamber::Geometry::new(bore_m, rod_through_m, 0.0, chamber::AreaLaw::Total).piston_area;
+    Ok(Cylinder { bore_m, rod_through_m, piston_area_m2, stroke_m })
+}
+
+fn read_dead_volume(table: &Table<'_>) -> Result<Option<DeadVolume>, Error> {
+    let value = table.number("dead_volume_m3", &limits::DEAD_VOLUME_M3)?;
+    let known = table.flag("dead_volume_known")?.unwrap_or(false);
+    if known && value.is_none() {
+        return Err(table.missing("dead_volume_m3", "the dead volume in m3 (dead_volume_known says it is known)"));
+    }
+    Ok(value.map(|value_m3| DeadVolume { value_m3, known }))
+}
+
+/// The surroundings, and whether the file gives their pressure.
+fn read_ambient(root: &Table<'_>) -> Result<(Ambient, bool), Error> {
+    let none = Ambient { temperature_k: None, pressure_pa: limits::STANDARD_ATMOSPHERE_PA };
+    let Some(table) = root.table("ambient")? else { return Ok((none, false)) };
+    table.allow(&["temperature_k", "pressure_pa"])?;
+    let pressure = table.number("pressure_pa", &limits::PRESSURE_PA)?;
+    let ambient = Ambient {
+        temperature_k: table.number("temperature_k", &limits::TEMPERATURE_K)?,
+        pressure_pa: pressure.unwrap_or(none.pressure_pa),
+    };
+    Ok((ambient, pressure.is_some()))
+}
+
+fn read_sensor(root: &Table<'_>) -> Result<Sensor, Error> {
+    let Some(table) = root.table("sensor")? else { return Ok(Sensor::default()) };
+    table.allow(&["noise_pa", "sample_rate_hz"])?;
+    Ok(Sensor {
+        // Zero is no statement about a real sensor: as if it were absent.
+        noise_pa: table.number("noise_pa", &Bounds::NotNegative)?.filter(|noise| *noise > 0.0),
+        sample_rate_hz: table.number("sample_rate_hz", &Bounds::Positive)?,
+    })
+}
+
+fn read_experiment(table: &Table<'_>, folder: &Path) -> Result<PlannedExperiment, Error> {
+    table.allow(&["name", "traces", "from_s", "to_s"])?;
+    let name = table.text("name")?.ok_or_else(|| table.missing("name", "a name for this kind of test"))?;
+    let expected = "a list of trace files, relative to this file";
+    let traces = table.texts("traces")?.ok_or_else(|| table.missing("traces", expected))?;
+    if traces.is_empty() {
+        let problem = "an empty list; name at least one trace file";
+        return Err(table.refuse("traces", KeyProblem::Contradiction(problem.to_owned())));
+    }
+    if let Some(twice) = traces.iter().enumerate().find(|(i, trace)| traces[..*i].contains(trace)) {
+        let problem = format!("`{}` is named twice; repeats are different records", twice.1);
+        return Err(table.refuse("traces", KeyProblem::Contradiction(problem)));
+    }
+    let window = Window {
+        from_s: table.number("from_s", &Bounds::Finite)?.unwrap_or(f64::NEG_INFINITY),
+        to_s: table.number("to_s", &Bounds::Finite)?.unwrap_or(f64::INFINITY),
+    };
+    if window.to_s <= window.from_s {
+        let problem = format!("{:?} s is not after from_s, {:?} s", window.to_s, window.from_s);
+        return Err(table.refuse("to_s", KeyProblem::Contradiction(problem)));
+    }
+    let traces = traces.iter().map(|trace| folder.join(trace)).collect();
+    Ok(PlannedExperiment { name: name.to_owned(), traces, window })
 }

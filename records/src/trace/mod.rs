@@ -1,6 +1,16 @@
 //! One record over time, in SI units: strictly increasing times, at least three rows, every number finite.
 
-use std::path::PathBuf;
+mod header;
+mod lines;
+mod problem;
+mod read;
+mod rest;
+
+pub use problem::TraceProblem;
+pub use read::{Need, Reading, Window};
+
+use crate::error::Error;
+use std::path::{Path, PathBuf};
 
 /// A record as it was measured (or a motion as it is planned). All vectors have the same length.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +34,14 @@ pub struct Trace {
 }
 
 impl Trace {
+    /// Reads a trace file.
+    ///
+    /// # Errors
+    /// [`Error`] names the file, the line, the column and the value.
+    pub fn read(path: &Path, reading: &Reading<'_>) -> Result<Self, Error> {
+        read::read(path, reading)
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.time_s.len()
@@ -32,5 +50,11 @@ impl Trace {
     /// Whether there are no rows: never so for a trace that was read.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
+    }
+
+    /// Number of rows from the first on over which the piston has not yet moved: all of them where it never moves, 1
+    /// where it moves from the first row on.
+    pub fn rows_at_rest(&self) -> usize {
+        rest::rows_at_rest(&self.position_m)
     }
 }

@@ -1,0 +1,181 @@
+//! TOML files read with care: every complaint names file, line and key, unknown keys the nearest known one.
+//!
+//! A [`Document`] is the parsed file, a [`Table`] a view on one of its tables. A reader first declares the keys that a
+//! table may have ([`Table::allow`]), then asks for them by type and [`Bounds`](crate::key::Bounds).
+
+use crate::error::Error;
+use crate::table::Table;
+use std::borrow::Cow;
+use std::io;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+/// Larger than any file typed by a person.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// A TOML file.
+#[derive(Clone, Debug)]
+pub struct Document {
+    path: PathBuf,
+    text: String,
+    root: Vec<Entry>,
+}
+
+/// A key with its value.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry {
+    pub key: String,
+    pub line: usize,
+    pub value: Value,
+}
+
+/// A value of a document.
+#[derive(Clone, Debug)]
+pub(crate) enum Value {
+    Text(String),
+    Integer(i64),
+    Number(f64),
+    Flag(bool),
+    Date(String),
+    List(Vec<(usize, Value)>),
+    Table(Vec<Entry>),
+}
+
+impl Document {
+    /// Reads and parses the file.
+    ///
+    /// # Errors
+    /// [`Error::Read`] or [`Error::Syntax`].
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = read_text(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        Self::parse(path, text)
+    }
+
+    /// Parses `text` as the content of the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`].
+    pub fn parse(path: &Path, text: String) -> Result<Self, Error> {
+        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
+        let lines = Lines::of(&text);
+        let parsed = DeTable::parse(&text).map_err(|error| {
+            let (line, column) = lines.line_and_column(&text, error.span().map_or(0, |span| span.start));
+            // The parser's message may span lines; a sentence does not.
+            let message = error.message().lines().map(str::trim).collect::<Vec<_>>().join(", ");
+            Error::Syntax { path: path.to_owned(), line, column, message }
+        })?;
+        let root = entries(parsed.get_ref(), &lines);
+        Ok(Self { path: path.to_owned(), text, root })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The file's text, without a byte order mark.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The outermost table.
+    pub fn root(&self) -> Table<'_> {
+        Table::new(&self.path, String::new(), 1, &self.root)
+    }
+}
+
+fn read_text(path: &Path) -> io::Result<String> {
+    let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
+    let facts = std::fs::metadata(path)?;
+    if facts.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, a TOML file is expected"));
+    }
+    if facts.len() > MAX_BYTES {
+        return Err(invalid(format!("its {} bytes are more than settings take ({MAX_BYTES} at most)", facts.len())));
+    }
+    String::from_utf8(std::fs::read(path)?).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
+        invalid(format!("line {line} has bytes that are not UTF-8 text"))
+    })
+}
+
+/// A parsed table's entries, in the order of the file.
+fn entries(table: &DeTable<'_>, lines: &Lines) -> Vec<Entry> {
+    let mut pairs: Vec<(&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)> = table.iter().collect();
+    pairs.sort_by_key(|(key, _)| key.span().start);
+    let entry = |(key, value): (&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)| Entry {
+        key: key.get_ref().clone().into_owned(),
+        line: lines.line(key.span().start),
+        value: convert(value.get_ref(), lines),
+    };
+    pairs.into_iter().map(entry).collect()
+}
+
+fn list(array: &DeArray<'_>, lines: &Lines) -> Vec<(usize, Value)> {
+    array.iter().map(|item| (lines.line(item.span().start), convert(item.get_ref(), lines))).collect()
+}
+
+fn convert(value: &DeValue<'_>, lines: &Lines) -> Value {
+    match value {
+        DeValue::String(text) => Value::Text(text.clone().into_owned()),
+        DeValue::Integer(number) => match i64::from_str_radix(number.as_str(), number.radix()) {
+            Ok(integer) => Value::Integer(integer),
+            // Beyond 64 bits: as near as a float comes.
+            Err(_) => Value::Number(number.as_str().parse().unwrap_or(f64::INFINITY)),
+        },
+        // The parser has checked the form; what Rust reads otherwise is not finite, and refused as such.
+        DeValue::Float(number) => Value::Number(number.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(flag) => Value::Flag(*flag),
+        DeValue::Datetime(date) => Value::Date(date.to_string()),
+        DeValue::Array(array) => Value::List(list(array, lines)),
+        DeValue::Table(table) => Value::Table(entries(table, lines)),
+    }
+}
+
+/// Where lines begin.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn of(text: &str) -> Self {
+        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
+    }
+
+    /// The line of that byte, from 1.
+    fn line(&self, at: usize) -> usize {
+        self.0.partition_point(|start| *start <= at).max(1)
+    }
+
+    fn line_and_column(&self, text: &str, at: usize) -> (usize, usize) {
+        let line = self.line(at);
+        let before = text.get(self.0[line - 1]..at).unwrap_or("");
+        (line, 1 + before.chars().count())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> String {
+        Document::parse(Path::new("a.toml"), text.to_owned()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn broken_toml_is_refused_with_line_and_column() {
+        let message = message("[cylinder]\nbore_m = = 2\n");
+        assert!(message.starts_with("a.toml: line 2, column "), "{message}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+
+    #[test]
+    fn a_key_given_twice_is_refused_at_the_second() {
+        assert!(message("a = 1\n\na = 2\n").contains("line 3"));
+    }
+
+    #[test]
+    fn a_byte_order_mark_does_not_disturb() {
+        assert!(Document::parse(Path::new("a"), "\u{feff}a = 1".into()).is_ok());
+    }
+}

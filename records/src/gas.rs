@@ -1,0 +1,56 @@
+//! The `[gas]` table of rigs and models: a known name, or the gas's constants.
+
+use crate::error::Error;
+use crate::key::{Bounds, KeyProblem};
+use crate::table::Table;
+use chamber::Gas;
+
+/// A gas and, where it has one, its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedGas {
+    /// As in the file: one of [`Gas::NAMED`], or a label beside the gas's constants.
+    pub name: Option<String>,
+    /// Its constants.
+    pub gas: Gas,
+}
+
+impl Default for NamedGas {
+    /// Air.
+    fn default() -> Self {
+        Self { name: Some("air".to_owned()), gas: Gas::AIR }
+    }
+}
+
+const CONSTANT: &str = "gas_constant_j_per_kg_k";
+const RATIO: &str = "heat_capacity_ratio";
+/// From the heaviest refrigerants to hydrogen.
+const CONSTANT_BOUNDS: Bounds = Bounds::Within(10.0..=10_000.0, "in J/(kg K)");
+/// From large molecules to single atoms.
+const RATIO_BOUNDS: Bounds = Bounds::Within(1.01..=1.7, "");
+
+/// Reads `[gas]` under `root`; air where it is missing. Constants given beside a known name take its place.
+pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
+    let Some(table) = root.table("gas")? else { return Ok(NamedGas::default()) };
+    table.allow(&["name", CONSTANT, RATIO])?;
+    let name = table.text("name")?;
+    let constant = table.number(CONSTANT, &CONSTANT_BOUNDS)?;
+    let ratio = table.number(RATIO, &RATIO_BOUNDS)?;
+    let known = name.and_then(Gas::named);
+    if let (Some(name), None) = (name, known)
+        && (constant.is_none() || ratio.is_none())
+    {
+        return Err(table.refuse("name", KeyProblem::unknown_name(name, Gas::NAMED.iter().map(|(n, _)| *n))));
+    }
+    if table.keys().next().is_none() {
+        return Err(table.missing("name", &format!("a gas's name, or {CONSTANT} and {RATIO}")));
+    }
+    let gas = Gas {
+        gas_constant: constant
+            .or(known.map(|gas| gas.gas_constant))
+            .ok_or_else(|| table.missing(CONSTANT, &CONSTANT_BOUNDS.words()))?,
+        heat_capacity_ratio: ratio
+            .or(known.map(|gas| gas.heat_capacity_ratio))
+            .ok_or_else(|| table.missing(RATIO, &RATIO_BOUNDS.words()))?,
+    };
+    Ok(NamedGas { name: name.map(str::to_owned), gas })
+}

@@ -1,0 +1,116 @@
+//! What a key of a TOML file may be, and what can be wrong with it, in words.
+
+use crate::names::nearest;
+use std::ops::RangeInclusive;
+
+/// What is wrong with a key.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum KeyProblem {
+    /// No such key is known here.
+    #[error("unknown key; {}", offer(near, known))]
+    Unknown {
+        /// The known key most like it.
+        near: Option<String>,
+        /// All keys known here.
+        known: Vec<String>,
+    },
+    /// A key without which the file says too little.
+    #[error("missing; {expected} is needed")]
+    Missing {
+        /// What should stand there.
+        expected: String,
+    },
+    /// A value of another type.
+    #[error("is {found}, expected {expected}")]
+    WrongType {
+        /// What should stand there.
+        expected: String,
+        /// What stands there.
+        found: String,
+    },
+    /// A number that cannot be.
+    #[error("{value:?} cannot be; expected {expected}")]
+    OutOfBounds {
+        /// The number.
+        value: f64,
+        /// What it may be.
+        expected: String,
+    },
+    /// A word that is none of those known.
+    #[error("`{value}` is not known; {}", offer(near, known))]
+    UnknownName {
+        /// The word.
+        value: String,
+        /// The known word most like it.
+        near: Option<String>,
+        /// All known words.
+        known: Vec<String>,
+    },
+    /// Values that contradict each other, or a value that needs another.
+    #[error("{0}")]
+    Contradiction(String),
+}
+
+fn offer(near: &Option<String>, known: &[String]) -> String {
+    match near {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if known.is_empty() => "nothing is expected here".to_owned(),
+        None => format!("known here: {}", known.join(", ")),
+    }
+}
+
+impl KeyProblem {
+    /// A word that is none of `known`.
+    pub fn unknown_name<'a>(value: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        KeyProblem::UnknownName {
+            value: value.to_owned(),
+            near: nearest(value, known.iter().copied()).map(str::to_owned),
+            known: known.iter().map(|k| (*k).to_owned()).collect(),
+        }
+    }
+}
+
+/// What a number may be. Not-a-number and infinity are never allowed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Bounds {
+    /// Any finite number.
+    Finite,
+    /// Above zero.
+    Positive,
+    /// Zero or above.
+    NotNegative,
+    /// Within these, and in words what for.
+    Within(RangeInclusive<f64>, &'static str),
+}
+
+impl Bounds {
+    /// Whether the number is allowed.
+    pub fn allow(&self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Bounds::Finite => true,
+                Bounds::Positive => value > 0.0,
+                Bounds::NotNegative => value >= 0.0,
+                Bounds::Within(range, _) => range.contains(&value),
+            }
+    }
+
+    /// What is allowed, in words.
+    pub fn words(&self) -> String {
+        match self {
+            Bounds::Finite => "a finite number".to_owned(),
+            Bounds::Positive => "a positive number".to_owned(),
+            Bounds::NotNegative => "zero or a positive number".to_owned(),
+            Bounds::Within(range, why) => {
+                format!(
+                    "a number from {:?} to {:?}{}{why}",
+                    range.start(),
+                    range.end(),
+                    if why.is_empty() { "" } else { ", " }
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Where a model's numbers come from: traces by content, program, date, error before and after.
+
+use crate::error::Error;
+use crate::key::Bounds;
+use crate::rig::Rig;
+use crate::table::Table;
+use std::fmt::Write;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Where a model's numbers come from. All of it may be absent in a model written by hand.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Provenance {
+    /// The program and its version.
+    pub program: Option<String>,
+    /// When it was written, UTC, `2026-11-21T12:00:00Z`.
+    pub date: Option<String>,
+    /// The traces it was identified from.
+    pub traces: Vec<SourceTrace>,
+    /// Error of the paper's model, before any effect.
+    pub rmse_before_pa: Option<Rmse>,
+    /// Error of this model.
+    pub rmse_after_pa: Option<Rmse>,
+}
+
+/// A trace by name and content.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceTrace {
+    /// The file, relative to the rig's folder where it is in there.
+    pub path: String,
+    /// SHA-256 of its bytes, 64 hexadecimal digits.
+    pub sha256: String,
+}
+
+/// Root mean square error against what the sensor recorded, Pa.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rmse {
+    /// On the data of the fit.
+    pub fit: f64,
+    /// On data that took no part in it.
+    pub held_out: Option<f64>,
+}
+
+impl Provenance {
+    /// This program, today, without traces.
+    pub fn today() -> Self {
+        Self {
+            program: Some(concat!("pneutherm ", env!("CARGO_PKG_VERSION")).to_owned()),
+            date: Some(today()),
+            ..Self::default()
+        }
+    }
+
+    /// This program, today, from every trace of a rig.
+    pub fn of_rig(rig: &Rig) -> Self {
+        let folder = rig.path.parent();
+        let source = |trace: &crate::Trace| {
+            let inside = folder.and_then(|folder| trace.path.strip_prefix(folder).ok()).unwrap_or(&trace.path);
+            SourceTrace { path: inside.to_string_lossy().into_owned(), sha256: trace.sha256.clone() }
+        };
+        let traces = rig.experiments.iter().flat_map(|e| &e.traces).map(source).collect();
+        Self { traces, ..Self::today() }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(crate) fn read(root: &Table<'_>) -> Result<Self, Error> {
+        let Some(table) = root.table("provenance")? else { return Ok(Self::default()) };
+        table.allow(&["program", "date", "traces", "rmse_before_pa", "rmse_after_pa"])?;
+        Ok(Self {
+            program: table.text("program")?.map(str::to_owned),
+            date: table.text("date")?.map(str::to_owned),
+            traces: table.tables("traces")?.iter().map(SourceTrace::read).collect::<Result<_, _>>()?,
+            rmse_before_pa: Rmse::read(&table, "rmse_before_pa")?,
+            rmse_after_pa: Rmse::read(&table, "rmse_after_pa")?,
+        })
+    }
+
+    pub(crate) fn write(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "[provenance]")?;
+        for (key, text) in [("program", &self.program), ("date", &self.date)] {
+            if let Some(text) = text {
+                writeln!(out, "{key} = {}", quoted(text))?;
+            }
+        }
+        for (key, rmse) in [("rmse_before_pa", self.rmse_before_pa), ("rmse_after_pa", self.rmse_after_pa)] {
+            if let Some(Rmse { fit, held_out }) = rmse {
+                let held_out = held_out.map_or(String::new(), |value| format!(", held_out = {value:?}"));
+                writeln!(out, "{key} = {{ fit = {fit:?}{held_out} }}")?;
+            }
+        }
+        if !self.traces.is_empty() {
+            writeln!(out, "traces = [")?;
+            for SourceTrace { path, sha256 } in &self.traces {
+                writeln!(out, "    {{ path = {}, sha256 = {} }},", quoted(path), quoted(sha256))?;
+            }
+            writeln!(out, "]")?;
+        }
+        Ok(())
+    }
+}
+
+impl SourceTrace {
+    fn read(table: &Table<'_>) -> Result<Self, Error> {
+        table.allow(&["path", "sha256"])?;
+        let text = |key, what| table.text(key)?.map(str::to_owned).ok_or_else(|| table.missing(key, what));
+        Ok(Self { path: text("path", "the trace's file name")?, sha256: text("sha256", "64 hexadecimal digits")? })
+    }
+}
+
+impl Rmse {
+    fn read(parent: &Table<'_>, key: &str) -> Result<Option<Self>, Error> {
+        let Some(table) = parent.table(key)? else { return Ok(None) };
+        table.allow(&["fit", "held_out"])?;
+        let fit = table.required_number("fit", &Bounds::NotNegative)?;
+        Ok(Some(Self { fit, held_out: table.number("held_out", &Bounds::NotNegative)? }))
+    }
+}
+
+/// A text as TOML writes it.
+pub(crate) fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// Now, or the moment that `SOURCE_DATE_EPOCH` names (reproducible builds), in UTC.
+fn today() -> String {
+    let fixed = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.trim().parse().ok());
+    let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |age| age.as_secs());
+    date(fixed.unwrap_or_else(now))
+}
+
+/// Seconds since 1970 as `2026-11-21T12:00:00Z`. Source: H. Hinnant, "chrono-compatible low-level date algorithms".
+fn date(seconds: u64) -> String {
+    let (days, time) = (seconds / 86_400, seconds % 86_400);
+    let shifted = days + 719_468;
+    let era = shifted / 146_097;
+    let day_of_era = shifted % 146_097;
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", time / 3600, time / 60 % 60, time % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        assert_eq!(date(0), "1970-01-01T00:00:00Z");
+        assert_eq!(date(951_782_399), "2000-02-28T23:59:59Z");
+        assert_eq!(date(951_782_400), "2000-02-29T00:00:00Z");
+        assert_eq!(date(1_795_262_400), "2026-11-21T12:00:00Z");
+        assert_eq!(date(4_107_542_400), "2100-03-01T00:00:00Z");
+    }
+}

@@ -1,0 +1,70 @@
+//! The rest before the first movement, told from a measured position's own noise.
+
+/// Movements below this share of the whole travel are not told from rest.
+const SHARE_OF_TRAVEL: f64 = 1e-3;
+/// So many standard deviations of the position's noise are movement.
+const DEVIATIONS: f64 = 6.0;
+
+/// Number of rows from the first on before the piston moves, at least 1.
+///
+/// The first half of the way to a clear movement (a tenth of the travel) is taken to be rest or nearly so: its median
+/// is the place.
+pub fn rows_at_rest(position_m: &[f64]) -> usize {
+    let (low, high) = position_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    let travel = high - low;
+    let threshold = (DEVIATIONS * noise(position_m)).max(SHARE_OF_TRAVEL * travel);
+    if position_m.is_empty() || travel <= 2.0 * threshold {
+        return position_m.len();
+    }
+    let clear = position_m.iter().position(|x| (x - position_m[0]).abs() > 0.1 * travel).unwrap_or(position_m.len());
+    let place = median(position_m[..clear.div_ceil(2)].to_vec());
+    let moved = position_m.iter().position(|x| (x - place).abs() > threshold).unwrap_or(position_m.len());
+    // A piston that crosses the threshold in one row set out in the row before.
+    moved.saturating_sub(1).max(1)
+}
+
+/// Standard deviation of a position's noise, from second differences, which steady movement does not enter; their
+/// median, so that speeding up and slowing down do not count either.
+fn noise(position_m: &[f64]) -> f64 {
+    let bends = position_m.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).collect();
+    1.4826 * median(bends) / 6.0_f64.sqrt()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp from 0.1 to 0.05 m between rows 50 and 54, with noise of some micrometres.
+    fn push(noise_m: f64) -> Vec<f64> {
+        let ideal = |k: usize| 0.1 - 0.0125 * (k.clamp(50, 54) - 50) as f64;
+        (0..500).map(|k| ideal(k) + noise_m * ((k * 7919 % 101) as f64 / 50.0 - 1.0)).collect()
+    }
+
+    #[test]
+    fn rest_ends_where_the_push_begins() {
+        assert_eq!(rows_at_rest(&push(0.0)), 50);
+        assert!((49..=51).contains(&rows_at_rest(&push(3e-6))), "{}", rows_at_rest(&push(3e-6)));
+        assert!((49..=51).contains(&rows_at_rest(&push(2e-4))), "{}", rows_at_rest(&push(2e-4)));
+    }
+
+    #[test]
+    fn a_piston_that_never_moves_is_always_at_rest() {
+        assert_eq!(rows_at_rest(&[0.1; 40]), 40);
+        let shaking: Vec<f64> = push(3e-6)[..50].to_vec();
+        assert_eq!(rows_at_rest(&shaking), 50);
+    }
+
+    #[test]
+    fn a_piston_in_motion_from_the_start_has_one_row_at_rest() {
+        let ramp: Vec<f64> = (0..200).map(|k| 0.1 - 2e-4 * f64::from(k)).collect();
+        assert_eq!(rows_at_rest(&ramp), 1);
+    }
+}
