@@ -1,0 +1,116 @@
+//! The loop on the six measured points: `geometry_effect.json` and a section of the report.
+
+use super::document::{Block, Section, Table, digits, percent};
+use super::figures;
+use anyhow::{Context, Result};
+use identify::paper::geometry_effect::{COLUMN_HALF, FORMS, GeometryEffect, ONE_LAMBDA0, Outcome, REFERENCE_LENGTH_M};
+use serde::Serialize;
+
+/// One form of λ as the JSON file has it.
+#[derive(Serialize)]
+pub struct Entry<'a> {
+    name: &'a str,
+    equation: &'a str,
+    parameters: usize,
+    rms_fitted: f64,
+    rms_left_out: Option<f64>,
+    values: serde_json::Map<String, serde_json::Value>,
+}
+
+/// The list that `geometry_effect.json` holds: every form that was tried.
+pub fn entries(effect: &GeometryEffect) -> Vec<Entry<'_>> {
+    let entry = |o: &'_ Outcome| -> serde_json::Map<String, serde_json::Value> {
+        o.values.iter().map(|v| (v.name.clone(), serde_json::Value::from(v.value))).collect()
+    };
+    effect
+        .outcomes
+        .iter()
+        .map(|o| Entry {
+            name: &o.name,
+            equation: &o.equation,
+            parameters: o.parameters,
+            rms_fitted: o.rms_fitted,
+            rms_left_out: o.rms_left_out,
+            values: entry(o),
+        })
+        .collect()
+}
+
+/// The section of the report.
+///
+/// # Errors
+/// A drawing that fails.
+pub fn section(effect: &GeometryEffect) -> Result<Section> {
+    let mut section = Section::new("The loop on the six measured points: a hypothesis");
+    let before = effect.outcome(ONE_LAMBDA0).context("the baseline is missing")?;
+    let after = effect.outcome(COLUMN_HALF).context("the column length's form is missing")?;
+    let best = effect.best_left_out().context("no form was fitted")?;
+    section.text(format!(
+        "One λ0 for all six tests misses the measured time constants by {} rms, and by {} for an actuator that took no part in \
+         the fit. {} forms of λ were tried on the same six numbers. With the same single parameter, λ = {} W/(m² K) · √(P T/(P0 T0)) \
+         · (l/{} m)^(−1/2), where l = V/(piston area) is the length of the gas column, leaves {} ({} left out); the form with \
+         the smallest left-out error, {}, leaves {} ({} left out).",
+        percent(before.rms_fitted, 0),
+        rms(before.rms_left_out),
+        FORMS.len(),
+        digits(after.values[0].value, 3),
+        REFERENCE_LENGTH_M,
+        percent(after.rms_fitted, 1),
+        rms(after.rms_left_out),
+        best.equation,
+        percent(best.rms_fitted, 1),
+        rms(best.rms_left_out),
+    ));
+    let chosen: Vec<String> = effect.chosen_blind.iter().map(|(a, form)| format!("{a} by “{form}”")).collect();
+    let exponents: Vec<String> = effect.pressure_exponents.iter().map(|(a, n)| format!("{a} {n:.2}")).collect();
+    section.text(format!(
+        "This is a hypothesis, not a law: three actuators, two pressures each, one laboratory, and the form was chosen after \
+         seeing the data. When the form, too, is chosen without the actuator that it then predicts ({}), the error is {}: two \
+         actuators do not tell the form. More sizes would; `pneutherm diagnose` tries the same effect on traces. \
+         The exponent of P T within each actuator is {}, below the ½ of equation 5.",
+        chosen.join(", "),
+        percent(effect.rms_chosen_blind, 0),
+        exponents.join(", "),
+    ));
+    section.blocks.push(Block::Figure {
+        file: "time_constants.svg",
+        svg: figures::time_constants::draw(effect)?,
+        caption: format!(
+            "Predicted over measured time constant of each test, each actuator predicted from the other two: one λ0 for all \
+             ({} rms) and λ ∝ √(P T) l^(−1/2) ({} rms), one fitted number each.",
+            rms(before.rms_left_out),
+            rms(after.rms_left_out)
+        ),
+    });
+    section.table(forms(effect));
+    section.text(
+        "c in W/(m² K) at P0 = 5.65 bar, T0 = 293 K, l = 0.1 m, V/A = 5 mm, φ = 25 mm, V = 1e-4 m³, A = 0.01 m², dT = 10 K. \
+         A dash: the tests of two actuators do not determine the form (B and C share a bore).",
+    );
+    section.blocks.push(Block::Figure {
+        file: "geometry_forms.svg",
+        svg: figures::forms::draw(effect)?,
+        caption: "Every form tried: rms error of τ on the fitted points and on left-out actuators.".to_owned(),
+    });
+    Ok(section)
+}
+
+fn rms(value: Option<f64>) -> String {
+    value.map_or("–".to_owned(), |v| percent(v, 1))
+}
+
+fn forms(effect: &GeometryEffect) -> Table {
+    let mut table = Table::new(&["form", "λ", "parameters", "rms fitted", "rms left out", "fitted values"]);
+    for o in &effect.outcomes {
+        let values: Vec<String> = o.values.iter().map(|v| format!("{} = {}", v.name, digits(v.value, 3))).collect();
+        table.row([
+            o.name.clone(),
+            o.equation.clone(),
+            o.parameters.to_string(),
+            percent(o.rms_fitted, 1),
+            rms(o.rms_left_out),
+            values.join(", "),
+        ]);
+    }
+    table
+}
