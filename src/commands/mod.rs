@@ -4,12 +4,14 @@
 
 mod completions;
 mod man;
+mod reproduce;
 
 use clap::Subcommand;
 
 /// What the program does, in the order of its help.
 #[derive(Subcommand)]
 pub enum Command {
+    Reproduce(reproduce::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -18,6 +20,7 @@ impl Command {
     /// Does it.
     pub fn run(&self) -> anyhow::Result<()> {
         match self {
+            Command::Reproduce(args) => reproduce::run(args),
             Command::Completions(args) => completions::run(args),
             Command::Man(args) => man::run(args),
         }

@@ -202,7 +202,9 @@ mod tests {
 
     #[test]
     fn numbers_keep_their_significant_digits() {
-        for (value, text) in [(26.116_87, "26.12"), (4.0800e-3, "0.004080"), (3.92e-5, "3.920e-5"), (-202_241.0, "-202241")] {
+        for (value, text) in
+            [(26.116_87, "26.12"), (4.0800e-3, "0.004080"), (3.92e-5, "3.920e-5"), (-202_241.0, "-202241")]
+        {
             assert_eq!(digits(value, 4), text);
         }
         assert_eq!(signed_percent(0.0667, 1), "+6.7 %");

@@ -160,7 +160,9 @@ mod tests {
         let text = table5(&measured).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 7);
-        assert!(lines[0].starts_with("experiment,actuator,final_volume_m3,final_volume_m3_ours,final_volume_m3_difference"));
+        assert!(
+            lines[0].starts_with("experiment,actuator,final_volume_m3,final_volume_m3_ours,final_volume_m3_difference")
+        );
         assert!(lines[1].starts_with("1,A,2.45e-5,2.4712e-5,0.008"), "{}", lines[1]);
         assert!(lines.iter().all(|l| l.split(',').count() == 2 + 3 * 4));
         assert_eq!(table4(&measured).unwrap().lines().count(), 7);

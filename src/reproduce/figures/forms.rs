@@ -65,7 +65,7 @@ pub fn draw(effect: &GeometryEffect) -> Result<String> {
             .legend(|(x, y)| TriangleMarker::new((x + 12, y), 7, VERMILION.filled()));
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
+            .position(SeriesLabelPosition::UpperRight)
             .label_font(label_style())
             .legend_area_size(32)
             .margin(14)

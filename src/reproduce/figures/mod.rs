@@ -5,7 +5,6 @@
 pub mod forms;
 pub mod pressure_response;
 pub mod time_constants;
-pub mod trend;
 
 use anyhow::{Result, anyhow};
 use plotters::coord::Shift;
@@ -18,10 +17,6 @@ pub const INK: RGBColor = RGBColor(30, 30, 30);
 pub const VERMILION: RGBColor = RGBColor(213, 94, 0);
 /// The exact regression, or what explains more.
 pub const BLUE: RGBColor = RGBColor(0, 114, 178);
-/// A third series.
-pub const GREEN: RGBColor = RGBColor(0, 158, 115);
-/// A fourth.
-pub const PURPLE: RGBColor = RGBColor(160, 80, 140);
 /// Grid lines.
 pub const GRID: RGBColor = RGBColor(225, 225, 225);
 
@@ -63,11 +58,6 @@ pub fn axis_style() -> TextStyle<'static> {
 /// Numbers at ticks and entries of legends.
 pub fn label_style() -> TextStyle<'static> {
     TextStyle::from((FONT, 15).into_font()).color(&INK)
-}
-
-/// Text that begins, vertically centred, at a point.
-pub fn beside() -> TextStyle<'static> {
-    label_style().pos(Pos::new(HPos::Left, VPos::Center))
 }
 
 /// Text centred at a point.

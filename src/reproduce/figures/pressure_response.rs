@@ -26,7 +26,7 @@ pub fn draw(found: &Section31) -> Result<String> {
         let (above, below) = root.split_vertically(380);
         let mut chart = ChartBuilder::on(&above)
             .margin(12)
-            .caption("Section 3.1: push in 0.04 s, then hold", title_style())
+            .caption(format!("Section 3.1: push in {} s, then hold", found.timing.push_s), title_style())
             .x_label_area_size(28)
             .y_label_area_size(70)
             .build_cartesian_2d(0.0..SHOWN_S, 0.9..2.6)
@@ -43,19 +43,21 @@ pub fn draw(found: &Section31) -> Result<String> {
             .draw()
             .map_err(failed)?;
         let shown = |points: Vec<(f64, f64)>| points.into_iter().filter(|(t, _)| *t <= SHOWN_S);
-        let dots: Vec<(f64, f64)> = shown(trace).collect();
+        // Every row of the push and of the first tenth of a second, then every tenth.
+        let kept = |(i, (t, _)): &(usize, (f64, f64))| *t < 0.1 || i % 10 == 0;
+        let dots: Vec<(f64, f64)> = shown(trace).enumerate().filter(kept).map(|(_, p)| p).collect();
         chart
-            .draw_series(dots.iter().step_by(2).map(|p| Circle::new(*p, 3, INK.mix(0.55).filled())))
+            .draw_series(dots.iter().map(|p| Circle::new(*p, 5, INK.stroke_width(2))))
             .map_err(failed)?
-            .label("simulated record (every second row)")
-            .legend(|(x, y)| Circle::new((x + 12, y), 3, INK.mix(0.55).filled()));
+            .label("simulated record (of the hold every tenth row)")
+            .legend(|(x, y)| Circle::new((x + 12, y), 5, INK.stroke_width(2)));
         chart
-            .draw_series(LineSeries::new(shown(fitted(exact)), BLUE.stroke_width(2)))
+            .draw_series(LineSeries::new(shown(fitted(exact)), BLUE.stroke_width(4)))
             .map_err(failed)?
             .label("1/P = (1/Pf)(1 − a exp(−kt)), exact")
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 24, y)], BLUE.stroke_width(3)));
+            .legend(|(x, y)| PathElement::new([(x, y), (x + 24, y)], BLUE.stroke_width(4)));
         chart
-            .draw_series(DashedLineSeries::new(shown(fitted(exponential)), 8, 5, VERMILION.stroke_width(2)))
+            .draw_series(DashedLineSeries::new(shown(fitted(exponential)), 8, 6, VERMILION.stroke_width(2)))
             .map_err(failed)?
             .label("P = Pf + ΔP exp(−t/τ), as published")
             .legend(|(x, y)| PathElement::new([(x, y), (x + 24, y)], VERMILION.stroke_width(3)));

@@ -36,9 +36,7 @@ pub fn draw(effect: &GeometryEffect) -> Result<String> {
             .y_labels(7)
             .draw()
             .map_err(failed)?;
-        chart
-            .draw_series(LineSeries::new([(-0.5, 1.0), (count - 0.5, 1.0)], INK.stroke_width(2)))
-            .map_err(failed)?;
+        chart.draw_series(LineSeries::new([(-0.5, 1.0), (count - 0.5, 1.0)], INK.stroke_width(2))).map_err(failed)?;
         let at = |ratios: &[f64], shift: f64| -> Vec<(f64, f64)> {
             ratios.iter().enumerate().map(|(i, r)| (i as f64 + shift, *r)).collect()
         };

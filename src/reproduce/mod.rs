@@ -1,0 +1,64 @@
+//! What `pneutherm reproduce` writes: the paper's numbers from its own tables, ours beside them.
+
+mod document;
+mod figures;
+mod geometry_effect;
+mod section31;
+mod tables;
+
+use anyhow::{Context, Result};
+use document::Block;
+use identify::paper::{self, section31::Timing};
+use std::path::{Path, PathBuf};
+
+/// Writes everything into the folder, which is made when absent, and returns the files in the order they were written.
+///
+/// # Errors
+/// A file that cannot be written, named.
+pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
+    std::fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+    let mut out = Output { folder, written: Vec::new() };
+    let section31 = paper::section31::reproduce(&Timing::default())?;
+    let measured = paper::measured::reproduce()?;
+    let effect = paper::geometry_effect::examine(&measured);
+
+    let sections =
+        vec![section31::section(&section31)?, tables::section(&measured)?, geometry_effect::section(&effect)?];
+    out.json("section31.json", section31::lines(&section31))?;
+    out.text("section31.md", &sections[0].markdown())?;
+    out.text("table4.csv", &tables::table4(&measured)?)?;
+    out.text("table5.csv", &tables::table5(&measured)?)?;
+    out.json("geometry_effect.json", &geometry_effect::entries(&effect))?;
+    out.text("geometry_effect.md", &sections[2].markdown())?;
+    for block in sections.iter().flat_map(|s| &s.blocks) {
+        if let Block::Figure { file, svg, .. } = block {
+            out.text(file, svg)?;
+        }
+    }
+    out.text("report.html", &document::page(TITLE, LEAD, &sections))?;
+    Ok(out.written)
+}
+
+const TITLE: &str = "Heat transfer in pneumatic cylinders: the paper's numbers, reproduced";
+const LEAD: &str = "From the tables of J. F. Carneiro and F. Gomes de Almeida, Heat transfer evaluation of industrial pneumatic \
+     cylinders, Proc. IMechE Part I (2006), DOI 10.1243/09596518JSCE188. Everything on this page was computed and written by \
+     `pneutherm reproduce`; beside it lie the same results as data.";
+
+/// The folder that is being filled.
+struct Output<'a> {
+    folder: &'a Path,
+    written: Vec<PathBuf>,
+}
+
+impl Output<'_> {
+    fn text(&mut self, name: &str, text: &str) -> Result<()> {
+        let path = self.folder.join(name);
+        records::write_atomically(&path, text.as_bytes())?;
+        self.written.push(path);
+        Ok(())
+    }
+
+    fn json<T: serde::Serialize + ?Sized>(&mut self, name: &str, value: &T) -> Result<()> {
+        self.text(name, &(serde_json::to_string_pretty(value)? + "\n"))
+    }
+}
