@@ -5,6 +5,7 @@
 mod completions;
 mod man;
 mod reproduce;
+mod simulate;
 
 use clap::Subcommand;
 
@@ -12,6 +13,7 @@ use clap::Subcommand;
 #[derive(Subcommand)]
 pub enum Command {
     Reproduce(reproduce::Args),
+    Simulate(simulate::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -21,6 +23,7 @@ impl Command {
     pub fn run(&self) -> anyhow::Result<()> {
         match self {
             Command::Reproduce(args) => reproduce::run(args),
+            Command::Simulate(args) => simulate::run(args),
             Command::Completions(args) => completions::run(args),
             Command::Man(args) => man::run(args),
         }
