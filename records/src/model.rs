@@ -96,30 +96,29 @@ impl Model {
         Ok(text)
     }
 
-    /// `{:?}` writes the shortest digits that read back as the same number.
     fn render(&self, out: &mut String) -> std::fmt::Result {
         let Chamber { gas, geometry, heat_transfer, effects } = &self.chamber;
         writeln!(out, "# A pneumatic cylinder chamber for pneutherm. SI units, absolute pressure.\n\n[gas]")?;
         if let Some(name) = &self.gas_name {
             writeln!(out, "name = {}", quoted(name))?;
         }
-        writeln!(out, "gas_constant_j_per_kg_k = {:?}", gas.gas_constant)?;
-        writeln!(out, "heat_capacity_ratio = {:?}", gas.heat_capacity_ratio)?;
-        writeln!(out, "\n[chamber]\nbore_m = {:?}", geometry.bore)?;
-        writeln!(out, "rod_m = {:?}  # of a rod that runs through this chamber", self.rod_m)?;
-        writeln!(out, "dead_volume_m3 = {:?}", geometry.dead_volume)?;
+        writeln!(out, "gas_constant_j_per_kg_k = {}", number(gas.gas_constant))?;
+        writeln!(out, "heat_capacity_ratio = {}", number(gas.heat_capacity_ratio))?;
+        writeln!(out, "\n[chamber]\nbore_m = {}", number(geometry.bore))?;
+        writeln!(out, "rod_m = {}  # of a rod that runs through this chamber", number(self.rod_m))?;
+        writeln!(out, "dead_volume_m3 = {}", number(geometry.dead_volume))?;
         writeln!(out, "area_law = \"{}\"", geometry.area_law.name())?;
-        writeln!(out, "\n[heat_transfer]\ncoefficient_w_per_m2_k = {:?}", heat_transfer.coefficient)?;
-        writeln!(out, "reference_pressure_pa = {:?}", heat_transfer.reference_pressure)?;
-        writeln!(out, "reference_temperature_k = {:?}", heat_transfer.reference_temperature)?;
+        writeln!(out, "\n[heat_transfer]\ncoefficient_w_per_m2_k = {}", number(heat_transfer.coefficient))?;
+        writeln!(out, "reference_pressure_pa = {}", number(heat_transfer.reference_pressure))?;
+        writeln!(out, "reference_temperature_k = {}", number(heat_transfer.reference_temperature))?;
         for (index, card) in effects::all().filter(|(index, _)| effects.active().has(*index)) {
             writeln!(out, "\n[effect.{}]  # {}", card.name, card.doc)?;
             for (parameter, value) in card.parameters.iter().zip(effects.of(index)) {
-                writeln!(out, "{} = {value:?}", parameter.key())?;
+                writeln!(out, "{} = {}", parameter.key(), number(*value))?;
             }
         }
-        writeln!(out, "\n[ambient]\ntemperature_k = {:?}", self.ambient_temperature_k)?;
-        writeln!(out, "pressure_pa = {:?}", self.ambient_pressure_pa)?;
+        writeln!(out, "\n[ambient]\ntemperature_k = {}", number(self.ambient_temperature_k))?;
+        writeln!(out, "pressure_pa = {}", number(self.ambient_pressure_pa))?;
         if !self.provenance.is_empty() {
             writeln!(out)?;
             self.provenance.write(out)?;
@@ -131,6 +130,12 @@ impl Model {
     pub fn active(&self) -> EffectSet {
         self.chamber.active()
     }
+}
+
+/// The shortest digits that read back as the same number.
+fn number(value: f64) -> String {
+    // Rust's `NaN` is `nan` in TOML: refused by its key when read back.
+    if value.is_nan() { "nan".to_owned() } else { format!("{value:?}") }
 }
 
 fn read_geometry(table: &Table<'_>) -> Result<(Geometry, f64), Error> {

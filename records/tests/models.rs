@@ -1,0 +1,167 @@
+//! Model files: exact round trips, defaults, and what is refused with file, line and key.
+
+use chamber::effects::{self, EffectValues};
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+use proptest::prelude::*;
+use records::{Document, Model, Provenance, Rmse, SourceTrace};
+use std::path::Path;
+
+const FEW: &str = "[chamber]\nbore_m = 0.02\n[heat_transfer]\ncoefficient_w_per_m2_k = 26.5\n";
+
+fn parse(text: &str) -> Result<Model, records::Error> {
+    Model::from_document(&Document::parse(Path::new("model.toml"), text.to_owned())?)
+}
+
+#[track_caller]
+fn refusal(text: &str, parts: &[&str]) {
+    let message = parse(text).expect_err("should be refused").to_string();
+    assert!(message.starts_with("model.toml: line ") && !message.contains('\n'), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "`{part}` is not in: {message}");
+    }
+}
+
+#[test]
+fn a_model_by_hand_needs_two_numbers() {
+    let model = parse(FEW).unwrap();
+    assert_eq!((model.gas_name.as_deref(), model.chamber.gas), (Some("air"), Gas::AIR));
+    assert_eq!(model.chamber.geometry, Geometry::new(0.02, 0.0, 0.0, AreaLaw::Total));
+    assert_eq!(model.chamber.heat_transfer, HeatTransfer::at_paper_reference(26.5));
+    assert!(model.active().is_empty());
+    assert_eq!((model.rod_m, model.ambient_temperature_k, model.ambient_pressure_pa), (0.0, 293.15, 101325.0));
+    assert_eq!(model.provenance, Provenance::default());
+}
+
+#[test]
+fn an_effect_is_on_once_a_parameter_of_it_is_not_neutral() {
+    let model = parse(&format!("{FEW}[effect.leakage]\nconductance_m3_per_s_pa = 2e-12\n")).unwrap();
+    let (index, _) = effects::find("leakage").unwrap();
+    assert!(model.active().has(index));
+    assert_eq!(model.chamber.effects.of(index), [2e-12, 0.3]);
+    assert!(parse(&format!("{FEW}[effect.leakage]\n")).unwrap().active().is_empty());
+}
+
+#[test]
+fn faulty_models_are_refused_by_key() {
+    refusal("[heat_transfer]\ncoefficient_w_per_m2_k = 1\n", &["line 1: chamber: missing"]);
+    refusal("[chamber]\nbore_m = 0.02\n[heat_transfer]\n", &["line 3: heat_transfer.coefficient_w_per_m2_k: missing"]);
+    refusal(&FEW.replace("0.02", "-0.02"), &["line 2: chamber.bore_m: -0.02 cannot be"]);
+    refusal(&FEW.replace("0.02", "inf"), &["line 2: chamber.bore_m: inf cannot be"]);
+    refusal(&FEW.replace("bore_m", "boer_m"), &["line 2: chamber.boer_m: unknown key", "`bore_m`"]);
+    refusal(&format!("{FEW}lambda = 3\n"), &["line 5: heat_transfer.lambda: unknown key"]);
+    refusal(&format!("area = 1\n{FEW}"), &["line 1: area: unknown key"]);
+    refusal(&FEW.replace("[heat", "area_law = \"totl\"\n[heat"), &["line 3: chamber.area_law", "`total`"]);
+    refusal(&FEW.replace("[heat", "rod_m = 0.03\n[heat"), &["line 3: chamber.rod_m", "not less than the bore"]);
+    refusal(&format!("{FEW}[ambient]\ntemperature_k = 20.0\n"), &["line 6: ambient.temperature_k", "kelvin"]);
+    refusal(&format!("{FEW}[gas]\nname = \"ari\"\n"), &["line 6: gas.name", "did you mean `air`?"]);
+    refusal(&format!("{FEW}[provenance]\nday = 1\n"), &["line 6: provenance.day: unknown key"]);
+}
+
+#[test]
+fn faulty_effects_are_refused_as_their_cards_say() {
+    refusal(&format!("{FEW}[effect.leekage]\n"), &["line 5: effect.leekage: unknown key", "did you mean `leakage`?"]);
+    refusal(
+        &format!("{FEW}[effect.leakage]\nconductance = 1e-12\n"),
+        &["line 6: effect.leakage.conductance: unknown key", "`conductance_m3_per_s_pa`"],
+    );
+    for (_, card) in effects::all() {
+        for parameter in card.parameters {
+            let key = parameter.key();
+            let beyond = parameter.bounds.end() * 2.0 + 1.0;
+            let text = format!("{FEW}[effect.{}]\n{key} = {beyond:?}\n", card.name);
+            refusal(&text, &[&format!("line 6: effect.{}.{key}: {beyond:?} cannot be", card.name)]);
+        }
+    }
+}
+
+#[test]
+fn a_file_written_and_read_is_the_same_model_with_its_provenance() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let mut model = parse(FEW).unwrap();
+    model.provenance = Provenance {
+        program: Some("pneutherm \"0\"".to_owned()),
+        date: Some("2026-11-21T12:00:00Z".to_owned()),
+        traces: vec![SourceTrace { path: "run \\ 1\n.csv".to_owned(), sha256: "ab".repeat(32) }],
+        rmse_before_pa: Some(Rmse { fit: 151.25, held_out: None }),
+        rmse_after_pa: Some(Rmse { fit: 0.1 + 0.2, held_out: Some(1e-300) }),
+    };
+    model.write(&path).unwrap();
+    assert_eq!(Model::read(&path).unwrap(), model);
+}
+
+#[test]
+fn a_model_that_would_not_read_back_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let good = parse(FEW).unwrap();
+    let mut lost = good.clone();
+    lost.chamber.heat_transfer.coefficient = f64::NAN;
+    assert!(lost.write(&path).unwrap_err().to_string().contains("coefficient_w_per_m2_k"));
+    let mut elsewhere = good.clone();
+    elsewhere.chamber.geometry.piston_area *= 1.1;
+    assert!(elsewhere.write(&path).unwrap_err().to_string().contains("piston area"));
+    let mut negative = good;
+    negative.chamber.geometry.dead_volume = -1e-6;
+    assert!(negative.write(&path).unwrap_err().to_string().contains("dead_volume_m3"));
+    assert!(!path.exists());
+}
+
+fn any_effects() -> impl Strategy<Value = EffectValues> {
+    let shares = prop::collection::vec((any::<bool>(), 0.0..=1.0_f64), effects::PARAMETERS);
+    shares.prop_map(|shares| {
+        let mut values = EffectValues::NEUTRAL;
+        let parameters = effects::all().flat_map(|(_, card)| card.parameters);
+        for ((value, parameter), (set, share)) in values.0.iter_mut().zip(parameters).zip(shares) {
+            if set {
+                *value = parameter.bounds.start() + share * (parameter.bounds.end() - parameter.bounds.start());
+            }
+        }
+        values
+    })
+}
+
+prop_compose! {
+    fn any_model()(
+        gas in prop_oneof![Just((Some("helium".to_owned()), 2077.1, 1.667)), (200.0..400.0_f64, 1.1..1.6_f64).prop_map(|(r, k)| (None, r, k))],
+        bore in 1e-3..1.0_f64,
+        rod_share in 0.0..0.9_f64,
+        dead_volume in 0.0..1e-2_f64,
+        swept in any::<bool>(),
+        heat in (0.0..1e4_f64, 1e4..1e7_f64, 200.0..400.0_f64),
+        effects in any_effects(),
+        ambient in (200.0..400.0_f64, 5e4..2e5_f64),
+    ) -> Model {
+        let rod_m = bore * rod_share;
+        let area_law = if swept { AreaLaw::Swept } else { AreaLaw::Total };
+        Model {
+            gas_name: gas.0,
+            chamber: Chamber {
+                gas: Gas { gas_constant: gas.1, heat_capacity_ratio: gas.2 },
+                geometry: Geometry::new(bore, rod_m, dead_volume, area_law),
+                heat_transfer: HeatTransfer { coefficient: heat.0, reference_pressure: heat.1, reference_temperature: heat.2 },
+                effects,
+            },
+            rod_m,
+            ambient_temperature_k: ambient.0,
+            ambient_pressure_pa: ambient.1,
+            provenance: Provenance::default(),
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn every_bit_of_a_model_survives_its_file(model in any_model()) {
+        let read = parse(&model.to_toml().unwrap()).unwrap();
+        prop_assert_eq!(&read, &model);
+        prop_assert_eq!(read.to_toml().unwrap(), model.to_toml().unwrap());
+    }
+
+    #[test]
+    fn whatever_a_file_holds_reading_ends_with_a_model_or_a_sentence(text in "(\\[chamber\\]\n)?[a-z_=\\[\\]{}\"0-9. \n]{0,120}") {
+        if let Err(error) = parse(&text) {
+            prop_assert!(error.to_string().starts_with("model.toml: line "));
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Rig files: what they say, what they leave out, and what is refused with file, line and key.
+
+use records::{Document, Rig, RigFile};
+use std::f64::consts::PI;
+use std::path::Path;
+
+const CASE_01: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/case01");
+
+fn parse(text: &str) -> Result<RigFile, records::Error> {
+    RigFile::from_document(&Document::parse(Path::new("lab/rig.toml"), text.to_owned())?)
+}
+
+#[track_caller]
+fn refusal(text: &str, parts: &[&str]) {
+    let message = parse(text).expect_err("should be refused").to_string();
+    assert!(message.starts_with("lab/rig.toml: line ") && !message.contains('\n'), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "`{part}` is not in: {message}");
+    }
+}
+
+#[test]
+fn a_rig_is_read_with_its_experiments_from_file_or_folder() {
+    let rig = Rig::read(Path::new(CASE_01)).unwrap();
+    assert_eq!(rig.path, Path::new(CASE_01).join("rig.toml"));
+    assert_eq!(rig, Rig::read(&Path::new(CASE_01).join("rig.toml")).unwrap());
+    assert_eq!((rig.cylinder.bore_m, rig.cylinder.rod_through_m, rig.cylinder.stroke_m), (0.02, 0.0, None));
+    assert!((rig.cylinder.piston_area_m2 / (PI * 1e-4) - 1.0).abs() < 1e-15);
+    assert_eq!((rig.ambient.temperature_k, rig.ambient.pressure_pa), (Some(297.2), 101300.0));
+    assert_eq!((rig.sensor.noise_pa, rig.sensor.sample_rate_hz), (Some(150.0), Some(100.0)));
+    assert_eq!((rig.gas.name.as_deref(), rig.gas.gas), (Some("air"), chamber::Gas::AIR));
+    assert_eq!(rig.dead_volume, None);
+    let names: Vec<&str> = rig.experiments.iter().map(|e| e.name.as_str()).collect();
+    assert_eq!(names, ["compress-ambient", "compress-3bar", "expand-5bar", "expand-ambient", "compress-part"]);
+    assert!(rig.experiments.iter().all(|e| e.traces.len() == 3 && e.traces.iter().all(|t| t.len() == 119)));
+    let first = &rig.experiments[1].traces[0];
+    assert_eq!((first.time_s[1], first.position_m[0]), (0.01, 0.099999));
+    assert_eq!(first.pressure_pa.as_ref().unwrap()[..2], [320083.6, 319656.4]);
+    assert_eq!(first.ambient_temperature_k.as_ref().unwrap()[0], 297.2);
+}
+
+#[test]
+fn a_trace_s_trouble_is_told_by_the_trace_s_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = "[cylinder]\nbore_m = 0.02\n[[experiment]]\nname = \"a\"\ntraces = [\"run 1.csv\"]\n";
+    std::fs::write(folder.path().join("rig.toml"), rig).unwrap();
+    let message = Rig::read(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("run 1.csv: cannot be read"), "{message}");
+}
+
+#[test]
+fn what_a_rig_leaves_out_is_stated() {
+    let file = parse("[cylinder]\narea_m2 = 0.0127\nstroke_m = 2.03\n").unwrap();
+    assert_eq!(file.rig.cylinder.bore_m, (4.0 * 0.0127 / PI).sqrt());
+    assert_eq!((file.rig.cylinder.piston_area_m2, file.rig.cylinder.rod_through_m), (0.0127, 0.0));
+    assert_eq!((file.rig.ambient.temperature_k, file.rig.ambient.pressure_pa), (None, 101325.0));
+    assert_eq!(file.rig.gas.gas, chamber::Gas::AIR);
+    assert_eq!(file.layout, records::Layout::default());
+}
+
+#[test]
+fn the_rod_takes_its_area_on_its_own_side_only() {
+    let cap = parse("[cylinder]\nbore_m = 0.05\nrod_m = 0.02\n").unwrap().rig.cylinder;
+    let rod = parse("[cylinder]\nbore_m = 0.05\nrod_m = 0.02\nchamber = \"rod\"\n").unwrap().rig.cylinder;
+    assert_eq!((cap.rod_through_m, rod.rod_through_m), (0.0, 0.02));
+    assert!((cap.piston_area_m2 - PI / 4.0 * 0.05 * 0.05).abs() < 1e-18);
+    assert!((rod.piston_area_m2 - PI / 4.0 * (0.05 * 0.05 - 0.02 * 0.02)).abs() < 1e-18);
+}
+
+#[test]
+fn a_gas_is_a_name_or_its_constants() {
+    let nitrogen = parse("[cylinder]\nbore_m = 0.02\n[gas]\nname = \"nitrogen\"\n").unwrap().rig.gas;
+    assert_eq!(nitrogen.gas.gas_constant, 296.8);
+    let own = "[cylinder]\nbore_m = 0.02\n[gas]\ngas_constant_j_per_kg_k = 290\nheat_capacity_ratio = 1.35\n";
+    let own = parse(own).unwrap().rig.gas;
+    assert_eq!((own.name, own.gas.gas_constant, own.gas.heat_capacity_ratio), (None, 290.0, 1.35));
+}
+
+#[test]
+fn unknown_keys_are_refused_with_the_nearest() {
+    refusal("[cylinder]\nboer_m = 0.02\n", &["line 2: cylinder.boer_m: unknown key", "did you mean `bore_m`?"]);
+    refusal("[cylinder]\nbore = 0.02\n", &["line 2: cylinder.bore: unknown key", "did you mean `bore_m`?"]);
+    refusal("[cylinder]\nbore_m = 0.02\n\n[sensr]\n", &["line 4: sensr", "did you mean `sensor`?"]);
+    refusal("[cylinder]\nbore_m = 0.02\n[[experiment]]\nname = \"a\"\ntrace = []\n", &["line 5", "`traces`"]);
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[columns]\npresure = { name = \"p\" }\n",
+        &["line 4: columns.presure", "`pressure`"],
+    );
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[columns]\ntime = { name = \"t\", sign = 1 }\n",
+        &["line 4: columns.time.sign"],
+    );
+}
+
+#[test]
+fn values_of_the_wrong_type_are_named_with_what_was_expected() {
+    refusal("[cylinder]\nbore_m = \"0.02\"\n", &["line 2: cylinder.bore_m", "the text \"0.02\"", "expected a number"]);
+    refusal("[cylinder]\nbore_m = 0.02\ndead_volume_known = 1\n", &["line 3", "expected true or false"]);
+    refusal("cylinder = 3\n", &["line 1: cylinder", "expected a table"]);
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[[experiment]]\nname = \"a\"\ntraces = \"a.csv\"\n",
+        &["line 5", "a list of texts"],
+    );
+    refusal("[cylinder]\nbore_m = 0.02\n[experiment]\nname = \"a\"\n", &["line 3: experiment", "[[experiment]]"]);
+}
+
+#[test]
+fn numbers_that_cannot_be_are_refused_with_their_bounds() {
+    refusal("[cylinder]\nbore_m = -0.02\n", &["line 2: cylinder.bore_m: -0.02 cannot be", "in m"]);
+    refusal("[cylinder]\nbore_m = 20\n", &["line 2: cylinder.bore_m: 20.0 cannot be", "in m"]);
+    refusal("[cylinder]\nbore_m = nan\n", &["line 2: cylinder.bore_m: NaN cannot be"]);
+    refusal("[cylinder]\nbore_m = 0.02\nrod_m = 0.02\n", &["line 3: cylinder.rod_m", "not less than the bore"]);
+    refusal("[cylinder]\nbore_m = 0.02\ndead_volume_m3 = -1e-6\n", &["line 3: cylinder.dead_volume_m3"]);
+    refusal("[cylinder]\nbore_m = 0.02\n[ambient]\ntemperature_k = 21\n", &["line 4: ambient.temperature_k", "kelvin"]);
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[ambient]\npressure_pa = 1.013\n",
+        &["line 4: ambient.pressure_pa", "1 bar is 1e5"],
+    );
+    refusal("[cylinder]\nbore_m = 0.02\n[sensor]\nnoise_pa = -1\n", &["line 4: sensor.noise_pa"]);
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[columns]\nposition = { name = \"x\", sign = 2 }\n",
+        &["position.sign", "1 or -1"],
+    );
+}
+
+#[test]
+fn words_that_are_not_known_are_refused_with_those_that_are() {
+    refusal(
+        "[cylinder]\nbore_m = 0.02\nchamber = \"rood\"\n",
+        &["line 3: cylinder.chamber: `rood`", "did you mean `rod`?"],
+    );
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[gas]\nname = \"nitrgen\"\n",
+        &["line 4: gas.name", "did you mean `nitrogen`?"],
+    );
+    refusal("[cylinder]\nbore_m = 0.02\n[gas]\nname = \"xy\"\n", &["line 4: gas.name", "known here: air, nitrogen"]);
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[columns]\npressure = { name = \"p\", unit = \"PSI\" }\n",
+        &["columns.pressure.unit", "`psi`"],
+    );
+    refusal("[cylinder]\nbore_m = 0.02\n[format]\nseparator = \"|\"\n", &["line 4: format.separator", "whitespace"]);
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    refusal("[gas]\nname = \"air\"\n", &["line 1: cylinder: missing", "[cylinder]"]);
+    refusal("\n[cylinder]\nstroke_m = 1.0\n", &["line 2: cylinder.bore_m: missing", "area_m2"]);
+    refusal("[cylinder]\nbore_m = 0.02\ndead_volume_known = true\n", &["cylinder.dead_volume_m3: missing"]);
+    refusal(
+        "[cylinder]\nbore_m = 0.02\n[gas]\nheat_capacity_ratio = 1.4\n",
+        &["line 3: gas.gas_constant_j_per_kg_k: missing"],
+    );
+    refusal("[cylinder]\nbore_m = 0.02\n[[experiment]]\ntraces = [\"a\"]\n", &["line 3: experiment.name: missing"]);
+    refusal("[cylinder]\nbore_m = 0.02\n[columns]\ntime = { unit = \"s\" }\n", &["line 4: columns.time.name: missing"]);
+}
+
+#[test]
+fn contradictions_are_refused() {
+    refusal("[cylinder]\narea_m2 = 0.01\nbore_m = 0.02\n", &["line 3: cylinder.bore_m", "area_m2"]);
+    let gauge = "[cylinder]\nbore_m = 0.02\n[columns]\npressure = { name = \"p\", reference = \"gauge\" }\n";
+    refusal(gauge, &["line 4: columns.pressure.reference", "[ambient] pressure_pa"]);
+    let experiment = "[cylinder]\nbore_m = 0.02\n[[experiment]]\nname = \"a\"\n";
+    refusal(&format!("{experiment}traces = []\n"), &["line 5: experiment.traces", "empty"]);
+    refusal(&format!("{experiment}traces = [\"a\", \"a\"]\n"), &["line 5", "named twice"]);
+    refusal(
+        &format!("{experiment}traces = [\"a\"]\nfrom_s = 2\nto_s = 1\n"),
+        &["line 7: experiment.to_s", "not after"],
+    );
+}
+
+#[test]
+fn a_rig_without_experiments_cannot_be_evaluated() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("rig.toml"), "[cylinder]\nbore_m = 0.02\n").unwrap();
+    let message = Rig::read(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("rig.toml: line 1: experiment: missing"), "{message}");
+}
+
+#[test]
+fn a_missing_rig_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = Rig::read(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("rig.toml: cannot be read: No such file"), "{message}");
+}
