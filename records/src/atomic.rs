@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 /// Writes `bytes` to `path`: to a temporary name in the same folder, synced, then renamed. A reader sees the old file
 /// or the new one, never a part; on failure the old file stays and nothing is left behind.
 ///
+/// A link is followed, a write-protected file refused. What is no file (a device, a pipe) is written to as it is.
+///
 /// # Errors
 /// [`Error::Write`] with the system's reason.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), Error> {
@@ -15,13 +17,26 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    if path.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "a folder of that name exists"));
+    let old = std::fs::metadata(path).ok();
+    match &old {
+        Some(old) if old.is_dir() => {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "a folder of that name exists"));
+        }
+        // Renaming would replace the device itself.
+        Some(old) if !old.is_file() => return File::options().write(true).open(path)?.write_all(bytes),
+        Some(old) if old.permissions().readonly() => {
+            return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file there is write-protected"));
+        }
+        _ => {}
     }
-    // A link is followed, so that the file it points to is replaced rather than the link.
     let path = if path.is_symlink() { std::fs::canonicalize(path)? } else { path.to_owned() };
     let temporary = temporary_beside(&path)?;
-    let result = fill(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, &path));
+    let result = fill(&temporary, bytes).and_then(|()| {
+        if let Some(old) = old {
+            std::fs::set_permissions(&temporary, old.permissions())?;
+        }
+        std::fs::rename(&temporary, &path)
+    });
     if result.is_err() {
         let _ = std::fs::remove_file(&temporary);
     }
@@ -73,5 +88,42 @@ mod tests {
         std::fs::create_dir(&path).unwrap();
         assert!(write_atomically(&path, b"x").unwrap_err().to_string().contains("a folder of that name"));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_write_protected_file_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("kept.toml");
+        std::fs::write(&path, "kept").unwrap();
+        let mut permissions = std::fs::metadata(&path).unwrap().permissions();
+        permissions.set_readonly(true);
+        std::fs::set_permissions(&path, permissions).unwrap();
+        assert!(write_atomically(&path, b"x").unwrap_err().to_string().contains("write-protected"));
+        assert_eq!(std::fs::read(&path).unwrap(), b"kept");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link_and_its_file_keeps_its_permissions() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o600)).unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write_atomically(&link, b"new").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_written_to_and_not_replaced() {
+        use std::os::unix::fs::FileTypeExt;
+        write_atomically(Path::new("/dev/null"), b"x").unwrap();
+        assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        let message = write_atomically(Path::new("/dev/full"), b"x").unwrap_err().to_string();
+        assert!(message.starts_with("/dev/full: cannot be written: No space left"), "{message}");
     }
 }

@@ -1,0 +1,7 @@
+//! The program as a user meets it: help, exit codes, sentences on bad input, nothing left behind.
+
+mod bad_input;
+mod common;
+mod help;
+mod output;
+mod simulate;

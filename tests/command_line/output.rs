@@ -1,0 +1,91 @@
+//! Where results go: odd paths, protected folders, full devices, readers that leave.
+
+use crate::common::{Bench, text};
+use std::io::Read;
+use std::process::Stdio;
+
+const CALL: [&str; 4] = ["simulate", "model.toml", "--motion", "motion.csv"];
+
+#[test]
+fn a_failed_run_leaves_the_older_result_alone() {
+    let bench = Bench::new();
+    bench.file("out.csv", "older");
+    bench.file("motion.csv", "time_s,position_m\n0,0.1\n0,0.1\n");
+    bench.refusal(&[&CALL[..], &["-o", "out.csv"]].concat());
+    assert_eq!(std::fs::read(bench.path("out.csv")).unwrap(), b"older");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_named() {
+    let bench = Bench::new();
+    let sentence = bench.refusal(&[&CALL[..], &["-o", "absent/out.csv"]].concat());
+    assert!(sentence.contains("absent/out.csv: cannot be written: No such file"), "{sentence}");
+    let sentence = bench.refusal(&[&CALL[..], &["-o", "."]].concat());
+    assert!(sentence.contains("cannot be written"), "{sentence}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_is_named_and_left_as_it_is() {
+    use std::os::unix::fs::PermissionsExt;
+    let bench = Bench::new();
+    let folder = bench.path("protected");
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::set_permissions(&folder, std::fs::Permissions::from_mode(0o555)).unwrap();
+    if std::fs::write(folder.join("probe"), "").is_ok() {
+        println!("skipped: this user may write anywhere");
+        return;
+    }
+    let sentence = bench.refusal(&[&CALL[..], &["-o", "protected/out.csv"]].concat());
+    assert!(sentence.contains("protected/out.csv: cannot be written: Permission denied"), "{sentence}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_named() {
+    let sentence = Bench::new().refusal(&[&CALL[..], &["-o", "/dev/full"]].concat());
+    assert!(sentence.contains("/dev/full: cannot be written: No space left"), "{sentence}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_an_error() {
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = Bench::new().command().args(CALL).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("No space left"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let bench = Bench::new();
+    // More than a pipe holds, so that the program is still writing when the reader leaves.
+    let rows: String = (0..20_000).map(|k| format!("{},0.1\n", f64::from(k) / 100.0)).collect();
+    bench.file("motion.csv", format!("time_s,position_m\n{rows}"));
+    let mut command = bench.command();
+    command.args(CALL).args(["--initial-pressure", "1e5"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let mut some = [0; 100];
+    let mut pipe = child.stdout.take().unwrap();
+    pipe.read_exact(&mut some).unwrap();
+    drop(pipe);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stderr), "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn names_with_spaces_and_bytes_that_are_no_text_are_names() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let bench = Bench::new();
+    let odd = |name: &'static [u8]| bench.path(OsStr::from_bytes(name));
+    std::fs::rename(bench.path("model.toml"), odd(b"my model \xff.toml")).unwrap();
+    std::fs::rename(bench.path("motion.csv"), odd(b"fahrt \xfc 1.csv")).unwrap();
+    let mut command = bench.command();
+    command.arg("simulate").arg(odd(b"my model \xff.toml")).arg("--motion").arg(odd(b"fahrt \xfc 1.csv"));
+    let output = command.arg("-o").arg(odd(b"aus gabe \xe9.csv")).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(odd(b"aus gabe \xe9.csv").is_file());
+}

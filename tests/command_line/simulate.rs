@@ -1,0 +1,100 @@
+//! `pneutherm simulate`: its table, its start, the mapping of columns.
+
+use crate::common::{Bench, motion, text};
+
+const CALL: [&str; 4] = ["simulate", "model.toml", "--motion", "motion.csv"];
+
+/// The table's columns, by rows.
+fn rows(table: &[u8]) -> Vec<Vec<f64>> {
+    let table = text(table);
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("time_s,pressure_pa,gas_pressure_pa,temperature_k,mass_kg,volume_m3,heat_flow_w"));
+    lines.map(|line| line.split(',').map(|field| field.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn each_row_of_the_motion_has_its_row_and_the_gas_obeys_its_law() {
+    let rows = rows(&Bench::new().call(0, &CALL).stdout);
+    assert_eq!(rows.len(), 200);
+    assert_eq!(rows[0][..4], [0.0, 101300.0, 101300.0, 296.0]);
+    for row in &rows {
+        let &[_, shown, pressure, temperature, mass, volume, heat_flow] = &row[..] else { panic!("seven columns") };
+        assert_eq!(shown, pressure, "a leak is not the sensor's");
+        assert!((pressure * volume / (mass * 287.0 * temperature) - 1.0).abs() < 1e-12);
+        assert!(heat_flow <= 0.0 || temperature <= 296.0, "heat flows from hot to cold");
+    }
+    assert!(rows[199][4] < rows[20][4], "the compressed gas leaks out");
+    let first_volume = std::f64::consts::PI / 4.0 * 4e-4 * 0.1 + 1.6e-6;
+    assert!((rows[0][5] / first_volume - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn a_file_holds_what_standard_output_shows() {
+    let bench = Bench::new();
+    let shown = bench.call(0, &CALL).stdout;
+    assert_eq!(bench.call(0, &[&CALL[..], &["-o", "out.csv"]].concat()).stdout, b"");
+    assert_eq!(std::fs::read(bench.path("out.csv")).unwrap(), shown);
+    assert_eq!(bench.call(0, &[&CALL[..], &["-o", "-"]].concat()).stdout, shown);
+}
+
+#[test]
+fn the_start_is_the_mean_before_the_first_movement_or_what_is_asked_for() {
+    let bench = Bench::new();
+    // 1 kPa above and below by turns while at rest, nonsense afterwards.
+    let mut lines: Vec<String> = motion().lines().map(str::to_owned).collect();
+    for (k, line) in lines.iter_mut().enumerate().skip(1) {
+        let pressure = if k > 21 { 9e5 } else { 201300.0 + if k % 2 == 0 { 1e3 } else { -1e3 } };
+        *line = line.replace("101300.0", &pressure.to_string());
+    }
+    bench.file("motion.csv", lines.join("\n"));
+    let start = rows(&bench.call(0, &CALL).stdout)[0][1];
+    assert!((start - 201300.0).abs() < 60.0, "{start}");
+    let asked = rows(&bench.call(0, &[&CALL[..], &["--initial-pressure", "6e5"]].concat()).stdout);
+    assert_eq!(asked[0][1], 6e5);
+}
+
+#[test]
+fn a_plan_without_pressure_needs_the_start() {
+    let bench = Bench::new();
+    bench.file("motion.csv", "time_s,position_m\n0,0.1\n0.1,0.1\n0.2,0.05\n1,0.05\n");
+    assert!(bench.refusal(&CALL).contains("motion.csv: has no pressure column to begin from; say"));
+    assert_eq!(rows(&bench.call(0, &[&CALL[..], &["--initial-pressure", "2e5"]].concat()).stdout).len(), 4);
+}
+
+#[test]
+fn a_rig_maps_the_motion_s_columns() {
+    let bench = Bench::new();
+    let plain = bench.call(0, &CALL).stdout;
+    let mapped = motion().replace("time_s,pressure_pa,position_m", "#t p x").replace(',', " ");
+    bench.file("motion.csv", mapped);
+    bench.file(
+        "rig.toml",
+        "[cylinder]\nbore_m = 0.02\n[columns]\ntime = { name = \"t\" }\npressure = { name = \"p\" }\n\
+         position = { name = \"x\" }\n[format]\nseparator = \"whitespace\"\n",
+    );
+    assert!(bench.refusal(&CALL).contains("separator = \"whitespace\""));
+    assert_eq!(bench.call(0, &[&CALL[..], &["--rig", "rig.toml"]].concat()).stdout, plain);
+    assert_eq!(bench.call(0, &[&CALL[..], &["--rig", "."]].concat()).stdout, plain, "a folder means its rig.toml");
+}
+
+#[test]
+fn a_mass_flow_and_an_ambient_temperature_of_the_motion_count() {
+    let bench = Bench::new();
+    bench.file("model.toml", "[chamber]\nbore_m = 0.02\n[heat_transfer]\ncoefficient_w_per_m2_k = 26.5\n");
+    bench.file(
+        "motion.csv",
+        "time_s,pressure_pa,position_m,mass_flow_kg_per_s,ambient_temperature_k\n\
+         0,1e5,0.1,1e-6,300\n1,1e5,0.1,1e-6,300\n3,1e5,0.1,1e-6,300\n",
+    );
+    let rows = rows(&bench.call(0, &CALL).stdout);
+    assert_eq!(rows[0][3], 300.0);
+    assert!((rows[2][4] - rows[0][4] - 3e-6).abs() < 1e-15, "mass closes to rounding");
+}
+
+#[test]
+fn a_motion_into_the_chamber_s_end_is_refused() {
+    let bench = Bench::new();
+    bench.file("model.toml", "[chamber]\nbore_m = 0.02\n[heat_transfer]\ncoefficient_w_per_m2_k = 26.5\n");
+    bench.file("motion.csv", motion().replace("0.05\n", "0.0\n"));
+    assert!(bench.refusal(&CALL).contains("motion.csv: at 0.24 s the position 0 m leaves no gas"));
+}
