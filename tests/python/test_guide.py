@@ -1,0 +1,94 @@
+"""Runs the tutorial's commands verbatim, page after page, in a copy of the examples' folder."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+PAGES = ["record", "identify", "diagnose", "fmu", "sweep", "python"]
+BLOCK = re.compile(r"^```(\w+)(?:,file=(\S+))?\n(.*?)^```", flags=re.S | re.M)
+
+
+def blocks(page):
+    """The page's code blocks: (language, file name or empty, text)."""
+    return BLOCK.findall(page)
+
+
+@pytest.fixture(scope="module")
+def folder(root, tmp_path_factory):
+    """A copy of the examples' folder, shared by all pages: each goes on where the one before ended."""
+    folder = tmp_path_factory.mktemp("a reader's folder") / "try"
+    shutil.copytree(root / "examples", folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory):
+    """The reader's shell: `pneutherm` and `python` on the PATH."""
+    program = pathlib.Path(os.environ.get("PNEUTHERM", pathlib.Path("target/release/pneutherm"))).resolve()
+    if not program.exists():
+        pytest.fail(f"{program} is not there: build it with `cargo build --release`, or set PNEUTHERM")
+    tools = tmp_path_factory.mktemp("bin")
+    (tools / "pneutherm").symlink_to(program)
+    # A symbolic link to a virtual environment's interpreter would lose the environment.
+    (tools / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    (tools / "python").chmod(0o755)
+    return {**os.environ, "PATH": os.pathsep.join([str(tools), os.environ["PATH"]])}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_page_works_as_written(name, root, folder, environment):
+    page = (root / "book/src/tutorial" / f"{name}.md").read_text()
+    if "import pneutherm" in page and not module_is_installed():
+        pytest.skip("the Python module `pneutherm` is not installed (pip install .)")
+    for language, file, text in blocks(page):
+        if file:
+            (folder / file).write_text(text)
+        elif language == "sh":
+            for command in text.strip().splitlines():
+                run(command, folder, environment)
+
+
+def module_is_installed():
+    return subprocess.run([sys.executable, "-c", "import pneutherm"], capture_output=True).returncode == 0
+
+
+def run(command, folder, environment):
+    process = subprocess.run(
+        command, shell=True, cwd=folder, env=environment, capture_output=True, text=True, timeout=300
+    )
+    assert process.returncode == 0, f"$ {command}\n{process.stdout}\n{process.stderr}"
+    assert "Traceback" not in process.stderr, process.stderr
+
+
+def test_the_diagnosed_model_predicts_the_validation_record_better(root, folder, environment):
+    """What the tutorial promises of its example; runs after its pages."""
+    if not (folder / "compare.py").exists():
+        pytest.skip("the tutorial's pages did not run")
+    output = subprocess.run(
+        ["python", "compare.py"], cwd=folder, env=environment, capture_output=True, text=True, check=True
+    ).stdout
+    before, after = (float(value) for value in re.findall(r": (\d+) Pa rms", output))
+    assert after < before and after < 1.2 * 150.0, output
+
+
+def test_every_page_of_the_summary_exists_and_every_link_leads_somewhere(root):
+    source = root / "book/src"
+    pages = [source / target for target in re.findall(r"\]\(([^)]+\.md)\)", (source / "SUMMARY.md").read_text())]
+    assert {page for page in source.rglob("*.md")} == {*pages, source / "SUMMARY.md"}
+    for page in [*pages, root / "README.md"]:
+        text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+        for target, anchor in re.findall(r"\]\((?!https?:)([^)#]*)(?:#([^)]+))?\)", text):
+            to = (page.parent / target).resolve() if target else page
+            assert to.exists(), f"{page.name}: {target}"
+            if anchor:
+                anchors = [slug(line) for line in re.findall(r"^#+ (.*)$", to.read_text(), flags=re.M)]
+                assert anchor in anchors, f"{page.name}: {target}#{anchor} is none of {anchors}"
+
+
+def slug(heading):
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
