@@ -1,0 +1,60 @@
+//! The page of effects, from their cards.
+
+use super::{MADE, number, table};
+use chamber::card::{Card, Unit};
+use chamber::effects;
+use std::fmt::Write;
+
+fn page() -> String {
+    let mut page = format!("{MADE}{HEAD}");
+    page += &table(
+        ["effect", "balance", "in short"],
+        effects::all()
+            .map(|(_, card)| [format!("[`{0}`](#{0})", card.name), card.balance.to_string(), card.doc.to_owned()]),
+    );
+    for (_, card) in effects::all() {
+        page += &section(card);
+    }
+    page
+}
+
+const HEAD: &str = "\
+# Effects and their parameters
+
+What the paper's model neglects. An effect is off when each of its parameters is neutral. *Typical* is the value that a
+fit begins from. Names as in model files (`[effect.NAME]`) and studies (`effect.NAME.parameter`).
+
+";
+
+fn section(card: &Card) -> String {
+    let mut text = format!("\n## {}\n\n{}.\n\n```text\n{}\n```\n\n", card.name, card.doc, card.equation);
+    writeln!(text, "Changes the balance of {}. Source: {}.\n", card.balance, card.source).expect("a String takes all");
+    text += &table(
+        ["parameter", "unit", "neutral", "typical", "bounds", ""],
+        card.parameters.iter().map(|p| {
+            let fitted = if p.fitted { "" } else { " (not fitted unless asked for)" };
+            [
+                format!("`{}`", p.key()),
+                unit(p.unit),
+                number(p.neutral),
+                number(p.typical),
+                format!("{} to {}", number(*p.bounds.start()), number(*p.bounds.end())),
+                format!("{}{fitted}", p.doc),
+            ]
+        }),
+    );
+    for state in card.states {
+        writeln!(text, "\nIntegrates a state of its own: {}, {}.", state.doc, unit(state.unit))
+            .expect("a String takes all");
+    }
+    text
+}
+
+fn unit(unit: Unit) -> String {
+    if unit == Unit::One { "—".to_owned() } else { unit.symbol().to_owned() }
+}
+
+#[test]
+fn the_page_of_effects_is_what_the_cards_declare() {
+    expect_test::expect_file!["../../book/src/reference/effects.md"].assert_eq(&page());
+}
