@@ -1,16 +1,15 @@
 //! How an error leaves the program: one sentence on standard error, and the exit code.
 
 use std::io::{self, Write};
-use std::process::ExitCode;
 
 /// Tells the error and gives the exit code: 1, or 0 when the reader of our output has simply gone (`| head`).
-pub fn report(error: &anyhow::Error) -> ExitCode {
+pub fn report(error: &anyhow::Error) -> u8 {
     if error.chain().any(is_closed_pipe) {
-        return ExitCode::SUCCESS;
+        return 0;
     }
     // When even standard error is gone there is nobody left to tell.
     let _ = writeln!(io::stderr(), "error: {}", sentence(error));
-    ExitCode::FAILURE
+    1
 }
 
 fn is_closed_pipe(error: &(dyn std::error::Error + 'static)) -> bool {

@@ -1,0 +1,42 @@
+//! `pneutherm`: heat transfer in pneumatic cylinder chambers, from the command line.
+//!
+//! A library, so that the program of `cargo install` and that of `pip install` are the same: both call [`run`].
+//! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do.
+
+mod commands;
+mod failure;
+mod output;
+#[cfg(test)]
+mod reference;
+mod reproduce;
+
+use clap::Parser;
+use std::ffi::OsString;
+
+/// Heat transfer between the air in a pneumatic cylinder chamber and its wall: identified from a push-and-hold test,
+/// delivered as a model, an FMU, a Parquet study and a diagnosis.
+#[derive(Parser)]
+#[command(name = "pneutherm", version, arg_required_else_help = true, after_help = AFTER_HELP)]
+struct Cli {
+    #[command(subcommand)]
+    command: commands::Command,
+}
+
+const AFTER_HELP: &str = "\
+Files: traces are CSV, rigs, models and studies are TOML; `-` means standard output where a file is written.
+Exit code: 0 done, 1 the input is wrong or the work failed (one sentence on standard error), 2 wrong usage.";
+
+/// Does what the arguments say, the program's name first, and gives the exit code: 0, 1 or 2 as the help has it.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    match Cli::try_parse_from(arguments) {
+        Ok(cli) => match cli.command.run() {
+            Ok(()) => 0,
+            Err(error) => failure::report(&error),
+        },
+        Err(usage) => {
+            // Help and version arrive here too, with exit code 0. When nobody reads them there is nothing to do.
+            let _ = usage.print();
+            u8::try_from(usage.exit_code()).unwrap_or(2)
+        }
+    }
+}
