@@ -62,13 +62,15 @@ impl Corpus {
         let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("a folder's entry").path()).collect();
         paths.sort();
-        let files: Vec<_> = paths.into_iter().map(|path| (path.clone(), std::fs::read(path).expect("a file"))).collect();
+        let files: Vec<_> =
+            paths.into_iter().map(|path| (path.clone(), std::fs::read(path).expect("a file"))).collect();
         assert!(!files.is_empty(), "{} is empty", folder.display());
         Self { folder, files }
     }
 
     fn keep(&self, bytes: &[u8]) -> PathBuf {
-        let sum = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x100_0000_01b3));
+        let sum =
+            bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x100_0000_01b3));
         let path = self.folder.join(format!("found-{sum:016x}"));
         std::fs::write(&path, bytes).expect("the corpus can be written");
         path

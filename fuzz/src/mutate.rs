@@ -5,9 +5,46 @@ use std::path::PathBuf;
 
 /// Words no format likes.
 const NASTY: [&str; 40] = [
-    "", "0", "-0", "-1", "1e400", "-1e400", "1e-400", "NaN", "nan", "inf", "-inf", "1,5", "1.5.5", "0x10", "1_000", "١", "−1",
-    "1e", "+", ".", "\"", "'", "\"\"\"", "[", "]", "[[", "{", "}", "=", "#", "\n", "\r", "\r\n", "\t", "\0", "\u{feff}", "\u{202e}",
-    "9223372036854775808", "99999999999999999999999999", "5e-324",
+    "",
+    "0",
+    "-0",
+    "-1",
+    "1e400",
+    "-1e400",
+    "1e-400",
+    "NaN",
+    "nan",
+    "inf",
+    "-inf",
+    "1,5",
+    "1.5.5",
+    "0x10",
+    "1_000",
+    "١",
+    "−1",
+    "1e",
+    "+",
+    ".",
+    "\"",
+    "'",
+    "\"\"\"",
+    "[",
+    "]",
+    "[[",
+    "{",
+    "}",
+    "=",
+    "#",
+    "\n",
+    "\r",
+    "\r\n",
+    "\t",
+    "\0",
+    "\u{feff}",
+    "\u{202e}",
+    "9223372036854775808",
+    "99999999999999999999999999",
+    "5e-324",
 ];
 /// The longest input that is made, bytes.
 const LONGEST: usize = 64 << 10;
@@ -41,8 +78,8 @@ fn mutate(random: &mut Rng, bytes: &mut Vec<u8>, files: &[(PathBuf, Vec<u8>)], d
             bytes.splice(part, other[piece].iter().copied());
         }
         4 => bytes.truncate(part.start),
-        5 => put(random, bytes, NASTY[random.usize(..NASTY.len())]),
-        6 if !dictionary.is_empty() => put(random, bytes, dictionary[random.usize(..dictionary.len())]),
+        5 => put(random, bytes, &NASTY),
+        6 if !dictionary.is_empty() => put(random, bytes, dictionary),
         7 => replace_number(random, bytes),
         _ => {
             let line = line_at(bytes, part.start);
@@ -54,7 +91,8 @@ fn mutate(random: &mut Rng, bytes: &mut Vec<u8>, files: &[(PathBuf, Vec<u8>)], d
 }
 
 /// A word at a random place, or in place of the field that is there.
-fn put(random: &mut Rng, bytes: &mut Vec<u8>, word: &str) {
+fn put(random: &mut Rng, bytes: &mut Vec<u8>, words: &[&str]) {
+    let word = words[random.usize(..words.len())];
     let at = random.usize(..=bytes.len());
     let in_field = |byte: &u8| !b",;=\n\t ".contains(byte);
     let end = if random.bool() { at } else { at + bytes[at..].iter().take_while(|b| in_field(b)).count() };

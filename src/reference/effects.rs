@@ -28,7 +28,7 @@ fit begins from. Names as in model files (`[effect.NAME]`) and studies (`effect.
 
 fn section(card: &Card) -> String {
     let mut text = format!("\n## {}\n\n{}.\n\n```text\n{}\n```\n\n", card.name, card.doc, card.equation);
-    writeln!(text, "Changes the balance of {}. Source: {}.\n", card.balance, card.source).expect("a String takes all");
+    writeln!(text, "Balance: {}. Source: {}.\n", card.balance, card.source).expect("a String takes all");
     text += &table(
         ["parameter", "unit", "neutral", "typical", "bounds", ""],
         card.parameters.iter().map(|p| {

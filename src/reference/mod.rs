@@ -8,7 +8,8 @@ mod effects;
 use std::fmt::Write;
 
 /// First line of every page that is made here.
-const MADE: &str = "<!-- Made by `UPDATE_EXPECT=1 cargo test reference`; change the declaration, not this page. -->\n\n";
+const MADE: &str =
+    "<!-- Made by `UPDATE_EXPECT=1 cargo test reference`; change the declaration, not this page. -->\n\n";
 
 /// A Markdown table with that heading; `|` in cells is escaped.
 fn table<const N: usize>(heading: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
