@@ -45,3 +45,36 @@ impl Effect for SensorLag {
         p[0].where_positive(own[0], reading)
     }
 }
+
+/// Reading of the lagging sensor a time `elapsed` after it showed `reading`, while the pressure is p0 + p1 t + p2 t²
+/// (Pa, Pa/s, Pa/s²): the exact solution, for any τs > 0 however small, so that a fast sensor costs no small steps.
+///
+/// y = q(t) + (y0 − q(0)) e^(−t/τs) with q = p − τs p′ + τs² p″.
+#[inline]
+pub fn follow<R: Real>(time_constant: R, reading: R, pressure: [R; 3], elapsed: R) -> R {
+    let [p0, p1, p2] = pressure;
+    let curvature = p2 * 2.0;
+    let at_begin = p0 - time_constant * (p1 - time_constant * curvature);
+    let slope = p1 + curvature * elapsed;
+    let at_end = p0 + elapsed * (p1 + p2 * elapsed) - time_constant * (slope - time_constant * curvature);
+    at_end + (reading - at_begin) * (-elapsed / time_constant).max(R::from(-700.0)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::follow;
+
+    #[test]
+    fn following_a_parabola_solves_the_sensor_equation() {
+        let (tau, pressure) = (0.02, [1e5, 3e6, -2e7]);
+        let y = |t: f64| follow(tau, 0.9e5, pressure, t);
+        let p = |t: f64| pressure[0] + t * (pressure[1] + t * pressure[2]);
+        assert!((y(0.0) - 0.9e5).abs() < 1e-9);
+        for k in 1..20 {
+            let (t, h) = (f64::from(k) * 0.005, 1e-6);
+            let rate = (y(t + h) - y(t - h)) / (2.0 * h);
+            assert!((tau * rate - (p(t) - y(t))).abs() < 1e-3, "{t}");
+        }
+        assert!((follow(1e-9, 0.9e5, pressure, 0.01) - p(0.01)).abs() < 0.01);
+    }
+}
