@@ -63,8 +63,8 @@ impl<R: Scalar> Disturbance<R> for Undisturbed {
     }
 }
 
-/// Largest number of evaluations of the balances for one record before a trial of a fit is given up.
-const MOST_EVALUATIONS: usize = 400_000;
+/// Evaluations of the balances before a trial of a fit is given up as too stiff: so many, and so many for each row.
+const MOST_EVALUATIONS: (usize, usize) = (10_000, 60);
 
 /// Effects that belong to the sensor's chain.
 pub fn sensor_effects() -> EffectSet {
@@ -102,6 +102,8 @@ pub fn pressures<R: Scalar>(
     let mut sensor = Sensor::new(chamber, set, course, times, begin, start.pressure);
     let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
     let evaluations = Cell::new(0usize);
+    let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
+    let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
     for index in 0..course.motion.segments.len() {
         let end = course.motion.segments[index].to_s.min(last);
         if end <= integrator.time {
@@ -111,7 +113,7 @@ pub fn pressures<R: Scalar>(
         integrator.step = integrator.step.min(0.02 * (end - integrator.time));
         let system = |t: f64, state: &[R; STATES]| -> [R; STATES] {
             evaluations.set(evaluations.get() + 1);
-            if evaluations.get() > MOST_EVALUATIONS {
+            if evaluations.get() > most_evaluations {
                 return [R::from(f64::NAN); STATES];
             }
             let boundary = course.boundary(index, t, &near, &near_flow);

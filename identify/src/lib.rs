@@ -1,3 +1,31 @@
-//! Heat transfer coefficients from measured traces; residuals traced to the effect that causes them.
+//! Measured traces in, an identified model out: the fit of a rig, its residual, and the effect that explains it.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`motion`], [`noise`], [`checks`], [`prepare`] | from rows to blocks: moves, holds, noise, bad input |
+//! | [`forward`] | the model's pressure along a record, with exact sensitivities |
+//! | [`hypothesis`], [`fit`], [`uncertainty`] | what is free, the least squares over all traces, intervals |
+//! | [`candidates`], [`evidence`], [`held_out`] | fits with effects added, and how much they are worth |
+//! | [`missing`], [`adequacy`], [`sanity`] | what remains, whether it is noise, what has no physics behind it |
+//! | [`tracing`] | from the residual to the effect that explains it, or to the statement that none does |
+//! | [`paper`] | the published method on one trace, and the paper's own numbers |
 
+pub mod adequacy;
+pub mod candidates;
+pub mod checks;
+pub mod error;
+pub mod evidence;
+pub mod fit;
+pub mod forward;
+pub mod held_out;
+pub mod hypothesis;
+pub mod missing;
+pub mod motion;
+pub mod noise;
 pub mod paper;
+pub mod prepare;
+pub mod sanity;
+pub mod tracing;
+pub mod uncertainty;
+
+pub use error::Error;

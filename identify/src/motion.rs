@@ -55,6 +55,11 @@ impl Spline {
         Self { time, value, slope }
     }
 
+    /// Smallest of its knots' values.
+    pub fn lowest(&self) -> f64 {
+        extent(&self.value).0
+    }
+
     /// Value and slope at time `t`; `near` remembers the last piece.
     #[inline]
     pub fn at(&self, t: f64, near: &Cell<usize>) -> (f64, f64) {
@@ -224,9 +229,8 @@ fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
             .collect();
         let spread = parts.iter().map(|(_, x)| (x - whole).abs()).fold(0.0, f64::max);
         if spread > 6.0 * noise_m / (size as f64).sqrt() && spread > 2.0 * noise_m {
-            let (mut t, mut x): (Vec<f64>, Vec<f64>) = parts.into_iter().unzip();
+            let (mut t, x): (Vec<f64>, Vec<f64>) = parts.into_iter().unzip();
             (t[0], t[PARTS - 1]) = (time_s[0], time_s[n - 1]);
-            (x[0], x[PARTS - 1]) = (x[0], x[PARTS - 1]);
             return Spline::through(t, x, [Some(0.0), Some(0.0)]);
         }
     }

@@ -1,0 +1,50 @@
+//! Is what a fit leaves no more than noise?
+//!
+//! Two tests, both against the noise of the quiet parts. The sum of squares of the block means, and, far sharper where
+//! the rest has a shape, the largest gain of any family of missing terms ([`crate::missing`]): χ² with the family's rank.
+//! Limits are set for well under one false "more than noise" in a thousand clean rigs.
+
+use crate::fit::Fit;
+use crate::missing::{Missing, Search};
+use crate::prepare::Data;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// A family whose gain has less than this probability under noise is no noise.
+pub const FAMILY_PROBABILITY: f64 = 2e-5;
+/// A sum of squares this many standard deviations above its expectation is no noise.
+pub const SQUARES_DEVIATIONS: f64 = 4.5;
+
+/// What the tests say.
+#[derive(Clone, Debug)]
+pub struct Adequacy {
+    /// Whether the residual is no more than noise.
+    pub is_noise: bool,
+    /// Sum of squares of block means above its expectation, in standard deviations.
+    pub squares_deviations: f64,
+    /// Probability of the best family's gain under noise.
+    pub family_probability: f64,
+    /// Families of missing terms, most significant first.
+    pub families: Vec<Missing>,
+}
+
+/// Tests a fit's residual.
+pub fn test(data: &Data, fit: &Fit) -> Adequacy {
+    let locals: usize = fit.locals.iter().map(Vec::len).sum();
+    let freedom = (fit.blocks as f64 - fit.globals.len() as f64 - locals as f64).max(1.0);
+    let deviation = (2.0 * freedom + (freedom * data.noise.variance_error).powi(2)).sqrt();
+    let squares_deviations = (fit.chi2 - freedom) / deviation;
+    let mut families = Search::new(data, fit).map(|s| s.all()).unwrap_or_default();
+    families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
+    let family_probability = families.first().map_or(1.0, probability);
+    Adequacy {
+        is_noise: squares_deviations < SQUARES_DEVIATIONS && family_probability > FAMILY_PROBABILITY,
+        squares_deviations,
+        family_probability,
+        families,
+    }
+}
+
+/// Probability that noise alone gives a family its gain.
+pub fn probability(m: &Missing) -> f64 {
+    ChiSquared::new(m.rank as f64).map_or(1.0, |c| c.sf(m.gain))
+}

@@ -1,0 +1,120 @@
+//! What can be wrong with measured data, each with the number that gives it away.
+
+use std::path::PathBuf;
+
+/// Why a rig could not be identified or diagnosed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The rig has no trace.
+    #[error("{}: no experiment has a trace; list at least one in [[experiment]] traces", rig.display())]
+    NoTraces {
+        /// The rig file.
+        rig: PathBuf,
+    },
+    /// A trace lacks its pressure.
+    #[error("{}: no pressure column; an identification needs the measured pressure", trace.display())]
+    NoPressure {
+        /// The trace.
+        trace: PathBuf,
+    },
+    /// Too few rows to fit anything.
+    #[error("{}: only {rows} rows; at least {least} are needed to see a move and what follows it", trace.display())]
+    TooFewSamples {
+        /// The trace.
+        trace: PathBuf,
+        /// Its rows.
+        rows: usize,
+        /// How many are needed.
+        least: usize,
+    },
+    /// The piston does not move.
+    #[error("{}: no move: the position stays within {:.3} mm (its noise is {:.4} mm); heat transfer shows only after a move",
+        trace.display(), range_m * 1e3, noise_m * 1e3)]
+    NoMove {
+        /// The trace.
+        trace: PathBuf,
+        /// Extent of the position, m.
+        range_m: f64,
+        /// Its noise, m.
+        noise_m: f64,
+    },
+    /// The pressure does not answer the move.
+    #[error("{}: the pressure stays within {range_pa:.1} Pa while the piston moves {:.1} mm; is the column the right one, the chamber closed, the sensor alive?",
+        trace.display(), stroke_m * 1e3)]
+    ConstantPressure {
+        /// The trace.
+        trace: PathBuf,
+        /// Extent of the pressure, Pa.
+        range_pa: f64,
+        /// Extent of the position, m.
+        stroke_m: f64,
+    },
+    /// The sensor is at the end of its range.
+    #[error("{}: the pressure sensor is saturated: {rows} rows in a row, from t = {from_s:.3} s on, read exactly {value_pa} Pa, the record's {}",
+        trace.display(), if *high { "largest" } else { "smallest" })]
+    Saturated {
+        /// The trace.
+        trace: PathBuf,
+        /// Length of the run.
+        rows: usize,
+        /// Its begin, s.
+        from_s: f64,
+        /// Its value, Pa.
+        value_pa: f64,
+        /// Whether it is the upper end.
+        high: bool,
+    },
+    /// Gauge pressure taken for absolute.
+    #[error("the pressures seem to be gauge, not absolute: the traces ask for {offset_pa:.0} Pa (± {half_width_pa:.0}) to be added to every reading, and the ambient pressure is {ambient_pa:.0} Pa; say `reference = \"gauge\"` for the pressure column")]
+    Gauge {
+        /// Offset that the traces ask for, Pa.
+        offset_pa: f64,
+        /// Half its 95 % interval, Pa.
+        half_width_pa: f64,
+        /// Ambient pressure, Pa.
+        ambient_pa: f64,
+    },
+    /// The geometry contradicts the pressures.
+    #[error("the geometry contradicts the pressures: they ask for a dead volume of {:.3} cm3 (± {:.3}), {:.0} % of the smallest swept volume below zero; check bore, rod and the position's offset and sign",
+        dead_volume_m3 * 1e6, half_width_m3 * 1e6, -100.0 * dead_volume_m3 / swept_m3)]
+    NegativeDeadVolume {
+        /// Dead volume that fits, m³.
+        dead_volume_m3: f64,
+        /// Half its 95 % interval, m³.
+        half_width_m3: f64,
+        /// Smallest swept volume, m³.
+        swept_m3: f64,
+    },
+    /// The gas's volume is not positive somewhere.
+    #[error("{}: position {:.3} mm at t = {at_s:.3} s leaves no volume behind the piston; check the position's offset and sign",
+        trace.display(), position_m * 1e3)]
+    NoVolume {
+        /// The trace.
+        trace: PathBuf,
+        /// When, s.
+        at_s: f64,
+        /// Position there, m.
+        position_m: f64,
+    },
+    /// Position and pressure move the same way.
+    #[error("{}: pressure and position rise together (correlation {correlation:.2}): the position seems to count from the other end; give its column `sign = -1` and an offset_m, or choose the other chamber",
+        trace.display())]
+    WrongSign {
+        /// The trace.
+        trace: PathBuf,
+        /// Their correlation.
+        correlation: f64,
+    },
+    /// The model cannot be integrated at the start values.
+    #[error("{}: the model cannot follow the record: {source}", trace.display())]
+    Simulation {
+        /// The trace.
+        trace: PathBuf,
+        /// Why.
+        source: chamber::integrate::IntegrationError,
+    },
+    /// From a method on a single trace.
+    #[error("{0}")]
+    Method(String),
+}

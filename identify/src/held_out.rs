@@ -1,0 +1,101 @@
+//! The error on data that took no part in the fit: repeats left out in turn; without repeats, the last third of each
+//! record, simulated on from its beginning.
+//!
+//! A left-out record brings its own initial pressure: the mean before its first move. One that starts in motion has none;
+//! its initial pressure and temperature are then fitted to its first third, and the rest judged.
+
+use crate::fit::{self, Fit, readings};
+use crate::prepare::{Data, Prepared};
+use chamber::Chamber;
+use rayon::prelude::*;
+
+/// One way of leaving data out: the blocks that are fitted, and the rows that are judged.
+#[derive(Clone, Debug)]
+pub struct Fold {
+    /// Leading blocks of each trace that are fitted.
+    pub selection: Vec<usize>,
+    /// Rows of each trace that are judged: from this row on (all rows: 0; none: the trace's length).
+    pub judged_from: Vec<usize>,
+}
+
+/// The folds of a rig.
+pub fn folds(data: &Data) -> Vec<Fold> {
+    let repeats = data.traces.iter().map(|t| t.repeat).max().unwrap_or(0) + 1;
+    if repeats > 1 {
+        let has_repeats: Vec<bool> = (0..data.experiments.len())
+            .map(|e| data.traces.iter().filter(|t| t.experiment == e).count() > 1)
+            .collect();
+        return (0..repeats)
+            .map(|repeat| {
+                let out = |t: &Prepared| t.repeat == repeat && has_repeats[t.experiment];
+                Fold {
+                    selection: data.traces.iter().map(|t| if out(t) { 0 } else { t.blocks.len() }).collect(),
+                    judged_from: data.traces.iter().map(|t| if out(t) { 0 } else { t.time_s.len() }).collect(),
+                }
+            })
+            .filter(|f| f.selection.contains(&0) && f.selection.iter().any(|n| *n > 0))
+            .collect();
+    }
+    let cut = |t: &Prepared| 2 * t.time_s.len() / 3;
+    vec![Fold {
+        selection: data.traces.iter().map(|t| t.blocks.iter().filter(|b| b.end <= cut(t)).count()).collect(),
+        judged_from: data.traces.iter().map(cut).collect(),
+    }]
+}
+
+/// Root mean square of measured − predicted, Pa, over all judged rows of all folds; `None` where a fold cannot be fitted.
+pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
+    let mut squares = 0.0;
+    let mut rows = 0;
+    for fold in folds {
+        let h = &fitted.hypothesis;
+        let refit = fit::fit(data, h, fitted.globals.clone(), fitted.locals.clone(), &fold.selection).ok()?;
+        let chamber = refit.chamber();
+        let parts: Option<Vec<(f64, usize)>> = (0..data.traces.len())
+            .into_par_iter()
+            .filter(|&k| fold.judged_from[k] < data.traces[k].time_s.len())
+            .map(|k| {
+                let t = &data.traces[k];
+                let (local, from) = if fold.selection[k] > 0 {
+                    (refit.locals[k].clone(), fold.judged_from[k])
+                } else if t.starts_at_rest {
+                    (from_rest(t, &chamber)?, 0)
+                } else {
+                    let third = t.time_s.len() / 3;
+                    (first_third(data, &refit, k)?, third)
+                };
+                let model = readings(t, &chamber, &local).ok()?;
+                let sum = t.pressure_pa.iter().zip(&model).skip(from).map(|(y, m)| (y - m).powi(2)).sum();
+                Some((sum, t.time_s.len() - from))
+            })
+            .collect();
+        for (sum, n) in parts? {
+            squares += sum;
+            rows += n;
+        }
+    }
+    (rows > 0).then(|| (squares / rows as f64).sqrt())
+}
+
+/// The initial pressure with which the model's mean over the rest is the measured one.
+fn from_rest(t: &Prepared, chamber: &Chamber) -> Option<Vec<f64>> {
+    let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);
+    let mut times = t.clone();
+    times.time_s.truncate(rest);
+    let model = readings(&times, chamber, &[1.0]).ok()?;
+    let ratio = t.pressure_pa[..rest].iter().sum::<f64>() / model.iter().sum::<f64>();
+    Some(vec![ratio])
+}
+
+/// Locals of a trace that starts in motion, from its first third with the globals held.
+fn first_third(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
+    let mut held = fitted.hypothesis.clone();
+    held.base = fitted.chamber();
+    held.axes.clear();
+    let cut = data.traces[k].time_s.len() / 3;
+    let selection: Vec<usize> = (0..data.traces.len())
+        .map(|i| if i == k { data.traces[k].blocks.iter().filter(|b| b.end <= cut).count() } else { 0 })
+        .collect();
+    let mut locals = fit::fit(data, &held, Vec::new(), fit::first_locals(data), &selection).ok()?.locals;
+    Some(locals.swap_remove(k))
+}

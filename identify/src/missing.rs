@@ -1,0 +1,447 @@
+//! What a residual looks like when no name is given to it: a missing flow, power, volume or sensor error as a free
+//! function of one variable.
+//!
+//! Each family is a balance and a variable; its function is piecewise linear on knots at quantiles of the variable along
+//! the records. The pressure's response to each hat function is exact to first order (dual numbers through the whole
+//! simulation); how much of χ² the best combination takes away, beyond what the fitted parameters could, follows from
+//! linear algebra. The same numbers serve two ends: does anything of this kind remain (a test with many more directions
+//! than the named effects have), and what would it be.
+
+use crate::fit::{self, Fit, RELATIVE_TOLERANCE};
+use crate::forward::{Disturbance, pressures, sensor_effects, without};
+use crate::hypothesis;
+use crate::motion::Phase;
+use crate::prepare::{Data, Prepared};
+use crate::uncertainty::project_out;
+use chamber::balance::{ENERGY, MASS};
+use chamber::card::Balance;
+use chamber::dual::Dual;
+use chamber::real::Real;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rayon::prelude::*;
+
+/// Hat functions of a family.
+pub const KNOTS: usize = 6;
+type Tangent = Dual<KNOTS>;
+
+/// What a missing term may follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variable {
+    /// Time from the record's start, s.
+    Time,
+    /// Time since the last move began, s.
+    SinceMove,
+    /// Pressure of the gas, Pa.
+    Pressure,
+    /// T − Tw, K.
+    TemperatureDifference,
+    /// |T − Tw|, K.
+    TemperatureDistance,
+    /// Speed of the piston, m/s.
+    Speed,
+    /// Its amount, m/s.
+    SpeedAmount,
+    /// dP/dt, Pa/s.
+    PressureRate,
+    /// Position of the piston, m.
+    Position,
+}
+
+impl Variable {
+    /// Name and unit, for people.
+    pub fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Variable::Time => ("time from the record's start", "s"),
+            Variable::SinceMove => ("time since the last move began", "s"),
+            Variable::Pressure => ("pressure", "Pa"),
+            Variable::TemperatureDifference => ("temperature difference gas − wall", "K"),
+            Variable::TemperatureDistance => ("size of the temperature difference gas − wall", "K"),
+            Variable::Speed => ("piston speed", "m/s"),
+            Variable::SpeedAmount => ("amount of the piston speed", "m/s"),
+            Variable::PressureRate => ("rate of pressure", "Pa/s"),
+            Variable::Position => ("piston position", "m"),
+        }
+    }
+}
+
+/// In what way a family disturbs the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A mass flow into the gas, kg/s.
+    Flow,
+    /// A heat flow into the gas, W.
+    Power,
+    /// A relative change of the heat transfer coefficient.
+    CoefficientShare,
+    /// A relative change of the gas's volume.
+    VolumeShare,
+    /// An error of the reading, Pa.
+    Reading,
+}
+
+impl Form {
+    /// The balance it belongs to.
+    pub fn balance(self) -> Balance {
+        match self {
+            Form::Flow => Balance::Mass,
+            Form::Power | Form::CoefficientShare => Balance::Energy,
+            Form::VolumeShare => Balance::Volume,
+            Form::Reading => Balance::Sensor,
+        }
+    }
+    /// Name and unit, for people.
+    pub fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Form::Flow => ("missing mass flow into the gas", "kg/s"),
+            Form::Power => ("missing heat flow into the gas", "W"),
+            Form::CoefficientShare => ("missing share of the heat transfer coefficient", "1"),
+            Form::VolumeShare => ("missing share of the volume", "1"),
+            Form::Reading => ("missing part of the pressure reading", "Pa"),
+        }
+    }
+}
+
+/// The families tried. A volume that is a function of position alone would be a matter of geometry, a reading that is one
+/// of pressure alone a matter of calibration; both are outside what a closed chamber is modelled by, and so belong here.
+pub const FAMILIES: [(Form, Variable); 19] = [
+    (Form::Flow, Variable::Time),
+    (Form::Flow, Variable::Pressure),
+    (Form::Flow, Variable::PressureRate),
+    (Form::Power, Variable::TemperatureDifference),
+    (Form::Power, Variable::Time),
+    (Form::Power, Variable::Speed),
+    (Form::CoefficientShare, Variable::TemperatureDistance),
+    (Form::CoefficientShare, Variable::TemperatureDifference),
+    (Form::CoefficientShare, Variable::Pressure),
+    (Form::CoefficientShare, Variable::Position),
+    (Form::CoefficientShare, Variable::SpeedAmount),
+    (Form::CoefficientShare, Variable::SinceMove),
+    (Form::VolumeShare, Variable::Pressure),
+    (Form::VolumeShare, Variable::Position),
+    (Form::VolumeShare, Variable::Speed),
+    (Form::Reading, Variable::Time),
+    (Form::Reading, Variable::Pressure),
+    (Form::Reading, Variable::PressureRate),
+    (Form::Reading, Variable::SinceMove),
+];
+
+/// What a family takes away, and its function.
+#[derive(Clone, Debug)]
+pub struct Missing {
+    /// In what way it disturbs.
+    pub form: Form,
+    /// What it follows.
+    pub variable: Variable,
+    /// How much of χ² the best function takes away.
+    pub gain: f64,
+    /// Number of independent coefficients.
+    pub rank: usize,
+    /// Values of the variable at the knots.
+    pub at: Vec<f64>,
+    /// The function there.
+    pub value: Vec<f64>,
+    /// Its standard deviation there.
+    pub sd: Vec<f64>,
+}
+
+/// A record's variables along the fitted model, on the rows' times.
+#[derive(Clone, Debug)]
+pub struct Path {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Pressure of the gas, Pa.
+    pub pressure_pa: Vec<f64>,
+    /// Temperature of the gas, K.
+    pub temperature_k: Vec<f64>,
+    /// Temperature of the surroundings, K.
+    pub ambient_k: Vec<f64>,
+    /// Volume, m³.
+    pub volume_m3: Vec<f64>,
+    /// Position, m.
+    pub position_m: Vec<f64>,
+    /// Speed, m/s.
+    pub speed_m_per_s: Vec<f64>,
+    /// Heat flow by the fitted law, W.
+    pub heat_flow_w: Vec<f64>,
+    /// Time since the last move began, s.
+    pub since_move_s: Vec<f64>,
+}
+
+impl Path {
+    /// Along a trace; `None` where the model cannot follow.
+    pub fn along(t: &Prepared, fit: &Fit, local: &[f64]) -> Option<Self> {
+        let chamber = fit.chamber();
+        let set = fit.hypothesis.effects;
+        let start = hypothesis::start(t, local);
+        let mut masses: Vec<(f64, f64)> = Vec::new();
+        let pressure_pa = pressures(
+            &chamber,
+            without(set, sensor_effects()),
+            start,
+            &t.course,
+            &t.time_s,
+            RELATIVE_TOLERANCE,
+            &crate::forward::Undisturbed,
+            |time, _, state| masses.push((time, state[MASS])),
+        )
+        .ok()?;
+        let n = t.time_s.len();
+        let (near, flow) = (Default::default(), Default::default());
+        let mut path = Path {
+            time_s: t.time_s.clone(),
+            pressure_pa,
+            temperature_k: Vec::with_capacity(n),
+            ambient_k: Vec::with_capacity(n),
+            volume_m3: Vec::with_capacity(n),
+            position_m: Vec::with_capacity(n),
+            speed_m_per_s: Vec::with_capacity(n),
+            heat_flow_w: Vec::with_capacity(n),
+            since_move_s: Vec::with_capacity(n),
+        };
+        let mut segment = 0;
+        let mut moved = 0.0;
+        let mut step = 0;
+        for (i, &time) in t.time_s.iter().enumerate() {
+            while segment + 1 < t.course.motion.segments.len() && time > t.course.motion.segments[segment].to_s {
+                segment += 1;
+                if t.course.motion.segments[segment].phase == Phase::Move {
+                    moved = t.course.motion.segments[segment].from_s;
+                }
+            }
+            while step + 2 < masses.len() && masses[step + 1].0 < time {
+                step += 1;
+            }
+            let (position, speed) = t.course.motion.segments[segment].stroke.at(time, &near);
+            let ambient = t.course.ambient_temperature.at(time, &flow).0;
+            let volume = chamber.geometry.volume(position);
+            let temperature = path.pressure_pa[i] * volume / (masses[step].1 * chamber.gas.gas_constant);
+            let lambda = chamber.heat_transfer.coefficient_at(path.pressure_pa[i], temperature);
+            path.temperature_k.push(temperature);
+            path.ambient_k.push(ambient);
+            path.volume_m3.push(volume);
+            path.position_m.push(position);
+            path.speed_m_per_s.push(speed);
+            path.heat_flow_w.push(lambda * chamber.geometry.heat_transfer_area(volume) * (ambient - temperature));
+            path.since_move_s.push(time - moved);
+        }
+        Some(path)
+    }
+
+    /// A variable on the rows.
+    pub fn variable(&self, v: Variable) -> Vec<f64> {
+        let n = self.time_s.len();
+        let difference = |i: usize| self.temperature_k[i] - self.ambient_k[i];
+        match v {
+            Variable::Time => self.time_s.clone(),
+            Variable::SinceMove => self.since_move_s.clone(),
+            Variable::Pressure => self.pressure_pa.clone(),
+            Variable::TemperatureDifference => (0..n).map(difference).collect(),
+            Variable::TemperatureDistance => (0..n).map(|i| difference(i).abs()).collect(),
+            Variable::Speed => self.speed_m_per_s.clone(),
+            Variable::SpeedAmount => self.speed_m_per_s.iter().map(|v| v.abs()).collect(),
+            Variable::PressureRate => derivative(&self.time_s, &self.pressure_pa),
+            Variable::Position => self.position_m.clone(),
+        }
+    }
+}
+
+fn derivative(t: &[f64], y: &[f64]) -> Vec<f64> {
+    let n = t.len();
+    (0..n)
+        .map(|i| {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(n - 1));
+            (y[b] - y[a]) / (t[b] - t[a])
+        })
+        .collect()
+}
+
+/// Hat functions of a variable on a record, with the amount that each multiplies and its rate.
+struct Hats<'a> {
+    form: Form,
+    time_s: &'a [f64],
+    share: Vec<[f64; KNOTS]>,
+    amount: Vec<f64>,
+}
+
+impl Disturbance<Tangent> for Hats<'_> {
+    fn at(&self, time: f64) -> [Tangent; 4] {
+        let last = self.time_s.len() - 1;
+        let i = self.time_s.partition_point(|t| *t <= time).clamp(1, last) - 1;
+        let length = self.time_s[i + 1] - self.time_s[i];
+        let u = ((time - self.time_s[i]) / length).clamp(0.0, 1.0);
+        let (mut value, mut rate) = (Tangent::ZERO, Tangent::ZERO);
+        for k in 0..KNOTS {
+            let (a, b) = (self.share[i][k] * self.amount[i], self.share[i + 1][k] * self.amount[i + 1]);
+            value.tangent[k] = a + (b - a) * u;
+            rate.tangent[k] = (b - a) / length;
+        }
+        let zero = Tangent::ZERO;
+        match self.form {
+            Form::Flow => [value, zero, zero, zero],
+            Form::Power | Form::CoefficientShare => [zero, value, zero, zero],
+            Form::VolumeShare => [zero, zero, value, rate],
+            Form::Reading => [zero; 4],
+        }
+    }
+}
+
+/// Knots at quantiles of the variable, with the extremes; fewer than three distinct ones mean that it does not vary.
+fn knots(values: &mut Vec<f64>) -> Option<[f64; KNOTS]> {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    let (low, high) = (*values.first()?, *values.last()?);
+    if high - low <= 1e-9 * high.abs().max(low.abs()) {
+        return None;
+    }
+    // Half way between equal distances and equal numbers of rows: neither the rare extremes nor the long holds rule.
+    let mut at: [f64; KNOTS] = core::array::from_fn(|k| {
+        let u = k as f64 / (KNOTS - 1) as f64;
+        let by_rank = values[((n - 1) as f64 * u).round() as usize];
+        0.5 * (by_rank + low + (high - low) * u)
+    });
+    for k in 1..KNOTS {
+        at[k] = at[k].max(at[k - 1] + 1e-6 * (high - low));
+    }
+    Some(at)
+}
+
+fn hats(at: &[f64; KNOTS], v: f64) -> [f64; KNOTS] {
+    let mut share = [0.0; KNOTS];
+    let k = at.partition_point(|knot| *knot <= v).clamp(1, KNOTS - 1) - 1;
+    let u = ((v - at[k]) / (at[k + 1] - at[k])).clamp(0.0, 1.0);
+    share[k] = 1.0 - u;
+    share[k + 1] = u;
+    share
+}
+
+/// Everything that can be asked of a fit's residual by the families.
+pub struct Search<'a> {
+    data: &'a Data,
+    fit: &'a Fit,
+    paths: Vec<Path>,
+}
+
+impl<'a> Search<'a> {
+    /// Along the fitted model; `None` where it cannot be followed.
+    pub fn new(data: &'a Data, fit: &'a Fit) -> Option<Self> {
+        let paths: Option<Vec<Path>> =
+            data.traces.par_iter().zip(&fit.locals).map(|(t, local)| Path::along(t, fit, local)).collect();
+        Some(Self { data, fit, paths: paths? })
+    }
+
+    /// The fitted model's variables along each record.
+    pub fn paths(&self) -> &[Path] {
+        &self.paths
+    }
+
+    /// All families, best first.
+    pub fn all(&self) -> Vec<Missing> {
+        let mut found: Vec<Missing> = FAMILIES.par_iter().filter_map(|&(form, variable)| self.family(form, variable)).collect();
+        found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        found
+    }
+
+    fn family(&self, form: Form, variable: Variable) -> Option<Missing> {
+        let values: Vec<Vec<f64>> = self.paths.iter().map(|p| p.variable(variable)).collect();
+        let at = knots(&mut values.iter().flatten().copied().collect())?;
+        let responses: Option<Vec<DMatrix<f64>>> = (0..self.paths.len())
+            .into_par_iter()
+            .map(|k| self.response(k, form, values[k].iter().map(|v| hats(&at, *v)).collect()))
+            .collect();
+        let responses = responses?;
+        let solved = self.solve(&responses)?;
+        Some(Missing { form, variable, gain: solved.0, rank: solved.1, at: at.to_vec(), value: solved.2, sd: solved.3 })
+    }
+
+    /// d(model/σ)/d(coefficient) of one trace's blocks.
+    fn response(&self, k: usize, form: Form, share: Vec<[f64; KNOTS]>) -> Option<DMatrix<f64>> {
+        let (t, path) = (&self.data.traces[k], &self.paths[k]);
+        let blocks = &t.blocks[..self.fit.linear[k].residual.len()];
+        let times = fit::points(blocks);
+        let amount: Vec<f64> = match form {
+            Form::CoefficientShare => path.heat_flow_w.clone(),
+            Form::VolumeShare => path.volume_m3.clone(),
+            _ => vec![1.0; path.time_s.len()],
+        };
+        let disturbance = Hats { form, time_s: &path.time_s, share, amount };
+        let chamber: chamber::Chamber<Tangent> = self.fit.chamber().lift();
+        let shown: Vec<Tangent> = if form == Form::Reading {
+            times.iter().map(|time| disturbance.reading(*time)).collect()
+        } else {
+            let local: Vec<Tangent> = self.fit.locals[k].iter().map(|x| Tangent::from(*x)).collect();
+            let start = hypothesis::start(t, &local);
+            pressures(&chamber, self.fit.hypothesis.effects, start, &t.course, &times, 1e-7, &disturbance, |_, _, state| {
+                debug_assert!(state[ENERGY].value.is_finite());
+            })
+            .ok()?
+        };
+        let mut shown = shown.into_iter();
+        let mut out = DMatrix::zeros(blocks.len(), KNOTS);
+        for (row, b) in blocks.iter().enumerate() {
+            let mean = fit::mean(b, &mut shown);
+            for j in 0..KNOTS {
+                out[(row, j)] = mean.tangent[j] / b.sd_pa;
+            }
+        }
+        Some(out)
+    }
+
+    /// The best coefficients given that every fitted parameter adapts: gain, rank, values and standard deviations.
+    fn solve(&self, responses: &[DMatrix<f64>]) -> Option<(f64, usize, Vec<f64>, Vec<f64>)> {
+        let g = self.fit.globals.len();
+        let (mut ww, mut wj, mut jj) = (DMatrix::zeros(KNOTS, KNOTS), DMatrix::zeros(KNOTS, g), DMatrix::zeros(g, g));
+        let (mut wr, mut jr) = (DVector::zeros(KNOTS), DVector::zeros(g));
+        for (w, l) in responses.iter().zip(&self.fit.linear) {
+            let w = project_out(w, &l.by_local);
+            let j = project_out(&l.by_global, &l.by_local);
+            ww += w.tr_mul(&w);
+            wj += w.tr_mul(&j);
+            jj += j.tr_mul(&j);
+            let r = DVector::from_column_slice(&l.residual);
+            wr += w.tr_mul(&r);
+            jr += j.tr_mul(&r);
+        }
+        // Globals at a bound do not adapt.
+        let free: Vec<usize> = (0..g).filter(|&i| !self.fit.at_bound[i] && jj[(i, i)] > 0.0).collect();
+        if !free.is_empty() {
+            let square = DMatrix::from_fn(free.len(), free.len(), |i, j| jj[(free[i], free[j])]);
+            let cross = DMatrix::from_fn(KNOTS, free.len(), |i, j| wj[(i, free[j])]);
+            let square = square.cholesky()?;
+            ww -= &cross * square.solve(&cross.transpose());
+            // The fit ends a little before its minimum: what the parameters could still gain is not the family's.
+            wr -= &cross * square.solve(&DVector::from_fn(free.len(), |i, _| jr[free[i]]));
+        }
+        // Eigenvectors that the parameters can do themselves carry nothing; scale first so that sizes compare.
+        let raw: Vec<f64> = (0..KNOTS).map(|i| responses.iter().map(|w| w.column(i).norm_squared()).sum::<f64>().sqrt()).collect();
+        let scale: Vec<f64> = raw.iter().map(|r| if *r > 0.0 { 1.0 / r } else { 0.0 }).collect();
+        let scaled = DMatrix::from_fn(KNOTS, KNOTS, |i, j| ww[(i, j)] * scale[i] * scale[j]);
+        let right = DVector::from_fn(KNOTS, |i, _| wr[i] * scale[i]);
+        let eigen = SymmetricEigen::new(scaled);
+        let (mut gain, mut rank) = (0.0, 0);
+        let (mut value, mut variance) = (vec![0.0; KNOTS], vec![0.0; KNOTS]);
+        for k in 0..KNOTS {
+            let strength = eigen.eigenvalues[k];
+            if strength < 1e-4 {
+                continue;
+            }
+            let vector = eigen.eigenvectors.column(k);
+            let along = vector.dot(&right);
+            gain += along * along / strength;
+            rank += 1;
+            for i in 0..KNOTS {
+                value[i] += vector[i] * scale[i] * along / strength;
+                variance[i] += (vector[i] * scale[i]).powi(2) / strength;
+            }
+        }
+        (rank > 0).then(|| (gain, rank, value, variance.into_iter().map(f64::sqrt).collect()))
+    }
+}
+
+impl Hats<'_> {
+    /// The same functions as an error of the reading.
+    fn reading(&self, time: f64) -> Tangent {
+        let as_flow = Hats { form: Form::Flow, time_s: self.time_s, share: self.share.clone(), amount: self.amount.clone() };
+        as_flow.at(time)[0]
+    }
+}

@@ -1,0 +1,292 @@
+//! From a rig's traces to what a fit sees: the surroundings' course and block means of the pressure with their noise.
+//!
+//! A block is a run of rows short against the relaxation it lies in (a tenth of the time since the last move), so that
+//! its mean is that of two Gauss points of the model; it stands for its rows at a fraction of their cost.
+
+use crate::checks;
+use crate::error::Error;
+use crate::forward::Course;
+use crate::motion::{Motion, Phase, Spline};
+use crate::noise::{Noise, line_residual};
+use chamber::Gas;
+use records::{Rig, Trace};
+use std::path::PathBuf;
+
+/// Ambient temperature where neither rig nor trace states one, K (20 °C), and the standard deviation that this has.
+pub const ASSUMED_AMBIENT_TEMPERATURE_K: f64 = 293.15;
+/// Standard deviation of [`ASSUMED_AMBIENT_TEMPERATURE_K`], K.
+pub const ASSUMED_AMBIENT_DEVIATION_K: f64 = 5.0;
+
+/// A run of rows and its mean.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// First row.
+    pub first: usize,
+    /// One past the last row.
+    pub end: usize,
+    /// Times at which the model's mean over the block is taken, s; equal for a single row.
+    pub points_s: [f64; 2],
+    /// Mean of its pressures, Pa.
+    pub mean_pa: f64,
+    /// Standard deviation of that mean, Pa.
+    pub sd_pa: f64,
+    /// What the piston does.
+    pub phase: Phase,
+    /// Segment of the motion it lies in.
+    pub segment: usize,
+}
+
+impl Block {
+    /// Its middle, s.
+    pub fn middle_s(&self) -> f64 {
+        0.5 * (self.points_s[0] + self.points_s[1])
+    }
+    /// Its rows.
+    pub fn rows(&self) -> usize {
+        self.end - self.first
+    }
+}
+
+/// One trace, ready to be fitted. Times count from its first row.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// File it came from.
+    pub path: PathBuf,
+    /// Which experiment.
+    pub experiment: usize,
+    /// Which repeat of it.
+    pub repeat: usize,
+    /// Times of all rows, s.
+    pub time_s: Vec<f64>,
+    /// Pressures of all rows, Pa.
+    pub pressure_pa: Vec<f64>,
+    /// Stroke and surroundings.
+    pub course: Course,
+    /// The blocks, in time order.
+    pub blocks: Vec<Block>,
+    /// First guess of the initial pressure, Pa, and its standard deviation.
+    pub initial_pressure_pa: (f64, f64),
+    /// First guess of the initial temperature, K: where the record starts in motion it is free.
+    pub initial_temperature_k: f64,
+    /// Whether it begins with the piston held.
+    pub starts_at_rest: bool,
+}
+
+/// All traces of a rig.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The rig's gas.
+    pub gas: Gas,
+    /// Bore, m.
+    pub bore_m: f64,
+    /// Piston area, m².
+    pub piston_area_m2: f64,
+    /// Dead volume to begin from, m³.
+    pub dead_volume_m3: f64,
+    /// Whether that is known and stays.
+    pub dead_volume_known: bool,
+    /// Mean ambient temperature, K.
+    pub ambient_temperature_k: f64,
+    /// Whether that is an assumption.
+    pub ambient_temperature_assumed: bool,
+    /// Ambient pressure, Pa.
+    pub ambient_pressure_pa: f64,
+    /// Names of the experiments.
+    pub experiments: Vec<String>,
+    /// The traces, experiment by experiment.
+    pub traces: Vec<Prepared>,
+    /// Noise of the pressure.
+    pub noise: Noise,
+    /// Σ of squares within blocks over σ², and its degrees of freedom.
+    pub within: (f64, f64),
+}
+
+impl Data {
+    /// Prepares the traces of a rig.
+    ///
+    /// # Errors
+    /// Where the data cannot be what it should be: [`Error`] names it with the number that gives it away.
+    pub fn prepare(rig: &Rig) -> Result<Self, Error> {
+        let mut traces = Vec::new();
+        let mut columns = Vec::new();
+        for (experiment, e) in rig.experiments.iter().enumerate() {
+            for (repeat, trace) in e.traces.iter().enumerate() {
+                let pressure = trace.pressure_pa.as_ref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
+                checks::rows(trace)?;
+                let begin = trace.time_s[0];
+                let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - begin).collect();
+                let motion = Motion::detect(&time_s, &trace.position_m);
+                checks::trace(trace, pressure, &motion)?;
+                columns.push((pressure.clone(), motion, time_s, experiment, repeat, trace));
+            }
+        }
+        if columns.is_empty() {
+            return Err(Error::NoTraces { rig: rig.path.clone() });
+        }
+        let noise = Noise::estimate(columns.iter().map(|(p, m, t, ..)| (t.as_slice(), p.as_slice(), m)), rig.sensor.noise_pa);
+        let stated = rig.ambient.temperature_k;
+        let mut assumed = false;
+        for (pressure_pa, motion, time_s, experiment, repeat, trace) in columns {
+            let ambient_temperature = ambient(trace, &time_s, stated, &mut assumed);
+            let blocks = blocks(&time_s, &pressure_pa, &motion, &noise, &trace.position_m, rig.gas.gas.heat_capacity_ratio);
+            let starts_at_rest = motion.starts_at_rest();
+            let initial_pressure_pa = initial_pressure(&time_s, &pressure_pa, &motion, &noise);
+            let first_temperature = ambient_temperature.at(0.0, &Default::default()).0;
+            let mass_flow = trace
+                .mass_flow_kg_per_s
+                .as_ref()
+                .filter(|flow| flow.iter().any(|f| *f != 0.0))
+                .map(|flow| Spline::through(time_s.clone(), flow.clone(), [Some(0.0), Some(0.0)]));
+            traces.push(Prepared {
+                path: trace.path.clone(),
+                experiment,
+                repeat,
+                course: Course { motion, ambient_temperature, ambient_pressure: rig.ambient.pressure_pa, mass_flow },
+                blocks,
+                initial_pressure_pa,
+                initial_temperature_k: first_temperature,
+                starts_at_rest,
+                time_s,
+                pressure_pa,
+            });
+        }
+        let ambient_temperature_k =
+            traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64;
+        let within = within(&traces, &noise);
+        let smallest = traces
+            .iter()
+            .map(|t| t.course.motion.segments.iter().map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min))
+            .fold(f64::INFINITY, f64::min);
+        let dead = rig.dead_volume.map(|d| (d.value_m3, d.known));
+        let first_guess = (0.05 * rig.cylinder.piston_area_m2 * smallest.abs()).max(-1.2 * rig.cylinder.piston_area_m2 * smallest);
+        Ok(Self {
+            gas: rig.gas.gas,
+            bore_m: rig.cylinder.bore_m,
+            piston_area_m2: rig.cylinder.piston_area_m2,
+            dead_volume_m3: dead.map_or(first_guess, |d| d.0),
+            dead_volume_known: dead.is_some_and(|d| d.1),
+            ambient_temperature_k,
+            ambient_temperature_assumed: assumed,
+            ambient_pressure_pa: rig.ambient.pressure_pa,
+            experiments: rig.experiments.iter().map(|e| e.name.clone()).collect(),
+            traces,
+            noise,
+            within,
+        })
+    }
+
+    /// Number of independent samples that all rows amount to.
+    pub fn effective_samples(&self) -> f64 {
+        self.traces.iter().map(|t| t.time_s.len() as f64).sum::<f64>() / self.noise.correlation_rows
+    }
+
+    /// Smallest position in any trace, m.
+    pub fn smallest_position_m(&self) -> f64 {
+        let lowest = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min);
+        self.traces.iter().map(lowest).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Ambient temperature over time: its mean where its changes are no more than its noise, else means of a second.
+fn ambient(trace: &Trace, time_s: &[f64], stated: Option<f64>, assumed: &mut bool) -> Spline {
+    let constant = |value: f64| Spline::through(vec![0.0], vec![value], [None, None]);
+    let Some(column) = trace.ambient_temperature_k.as_ref() else {
+        if stated.is_none() {
+            // A gas at rest has the temperature of its surroundings.
+            let gas = trace.gas_temperature_k.as_ref().map(|g| g[..g.len().min(10)].iter().sum::<f64>() / g.len().min(10) as f64);
+            *assumed |= gas.is_none();
+            return constant(gas.unwrap_or(ASSUMED_AMBIENT_TEMPERATURE_K));
+        }
+        return constant(stated.unwrap_or(ASSUMED_AMBIENT_TEMPERATURE_K));
+    };
+    let n = column.len();
+    let mean = column.iter().sum::<f64>() / n as f64;
+    let jitter = (column.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * (n - 1)) as f64).sqrt();
+    let size = (n / 8).max(1);
+    let parts: Vec<(f64, f64)> = (0..n / size)
+        .map(|k| {
+            let rows = k * size..(k + 1) * size;
+            let m = |v: &[f64]| v.iter().sum::<f64>() / size as f64;
+            (m(&time_s[rows.clone()]), m(&column[rows]))
+        })
+        .collect();
+    let wander = parts.iter().map(|(_, v)| (v - mean).abs()).fold(0.0, f64::max);
+    if parts.len() < 3 || wander < 5.0 * jitter / (size as f64).sqrt() + 1e-3 {
+        return constant(mean);
+    }
+    let (t, v) = parts.into_iter().unzip();
+    Spline::through(t, v, [Some(0.0), Some(0.0)])
+}
+
+/// Mean pressure of the rest, or the first reading of a record that starts in motion.
+fn initial_pressure(time_s: &[f64], pressure_pa: &[f64], motion: &Motion, noise: &Noise) -> (f64, f64) {
+    let first = &motion.segments[0];
+    let scale = |rows: usize| noise.sd_pa * (noise.correlation_rows / rows as f64).sqrt().min(1.0);
+    if first.phase != Phase::Rest {
+        let rows = pressure_pa.len().min(5);
+        let _ = time_s;
+        return (pressure_pa[..rows].iter().sum::<f64>() / rows as f64, scale(rows));
+    }
+    // The last rows of the rest may already belong to the move's gentle begin.
+    let end = if first.end - first.first > 8 { first.end - 2 } else { first.end };
+    let rows = end - first.first;
+    (pressure_pa[first.first..end].iter().sum::<f64>() / rows as f64, scale(rows))
+}
+
+fn blocks(time_s: &[f64], pressure_pa: &[f64], motion: &Motion, noise: &Noise, position_m: &[f64], gamma: f64) -> Vec<Block> {
+    const HOLD_PARTS: usize = 20;
+    const REST_PARTS: usize = 6;
+    const MOVE_PARTS: usize = 60;
+    let least = noise.correlation_rows.ceil() as usize;
+    let mut out = Vec::new();
+    for (segment, s) in motion.segments.iter().enumerate() {
+        let rows = s.end - s.first;
+        let mut first = s.first;
+        while first < s.end {
+            let wanted = match s.phase {
+                Phase::Rest => rows.div_ceil(REST_PARTS),
+                Phase::Move => rows / MOVE_PARTS,
+                Phase::Hold => ((first - s.first) / 10).min(rows.div_ceil(HOLD_PARTS)),
+            };
+            let mut end = first + wanted.max(least).max(1);
+            if end + wanted.max(least) / 2 >= s.end {
+                end = s.end;
+            }
+            let n = (end - first) as f64;
+            let mean = |v: &[f64]| v[first..end].iter().sum::<f64>() / n;
+            let (t, p) = (mean(time_s), mean(pressure_pa));
+            let spread = (time_s[first..end].iter().map(|x| (x - t).powi(2)).sum::<f64>() / n).sqrt();
+            let by_position = if s.phase == Phase::Move {
+                // Pressure answers a wrong position with γ P/V times the wrong volume.
+                gamma * p * motion.noise_m / mean(position_m).abs().max(motion.noise_m)
+            } else {
+                0.0
+            };
+            let variance = (noise.sd_pa.powi(2) + by_position.powi(2)) * noise.correlation_rows / n;
+            out.push(Block {
+                first,
+                end,
+                points_s: [t - spread, t + spread],
+                mean_pa: p,
+                sd_pa: variance.sqrt(),
+                phase: s.phase,
+                segment,
+            });
+            first = end;
+        }
+    }
+    out
+}
+
+/// Σ squares about a straight line within each block, over σ², and the degrees of freedom.
+fn within(traces: &[Prepared], noise: &Noise) -> (f64, f64) {
+    let (mut sum, mut freedom) = (0.0, 0.0);
+    for t in traces {
+        for b in t.blocks.iter().filter(|b| b.rows() > 2) {
+            let rest = line_residual(&t.time_s[b.first..b.end], &t.pressure_pa[b.first..b.end]);
+            sum += rest.iter().map(|r| r * r).sum::<f64>();
+            freedom += b.rows() as f64 - 2.0;
+        }
+    }
+    (sum / noise.sd_pa.powi(2), freedom)
+}

@@ -1,0 +1,256 @@
+//! From a rig's residual to the effect that explains it, or to the statement that none of the known ones does.
+//!
+//! Baseline fit → is the residual noise? → every effect of the list added alone → the best enters if its evidence is
+//! decisive (ΔBIC > 10) and the error on held-out data lower → a second one likewise, all pairs of the better ones where
+//! one is not enough → what is left is tested again. A set that leaves more than noise is not an explanation.
+
+use crate::adequacy::{self, Adequacy};
+use crate::candidates::fit_set;
+use crate::error::Error;
+use crate::evidence;
+use crate::fit::{self, Fit};
+use crate::held_out::{self, Fold};
+use crate::hypothesis::{self, Hypothesis, Sizes};
+use crate::prepare::Data;
+use crate::sanity;
+use chamber::effects::{self, EffectSet};
+use rayon::prelude::*;
+
+/// Evidence from which on an effect may enter.
+pub const DECISIVE: f64 = 10.0;
+/// Evidence below which two sets cannot be told apart.
+pub const INDISTINGUISHABLE: f64 = 6.0;
+/// How many of the better single effects are tried in pairs.
+const PAIRED: usize = 6;
+
+/// A set of effects that was fitted.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The set.
+    pub effects: EffectSet,
+    /// Its fit.
+    pub fit: Fit,
+    /// BIC of the baseline less its own.
+    pub delta_bic: f64,
+    /// Error on held-out data, Pa, where it was judged.
+    pub held_out_pa: Option<f64>,
+}
+
+/// How the tracing ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The paper's model leaves no more than noise.
+    Adequate,
+    /// Known effects account for the residual.
+    Explained,
+    /// Something is there that no known effect accounts for.
+    Unexplained,
+}
+
+/// All that the tracing found.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// How it ended.
+    pub verdict: Verdict,
+    /// The paper's model.
+    pub baseline: Candidate,
+    /// Whether its residual is noise.
+    pub baseline_adequacy: Adequacy,
+    /// Everything tried, best evidence first.
+    pub tried: Vec<Candidate>,
+    /// The best accepted set, whatever the verdict; the baseline when none was.
+    pub chosen: Candidate,
+    /// Whether what that leaves is noise.
+    pub chosen_adequacy: Adequacy,
+    /// Sets of the same size that the data cannot tell from the chosen one.
+    pub alike: Vec<EffectSet>,
+    /// Number of independent samples in the best candidate's residual.
+    pub samples: f64,
+}
+
+/// Traces a rig's residual. `progress` is told what is being done and how far it is.
+///
+/// # Errors
+/// Where the data contradict the model in a way that has a name: [`Error::Gauge`], [`Error::NegativeDeadVolume`].
+pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace, Error> {
+    progress("fitting the paper's model", 0.0);
+    let baseline = baseline(data)?;
+    let sizes = Sizes::of(data, &baseline.chamber());
+    let baseline_adequacy = adequacy::test(data, &baseline);
+    if !baseline_adequacy.is_noise {
+        sanity::gauge(data, &baseline)?;
+    }
+    let mut tracer = Tracer { data, sizes, folds: held_out::folds(data), samples: 0.0, baseline_bic: 0.0 };
+
+    progress("one effect at a time", 0.1);
+    let all: Vec<EffectSet> = effects::all().map(|(i, _)| EffectSet::one(i)).collect();
+    let singles = tracer.fit_all(&all, |_| &baseline);
+    let best = singles.iter().chain([&baseline]).min_by(|a, b| a.chi2.total_cmp(&b.chi2)).unwrap_or(&baseline);
+    tracer.samples = evidence::effective_samples(&evidence::residuals(data, best), data.noise.correlation_rows);
+    tracer.baseline_bic = evidence::bic(data, &baseline, tracer.samples);
+
+    progress("error on held-out data", 0.3);
+    let baseline = tracer.judged(tracer.candidate(baseline));
+    let mut tried: Vec<Candidate> = singles.into_par_iter().map(|f| tracer.judged(tracer.candidate(f))).collect();
+    sort(&mut tried);
+    let mut chosen = baseline.clone();
+    if let Some(first) = tried.iter().find(|c| tracer.enters(c, &chosen)) {
+        chosen = first.clone();
+    }
+    let mut chosen_adequacy =
+        if chosen.effects.is_empty() { baseline_adequacy.clone() } else { adequacy::test(data, &chosen.fit) };
+
+    if !chosen.effects.is_empty() && !chosen_adequacy.is_noise {
+        progress("secondary parameters", 0.5);
+        if let Some(freed) = tracer.secondary(&chosen) {
+            let freed = tracer.judged(freed);
+            if tracer.enters(&freed, &chosen) {
+                chosen_adequacy = adequacy::test(data, &freed.fit);
+                chosen = freed;
+            }
+        }
+    }
+    if !chosen.effects.is_empty() || !chosen_adequacy.is_noise {
+        progress("two effects at a time", 0.6);
+        let pairs = tracer.pairs(&tried, &chosen, !chosen_adequacy.is_noise);
+        let lookup: Vec<Candidate> = tried.clone();
+        let part = |set: EffectSet| {
+            // The better of the two single fits.
+            &lookup.iter().find(|c| set.contains(c.effects)).unwrap_or(&lookup[0]).fit
+        };
+        let mut found: Vec<Candidate> = tracer.fit_all(&pairs, part).into_iter().map(|f| tracer.candidate(f)).collect();
+        sort(&mut found);
+        found = found
+            .into_par_iter()
+            .enumerate()
+            .map(|(rank, c)| if rank < 4 { tracer.judged(c) } else { c })
+            .collect();
+        if let Some(second) = found.iter().find(|c| tracer.enters(c, &chosen)) {
+            chosen = second.clone();
+            chosen_adequacy = adequacy::test(data, &chosen.fit);
+        }
+        tried.extend(found);
+        sort(&mut tried);
+    }
+    progress("done", 1.0);
+
+    let verdict = match (chosen.effects.is_empty(), chosen_adequacy.is_noise) {
+        (true, true) => Verdict::Adequate,
+        (false, true) => Verdict::Explained,
+        (_, false) => Verdict::Unexplained,
+    };
+    let settled = if verdict == Verdict::Unexplained { &baseline } else { &chosen };
+    sanity::dead_volume(data, &settled.fit)?;
+    let alike = if verdict == Verdict::Explained {
+        tried
+            .iter()
+            .filter(|c| c.effects != chosen.effects && c.effects.iter().count() == chosen.effects.iter().count())
+            .filter(|c| chosen.delta_bic - c.delta_bic < INDISTINGUISHABLE)
+            .map(|c| c.effects)
+            .collect()
+    } else {
+        Vec::new()
+    };
+    Ok(Trace { verdict, baseline, baseline_adequacy, tried, chosen, chosen_adequacy, alike, samples: tracer.samples })
+}
+
+/// The paper's model, fitted to everything.
+///
+/// # Errors
+/// Where its simulation fails at the very begin.
+pub fn baseline(data: &Data) -> Result<Fit, Error> {
+    let first = hypothesis::first_chamber(data);
+    let sizes = Sizes::of(data, &first);
+    let h = Hypothesis::new(data, EffectSet::NONE, &first, &sizes);
+    let selection = fit::all_blocks(data);
+    // λ0 may be far from the first guess: the best of three starts.
+    let starts = [0.0, 2.0, -2.0];
+    let mut failure = None;
+    let fits: Vec<Fit> = starts
+        .iter()
+        .filter_map(|offset| {
+            let mut x = h.coordinates(&first);
+            x[0] += offset;
+            fit::fit(data, &h, x, fit::first_locals(data), &selection).map_err(|e| failure = Some(e)).ok()
+        })
+        .collect();
+    fits.into_iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)).ok_or_else(|| match failure {
+        Some((k, source)) => Error::Simulation { trace: data.traces[k].path.clone(), source },
+        None => Error::Method("no start of the fit could be simulated".to_owned()),
+    })
+}
+
+struct Tracer<'a> {
+    data: &'a Data,
+    sizes: Sizes,
+    folds: Vec<Fold>,
+    samples: f64,
+    baseline_bic: f64,
+}
+
+impl Tracer<'_> {
+    fn fit_all<'b>(&self, sets: &[EffectSet], part: impl Fn(EffectSet) -> &'b Fit + Sync) -> Vec<Fit> {
+        let selection = fit::all_blocks(self.data);
+        sets.par_iter().filter_map(|set| fit_set(self.data, *set, part(*set), &self.sizes, &selection)).collect()
+    }
+
+    fn candidate(&self, fit: Fit) -> Candidate {
+        let delta_bic = self.baseline_bic - evidence::bic(self.data, &fit, self.samples);
+        Candidate { effects: fit.hypothesis.effects, fit, delta_bic, held_out_pa: None }
+    }
+
+    fn judged(&self, mut c: Candidate) -> Candidate {
+        c.held_out_pa = held_out::rmse(self.data, &c.fit, &self.folds);
+        c
+    }
+
+    /// Decisive evidence and a lower error on held-out data.
+    fn enters(&self, c: &Candidate, over: &Candidate) -> bool {
+        let lower = match (c.held_out_pa, over.held_out_pa) {
+            (Some(a), Some(b)) => a < b,
+            (Some(_), None) => true,
+            _ => false,
+        };
+        c.delta_bic - over.delta_bic > DECISIVE && lower
+    }
+
+    /// The chosen set with its secondary parameters free.
+    fn secondary(&self, chosen: &Candidate) -> Option<Candidate> {
+        let base = chosen.fit.chamber();
+        let h = Hypothesis::with_secondary(self.data, chosen.effects, chosen.effects, &base, &self.sizes);
+        if h.axes.len() == chosen.fit.hypothesis.axes.len() {
+            return None;
+        }
+        let x = h.coordinates(&base);
+        let fit = fit::fit(self.data, &h, x, chosen.fit.locals.clone(), &fit::all_blocks(self.data)).ok()?;
+        Some(self.candidate(fit))
+    }
+
+    /// Pairs to be tried: the chosen effect with every other; among the better single ones too where it is not enough.
+    fn pairs(&self, tried: &[Candidate], chosen: &Candidate, all: bool) -> Vec<EffectSet> {
+        let mut out: Vec<EffectSet> = Vec::new();
+        let mut push = |a: EffectSet, b: EffectSet| {
+            let pair = a.union(b);
+            if a != b && !out.contains(&pair) {
+                out.push(pair);
+            }
+        };
+        for c in tried {
+            if !chosen.effects.is_empty() {
+                push(chosen.effects, c.effects);
+            }
+        }
+        if all {
+            for (i, a) in tried.iter().take(PAIRED).enumerate() {
+                for b in tried.iter().take(PAIRED).skip(i + 1) {
+                    push(a.effects, b.effects);
+                }
+            }
+        }
+        out
+    }
+}
+
+fn sort(candidates: &mut [Candidate]) {
+    candidates.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+}
