@@ -66,7 +66,9 @@ pub enum Error {
         high: bool,
     },
     /// Gauge pressure taken for absolute.
-    #[error("the pressures seem to be gauge, not absolute: the traces ask for {offset_pa:.0} Pa (± {half_width_pa:.0}) to be added to every reading, and the ambient pressure is {ambient_pa:.0} Pa; say `reference = \"gauge\"` for the pressure column")]
+    #[error(
+        "the pressures seem to be gauge, not absolute: the traces ask for {offset_pa:.0} Pa (± {half_width_pa:.0}) to be added to every reading, and the ambient pressure is {ambient_pa:.0} Pa; say `reference = \"gauge\"` for the pressure column"
+    )]
     Gauge {
         /// Offset that the traces ask for, Pa.
         offset_pa: f64,

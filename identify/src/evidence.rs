@@ -36,7 +36,11 @@ pub fn squares(data: &Data, fit: &Fit) -> f64 {
 pub fn effective_samples(residuals: &[Vec<f64>], correlation_rows: f64) -> f64 {
     let rows: f64 = residuals.iter().map(|r| r.len() as f64).sum();
     let product = |lag: usize| -> f64 {
-        residuals.iter().filter(|r| r.len() > lag).map(|r| r.iter().zip(&r[lag..]).map(|(a, b)| a * b).sum::<f64>()).sum()
+        residuals
+            .iter()
+            .filter(|r| r.len() > lag)
+            .map(|r| r.iter().zip(&r[lag..]).map(|(a, b)| a * b).sum::<f64>())
+            .sum()
     };
     let power = product(0);
     let longest = residuals.iter().map(Vec::len).max().unwrap_or(0) / 4;

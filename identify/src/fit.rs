@@ -5,7 +5,7 @@
 //! solved has the size of the globals. Sensitivities are exact (dual numbers). Traces are simulated in parallel and
 //! summed in order: the same data gives the same bits on any number of threads.
 
-use crate::forward::{Undisturbed, pressures};
+use crate::forward::Run;
 use crate::hypothesis::{self, Hypothesis};
 use crate::prepare::{Data, Prepared};
 use chamber::Chamber;
@@ -172,7 +172,13 @@ pub fn linearise(
 }
 
 /// One trace; the dual numbers are no longer than they need be.
-fn trace(t: &Prepared, h: &Hypothesis, globals: &[f64], local: &[f64], blocks: usize) -> Result<Linear, IntegrationError> {
+fn trace(
+    t: &Prepared,
+    h: &Hypothesis,
+    globals: &[f64],
+    local: &[f64],
+    blocks: usize,
+) -> Result<Linear, IntegrationError> {
     match globals.len() + local.len() {
         ..=3 => trace_dual::<3>(t, h, globals, local, blocks),
         4 => trace_dual::<4>(t, h, globals, local, blocks),
@@ -197,7 +203,9 @@ fn trace_dual<const N: usize>(
     let chamber = h.chamber(&x);
     let start = hypothesis::start(t, &own);
     let times = points(blocks);
-    let shown = pressures(&chamber, h.effects, start, &t.course, &times, RELATIVE_TOLERANCE, &Undisturbed, |_, _, _| ())?;
+    let run =
+        Run { chamber: &chamber, set: h.effects, start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE };
+    let shown = run.pressures(&times)?;
     let mut out = Linear {
         residual: Vec::with_capacity(count),
         by_global: DMatrix::zeros(count, g),
@@ -365,6 +373,7 @@ pub fn all_blocks(data: &Data) -> Vec<usize> {
 /// # Errors
 /// Where the state leaves what the equations can follow.
 pub fn readings(t: &Prepared, chamber: &Chamber, local: &[f64]) -> Result<Vec<f64>, IntegrationError> {
-    let set = chamber.active();
-    pressures(chamber, set, hypothesis::start(t, local), &t.course, &t.time_s, RELATIVE_TOLERANCE, &Undisturbed, |_, _, _| ())
+    let start = hypothesis::start(t, local);
+    Run { chamber, set: chamber.active(), start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE }
+        .pressures(&t.time_s)
 }

@@ -5,13 +5,13 @@
 //! ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual numbers give exact sensitivities.
 
 use crate::motion::{Motion, Spline};
-use chamber::balance::{self, Boundary, ENERGY, MASS, OWN, STATES};
+use chamber::Chamber;
+use chamber::balance::{self, Boundary, ENERGY, MASS, STATES};
 use chamber::card::Balance;
 use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
 use chamber::integrate::{Dense, IntegrationError, Integrator};
 use chamber::real::Scalar;
 use chamber::simulate::{Start, tolerance};
-use chamber::Chamber;
 use std::cell::Cell;
 
 /// What the surroundings do along a record.
@@ -78,55 +78,77 @@ pub fn without(set: EffectSet, other: EffectSet) -> EffectSet {
     set.iter().filter(|&i| !other.has(i)).fold(EffectSet::NONE, |s, i| s.union(EffectSet::one(i)))
 }
 
-/// What the sensor shows, Pa, at `times` (ascending, s).
-///
-/// # Errors
-/// Where the state leaves what the equations can follow.
-pub fn pressures<R: Scalar>(
-    chamber: &Chamber<R>,
-    set: EffectSet,
-    start: Start<R>,
-    course: &Course,
-    times: &[f64],
-    relative_tolerance: f64,
-    disturbance: &impl Disturbance<R>,
-    mut on_step: impl FnMut(f64, &Boundary, &[R; STATES]),
-) -> Result<Vec<R>, IntegrationError> {
-    let Some(&last) = times.last() else { return Ok(Vec::new()) };
-    let gas_set = without(set, sensor_effects());
-    let (near, near_flow) = (Cell::new(0), Cell::new(0));
-    let begin = course.motion.segments[0].from_s;
-    let first = course.boundary(0, begin, &near, &near_flow);
-    let initial = balance::state_at(chamber, &first.lift(), start.pressure, start.temperature);
-    on_step(begin, &first, &initial);
-    let mut sensor = Sensor::new(chamber, set, course, times, begin, start.pressure);
-    let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-    let evaluations = Cell::new(0usize);
-    let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
-    let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
-    for index in 0..course.motion.segments.len() {
-        let end = course.motion.segments[index].to_s.min(last);
-        if end <= integrator.time {
-            continue;
-        }
-        // A new part of the stroke begins: the step of the last one means nothing here.
-        integrator.step = integrator.step.min(0.02 * (end - integrator.time));
-        let system = |t: f64, state: &[R; STATES]| -> [R; STATES] {
-            evaluations.set(evaluations.get() + 1);
-            if evaluations.get() > most_evaluations {
-                return [R::from(f64::NAN); STATES];
-            }
-            let boundary = course.boundary(index, t, &near, &near_flow);
-            disturbed_rates(gas_set, chamber, &boundary.lift(), state, disturbance.at(t))
-        };
-        integrator.advance(&system, end, |step| {
-            let until = step.from + step.length;
-            sensor.pass(index, step.from, until, &step.dense(), disturbance);
-            on_step(until, &course.boundary(index, until, &near, &near_flow), &step.end());
-        })?;
+/// One run of the model along a record.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a, R> {
+    /// The chamber.
+    pub chamber: &'a Chamber<R>,
+    /// The effects that take part.
+    pub set: EffectSet,
+    /// How it begins.
+    pub start: Start<R>,
+    /// Stroke and surroundings.
+    pub course: &'a Course,
+    /// Integration error relative to the states.
+    pub relative_tolerance: f64,
+}
+
+impl<R: Scalar> Run<'_, R> {
+    /// What the sensor shows, Pa, at `times` (ascending, s).
+    ///
+    /// # Errors
+    /// Where the state leaves what the equations can follow.
+    pub fn pressures(&self, times: &[f64]) -> Result<Vec<R>, IntegrationError> {
+        self.disturbed(times, &Undisturbed, |_, _| ())
     }
-    sensor.finish();
-    Ok(sensor.readings)
+
+    /// The same with a disturbance of the gas; `on_step` is told the states after each step.
+    ///
+    /// # Errors
+    /// Where the state leaves what the equations can follow.
+    pub fn disturbed(
+        &self,
+        times: &[f64],
+        disturbance: &impl Disturbance<R>,
+        mut on_step: impl FnMut(f64, &[R; STATES]),
+    ) -> Result<Vec<R>, IntegrationError> {
+        let Run { chamber, set, start, course, relative_tolerance } = *self;
+        let Some(&last) = times.last() else { return Ok(Vec::new()) };
+        let gas_set = without(set, sensor_effects());
+        let (near, near_flow) = (Cell::new(0), Cell::new(0));
+        let begin = course.motion.segments[0].from_s;
+        let first = course.boundary(0, begin, &near, &near_flow);
+        let initial = balance::state_at(chamber, &first.lift(), start.pressure, start.temperature);
+        on_step(begin, &initial);
+        let mut sensor = Sensor::new(chamber, set, course, times, begin, start.pressure);
+        let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
+        let evaluations = Cell::new(0usize);
+        let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
+        let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
+        for index in 0..course.motion.segments.len() {
+            let end = course.motion.segments[index].to_s.min(last);
+            if end <= integrator.time {
+                continue;
+            }
+            // A new part of the stroke begins: the step of the last one means nothing here.
+            integrator.step = integrator.step.min(0.02 * (end - integrator.time));
+            let system = |t: f64, state: &[R; STATES]| -> [R; STATES] {
+                evaluations.set(evaluations.get() + 1);
+                if evaluations.get() > most_evaluations {
+                    return [R::from(f64::NAN); STATES];
+                }
+                let boundary = course.boundary(index, t, &near, &near_flow);
+                disturbed_rates(gas_set, chamber, &boundary.lift(), state, disturbance.at(t))
+            };
+            integrator.advance(&system, end, |step| {
+                let until = step.from + step.length;
+                sensor.pass(index, step.from, until, &step.dense(), disturbance);
+                on_step(until, &step.end());
+            })?;
+        }
+        sensor.finish();
+        Ok(sensor.readings)
+    }
 }
 
 /// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.
@@ -255,6 +277,3 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
     }
 }
-
-/// Index of the first own state, for callers of `on_step`.
-pub const FIRST_OWN_STATE: usize = OWN;

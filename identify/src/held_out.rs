@@ -22,9 +22,8 @@ pub struct Fold {
 pub fn folds(data: &Data) -> Vec<Fold> {
     let repeats = data.traces.iter().map(|t| t.repeat).max().unwrap_or(0) + 1;
     if repeats > 1 {
-        let has_repeats: Vec<bool> = (0..data.experiments.len())
-            .map(|e| data.traces.iter().filter(|t| t.experiment == e).count() > 1)
-            .collect();
+        let has_repeats: Vec<bool> =
+            (0..data.experiments.len()).map(|e| data.traces.iter().filter(|t| t.experiment == e).count() > 1).collect();
         return (0..repeats)
             .map(|repeat| {
                 let out = |t: &Prepared| t.repeat == repeat && has_repeats[t.experiment];

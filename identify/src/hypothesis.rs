@@ -108,11 +108,13 @@ impl Sizes {
         let middle = |t: &Prepared| t.blocks.iter().map(|b| b.mean_pa).sum::<f64>() / t.blocks.len().max(1) as f64;
         let pressure = mean(&middle);
         let near = Default::default();
-        let position = mean(&|t: &Prepared| t.course.motion.segments.last().map_or(0.0, |s| s.stroke.at(s.to_s, &near).0));
+        let position =
+            mean(&|t: &Prepared| t.course.motion.segments.last().map_or(0.0, |s| s.stroke.at(s.to_s, &near).0));
         let volume = chamber.geometry.volume(position).abs();
         let temperature = data.ambient_temperature_k;
         let gas_capacity = pressure * volume / (data.gas.gas_constant * temperature) * data.gas.cv();
-        let conductance = chamber.heat_transfer.coefficient_at(pressure, temperature) * chamber.geometry.heat_transfer_area(volume);
+        let conductance =
+            chamber.heat_transfer.coefficient_at(pressure, temperature) * chamber.geometry.heat_transfer_area(volume);
         let speed = data.traces.iter().map(fastest).fold(0.0, f64::max);
         Self {
             gas_capacity,
@@ -150,7 +152,11 @@ fn fastest(t: &Prepared) -> f64 {
         .motion
         .segments
         .iter()
-        .flat_map(|s| (0..20).map(move |k| s.stroke.at(s.from_s + (s.to_s - s.from_s) * f64::from(k) / 19.0, &Default::default()).1.abs()))
+        .flat_map(|s| {
+            (0..20).map(move |k| {
+                s.stroke.at(s.from_s + (s.to_s - s.from_s) * f64::from(k) / 19.0, &Default::default()).1.abs()
+            })
+        })
         .fold(0.0, f64::max)
 }
 
@@ -172,14 +178,16 @@ impl Hypothesis {
     }
 
     /// The same, with the secondary parameters of the effects in `secondary` free too.
-    pub fn with_secondary(data: &Data, effects: EffectSet, secondary: EffectSet, base: &Chamber, sizes: &Sizes) -> Self {
+    pub fn with_secondary(
+        data: &Data,
+        effects: EffectSet,
+        secondary: EffectSet,
+        base: &Chamber,
+        sizes: &Sizes,
+    ) -> Self {
         let swept = data.piston_area_m2 * data.smallest_position_m();
-        let mut axes = vec![Axis {
-            slot: Slot::Lambda0,
-            logarithmic: true,
-            scale: FIRST_LAMBDA0,
-            bounds: [-12.0, 12.0],
-        }];
+        let mut axes =
+            vec![Axis { slot: Slot::Lambda0, logarithmic: true, scale: FIRST_LAMBDA0, bounds: [-12.0, 12.0] }];
         if !data.dead_volume_known {
             let scale = base.geometry.volume(data.smallest_position_m()).abs().max(1e-12);
             // Some volume must remain at the smallest position.

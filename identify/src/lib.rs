@@ -8,11 +8,13 @@
 //! | [`candidates`], [`evidence`], [`held_out`] | fits with effects added, and how much they are worth |
 //! | [`missing`], [`adequacy`], [`sanity`] | what remains, whether it is noise, what has no physics behind it |
 //! | [`tracing`] | from the residual to the effect that explains it, or to the statement that none does |
+//! | [`diagnosis`], [`separate`] | the result for programs and reports; what to measure next |
 //! | [`paper`] | the published method on one trace, and the paper's own numbers |
 
 pub mod adequacy;
 pub mod candidates;
 pub mod checks;
+pub mod diagnosis;
 pub mod error;
 pub mod evidence;
 pub mod fit;
@@ -25,7 +27,9 @@ pub mod noise;
 pub mod paper;
 pub mod prepare;
 pub mod sanity;
+pub mod separate;
 pub mod tracing;
 pub mod uncertainty;
 
+pub use diagnosis::{Diagnosed, Diagnosis, diagnose};
 pub use error::Error;

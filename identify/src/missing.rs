@@ -8,12 +8,12 @@
 //! than the named effects have), and what would it be.
 
 use crate::fit::{self, Fit, RELATIVE_TOLERANCE};
-use crate::forward::{Disturbance, pressures, sensor_effects, without};
+use crate::forward::{Disturbance, Run, Undisturbed, sensor_effects, without};
 use crate::hypothesis;
 use crate::motion::Phase;
 use crate::prepare::{Data, Prepared};
 use crate::uncertainty::project_out;
-use chamber::balance::{ENERGY, MASS};
+use chamber::balance::MASS;
 use chamber::card::Balance;
 use chamber::dual::Dual;
 use chamber::real::Real;
@@ -174,17 +174,11 @@ impl Path {
         let set = fit.hypothesis.effects;
         let start = hypothesis::start(t, local);
         let mut masses: Vec<(f64, f64)> = Vec::new();
-        let pressure_pa = pressures(
-            &chamber,
-            without(set, sensor_effects()),
-            start,
-            &t.course,
-            &t.time_s,
-            RELATIVE_TOLERANCE,
-            &crate::forward::Undisturbed,
-            |time, _, state| masses.push((time, state[MASS])),
-        )
-        .ok()?;
+        let gas_only = without(set, sensor_effects());
+        let run =
+            Run { chamber: &chamber, set: gas_only, start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE };
+        let pressure_pa =
+            run.disturbed(&t.time_s, &Undisturbed, |time, state| masses.push((time, state[MASS]))).ok()?;
         let n = t.time_s.len();
         let (near, flow) = (Default::default(), Default::default());
         let mut path = Path {
@@ -337,7 +331,8 @@ impl<'a> Search<'a> {
 
     /// All families, best first.
     pub fn all(&self) -> Vec<Missing> {
-        let mut found: Vec<Missing> = FAMILIES.par_iter().filter_map(|&(form, variable)| self.family(form, variable)).collect();
+        let mut found: Vec<Missing> =
+            FAMILIES.par_iter().filter_map(|&(form, variable)| self.family(form, variable)).collect();
         found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         found
     }
@@ -371,10 +366,9 @@ impl<'a> Search<'a> {
         } else {
             let local: Vec<Tangent> = self.fit.locals[k].iter().map(|x| Tangent::from(*x)).collect();
             let start = hypothesis::start(t, &local);
-            pressures(&chamber, self.fit.hypothesis.effects, start, &t.course, &times, 1e-7, &disturbance, |_, _, state| {
-                debug_assert!(state[ENERGY].value.is_finite());
-            })
-            .ok()?
+            let set = self.fit.hypothesis.effects;
+            let run = Run { chamber: &chamber, set, start, course: &t.course, relative_tolerance: 1e-7 };
+            run.disturbed(&times, &disturbance, |_, _| ()).ok()?
         };
         let mut shown = shown.into_iter();
         let mut out = DMatrix::zeros(blocks.len(), KNOTS);
@@ -413,7 +407,8 @@ impl<'a> Search<'a> {
             wr -= &cross * square.solve(&DVector::from_fn(free.len(), |i, _| jr[free[i]]));
         }
         // Eigenvectors that the parameters can do themselves carry nothing; scale first so that sizes compare.
-        let raw: Vec<f64> = (0..KNOTS).map(|i| responses.iter().map(|w| w.column(i).norm_squared()).sum::<f64>().sqrt()).collect();
+        let raw: Vec<f64> =
+            (0..KNOTS).map(|i| responses.iter().map(|w| w.column(i).norm_squared()).sum::<f64>().sqrt()).collect();
         let scale: Vec<f64> = raw.iter().map(|r| if *r > 0.0 { 1.0 / r } else { 0.0 }).collect();
         let scaled = DMatrix::from_fn(KNOTS, KNOTS, |i, j| ww[(i, j)] * scale[i] * scale[j]);
         let right = DVector::from_fn(KNOTS, |i, _| wr[i] * scale[i]);
@@ -441,7 +436,8 @@ impl<'a> Search<'a> {
 impl Hats<'_> {
     /// The same functions as an error of the reading.
     fn reading(&self, time: f64) -> Tangent {
-        let as_flow = Hats { form: Form::Flow, time_s: self.time_s, share: self.share.clone(), amount: self.amount.clone() };
+        let as_flow =
+            Hats { form: Form::Flow, time_s: self.time_s, share: self.share.clone(), amount: self.amount.clone() };
         as_flow.at(time)[0]
     }
 }

@@ -55,6 +55,11 @@ impl Spline {
         Self { time, value, slope }
     }
 
+    /// Smallest and largest of its knots' values.
+    pub fn range(&self) -> (f64, f64) {
+        extent(&self.value)
+    }
+
     /// Smallest of its knots' values.
     pub fn lowest(&self) -> f64 {
         extent(&self.value).0
@@ -145,7 +150,8 @@ impl Motion {
             } else {
                 Phase::Hold
             };
-            let stroke = if moves { Spline::default() } else { held(&time_s[first..end], &position_m[first..end], noise_m) };
+            let stroke =
+                if moves { Spline::default() } else { held(&time_s[first..end], &position_m[first..end], noise_m) };
             segments.push(Segment { phase, first, end, from_s, to_s, stroke });
         }
         for k in 0..segments.len() {

@@ -77,7 +77,13 @@ impl Noise {
             sd_pa = stated;
         }
         let variance_error = (2.0 * correlation_rows / freedom.max(1.0)).sqrt();
-        Self { sd_pa, correlation_rows, quantisation_pa: if floor > 0.0 { quantisation_pa } else { 0.0 }, variance_error, stated_pa }
+        Self {
+            sd_pa,
+            correlation_rows,
+            quantisation_pa: if floor > 0.0 { quantisation_pa } else { 0.0 },
+            variance_error,
+            stated_pa,
+        }
     }
 }
 

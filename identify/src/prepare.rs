@@ -111,7 +111,8 @@ impl Data {
         let mut columns = Vec::new();
         for (experiment, e) in rig.experiments.iter().enumerate() {
             for (repeat, trace) in e.traces.iter().enumerate() {
-                let pressure = trace.pressure_pa.as_ref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
+                let pressure =
+                    trace.pressure_pa.as_ref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
                 checks::rows(trace)?;
                 let begin = trace.time_s[0];
                 let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - begin).collect();
@@ -123,12 +124,14 @@ impl Data {
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
         }
-        let noise = Noise::estimate(columns.iter().map(|(p, m, t, ..)| (t.as_slice(), p.as_slice(), m)), rig.sensor.noise_pa);
+        let noise =
+            Noise::estimate(columns.iter().map(|(p, m, t, ..)| (t.as_slice(), p.as_slice(), m)), rig.sensor.noise_pa);
         let stated = rig.ambient.temperature_k;
         let mut assumed = false;
         for (pressure_pa, motion, time_s, experiment, repeat, trace) in columns {
             let ambient_temperature = ambient(trace, &time_s, stated, &mut assumed);
-            let blocks = blocks(&time_s, &pressure_pa, &motion, &noise, &trace.position_m, rig.gas.gas.heat_capacity_ratio);
+            let blocks =
+                blocks(&time_s, &pressure_pa, &motion, &noise, &trace.position_m, rig.gas.gas.heat_capacity_ratio);
             let starts_at_rest = motion.starts_at_rest();
             let initial_pressure_pa = initial_pressure(&time_s, &pressure_pa, &motion, &noise);
             let first_temperature = ambient_temperature.at(0.0, &Default::default()).0;
@@ -150,15 +153,15 @@ impl Data {
                 pressure_pa,
             });
         }
-        let ambient_temperature_k =
-            traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64;
+        let ambient_temperature_k = traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64;
         let within = within(&traces, &noise);
         let smallest = traces
             .iter()
             .map(|t| t.course.motion.segments.iter().map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min))
             .fold(f64::INFINITY, f64::min);
         let dead = rig.dead_volume.map(|d| (d.value_m3, d.known));
-        let first_guess = (0.05 * rig.cylinder.piston_area_m2 * smallest.abs()).max(-1.2 * rig.cylinder.piston_area_m2 * smallest);
+        let first_guess =
+            (0.05 * rig.cylinder.piston_area_m2 * smallest.abs()).max(-1.2 * rig.cylinder.piston_area_m2 * smallest);
         Ok(Self {
             gas: rig.gas.gas,
             bore_m: rig.cylinder.bore_m,
@@ -182,7 +185,8 @@ impl Data {
 
     /// Smallest position in any trace, m.
     pub fn smallest_position_m(&self) -> f64 {
-        let lowest = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min);
+        let lowest =
+            |t: &Prepared| t.course.motion.segments.iter().map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min);
         self.traces.iter().map(lowest).fold(f64::INFINITY, f64::min)
     }
 }
@@ -193,7 +197,10 @@ fn ambient(trace: &Trace, time_s: &[f64], stated: Option<f64>, assumed: &mut boo
     let Some(column) = trace.ambient_temperature_k.as_ref() else {
         if stated.is_none() {
             // A gas at rest has the temperature of its surroundings.
-            let gas = trace.gas_temperature_k.as_ref().map(|g| g[..g.len().min(10)].iter().sum::<f64>() / g.len().min(10) as f64);
+            let gas = trace
+                .gas_temperature_k
+                .as_ref()
+                .map(|g| g[..g.len().min(10)].iter().sum::<f64>() / g.len().min(10) as f64);
             *assumed |= gas.is_none();
             return constant(gas.unwrap_or(ASSUMED_AMBIENT_TEMPERATURE_K));
         }
@@ -233,7 +240,14 @@ fn initial_pressure(time_s: &[f64], pressure_pa: &[f64], motion: &Motion, noise:
     (pressure_pa[first.first..end].iter().sum::<f64>() / rows as f64, scale(rows))
 }
 
-fn blocks(time_s: &[f64], pressure_pa: &[f64], motion: &Motion, noise: &Noise, position_m: &[f64], gamma: f64) -> Vec<Block> {
+fn blocks(
+    time_s: &[f64],
+    pressure_pa: &[f64],
+    motion: &Motion,
+    noise: &Noise,
+    position_m: &[f64],
+    gamma: f64,
+) -> Vec<Block> {
     const HOLD_PARTS: usize = 20;
     const REST_PARTS: usize = 6;
     const MOVE_PARTS: usize = 60;

@@ -12,7 +12,9 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let dead_volume_m3 = h.axes[i].value(fitted.globals[i]);
     let half_width_m3 = 1.96 * covariance(fitted, false)[(i, i)].sqrt() * h.axes[i].scale;
     let swept_m3 = data.piston_area_m2 * data.smallest_position_m();
-    if swept_m3 > 0.0 && (dead_volume_m3 + half_width_m3 < -0.05 * swept_m3 || (fitted.at_bound[i] && dead_volume_m3 < 0.0)) {
+    if swept_m3 > 0.0
+        && (dead_volume_m3 + half_width_m3 < -0.05 * swept_m3 || (fitted.at_bound[i] && dead_volume_m3 < 0.0))
+    {
         return Err(Error::NegativeDeadVolume { dead_volume_m3, half_width_m3, swept_m3 });
     }
     Ok(())
@@ -40,7 +42,8 @@ pub fn gauge(data: &Data, fitted: &Fit) -> Result<(), Error> {
     if curvature.is_finite() && curvature > 0.0 {
         let best = 1.0 + 0.05 * (low - high) / curvature;
         if (best - 1.0).abs() < NEARLY {
-            let half_width_pa = 1.96 * ambient_pa * (0.02 / curvature * (as_gauge / fitted.blocks as f64).max(1.0)).sqrt();
+            let half_width_pa =
+                1.96 * ambient_pa * (0.02 / curvature * (as_gauge / fitted.blocks as f64).max(1.0)).sqrt();
             return Err(Error::Gauge { offset_pa: best * ambient_pa, half_width_pa, ambient_pa });
         }
     }

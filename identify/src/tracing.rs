@@ -120,11 +120,8 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
         };
         let mut found: Vec<Candidate> = tracer.fit_all(&pairs, part).into_iter().map(|f| tracer.candidate(f)).collect();
         sort(&mut found);
-        found = found
-            .into_par_iter()
-            .enumerate()
-            .map(|(rank, c)| if rank < 4 { tracer.judged(c) } else { c })
-            .collect();
+        found =
+            found.into_par_iter().enumerate().map(|(rank, c)| if rank < 4 { tracer.judged(c) } else { c }).collect();
         if let Some(second) = found.iter().find(|c| tracer.enters(c, &chosen)) {
             chosen = second.clone();
             chosen_adequacy = adequacy::test(data, &chosen.fit);

@@ -117,8 +117,11 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>, lambda_extra: f64) -> Vec
             let extra = if i == 0 { lambda_extra } else { 0.0 };
             let half = NORMAL_95 * (covariance[(i, i)] + extra * extra).sqrt();
             let bounded = |x: f64| axis.value(x.clamp(axis.bounds[0], axis.bounds[1]));
-            let estimate =
-                Estimate { value: axis.value(x), ci95: [bounded(x - half), bounded(x + half)], unit: axis.slot.unit().to_owned() };
+            let estimate = Estimate {
+                value: axis.value(x),
+                ci95: [bounded(x - half), bounded(x + half)],
+                unit: axis.slot.unit().to_owned(),
+            };
             (axis.slot.name(), estimate)
         })
         .collect()
@@ -130,10 +133,8 @@ pub fn undetermined(fit: &Fit) -> Vec<Undetermined> {
     let h = &fit.hypothesis;
     let free: Vec<usize> = (0..fit.globals.len()).filter(|&i| !fit.at_bound[i]).collect();
     // In units of each parameter's own size: d ln value, or d value/size.
-    let size: Vec<f64> = free
-        .iter()
-        .map(|&i| if h.axes[i].logarithmic { 1.0 } else { fit.globals[i].abs().max(1e-3) })
-        .collect();
+    let size: Vec<f64> =
+        free.iter().map(|&i| if h.axes[i].logarithmic { 1.0 } else { fit.globals[i].abs().max(1e-3) }).collect();
     let n = free.len();
     if n == 0 {
         return Vec::new();
