@@ -288,6 +288,6 @@ pub fn assumptions(data: &Data) -> Vec<String> {
 }
 
 /// Serializes named numbers as one object.
-fn as_map<S: serde::Serializer>(numbers: &Estimates, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn as_map<S: serde::Serializer>(numbers: &Estimates, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(numbers.iter().map(|(k, v)| (k, v)))
 }

@@ -9,6 +9,7 @@
 //! | [`missing`], [`adequacy`], [`sanity`] | what remains, whether it is noise, what has no physics behind it |
 //! | [`tracing`] | from the residual to the effect that explains it, or to the statement that none does |
 //! | [`diagnosis`], [`separate`] | the result for programs and reports; what to measure next |
+//! | [`identification`] | the paper's model alone, by either method |
 //! | [`paper`] | the published method on one trace, and the paper's own numbers |
 
 pub mod adequacy;
@@ -21,6 +22,7 @@ pub mod fit;
 pub mod forward;
 pub mod held_out;
 pub mod hypothesis;
+pub mod identification;
 pub mod missing;
 pub mod motion;
 pub mod noise;
@@ -33,3 +35,4 @@ pub mod uncertainty;
 
 pub use diagnosis::{Diagnosed, Diagnosis, diagnose};
 pub use error::Error;
+pub use identification::{Identification, Method, identify};

@@ -3,6 +3,9 @@
 //! A command's file holds `Args` (clap's, with an example in its `after_help`) and `run(&Args) -> anyhow::Result<()>`.
 
 mod completions;
+mod diagnose;
+mod estimates;
+mod identify;
 mod man;
 mod reproduce;
 mod simulate;
@@ -14,6 +17,8 @@ use clap::Subcommand;
 pub enum Command {
     Reproduce(reproduce::Args),
     Simulate(simulate::Args),
+    Identify(identify::Args),
+    Diagnose(diagnose::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -24,6 +29,8 @@ impl Command {
         match self {
             Command::Reproduce(args) => reproduce::run(args),
             Command::Simulate(args) => simulate::run(args),
+            Command::Identify(args) => identify::run(args),
+            Command::Diagnose(args) => diagnose::run(args),
             Command::Completions(args) => completions::run(args),
             Command::Man(args) => man::run(args),
         }

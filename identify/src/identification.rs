@@ -1,0 +1,265 @@
+//! `identify`: heat transfer coefficient, dead volume and mass of a rig by the paper's model, with intervals.
+//!
+//! Two methods: `exact`, the fit of all traces at once through moves and holds; `time-constant`, the paper's seven steps
+//! on each trace by itself, whose results are averaged.
+
+use crate::diagnosis::{Estimates, Rmse, as_map, assumptions, parameters};
+use crate::error::Error;
+use crate::paper::time_constant::{self, TimeConstant};
+use crate::paper::{Recording, Setup};
+use crate::prepare::Data;
+use crate::tracing;
+use crate::uncertainty::{Estimate, Undetermined, undetermined};
+use crate::{adequacy, evidence, held_out};
+use chamber::{AreaLaw, Chamber, HeatTransfer, paper};
+use records::{Rig, Trace};
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// How a rig is identified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// All traces at once, through moves and holds.
+    Exact,
+    /// The paper's seven steps on each trace.
+    TimeConstant,
+}
+
+impl Method {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Exact => "exact",
+            Method::TimeConstant => "time-constant",
+        }
+    }
+}
+
+/// One kind of test: means over its repeats.
+#[derive(Clone, Debug, Serialize)]
+pub struct ExperimentResult {
+    /// Its name.
+    pub name: String,
+    /// Pf of P = Pf + ΔP e^(−t/τ), Pa; absent where a trace is not a push and a hold.
+    pub final_pressure_pa: Option<f64>,
+    /// ΔP, Pa.
+    pub pressure_rise_pa: Option<f64>,
+    /// τ, s.
+    pub time_constant_s: Option<f64>,
+    /// Mass of the gas, kg.
+    pub mass_kg: Option<f64>,
+    /// λ0 by the seven steps, W/(m² K).
+    pub steps_lambda0_w_per_m2_k: Option<f64>,
+}
+
+/// The result of `identify`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Identification {
+    /// exact or time-constant.
+    pub method: &'static str,
+    /// What was identified.
+    #[serde(serialize_with = "as_map")]
+    pub parameters: Estimates,
+    /// Errors against what the sensor recorded.
+    pub rmse_pa: Rmse,
+    /// Noise of the pressure readings, Pa.
+    pub noise_pa: f64,
+    /// Whether what the model leaves is no more than noise.
+    pub residual_is_noise: bool,
+    /// Each kind of test.
+    pub experiments: Vec<ExperimentResult>,
+    /// Parameters, or combinations of them, that the data hardly determines.
+    pub undetermined: Vec<Undetermined>,
+    /// What was assumed.
+    pub assumptions: Vec<String>,
+    /// The chamber.
+    #[serde(skip)]
+    pub chamber: Chamber,
+    /// Ambient temperature, K.
+    #[serde(skip)]
+    pub ambient_temperature_k: f64,
+}
+
+/// Identifies a rig.
+///
+/// # Errors
+/// [`Error`]: data that cannot be what it should be, or no trace that the method can evaluate.
+pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
+    let data = Data::prepare(rig)?;
+    let steps: Vec<(usize, Result<TimeConstant, crate::paper::Error>)> = rig
+        .experiments
+        .iter()
+        .enumerate()
+        .flat_map(|(e, experiment)| experiment.traces.iter().map(move |t| (e, t)))
+        .zip(&data.traces)
+        .map(|((e, trace), prepared)| (e, seven_steps(&data, trace, prepared.initial_temperature_k)))
+        .collect();
+    match method {
+        Method::Exact => exact(&data, &steps),
+        Method::TimeConstant => published(&data, steps),
+    }
+}
+
+fn seven_steps(data: &Data, trace: &Trace, ambient_k: f64) -> Result<TimeConstant, crate::paper::Error> {
+    let setup = Setup {
+        gas: data.gas,
+        bore_m: data.bore_m,
+        piston_area_m2: data.piston_area_m2,
+        area_law: AreaLaw::Total,
+        ambient_temperature_k: ambient_k,
+        reference_pressure_pa: paper::REFERENCE_PRESSURE_PA,
+        reference_temperature_k: paper::REFERENCE_TEMPERATURE_K,
+    };
+    let pressure_pa = trace.pressure_pa.as_deref().unwrap_or_default();
+    let recording = Recording { time_s: &trace.time_s, pressure_pa, position_m: &trace.position_m };
+    time_constant::evaluate(&setup, &recording)
+}
+
+type Steps = [(usize, Result<TimeConstant, crate::paper::Error>)];
+
+fn exact(data: &Data, steps: &Steps) -> Result<Identification, Error> {
+    let baseline = tracing::baseline(data)?;
+    let adequacy = adequacy::test(data, &baseline);
+    if !adequacy.is_noise {
+        crate::sanity::gauge(data, &baseline)?;
+    }
+    crate::sanity::dead_volume(data, &baseline)?;
+    let chamber = baseline.chamber();
+    let mut parameters = parameters(data, &baseline, adequacy.is_noise);
+    let masses: Vec<f64> = data
+        .traces
+        .iter()
+        .zip(&baseline.locals)
+        .map(|(t, local)| {
+            let start = crate::hypothesis::start(t, local);
+            let position = t.course.motion.segments[0].stroke.at(0.0, &Default::default()).0;
+            start.pressure * chamber.geometry.volume(position) / (chamber.gas.gas_constant * start.temperature)
+        })
+        .collect();
+    // The mass follows the volume it was measured in: its relative interval is that of the dead volume's share.
+    let volume = masses.iter().sum::<f64>() / masses.len() as f64;
+    let relative = parameters.iter().find(|(name, _)| name == "dead_volume_m3").map_or(0.0, |(_, e)| {
+        let position = data.traces[0].course.motion.segments[0].stroke.at(0.0, &Default::default()).0;
+        0.5 * (e.ci95[1] - e.ci95[0]) / chamber.geometry.volume(position)
+    });
+    parameters.push(("mass_kg".to_owned(), interval(volume, relative * volume, "kg")));
+    let residuals = evidence::residuals(data, &baseline);
+    Ok(Identification {
+        method: Method::Exact.name(),
+        parameters,
+        rmse_pa: Rmse {
+            fit: evidence::rms(&residuals),
+            held_out: held_out::rmse(data, &baseline, &held_out::folds(data)),
+        },
+        noise_pa: data.noise.sd_pa,
+        residual_is_noise: adequacy.is_noise,
+        experiments: experiments(data, steps, Some(&masses)),
+        undetermined: undetermined(&baseline),
+        assumptions: assumptions(data),
+        chamber,
+        ambient_temperature_k: data.ambient_temperature_k,
+    })
+}
+
+fn published(
+    data: &Data,
+    steps: Vec<(usize, Result<TimeConstant, crate::paper::Error>)>,
+) -> Result<Identification, Error> {
+    let found: Vec<&TimeConstant> = steps.iter().filter_map(|(_, s)| s.as_ref().ok()).collect();
+    if found.is_empty() {
+        let reasons: Vec<String> =
+            steps.iter().filter_map(|(_, s)| s.as_ref().err().map(ToString::to_string)).take(1).collect();
+        return Err(Error::Method(format!(
+            "no trace can be evaluated by the published steps: {}; `--method exact` needs no single push and hold",
+            reasons.join("; ")
+        )));
+    }
+    let of = |f: &dyn Fn(&TimeConstant) -> (f64, [f64; 2])| {
+        mean_with_interval(&found.iter().map(|s| f(s)).collect::<Vec<_>>())
+    };
+    let number = |e: &crate::paper::Estimate| (e.value, e.ci95);
+    let lambda = of(&|s| number(&s.steps.coefficient_0_w_per_m2_k));
+    let dead = of(&|s| number(&s.steps.dead_volume_m3));
+    let mut parameters: Estimates = Vec::new();
+    let mut add = |name: &str, unit: &str, (value, half): (f64, f64)| {
+        parameters.push((name.to_owned(), interval(value, half, unit)));
+    };
+    add("lambda0_w_per_m2_k", "W/(m2.K)", lambda);
+    add("dead_volume_m3", "m3", dead);
+    add("mass_kg", "kg", of(&|s| number(&s.steps.mass_kg)));
+    add("lambda_av_w_per_m2_k", "W/(m2.K)", of(&|s| number(&s.steps.coefficient_av_w_per_m2_k)));
+    add("conductance_av_w_per_k", "W/K", of(&|s| number(&s.steps.conductance_av_w_per_k)));
+    let mut chamber = crate::hypothesis::first_chamber(data);
+    chamber.geometry.dead_volume = dead.0.max(0.0);
+    chamber.heat_transfer = HeatTransfer::at_paper_reference(lambda.0);
+    // What the method's numbers predict, through moves and holds.
+    let residuals = predicted(data, &chamber)?;
+    Ok(Identification {
+        method: Method::TimeConstant.name(),
+        parameters,
+        rmse_pa: Rmse { fit: evidence::rms(&residuals), held_out: None },
+        noise_pa: data.noise.sd_pa,
+        residual_is_noise: false,
+        experiments: experiments(data, &steps, None),
+        undetermined: Vec::new(),
+        assumptions: assumptions(data),
+        chamber,
+        ambient_temperature_k: data.ambient_temperature_k,
+    })
+}
+
+/// Row residuals of a chamber that was not fitted to them, from each trace's first pressure.
+fn predicted(data: &Data, chamber: &Chamber) -> Result<Vec<Vec<f64>>, Error> {
+    data.traces
+        .iter()
+        .map(|t| {
+            let local = vec![1.0; crate::hypothesis::locals(t)];
+            let model = crate::fit::readings(t, chamber, &local)
+                .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
+            Ok(t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect())
+        })
+        .collect()
+}
+
+fn experiments(data: &Data, steps: &Steps, masses: Option<&[f64]>) -> Vec<ExperimentResult> {
+    data.experiments
+        .iter()
+        .enumerate()
+        .map(|(e, name)| {
+            let own: Vec<&TimeConstant> =
+                steps.iter().filter(|(k, _)| *k == e).filter_map(|(_, s)| s.as_ref().ok()).collect();
+            let mean = |f: &dyn Fn(&TimeConstant) -> f64| {
+                (!own.is_empty()).then(|| own.iter().map(|s| f(s)).sum::<f64>() / own.len() as f64)
+            };
+            let fitted: Option<Vec<f64>> = masses
+                .map(|m| m.iter().zip(&data.traces).filter(|(_, t)| t.experiment == e).map(|(m, _)| *m).collect());
+            ExperimentResult {
+                name: name.clone(),
+                final_pressure_pa: mean(&|s| s.regression.final_pressure_pa.value),
+                pressure_rise_pa: mean(&|s| s.regression.pressure_rise_pa.value),
+                time_constant_s: mean(&|s| s.regression.time_constant_s.value),
+                mass_kg: fitted
+                    .filter(|m| !m.is_empty())
+                    .map(|m| m.iter().sum::<f64>() / m.len() as f64)
+                    .or_else(|| mean(&|s| s.steps.mass_kg.value)),
+                steps_lambda0_w_per_m2_k: mean(&|s| s.steps.coefficient_0_w_per_m2_k.value),
+            }
+        })
+        .collect()
+}
+
+/// Mean of several estimates and half its 95 % interval: from their scatter, or the one's own.
+fn mean_with_interval(estimates: &[(f64, [f64; 2])]) -> (f64, f64) {
+    let n = estimates.len() as f64;
+    let mean = estimates.iter().map(|e| e.0).sum::<f64>() / n;
+    if estimates.len() < 2 {
+        return (mean, 0.5 * (estimates[0].1[1] - estimates[0].1[0]));
+    }
+    let variance = estimates.iter().map(|e| (e.0 - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let quantile = StudentsT::new(0.0, 1.0, n - 1.0).map_or(2.0, |t| t.inverse_cdf(0.975));
+    (mean, quantile * (variance / n).sqrt())
+}
+
+fn interval(value: f64, half: f64, unit: &str) -> Estimate {
+    Estimate { value, ci95: [value - half, value + half], unit: unit.to_owned() }
+}

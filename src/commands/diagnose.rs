@@ -1,0 +1,132 @@
+//! `pneutherm diagnose`: closes the loop between measured traces and the model.
+
+use crate::commands::estimates::{self, significant};
+use crate::output;
+use anyhow::Context;
+use identify::{Diagnosed, Diagnosis};
+use records::{Model, Provenance, Rig};
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+/// Find what the model lacks: the residual, the effect that causes it, the error before and after on held-out traces
+#[derive(clap::Args)]
+#[command(after_help = "\
+Example:
+  pneutherm diagnose rigs/example/rig.toml -o model.toml
+  pneutherm diagnose rigs/example --json diagnosis.json
+
+The verdict: `adequate`, the paper's model leaves no more than noise; `explained`, with the effects that it lacks;
+`unexplained`, something is there that no known effect accounts for. Pressures in Pa, other units by name.")]
+pub struct Args {
+    /// The rig file, or the folder that holds its rig.toml
+    rig: PathBuf,
+    /// Write the model to go on with to this file: with the effects found, the paper's where there are none
+    #[arg(short, long, value_name = "MODEL.toml")]
+    output: Option<PathBuf>,
+    /// Write the result as JSON to this file, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let rig = Rig::read(&args.rig)?;
+    let bar = progress_bar();
+    let found = identify::diagnose(&rig, &|what, share| {
+        bar.set_message(what.to_owned());
+        bar.set_position((share * 100.0) as u64);
+    })
+    .with_context(|| rig.path.display().to_string());
+    bar.finish_and_clear();
+    let found = found?;
+    if let Some(path) = &args.output {
+        model(&rig, &found).write(path)?;
+    }
+    if let Some(path) = &args.json {
+        output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;
+    }
+    let taken = [&args.output, &args.json].into_iter().flatten().any(|p| output::is_stdout(p));
+    if taken { Ok(()) } else { output::print(table(&found.diagnosis).as_bytes()) }
+}
+
+/// A bar on standard error, on a terminal only.
+fn progress_bar() -> indicatif::ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return indicatif::ProgressBar::hidden();
+    }
+    let bar = indicatif::ProgressBar::new(100);
+    if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn model(rig: &Rig, found: &Diagnosed) -> Model {
+    let rmse = |s: &identify::diagnosis::Side| records::Rmse { fit: s.rmse_pa.fit, held_out: s.rmse_pa.held_out };
+    Model {
+        gas_name: rig.gas.name.clone(),
+        chamber: found.chamber(),
+        rod_m: rig.cylinder.rod_through_m,
+        ambient_temperature_k: found.data.ambient_temperature_k,
+        ambient_pressure_pa: rig.ambient.pressure_pa,
+        provenance: Provenance {
+            rmse_before_pa: Some(rmse(&found.diagnosis.before)),
+            rmse_after_pa: Some(rmse(&found.diagnosis.after)),
+            ..Provenance::of_rig(rig)
+        },
+    }
+}
+
+fn table(d: &Diagnosis) -> String {
+    let mut out = String::new();
+    let what = match d.verdict {
+        "adequate" => "the paper's model leaves no more than noise".to_owned(),
+        "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
+        _ => format!("no known effect accounts for the residual; the evidence points to the {} balance", d.balance),
+    };
+    let _ = writeln!(out, "{}: {what}\n", d.verdict);
+    let error = |side: &identify::diagnosis::Side| {
+        let held_out = side.rmse_pa.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
+        format!("{:>10.1} {held_out:>12}", side.rmse_pa.fit)
+    };
+    let _ = writeln!(out, "error, Pa rms        fit     held out     (noise of the sensor {:.1})", d.noise_pa);
+    let _ = writeln!(out, "before       {}", error(&d.before));
+    let _ = writeln!(out, "after        {}\n", error(&d.after));
+    estimates::parameters(&mut out, &d.after.parameters);
+    let _ = writeln!(out, "\n{:<44} {:>12} {:>14}", "effects tried", "delta BIC", "held out Pa");
+    for c in &d.candidates {
+        let held_out = c.held_out_rmse_pa.map_or("-".to_owned(), |h| format!("{h:.1}"));
+        let _ = writeln!(out, "{:<44} {:>12.1} {held_out:>14}", c.effect, c.delta_bic);
+    }
+    for group in &d.indistinguishable {
+        let _ = writeln!(out, "\nthe data cannot tell apart: {}", group.join(", "));
+    }
+    for m in d.missing.iter().take(3) {
+        let _ = writeln!(
+            out,
+            "\nmissing: {} as a function of {} would take away {:.0} % of what is beyond noise ({} balance)",
+            m.quantity,
+            m.variable,
+            100.0 * m.share,
+            m.balance
+        );
+        for ((at, value), sd) in m.at.iter().zip(&m.value).zip(&m.sd) {
+            let _ = writeln!(
+                out,
+                "   at {:>11} {:<5} {:>11} ± {} {}",
+                significant(*at, 4),
+                m.variable_unit,
+                significant(*value, 3),
+                significant(*sd, 2),
+                m.unit
+            );
+        }
+    }
+    for n in &d.next_experiments {
+        let by = n.difference_over_noise.map_or(String::new(), |d| format!(" (they differ by {d:.1} times the noise)"));
+        let _ = writeln!(out, "\nto tell {} from {}: {}{by}", n.separates[0], n.separates[1], n.test);
+    }
+    estimates::notes(&mut out, &d.undetermined, &d.assumptions);
+    out
+}

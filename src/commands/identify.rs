@@ -1,0 +1,96 @@
+//! `pneutherm identify`: heat transfer coefficient, dead volume and mass from measured traces.
+
+use crate::commands::estimates;
+use crate::output;
+use anyhow::Context;
+use identify::{Identification, Method};
+use records::{Model, Provenance, Rig};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Identify heat transfer coefficient, dead volume and mass from measured traces, with 95 % intervals
+#[derive(clap::Args)]
+#[command(after_help = "\
+Example:
+  pneutherm identify rigs/example/rig.toml -o model.toml
+  pneutherm identify rigs/example --method time-constant --json -
+
+Units: lambda0 in W/(m2 K) at 5.65 bar and 293 K, dead volume in m3, mass in kg, pressures in Pa, times in s.")]
+pub struct Args {
+    /// The rig file, or the folder that holds its rig.toml
+    rig: PathBuf,
+    /// All traces at once through moves and holds, or the paper's seven steps on each trace
+    #[arg(long, value_enum, default_value = "exact")]
+    method: Choice,
+    /// Write the identified model to this file
+    #[arg(short, long, value_name = "MODEL.toml")]
+    output: Option<PathBuf>,
+    /// Write the result as JSON to this file, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Choice {
+    /// All traces at once, through moves and holds
+    Exact,
+    /// The paper's seven steps on each trace
+    TimeConstant,
+}
+
+/// Identifies, writes what was asked for, and prints the table unless standard output is taken.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let rig = Rig::read(&args.rig)?;
+    let method = match args.method {
+        Choice::Exact => Method::Exact,
+        Choice::TimeConstant => Method::TimeConstant,
+    };
+    let result = identify::identify(&rig, method).with_context(|| rig.path.display().to_string())?;
+    if let Some(path) = &args.output {
+        model(&rig, &result).write(path)?;
+    }
+    if let Some(path) = &args.json {
+        output::write(path, &[serde_json::to_vec_pretty(&result)?, b"\n".to_vec()].concat())?;
+    }
+    let taken = [&args.output, &args.json].into_iter().flatten().any(|p| output::is_stdout(p));
+    if taken { Ok(()) } else { output::print(table(&result).as_bytes()) }
+}
+
+fn model(rig: &Rig, result: &Identification) -> Model {
+    let rmse = records::Rmse { fit: result.rmse_pa.fit, held_out: result.rmse_pa.held_out };
+    Model {
+        gas_name: rig.gas.name.clone(),
+        chamber: result.chamber,
+        rod_m: rig.cylinder.rod_through_m,
+        ambient_temperature_k: result.ambient_temperature_k,
+        ambient_pressure_pa: rig.ambient.pressure_pa,
+        provenance: Provenance { rmse_before_pa: Some(rmse), rmse_after_pa: Some(rmse), ..Provenance::of_rig(rig) },
+    }
+}
+
+fn table(r: &Identification) -> String {
+    let mut out = String::new();
+    let _ = writeln!(out, "method {}\n", r.method);
+    estimates::parameters(&mut out, &r.parameters);
+    let _ =
+        writeln!(out, "\n{:<22} {:>14} {:>12} {:>10} {:>12}", "experiment", "final Pa", "rise Pa", "tau s", "mass kg");
+    for e in &r.experiments {
+        let cell = |v: Option<f64>, digits: usize| v.map_or("-".to_owned(), |v| estimates::significant(v, digits));
+        let _ = writeln!(
+            out,
+            "{:<22} {:>14} {:>12} {:>10} {:>12}",
+            e.name,
+            cell(e.final_pressure_pa, 6),
+            cell(e.pressure_rise_pa, 5),
+            cell(e.time_constant_s, 4),
+            cell(e.mass_kg, 4)
+        );
+    }
+    let held_out = r.rmse_pa.held_out.map_or(String::new(), |h| format!(", on held-out data {h:.1} Pa"));
+    let _ = writeln!(out, "\nerror {:.1} Pa rms{held_out}; noise of the sensor {:.1} Pa", r.rmse_pa.fit, r.noise_pa);
+    if r.method == "exact" && !r.residual_is_noise {
+        let _ = writeln!(out, "the model leaves more than noise: `pneutherm diagnose` looks for what it lacks");
+    }
+    estimates::notes(&mut out, &r.undetermined, &r.assumptions);
+    out
+}
