@@ -6,6 +6,7 @@ mod completions;
 mod diagnose;
 mod estimates;
 mod identify;
+pub mod fmu;
 mod man;
 mod reproduce;
 mod simulate;
@@ -19,6 +20,7 @@ pub enum Command {
     Simulate(simulate::Args),
     Identify(identify::Args),
     Diagnose(diagnose::Args),
+    Fmu(fmu::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -31,6 +33,7 @@ impl Command {
             Command::Simulate(args) => simulate::run(args),
             Command::Identify(args) => identify::run(args),
             Command::Diagnose(args) => diagnose::run(args),
+            Command::Fmu(args) => fmu::run(args),
             Command::Completions(args) => completions::run(args),
             Command::Man(args) => man::run(args),
         }

@@ -1,0 +1,23 @@
+//! Packages libraries as built into an FMU of the reference chamber, without the command line: for tests of the library
+//! itself. `package_reference OUT.fmu PLATFORM=LIBRARY…`
+
+use fmu::package::{Contents, Library, package};
+use fmu::variables::Starts;
+use std::path::Path;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [out, libraries @ ..] = arguments.as_slice() else { return Err("OUT.fmu PLATFORM=LIBRARY…".into()) };
+    let mut read = Vec::new();
+    for library in libraries {
+        let (platform, path) = library.split_once('=').ok_or("PLATFORM=LIBRARY")?;
+        let extension = Path::new(path).extension().and_then(|e| e.to_str()).unwrap_or("so");
+        read.push((platform, extension, std::fs::read(path)?));
+    }
+    let libraries: Vec<Library> =
+        read.iter().map(|(platform, extension, bytes)| Library { platform, extension, bytes }).collect();
+    let starts = Starts::default();
+    let contents = Contents { starts: &starts, generated: None, model_file: None, libraries: &libraries };
+    std::fs::write(out, package(&contents)?)?;
+    Ok(())
+}

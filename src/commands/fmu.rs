@@ -1,0 +1,117 @@
+//! `pneutherm fmu`: a model as an FMI 2.0 co-simulation unit.
+
+use crate::output;
+use anyhow::Context;
+use fmu::package::{Contents, Library};
+use fmu::variables::{BASE, INPUTS, Parameters, REALS, Starts, input, parameter};
+use records::Model;
+use std::path::{Path, PathBuf};
+
+/// The FMU's libraries, built by `build.rs`.
+const LIBRARIES: &[Library<'static>] = include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
+/// Where the piston stands in an FMU until its host says otherwise, m.
+const START_POSITION_M: f64 = 0.1;
+
+/// Write an FMI 2.0 co-simulation FMU whose start values are a model's
+#[derive(clap::Args)]
+#[command(after_help = "\
+Example:
+  pneutherm fmu model.toml -o Chamber.fmu
+
+Every start value can be changed by the importing tool. The date in the FMU is that of SOURCE_DATE_EPOCH, else the
+model's own: the same model gives the same bytes.")]
+pub struct Args {
+    /// The model file, as `identify` and `diagnose` write it
+    model: PathBuf,
+    /// The FMU to write
+    #[arg(short, long, default_value = "Chamber.fmu")]
+    output: PathBuf,
+}
+
+/// Reads the model, writes the FMU.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let model = Model::read(&args.model)?;
+    let bytes = package(&model, &std::fs::read(&args.model)?)
+        .with_context(|| format!("{}: no FMU can be made of this model", args.model.display()))?;
+    output::write(&args.output, &bytes)?;
+    if !output::is_stdout(&args.output) {
+        let platforms: Vec<_> = LIBRARIES.iter().map(|library| library.platform).collect();
+        println!("{}: FMI 2.0 co-simulation for {}", args.output.display(), platforms.join(", "));
+    }
+    Ok(())
+}
+
+/// Writes the FMU of a model, which keeps the model's file in its resources.
+pub fn write(model: &Model, model_file: &[u8], path: &Path) -> anyhow::Result<()> {
+    output::write(path, &package(model, model_file)?)
+}
+
+fn package(model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
+    let starts = starts(model);
+    let generated = generated(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref(), model)?;
+    let contents = Contents {
+        starts: &starts,
+        generated: generated.as_deref(),
+        model_file: Some(model_file),
+        libraries: LIBRARIES,
+    };
+    Ok(fmu::package::package(&contents)?)
+}
+
+/// The model's numbers as the FMU's start values.
+fn starts(model: &Model) -> Starts {
+    let chamber = &model.chamber;
+    let mut real = [0.0; REALS];
+    real[parameter::BORE] = chamber.geometry.bore;
+    real[parameter::ROD_DIAMETER] = model.rod_m;
+    real[parameter::DEAD_VOLUME] = chamber.geometry.dead_volume;
+    real[parameter::INITIAL_PRESSURE] = model.ambient_pressure_pa;
+    real[parameter::INITIAL_TEMPERATURE] = model.ambient_temperature_k;
+    real[parameter::LAMBDA0] = chamber.heat_transfer.coefficient;
+    real[parameter::REFERENCE_PRESSURE] = chamber.heat_transfer.reference_pressure;
+    real[parameter::REFERENCE_TEMPERATURE] = chamber.heat_transfer.reference_temperature;
+    real[parameter::GAS_CONSTANT] = chamber.gas.gas_constant;
+    real[parameter::HEAT_CAPACITY_RATIO] = chamber.gas.heat_capacity_ratio;
+    real[BASE..].copy_from_slice(&chamber.effects.0);
+    let mut inputs = [0.0; INPUTS];
+    inputs[input::POSITION] = START_POSITION_M;
+    inputs[input::TEMPERATURE_IN] = model.ambient_temperature_k;
+    inputs[input::AMBIENT_TEMPERATURE] = model.ambient_temperature_k;
+    inputs[input::AMBIENT_PRESSURE] = model.ambient_pressure_pa;
+    Starts { parameters: Parameters { real, area_law: chamber.geometry.area_law }, inputs }
+}
+
+/// UTC time of generation: that of SOURCE_DATE_EPOCH, else the model's.
+fn generated(epoch: Option<&str>, model: &Model) -> anyhow::Result<Option<String>> {
+    let Some(epoch) = epoch else { return Ok(model.provenance.date.clone()) };
+    let seconds: u64 =
+        epoch.parse().with_context(|| format!("SOURCE_DATE_EPOCH = {epoch}: whole seconds since 1970 are expected"))?;
+    Ok(Some(utc(seconds)))
+}
+
+/// A time of day and calendar date, UTC. Source: H. Hinnant, "chrono-compatible low-level date algorithms" (2013).
+fn utc(seconds: u64) -> String {
+    let (days, second) = (seconds / 86_400, seconds % 86_400);
+    let shifted = days + 719_468; // from 0000-03-01 on
+    let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    let (hour, minute, second) = (second / 3_600, second / 60 % 60, second % 60);
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn source_date_epoch_is_a_utc_date() {
+        assert_eq!(utc(0), "1970-01-01T00:00:00Z");
+        assert_eq!(utc(951_827_696), "2000-02-29T12:34:56Z");
+        assert_eq!(utc(1_795_262_400), "2026-11-21T12:00:00Z");
+    }
+}
