@@ -5,7 +5,7 @@ use anyhow::Context;
 use fmu::package::{Contents, Library};
 use fmu::variables::{BASE, INPUTS, Parameters, REALS, Starts, input, parameter};
 use records::Model;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The FMU's libraries, built by `build.rs`.
 const LIBRARIES: &[Library<'static>] = include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
@@ -41,12 +41,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the FMU of a model, which keeps the model's file in its resources.
-pub fn write(model: &Model, model_file: &[u8], path: &Path) -> anyhow::Result<()> {
-    output::write(path, &package(model, model_file)?)
-}
-
-fn package(model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
+/// The FMU of a model, as bytes; it keeps the model's file in its resources.
+pub fn package(model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
     let starts = starts(model);
     let generated = generated(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref(), model)?;
     let contents = Contents {
