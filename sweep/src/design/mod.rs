@@ -1,0 +1,214 @@
+//! Designs: which points a study has. A row's point is a pure function of the design and the row's number, so that
+//! shards, threads and interruptions make no difference and no state lives between rows.
+
+pub mod random;
+pub mod sobol;
+pub mod table;
+
+use crate::axis::Axis;
+use crate::error::Error;
+use random::{Permutation, mix, unit};
+use sobol::Sobol;
+use std::ops::Range;
+use table::Table;
+
+/// Which points a study has.
+#[derive(Debug)]
+pub enum Design {
+    /// Every combination of the axes' levels, the last axis changing fastest.
+    Factorial(Vec<Axis>),
+    /// One row in each of `samples` equal slices of every axis.
+    LatinHypercube(LatinHypercube),
+    /// A scrambled low-discrepancy sequence.
+    Sobol(Vec<Axis>, u64, Sobol),
+    /// Saltelli's scheme for first- and total-order indices: blocks of A, A with one column of B for each axis, B.
+    Saltelli(Vec<Axis>, u64, Sobol),
+    /// Points of one's own.
+    Table(Table),
+}
+
+/// One row in each of `samples` equal slices of every axis, at a random place in its slice.
+#[derive(Debug)]
+pub struct LatinHypercube {
+    axes: Vec<Axis>,
+    samples: u64,
+    columns: Vec<(Permutation, u64)>,
+}
+
+/// Names of the designs in study files.
+pub const NAMES: [&str; 5] = ["factorial", "latin-hypercube", "sobol", "saltelli", "table"];
+
+impl Design {
+    /// A Latin hypercube of that many rows.
+    pub fn latin_hypercube(axes: Vec<Axis>, samples: u64, seed: u64) -> Self {
+        let keys = (0..axes.len() as u64).map(|d| (mix(seed, 2 * d), mix(seed, 2 * d + 1)));
+        let columns = keys.map(|(permutation, place)| (Permutation::new(samples, permutation), place)).collect();
+        Design::LatinHypercube(LatinHypercube { axes, samples, columns })
+    }
+
+    /// The first `samples` points of a scrambled Sobol' sequence.
+    pub fn sobol(axes: Vec<Axis>, samples: u64, seed: u64) -> Self {
+        let points = Sobol::scrambled(axes.len(), seed);
+        Design::Sobol(axes, samples, points)
+    }
+
+    /// Saltelli's scheme on `samples` points of a scrambled Sobol' sequence of twice the dimensions.
+    pub fn saltelli(axes: Vec<Axis>, samples: u64, seed: u64) -> Self {
+        let points = Sobol::scrambled(2 * axes.len(), seed);
+        Design::Saltelli(axes, samples, points)
+    }
+
+    /// Its name in study files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Design::Factorial(_) => NAMES[0],
+            Design::LatinHypercube(_) => NAMES[1],
+            Design::Sobol(..) => NAMES[2],
+            Design::Saltelli(..) => NAMES[3],
+            Design::Table(_) => NAMES[4],
+        }
+    }
+
+    /// The axes; none for a table.
+    pub fn axes(&self) -> &[Axis] {
+        match self {
+            Design::Factorial(axes) | Design::Sobol(axes, ..) | Design::Saltelli(axes, ..) => axes,
+            Design::LatinHypercube(cube) => &cube.axes,
+            Design::Table(_) => &[],
+        }
+    }
+
+    /// Number of rows; `None` where it does not fit.
+    pub fn rows(&self) -> Option<u64> {
+        match self {
+            Design::Factorial(axes) => axes.iter().try_fold(1u64, |rows, a| rows.checked_mul(a.levels().unwrap_or(1))),
+            Design::LatinHypercube(cube) => Some(cube.samples),
+            Design::Sobol(_, samples, _) => Some(*samples),
+            Design::Saltelli(axes, samples, _) => samples.checked_mul(axes.len() as u64 + 2),
+            Design::Table(table) => Some(table.rows()),
+        }
+    }
+
+    /// Fills one column for each varied quantity with the values of some rows.
+    ///
+    /// # Errors
+    /// Only of a table: the file cannot be read or holds what is not a number.
+    pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
+        for column in columns.iter_mut() {
+            column.clear();
+        }
+        match self {
+            Design::Factorial(axes) => {
+                let mut repeats = 1;
+                for (axis, column) in axes.iter().zip(columns).rev() {
+                    let levels = axis.levels().unwrap_or(1);
+                    column.extend(rows.clone().map(|row| axis.level(row / repeats % levels)));
+                    repeats *= levels;
+                }
+            }
+            Design::LatinHypercube(cube) => {
+                for ((axis, (permutation, place)), column) in cube.axes.iter().zip(&cube.columns).zip(columns) {
+                    let share = |row| (permutation.of(row) as f64 + unit(mix(*place, row))) / cube.samples as f64;
+                    column.extend(rows.clone().map(|row| axis.at(share(row))));
+                }
+            }
+            Design::Sobol(axes, _, points) => {
+                for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
+                    column.extend(rows.clone().map(|row| axis.at(points.coordinate(row, dimension))));
+                }
+            }
+            Design::Saltelli(axes, _, points) => {
+                let block = axes.len() as u64 + 2;
+                for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
+                    column.extend(rows.clone().map(|row| {
+                        let of_b = row % block == dimension as u64 + 1 || row % block == block - 1;
+                        let dimension = if of_b { axes.len() + dimension } else { dimension };
+                        axis.at(points.coordinate(row / block, dimension))
+                    }));
+                }
+            }
+            Design::Table(table) => table.fill(rows, columns)?,
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::Scale;
+    use proptest::prelude::*;
+
+    fn unit_axes(n: usize) -> Vec<Axis> {
+        vec![Axis::Range { from: 0.0, to: 1.0, count: None, scale: Scale::Linear }; n]
+    }
+
+    fn points(design: &Design, rows: Range<u64>, quantities: usize) -> Vec<Vec<f64>> {
+        let mut columns = vec![Vec::new(); quantities];
+        design.fill(rows, &mut columns).unwrap();
+        columns
+    }
+
+    #[test]
+    fn a_factorial_design_has_every_combination_once_and_its_last_axis_runs_fastest() {
+        let list = |values: &[f64]| Axis::Values { values: values.to_vec() };
+        let design = Design::Factorial(vec![list(&[1.0, 2.0]), list(&[3.0, 4.0, 5.0])]);
+        assert_eq!(design.rows(), Some(6));
+        let expected = [vec![1.0, 1.0, 1.0, 2.0, 2.0, 2.0], vec![3.0, 4.0, 5.0, 3.0, 4.0, 5.0]];
+        assert_eq!(points(&design, 0..6, 2), expected);
+    }
+
+    #[test]
+    fn a_latin_hypercube_has_one_row_in_each_slice_of_each_axis() {
+        let n = 1000;
+        let columns = points(&Design::latin_hypercube(unit_axes(3), n, 5), 0..n, 3);
+        for column in columns {
+            let mut slices: Vec<u64> = column.iter().map(|u| (u * n as f64) as u64).collect();
+            slices.sort_unstable();
+            assert!(slices.into_iter().eq(0..n));
+        }
+    }
+
+    #[test]
+    fn a_saltelli_block_changes_one_column_at_a_time() {
+        let design = Design::saltelli(unit_axes(3), 8, 1);
+        assert_eq!(design.rows(), Some(40));
+        let columns = points(&design, 0..40, 3);
+        for block in 0..8 {
+            let row = |k: usize| columns.iter().map(|c| c[block * 5 + k]).collect::<Vec<_>>();
+            let (a, b) = (row(0), row(4));
+            for k in 0..3 {
+                let mut expected = a.clone();
+                expected[k] = b[k];
+                assert_eq!(row(k + 1), expected);
+                assert_ne!(a[k], b[k]);
+            }
+        }
+    }
+
+    #[test]
+    fn another_seed_is_another_design() {
+        for design in [Design::latin_hypercube, Design::sobol, Design::saltelli] {
+            assert_ne!(points(&design(unit_axes(2), 64, 1), 0..64, 2), points(&design(unit_axes(2), 64, 2), 0..64, 2));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_row_does_not_depend_on_the_rows_around_it(kind in 0..4usize, start in 0..900u64, length in 1..90u64, seed: u64) {
+            let axis = Axis::Range { from: 1.0, to: 2.0, count: Some(10), scale: Scale::Log };
+            let axes = vec![axis; 3];
+            let design = match kind {
+                0 => Design::Factorial(axes),
+                1 => Design::latin_hypercube(axes, 1000, seed),
+                2 => Design::sobol(axes, 1000, seed),
+                _ => Design::saltelli(axes, 200, seed),
+            };
+            let whole = points(&design, 0..1000, 3);
+            let piece = points(&design, start..start + length, 3);
+            for (whole, piece) in whole.iter().zip(&piece) {
+                prop_assert_eq!(&whole[start as usize..(start + length) as usize], &piece[..]);
+            }
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! Points of one's own: a Parquet or CSV file with a column for each varied quantity, read piece by piece.
+
+use crate::error::Error;
+use arrow::array::{Array, AsArray, Float64Array};
+use arrow::compute::cast;
+use arrow::datatypes::{DataType, Float64Type};
+use arrow::record_batch::RecordBatch;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Seek, SeekFrom};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Rows between remembered places of a CSV file.
+const STRIDE: u64 = 16_384;
+
+/// A file of points.
+#[derive(Debug)]
+pub struct Table {
+    path: PathBuf,
+    rows: u64,
+    names: Vec<String>,
+    columns: Vec<usize>,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Parquet(ArrowReaderMetadata),
+    /// Byte and line of every [`STRIDE`]-th row.
+    Csv(Vec<(u64, u64)>),
+}
+
+impl Table {
+    /// Opens a file ending in `.parquet` or `.csv`; a CSV file has its column names in its first line.
+    ///
+    /// # Errors
+    /// The file cannot be read, has another ending or no rows.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let read = |source| Error::Read { path: path.to_owned(), source };
+        let (names, rows, kind) = match path.extension().and_then(|e| e.to_str()) {
+            Some("parquet") => {
+                let file = File::open(path).map_err(read)?;
+                let metadata = ArrowReaderMetadata::load(&file, ArrowReaderOptions::new())
+                    .map_err(|source| Error::Parquet { path: path.to_owned(), source })?;
+                let names = metadata.schema().fields().iter().map(|f| f.name().clone()).collect();
+                let rows = metadata.metadata().file_metadata().num_rows() as u64;
+                (names, rows, Kind::Parquet(metadata))
+            }
+            Some("csv") => index_csv(path)?,
+            _ => return Err(refuse(path, "a table ends in .parquet or .csv")),
+        };
+        if rows == 0 {
+            return Err(refuse(path, "the table has no rows"));
+        }
+        Ok(Self { path: path.to_owned(), rows, columns: (0..names.len()).collect(), names, kind })
+    }
+
+    /// Names of the columns in use.
+    pub fn names(&self) -> Vec<&str> {
+        self.columns.iter().map(|&c| self.names[c].as_str()).collect()
+    }
+
+    /// Uses only the columns that `keep` says yes to.
+    pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
+        self.columns.retain(|&c| keep(&self.names[c]));
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Appends the values of some rows to one column for each of [`Table::names`].
+    ///
+    /// # Errors
+    /// The file cannot be read or holds what is not a number; an empty or missing value is one of these.
+    pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
+        match &self.kind {
+            Kind::Parquet(metadata) => self.fill_from_parquet(metadata, rows, columns),
+            Kind::Csv(places) => self.fill_from_csv(places, rows, columns),
+        }
+    }
+
+    fn fill_from_parquet(
+        &self,
+        metadata: &ArrowReaderMetadata,
+        rows: Range<u64>,
+        columns: &mut [Vec<f64>],
+    ) -> Result<(), Error> {
+        let parquet = |source| Error::Parquet { path: self.path.clone(), source };
+        let file = File::open(&self.path).map_err(|source| Error::Read { path: self.path.clone(), source })?;
+        let mask = ProjectionMask::roots(metadata.parquet_schema(), self.columns.iter().copied());
+        let reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
+            .with_projection(mask)
+            .with_offset(rows.start as usize)
+            .with_limit((rows.end - rows.start) as usize)
+            .build()
+            .map_err(parquet)?;
+        let mut at = rows.start;
+        for batch in reader {
+            let batch = batch.map_err(|error| Error::arrow(&self.path, error))?;
+            self.append(&batch, at, columns)?;
+            at += batch.num_rows() as u64;
+        }
+        Ok(())
+    }
+
+    fn append(&self, batch: &RecordBatch, first_row: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {
+        for (&place, column) in self.columns.iter().zip(columns) {
+            let name = &self.names[place];
+            let array = batch
+                .column_by_name(name)
+                .ok_or_else(|| refuse(&self.path, format!("column `{name}` is missing in some row groups")))?;
+            let numeric = array.data_type().is_numeric();
+            let numbers = if numeric { cast(array, &DataType::Float64).ok() } else { None };
+            let numbers = numbers.ok_or_else(|| {
+                refuse(&self.path, format!("column `{name}` holds {}: numbers were expected", array.data_type()))
+            })?;
+            let numbers: &Float64Array = numbers.as_primitive::<Float64Type>();
+            for i in 0..numbers.len() {
+                if numbers.is_null(i) || !numbers.value(i).is_finite() {
+                    let row = first_row + i as u64;
+                    return Err(refuse(&self.path, format!("column `{name}`, row {row}: a finite number was expected")));
+                }
+                column.push(numbers.value(i));
+            }
+        }
+        Ok(())
+    }
+
+    fn fill_from_csv(&self, places: &[(u64, u64)], rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
+        let read = |source| Error::Read { path: self.path.clone(), source };
+        let (byte, mut line) = places[(rows.start / STRIDE) as usize];
+        let mut reader = BufReader::new(File::open(&self.path).map_err(read)?);
+        reader.seek(SeekFrom::Start(byte)).map_err(read)?;
+        let mut row = rows.start / STRIDE * STRIDE;
+        let mut text = String::new();
+        while row < rows.end {
+            text.clear();
+            if reader.read_line(&mut text).map_err(read)? == 0 {
+                return Err(refuse(&self.path, "the table became shorter while it was read"));
+            }
+            line += 1;
+            if text.trim().is_empty() {
+                continue;
+            }
+            if row >= rows.start {
+                self.append_line(&text, line, columns)?;
+            }
+            row += 1;
+        }
+        Ok(())
+    }
+
+    fn append_line(&self, text: &str, line: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {
+        let fields: Vec<&str> = text.split(',').map(|field| field.trim().trim_matches('"')).collect();
+        if fields.len() != self.names.len() {
+            let (found, expected) = (fields.len(), self.names.len());
+            return Err(refuse(&self.path, format!("line {line}: {found} values where the header names {expected}")));
+        }
+        for (&place, column) in self.columns.iter().zip(columns) {
+            let number = fields[place].parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
+                let (text, name) = (fields[place], &self.names[place]);
+                refuse(
+                    &self.path,
+                    format!("line {line}, column `{name}`: `{text}` is not a finite number (decimal point, no unit)"),
+                )
+            })?;
+            column.push(number);
+        }
+        Ok(())
+    }
+}
+
+/// Reads a CSV file once: its header, its number of rows and where every [`STRIDE`]-th begins.
+fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
+    let read = |source| Error::Read { path: path.to_owned(), source };
+    let mut reader = BufReader::new(File::open(path).map_err(read)?);
+    let mut text = String::new();
+    let mut byte = reader.read_line(&mut text).map_err(read)? as u64;
+    let header = text.trim_start_matches('\u{feff}').trim();
+    let names: Vec<String> = header.split(',').map(|name| name.trim().trim_matches('"').to_owned()).collect();
+    if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+        return Err(refuse(path, format!("line 1: column `{}` stands there twice", twice.1)));
+    }
+    let (mut rows, mut line, mut places) = (0, 1, Vec::new());
+    let mut bytes = Vec::new();
+    loop {
+        bytes.clear();
+        let length = reader.read_until(b'\n', &mut bytes).map_err(read)?;
+        if length == 0 {
+            return Ok((names, rows, Kind::Csv(places)));
+        }
+        if !bytes.iter().all(u8::is_ascii_whitespace) {
+            if rows % STRIDE == 0 {
+                places.push((byte, line));
+            }
+            rows += 1;
+        }
+        byte += length as u64;
+        line += 1;
+    }
+}
+
+fn refuse(path: &Path, message: impl Into<String>) -> Error {
+    Error::Table { path: path.to_owned(), message: message.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_piece_of_a_csv_file_is_what_stands_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let lines: String = (0..40_000).map(|i| format!("{i}, {}.5\r\n{}", 2 * i, if i % 7 == 0 { "\n" } else { "" })).collect();
+        std::fs::write(&path, format!("id,\"bore_m\"\n{lines}")).unwrap();
+        let mut table = Table::open(&path).unwrap();
+        table.retain(|name| name == "bore_m");
+        assert_eq!((table.rows(), table.names()), (40_000, vec!["bore_m"]));
+        for rows in [0..3, 16_383..16_386, 39_990..40_000] {
+            let mut columns = vec![Vec::new()];
+            table.fill(rows.clone(), &mut columns).unwrap();
+            assert_eq!(columns[0], rows.map(|i| 2.0 * i as f64 + 0.5).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn text_in_a_number_is_refused_with_its_line_and_column() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        std::fs::write(&path, "bore_m,rod_m\n0.02,0\n0.02,1 cm\n").unwrap();
+        let table = Table::open(&path).unwrap();
+        let message = table.fill(0..2, &mut [vec![], vec![]]).unwrap_err().to_string();
+        assert!(message.contains("line 3, column `rod_m`: `1 cm` is not a finite number"), "{message}");
+    }
+}

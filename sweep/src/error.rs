@@ -1,0 +1,142 @@
+//! What can be wrong with a study, its folder or its files, in sentences: where, what, what to do.
+
+use arrow::error::ArrowError;
+use parquet::errors::ParquetError;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a study was refused or could not be carried out.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The study's model or another record was refused.
+    #[error(transparent)]
+    Record(#[from] records::Error),
+    /// A file cannot be opened or read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A file or folder cannot be written.
+    #[error("{}: cannot be written: {source}{}", path.display(), advice(source))]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The study file is not TOML.
+    #[error("{}: line {line}: {message}", path.display())]
+    Syntax {
+        /// The study file.
+        path: PathBuf,
+        /// Counted from one.
+        line: usize,
+        /// What the parser says.
+        message: String,
+    },
+    /// A key that means nothing.
+    #[error("{}: line {line}: `{key}` is not known in [{section}]{}", path.display(), hint(nearest))]
+    UnknownKey {
+        /// The study file.
+        path: PathBuf,
+        /// Counted from one.
+        line: usize,
+        /// The table it stands in.
+        section: String,
+        /// The key as written.
+        key: String,
+        /// The nearest known one.
+        nearest: Option<String>,
+    },
+    /// A key that has to be there.
+    #[error("{}: [{section}] has no `{key}`: {expected}", path.display())]
+    MissingKey {
+        /// The study file.
+        path: PathBuf,
+        /// The table it should stand in.
+        section: String,
+        /// The key.
+        key: String,
+        /// What it should hold.
+        expected: String,
+    },
+    /// A value that cannot be.
+    #[error("{}: line {line}: `{key}` {message}", path.display())]
+    Value {
+        /// The study file.
+        path: PathBuf,
+        /// Counted from one.
+        line: usize,
+        /// The key as written.
+        key: String,
+        /// What is wrong with it and what was expected.
+        message: String,
+    },
+    /// A table of points that cannot be used.
+    #[error("{}: {message}", path.display())]
+    Table {
+        /// The table.
+        path: PathBuf,
+        /// What is wrong with it and what was expected.
+        message: String,
+    },
+    /// An option of the run that cannot be.
+    #[error("{0}")]
+    Option(String),
+    /// The folder is another study's.
+    #[error("{}: the folder holds another study: {difference}; choose another folder or empty this one", folder.display())]
+    OtherStudy {
+        /// The output folder.
+        folder: PathBuf,
+        /// How it shows.
+        difference: String,
+    },
+    /// Parquet that cannot be written or read.
+    #[error("{}: {source}", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// The library's reason.
+        source: ParquetError,
+    },
+}
+
+/// What to do about the most usual reasons for a failed write.
+fn advice(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "; finished parts are kept: make room and run the same command again"
+        }
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "; choose a folder you may write to",
+        _ => "",
+    }
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"))
+}
+
+impl Error {
+    /// An error of the Parquet library while `path` was written: the system's reason where there is one.
+    pub(crate) fn writing(path: &std::path::Path, error: ParquetError) -> Self {
+        match error {
+            ParquetError::External(inner) => match inner.downcast::<io::Error>() {
+                Ok(source) => Error::Write { path: path.to_owned(), source: *source },
+                Err(inner) => Error::Parquet { path: path.to_owned(), source: ParquetError::External(inner) },
+            },
+            source => Error::Parquet { path: path.to_owned(), source },
+        }
+    }
+
+    /// An error of the Arrow library on data from or for `path`.
+    pub(crate) fn arrow(path: &std::path::Path, error: ArrowError) -> Self {
+        match error {
+            ArrowError::IoError(_, source) => Error::Read { path: path.to_owned(), source },
+            other => Error::Parquet { path: path.to_owned(), source: ParquetError::ArrowError(other.to_string()) },
+        }
+    }
+}

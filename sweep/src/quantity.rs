@@ -1,0 +1,239 @@
+//! Every number of a model and of its test that a study can vary: dotted name, unit, the values that make sense.
+//!
+//! Effects' parameters follow from their cards, so that an effect added to `chamber` can be swept at once.
+
+use chamber::effects::{self, PARAMETERS};
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::sync::LazyLock;
+
+/// The numbers of the model and of the test that do not belong to an effect; places in a [`Point`].
+#[allow(missing_docs)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Base {
+    GasConstant,
+    HeatCapacityRatio,
+    Bore,
+    Rod,
+    DeadVolume,
+    Coefficient,
+    ReferencePressure,
+    ReferenceTemperature,
+    AmbientTemperature,
+    AmbientPressure,
+    InitialPressure,
+    InitialStroke,
+    FinalStroke,
+    PushTime,
+    Duration,
+    HoldTimeConstants,
+    VolumeToArea,
+}
+
+/// How many [`Base`] numbers there are.
+const BASE: usize = Base::VolumeToArea as usize + 1;
+/// How many quantities there are.
+pub const COUNT: usize = BASE + PARAMETERS;
+
+/// Values that a quantity may take.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Allowed {
+    /// Greater than this.
+    Above(f64),
+    /// This or more.
+    AtLeast(f64),
+    /// Within these bounds.
+    Within(RangeInclusive<f64>),
+}
+
+impl Allowed {
+    /// Whether a value may be taken; never NaN or infinite.
+    pub fn contains(&self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Allowed::Above(least) => value > *least,
+                Allowed::AtLeast(least) => value >= *least,
+                Allowed::Within(bounds) => bounds.contains(&value),
+            }
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Allowed::Above(least) => write!(f, "above {least}"),
+            Allowed::AtLeast(least) => write!(f, "at least {least}"),
+            Allowed::Within(bounds) => write!(f, "from {} to {}", bounds.start(), bounds.end()),
+        }
+    }
+}
+
+/// One number that a study can vary.
+#[derive(Clone, Debug)]
+pub struct Quantity {
+    /// Dotted name: `chamber.bore_m`.
+    pub name: String,
+    /// Unit as people write it.
+    pub unit: &'static str,
+    /// Values that make sense.
+    pub allowed: Allowed,
+    /// One line for people.
+    pub doc: &'static str,
+}
+
+/// Every quantity, at its place in a [`Point`].
+pub fn all() -> &'static [Quantity] {
+    static ALL: LazyLock<Vec<Quantity>> = LazyLock::new(|| {
+        let mut list: Vec<Quantity> = BASE_LIST
+            .iter()
+            .map(|(_, name, unit, allowed, doc)| Quantity {
+                name: (*name).to_owned(),
+                unit,
+                allowed: allowed.clone(),
+                doc,
+            })
+            .collect();
+        for (_, card) in effects::all() {
+            list.extend(card.parameters.iter().map(|p| Quantity {
+                name: format!("effect.{}.{}", card.name, p.key()),
+                unit: p.unit.symbol(),
+                allowed: Allowed::Within(p.bounds.clone()),
+                doc: p.doc,
+            }));
+        }
+        list
+    });
+    &ALL
+}
+
+use Allowed::{Above, AtLeast};
+#[rustfmt::skip]
+const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
+    (Base::GasConstant, "gas.gas_constant_j_per_kg_k", "J/(kg.K)", Above(0.0), "Specific gas constant"),
+    (Base::HeatCapacityRatio, "gas.heat_capacity_ratio", "1", Above(1.0), "Heat capacity ratio"),
+    (Base::Bore, "chamber.bore_m", "m", Above(0.0), "Bore"),
+    (Base::Rod, "chamber.rod_m", "m", AtLeast(0.0), "Diameter of the rod that runs through the chamber"),
+    (Base::DeadVolume, "chamber.dead_volume_m3", "m3", AtLeast(0.0), "Gas volume at stroke zero"),
+    (Base::Coefficient, "heat_transfer.coefficient_w_per_m2_k", "W/(m2.K)", AtLeast(0.0), "Heat transfer coefficient at the reference state"),
+    (Base::ReferencePressure, "heat_transfer.reference_pressure_pa", "Pa", Above(0.0), "Pressure of the reference state"),
+    (Base::ReferenceTemperature, "heat_transfer.reference_temperature_k", "K", Above(0.0), "Temperature of the reference state"),
+    (Base::AmbientTemperature, "ambient.temperature_k", "K", Above(0.0), "Temperature of the surroundings"),
+    (Base::AmbientPressure, "ambient.pressure_pa", "Pa", AtLeast(0.0), "Pressure of the surroundings"),
+    (Base::InitialPressure, "test.initial_pressure_pa", "Pa", Above(0.0), "Pressure before the push, absolute"),
+    (Base::InitialStroke, "test.initial_stroke_m", "m", AtLeast(0.0), "Piston position before the push"),
+    (Base::FinalStroke, "test.final_stroke_m", "m", AtLeast(0.0), "Piston position after the push"),
+    (Base::PushTime, "test.push_time_s", "s", Above(0.0), "Duration of the push, a linear ramp"),
+    (Base::Duration, "test.duration_s", "s", Above(0.0), "Duration of the test from the start of the push"),
+    (Base::HoldTimeConstants, "test.hold_time_constants", "1", Above(0.0), "Duration of the hold after the push over the thermal time constant at its end"),
+    (Base::VolumeToArea, "volume_to_area_m", "m", Above(0.0), "Gas volume over heat transfer area at the final stroke; the bore is solved for"),
+];
+
+/// A value for every quantity: what one row of a study stands for. NaN where a quantity is not given.
+#[derive(Clone, Copy, Debug)]
+pub struct Point(pub [f64; COUNT]);
+
+impl Point {
+    /// No quantity given.
+    pub const EMPTY: Point = Point([f64::NAN; COUNT]);
+
+    /// The value of a base quantity.
+    pub fn get(&self, base: Base) -> f64 {
+        self.0[base as usize]
+    }
+
+    /// Gives a base quantity its value.
+    pub fn set(&mut self, base: Base, value: f64) {
+        self.0[base as usize] = value;
+    }
+
+    /// Parameters of every effect.
+    pub fn effects(&self) -> &[f64] {
+        &self.0[BASE..]
+    }
+
+    /// The same, to be changed.
+    pub fn effects_mut(&mut self) -> &mut [f64] {
+        &mut self.0[BASE..]
+    }
+}
+
+/// Why a name does not stand for one quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NotFound {
+    /// Several quantities end like this.
+    Ambiguous(Vec<&'static str>),
+    /// None does; perhaps this one was meant.
+    Unknown(Option<&'static str>),
+}
+
+/// Place of the quantity of that dotted name, or of the only one whose name ends with these parts.
+pub fn find(name: &str) -> Result<usize, NotFound> {
+    let list = all();
+    if let Some(exact) = list.iter().position(|q| q.name == name) {
+        return Ok(exact);
+    }
+    let ends = |q: &Quantity| q.name.strip_suffix(name).is_some_and(|rest| rest.ends_with('.'));
+    let found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i])).collect();
+    match found[..] {
+        [one] => Ok(one),
+        [] => Err(NotFound::Unknown(nearest(name))),
+        _ => Err(NotFound::Ambiguous(found.into_iter().map(|i| list[i].name.as_str()).collect())),
+    }
+}
+
+/// The known name most like this one, among the dotted ones or their last parts, as the writer seems to prefer.
+fn nearest(name: &str) -> Option<&'static str> {
+    let last = |q: &'static Quantity| q.name.rsplit('.').next().unwrap_or(&q.name);
+    if name.contains('.') {
+        records::nearest(name, all().iter().map(|q| q.name.as_str()))
+    } else {
+        let short = all().iter().map(last).filter(|part| find(part).is_ok());
+        records::nearest(name, short).or_else(|| records::nearest(name, all().iter().map(|q| q.name.as_str())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_base_quantity_stands_at_its_place() {
+        for (place, entry) in BASE_LIST.iter().enumerate() {
+            assert_eq!(entry.0 as usize, place, "{}", entry.1);
+        }
+    }
+
+    #[test]
+    fn a_last_part_is_enough_where_only_one_quantity_has_it() {
+        assert_eq!(find("bore_m"), Ok(Base::Bore as usize));
+        assert_eq!(find("chamber.bore_m"), find("bore_m"));
+        assert_eq!(find("volume_to_area_m"), Ok(Base::VolumeToArea as usize));
+        assert_eq!(find("conductance_m3_per_s_pa"), find("effect.leakage.conductance_m3_per_s_pa"));
+        assert_eq!(find("leakage.critical_pressure_ratio"), find("critical_pressure_ratio"));
+    }
+
+    #[test]
+    fn an_ambiguous_name_lists_what_it_could_mean() {
+        let Err(NotFound::Ambiguous(list)) = find("exponent") else { panic!("not ambiguous") };
+        assert_eq!(list, ["effect.natural_convection.exponent", "effect.gas_column_length.exponent"]);
+    }
+
+    #[test]
+    fn a_slip_of_the_finger_finds_its_quantity() {
+        assert_eq!(find("boer_m"), Err(NotFound::Unknown(Some("bore_m"))));
+        assert_eq!(find("test.final_strok_m"), Err(NotFound::Unknown(Some("test.final_stroke_m"))));
+        assert_eq!(find("zzz"), Err(NotFound::Unknown(None)));
+        assert!(matches!(find("ore_m"), Err(NotFound::Unknown(Some("bore_m")))));
+    }
+
+    #[test]
+    fn every_parameter_of_every_effect_can_be_varied() {
+        for (index, card) in effects::all() {
+            for (offset, p) in card.parameters.iter().enumerate() {
+                let place = find(&format!("effect.{}.{}", card.name, p.key())).unwrap();
+                assert_eq!(place, BASE + effects::PARAMETER_OFFSETS[index] + offset);
+            }
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! A study: a base model, the push-and-hold test, what varies and by which design.
+
+mod read;
+mod section;
+
+use crate::design::Design;
+use crate::quantity::{self, Base, Point};
+use chamber::effects::PARAMETERS;
+use records::Model;
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
+use std::path::PathBuf;
+
+/// Rows of a part at most, unless the study sets the number of parts.
+const ROWS_PER_PART: u64 = 1 << 20;
+/// Parts of a study of many rows at least, so that shards have something to share.
+const PARTS_OF_A_LARGE_STUDY: u64 = 16;
+/// Rows below which a further part is not worth a file.
+const ROWS_WORTH_A_PART: u64 = 1 << 10;
+
+/// Which equations are solved in which way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solver {
+    /// The exact solution where it applies, the adaptive integration elsewhere.
+    Auto,
+    /// The exact solution; rows to which it does not apply fail.
+    Exact,
+    /// The adaptive integration throughout.
+    Adaptive,
+}
+
+impl Solver {
+    /// Names in study files and on the command line.
+    pub const NAMES: [(&'static str, Solver); 3] =
+        [("auto", Solver::Auto), ("exact", Solver::Exact), ("adaptive", Solver::Adaptive)];
+
+    /// Its name in study files.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, solver)| *solver == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// A quantity that varies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Varied {
+    /// Name of its column: as the study has it.
+    pub column: String,
+    /// Its place among [`quantity::all`].
+    pub quantity: usize,
+}
+
+/// A study as its file has it, checked.
+#[derive(Debug)]
+pub struct Study {
+    /// Its name.
+    pub name: String,
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// The base model.
+    pub model: Model,
+    /// A value for every quantity that does not vary.
+    pub base: Point,
+    /// What varies, in the order of the columns.
+    pub varied: Vec<Varied>,
+    /// The points.
+    pub design: Design,
+    /// Seed of the sampled designs.
+    pub seed: u64,
+    /// Number of rows.
+    pub rows: u64,
+    /// Whether the paper's regression is carried out for each row.
+    pub fit: bool,
+    /// Whether each row's trace is kept in a second table.
+    pub traces: bool,
+    /// How the equations are solved.
+    pub solver: Solver,
+    /// Relative tolerance of the adaptive integration.
+    pub tolerance: f64,
+    /// Number of files that the rows are divided into.
+    pub parts: u64,
+    /// Number of base samples of a sampled design.
+    samples: Option<u64>,
+    /// SHA-256 of the table's file, for a study on a table.
+    table_sha256: Option<String>,
+}
+
+impl Study {
+    /// Number of parts that follows from a number of rows.
+    fn default_parts(rows: u64) -> u64 {
+        let small = rows.div_ceil(ROWS_WORTH_A_PART).clamp(1, PARTS_OF_A_LARGE_STUDY);
+        small.max(rows.div_ceil(ROWS_PER_PART))
+    }
+
+    /// The rows of a part: parts differ by one row at most.
+    pub fn rows_of(&self, part: u64) -> std::ops::Range<u64> {
+        let start = |part: u64| (u128::from(self.rows) * u128::from(part) / u128::from(self.parts)) as u64;
+        start(part)..start(part + 1)
+    }
+
+    /// Name of a part's file.
+    pub fn part_name(&self, part: u64) -> String {
+        format!("part-{part:05}-of-{:05}.parquet", self.parts)
+    }
+
+    /// The study with every number it rests on, as JSON: what is written beside its rows.
+    pub fn json(&self) -> Value {
+        let number = |base: Base| Some(self.base.get(base)).filter(|value| value.is_finite());
+        let mut groups: Map<String, Value> = Map::new();
+        for (place, q) in quantity::all().iter().enumerate() {
+            let value = self.base.0[place];
+            let effect_is_off = place >= quantity::COUNT - PARAMETERS && self.is_off(place);
+            if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == place) {
+                groups.insert(q.name.clone(), json!(value));
+            }
+        }
+        let mut study = Map::new();
+        study.insert("name".into(), json!(self.name));
+        study.insert("design".into(), json!(self.design.name()));
+        if let Some(samples) = self.samples {
+            study.insert("samples".into(), json!(samples));
+        }
+        study.insert("seed".into(), json!(self.seed));
+        study.insert("rows".into(), json!(self.rows));
+        study.insert("parts".into(), json!(self.parts));
+        study.insert("fit".into(), json!(self.fit));
+        study.insert("traces".into(), json!(self.traces));
+        study.insert("solver".into(), json!(self.solver.name()));
+        study.insert("tolerance".into(), json!(self.tolerance));
+        study.insert("gas".into(), json!(self.model.gas_name));
+        study.insert("area_law".into(), json!(self.model.chamber.geometry.area_law.name()));
+        study.insert(
+            "length_of_the_test".into(),
+            json!(if number(Base::Duration).is_some() { "duration_s" } else { "hold_time_constants" }),
+        );
+        study.insert("fixed".into(), Value::Object(groups));
+        match &self.design {
+            Design::Table(table) => {
+                let name = table.path().file_name().map(|name| name.to_string_lossy().into_owned());
+                study.insert("table".into(), json!({ "file": name, "sha256": self.table_sha256 }));
+                let columns: Vec<_> = self.varied.iter().map(|v| &v.column).collect();
+                study.insert("vary".into(), json!(columns));
+            }
+            design => {
+                let axes = self.varied.iter().zip(design.axes());
+                let axes: Map<String, Value> = axes.map(|(v, axis)| (v.column.clone(), json!(axis))).collect();
+                study.insert("vary".into(), Value::Object(axes));
+            }
+        }
+        Value::Object(study)
+    }
+
+    /// Whether the effect of a parameter's place is off throughout the study.
+    fn is_off(&self, place: usize) -> bool {
+        let group = |place: usize| quantity::all()[place].name.rsplit_once('.').map(|(group, _)| group);
+        let varies = self.varied.iter().any(|v| group(v.quantity) == group(place));
+        let mut values = self.model.chamber.effects;
+        values.0.copy_from_slice(self.base.effects());
+        let on = values.active().iter().any(|index| {
+            let first = quantity::COUNT - PARAMETERS + chamber::effects::PARAMETER_OFFSETS[index];
+            group(first) == group(place)
+        });
+        !varies && !on
+    }
+
+    /// SHA-256 of the study and the program's version: rows belong together where this is the same.
+    pub fn identity(&self) -> String {
+        let text = format!("{} {}", env!("CARGO_PKG_VERSION"), self.json());
+        hex(&Sha256::digest(text.as_bytes()))
+    }
+}
+
+/// Lower-case hexadecimal digits.
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

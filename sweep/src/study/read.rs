@@ -1,0 +1,362 @@
+//! Study files. Unknown keys and values out of range are refused with file, line and key.
+
+use super::section::{Entry, File, Section};
+use super::{Solver, Study, Varied, hex};
+use crate::axis::{Axis, Scale};
+use crate::columns;
+use crate::design::table::Table;
+use crate::design::{Design, NAMES, sobol};
+use crate::error::Error;
+use crate::quantity::{self, Base, NotFound, Point};
+use records::Model;
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use toml::de::DeTable;
+
+/// The relative tolerance of a study that does not set one.
+const TOLERANCE: f64 = 1e-9;
+/// Numbers of the model in a [`Point`].
+type Rows = (Design, Vec<Varied>, Option<String>);
+
+impl Study {
+    /// Reads a study file and the model it names, whose path is relative to the study's.
+    ///
+    /// # Errors
+    /// Whatever is wrong with either file, with its line and key.
+    pub fn read(path: &Path) -> Result<Study, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        Study::parse(&text, path, None)
+    }
+
+    /// A study from its text; paths in it are relative to the folder of `path`, which also names it in errors.
+    ///
+    /// # Errors
+    /// As [`Study::read`].
+    pub fn from_toml(text: &str, path: &Path) -> Result<Study, Error> {
+        Study::parse(text, path, None)
+    }
+
+    /// A study from its text about a model at hand: the text names no model.
+    ///
+    /// # Errors
+    /// As [`Study::read`].
+    pub fn about(model: &Model, text: &str) -> Result<Study, Error> {
+        Study::parse(text, Path::new("study"), Some(model))
+    }
+
+    fn parse(text: &str, path: &Path, model: Option<&Model>) -> Result<Study, Error> {
+        let file = File { path, text };
+        let table = DeTable::parse(text).map_err(|error| file.syntax(&error))?;
+        let top = Section::new(file, "the file", Some(table.get_ref()));
+        let (study, test, vary) = (top.section("study")?, top.section("test")?, top.section("vary")?);
+        top.finish()?;
+
+        let model = match model {
+            Some(model) => model.clone(),
+            None => {
+                let entry = study.require("model", "the model file to begin from was expected")?;
+                Model::read(&beside(path, entry.text()?))?
+            }
+        };
+        let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
+        let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
+        let fit = study.get("fit").map(|e| e.boolean()).transpose()?.unwrap_or(true);
+        let traces = study.get("traces").map(|e| e.boolean()).transpose()?.unwrap_or(false);
+        let solver = study.get("solver").map(|e| e.one_of(&Solver::NAMES)).transpose()?.unwrap_or(Solver::Auto);
+        let tolerance = study.get("tolerance").map(tolerance).transpose()?.unwrap_or(TOLERANCE);
+        let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
+        let parts = study.get("parts").map(|e| Ok((e, e.whole(1)?))).transpose()?;
+
+        let (design, varied, table_sha256) = design(&study, &vary, path, seed)?;
+        study.finish()?;
+        let base = base(&model, &test, &varied)?;
+        let rows = design.rows().filter(|&rows| rows <= 1 << 52).ok_or_else(|| {
+            Error::Option(format!("{}: the design has more rows than can be numbered; coarsen it", path.display()))
+        })?;
+        let parts = match parts {
+            Some((entry, parts)) if parts > rows => {
+                return Err(entry.refuse(format!("is {parts}, but the design has only {rows} rows")));
+            }
+            Some((_, parts)) => parts,
+            None => Study::default_parts(rows),
+        };
+        let samples = samples.filter(|_| !matches!(design, Design::Factorial(_) | Design::Table(_)));
+        let path = path.to_owned();
+        #[rustfmt::skip]
+        let study = Study {
+            name, path, model, base, varied, design, seed, rows, fit, traces, solver, tolerance, parts, samples, table_sha256,
+        };
+        Ok(study)
+    }
+}
+
+/// A path as written in the study, relative to the study's folder.
+fn beside(study: &Path, written: &str) -> PathBuf {
+    study.parent().unwrap_or(Path::new("")).join(written)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned())
+}
+
+fn tolerance(entry: Entry<'_>) -> Result<f64, Error> {
+    let value = entry.number()?;
+    if (1e-13..=1e-2).contains(&value) {
+        Ok(value)
+    } else {
+        Err(entry.refuse(format!("is {value}: from 1e-13 to 1e-2 was expected")))
+    }
+}
+
+/// The points: from [vary] or, for a table, from its columns.
+fn design(study: &Section<'_>, vary: &Section<'_>, path: &Path, seed: u64) -> Result<Rows, Error> {
+    let names = NAMES.map(|name| (name, name));
+    let list = NAMES.map(|name| format!("\"{name}\"")).join(", ");
+    let entry = study.require("design", &format!("one of {list} was expected"))?;
+    let name = entry.one_of(&names)?;
+    if name == "table" {
+        return table(study, vary, path);
+    }
+    if let Some(unused) = study.get("table") {
+        return Err(unused.refuse(format!("belongs to design = \"table\"; this study's is \"{name}\"")));
+    }
+    let found = axes(vary)?;
+    if found.is_empty() {
+        return Err(vary.missing("…", "at least one quantity to vary was expected"));
+    }
+    if name == "factorial"
+        && let Some((entry, ..)) = found.iter().find(|(_, _, axis)| axis.levels().is_none())
+    {
+        return Err(entry.refuse("needs a `count` of levels in a factorial design"));
+    }
+    let limit = if name == "saltelli" { sobol::DIMENSIONS / 2 } else { sobol::DIMENSIONS };
+    if found.len() > limit {
+        return Err(entry.refuse(format!("\"{name}\" varies {limit} quantities at most")));
+    }
+    let samples = || {
+        let entry = study.require("samples", &format!("a \"{name}\" design needs their number"))?;
+        let samples = entry.whole(1)?;
+        if samples > 1 << 52 { Err(entry.refuse("is more than 2^52")) } else { Ok(samples) }
+    };
+    let varied = found.iter().map(|(_, varied, _)| varied.clone()).collect();
+    let axes = found.into_iter().map(|(.., axis)| axis).collect();
+    let design = match name {
+        "factorial" => Design::Factorial(axes),
+        "latin-hypercube" => Design::latin_hypercube(axes, samples()?, seed),
+        "sobol" => Design::sobol(axes, samples()?, seed),
+        _ => Design::saltelli(axes, samples()?, seed),
+    };
+    Ok((design, varied, None))
+}
+
+/// Every axis of [vary], in the order of the file.
+fn axes<'a>(vary: &Section<'a>) -> Result<Vec<(Entry<'a>, Varied, Axis)>, Error> {
+    let mut found: Vec<(Entry<'a>, Varied, Axis)> = Vec::new();
+    for (entry, name) in leaves(vary, "")? {
+        let place = quantity::find(&name).map_err(|reason| entry.refuse(not_found(&name, &reason)))?;
+        if let Some((other, ..)) = found.iter().find(|(_, varied, _)| varied.quantity == place) {
+            let line = other.line;
+            return Err(entry.refuse(format!("is {} once more: line {line} varies it already", quantity::all()[place].name)));
+        }
+        let axis = axis(entry, place)?;
+        found.push((entry, varied(&name, place), axis));
+    }
+    let conflict = |a: Base, b: Base| {
+        let at = |base: Base| found.iter().find(|(_, varied, _)| varied.quantity == base as usize);
+        Some((at(a)?, at(b)?))
+    };
+    if let Some(((entry, ..), _)) = conflict(Base::VolumeToArea, Base::Bore) {
+        return Err(entry.refuse("is what the bore is solved from: vary one of the two"));
+    }
+    if let Some(((entry, ..), _)) = conflict(Base::HoldTimeConstants, Base::Duration) {
+        return Err(entry.refuse("and duration_s both set the length of the test: vary one of the two"));
+    }
+    Ok(found)
+}
+
+/// A column has the name that the study uses, unless that is another column's.
+fn varied(name: &str, quantity: usize) -> Varied {
+    let full = &quantity::all()[quantity].name;
+    let taken = quantity != Base::VolumeToArea as usize && columns::is_output(name);
+    Varied { column: if taken { full.clone() } else { name.to_owned() }, quantity }
+}
+
+fn not_found(name: &str, reason: &NotFound) -> String {
+    match reason {
+        NotFound::Unknown(None) => "is no number of the model or of the test".into(),
+        NotFound::Unknown(Some(nearest)) => {
+            format!("is no number of the model or of the test; did you mean `{nearest}`?")
+        }
+        NotFound::Ambiguous(list) => format!("could be {}; write `{}`, say, for `{name}`", list.join(" or "), list[0]),
+    }
+}
+
+/// The entries that describe an axis, with their dotted names: `a.b_m = {…}` without quotes is a table in a table.
+fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Entry<'a>, String)>, Error> {
+    let mut found = Vec::new();
+    for entry in section.entries() {
+        let name = if prefix.is_empty() { entry.key.to_owned() } else { format!("{prefix}.{}", entry.key) };
+        let nested = entry.value.as_table().is_some_and(|table| {
+            !table.is_empty() && table.iter().all(|(_, value)| value.get_ref().is_table())
+        });
+        if nested {
+            found.extend(leaves(&entry.section()?, &name)?);
+        } else {
+            found.push((entry, name));
+        }
+    }
+    Ok(found)
+}
+
+fn axis(entry: Entry<'_>, place: usize) -> Result<Axis, Error> {
+    const FORMS: &str = "{ values = [...] } or { from = ..., to = ..., count = ..., scale = \"linear\" } was expected";
+    if entry.value.as_table().is_none() {
+        return Err(entry.refuse(format!("is {}: {FORMS}", entry.value.type_str())));
+    }
+    let section = entry.section()?;
+    let allowed = &quantity::all()[place].allowed;
+    let check = |value: f64| {
+        if allowed.contains(value) {
+            Ok(value)
+        } else {
+            Err(entry.refuse(format!("takes {value}, but has to be {allowed}")))
+        }
+    };
+    if let Some(values) = section.get("values") {
+        let values = values.numbers()?.into_iter().map(check).collect::<Result<_, _>>()?;
+        section.finish()?;
+        return Ok(Axis::Values { values });
+    }
+    let (from, to) = match (section.get("from"), section.get("to")) {
+        (Some(from), Some(to)) => (check(from.number()?)?, check(to.number()?)?),
+        _ => {
+            section.get("count");
+            section.get("scale");
+            section.finish()?;
+            return Err(entry.refuse(format!("says too little: {FORMS}")));
+        }
+    };
+    let scale = section.get("scale").map(|e| e.one_of(&[("linear", Scale::Linear), ("log", Scale::Log)])).transpose()?;
+    let scale = scale.unwrap_or(Scale::Linear);
+    let count = section.get("count").map(|e| e.whole(2)).transpose()?;
+    section.finish()?;
+    if from >= to {
+        return Err(entry.refuse(format!("runs from {from} to {to}: `from` has to be below `to`")));
+    }
+    if scale == Scale::Log && from <= 0.0 {
+        return Err(entry.refuse(format!("runs from {from}: a logarithmic scale needs a value above 0")));
+    }
+    Ok(Axis::Range { from, to, count, scale })
+}
+
+/// A design that is read from a file: each of its columns is a quantity; `columns` picks some of them.
+fn table(study: &Section<'_>, vary: &Section<'_>, path: &Path) -> Result<Rows, Error> {
+    if let Some(entry) = vary.entries().first() {
+        return Err(entry.refuse("is varied beside a table; make it a column of the table"));
+    }
+    let entry = study.require("table", "a Parquet or CSV file with a column for each quantity was expected")?;
+    let file = beside(path, entry.text()?);
+    let mut table = Table::open(&file)?;
+    if let Some(entry) = study.get("columns") {
+        let wanted = texts(entry)?;
+        if let Some(absent) = wanted.iter().find(|name| !table.names().contains(name)) {
+            return Err(entry.refuse(format!("names `{absent}`, which {} does not have", file.display())));
+        }
+        table.retain(|name| wanted.contains(&name));
+    } else {
+        table.retain(|name| name != "row");
+    }
+    let mut list: Vec<Varied> = Vec::new();
+    for name in table.names() {
+        let place = quantity::find(name).map_err(|reason| Error::Table {
+            path: file.clone(),
+            message: format!("column `{name}` {}; `columns = [...]` in the study picks columns", not_found(name, &reason)),
+        })?;
+        if list.iter().any(|v| v.quantity == place) {
+            let message = format!("column `{name}` is a quantity that another column holds already");
+            return Err(Error::Table { path: file.clone(), message });
+        }
+        list.push(varied(name, place));
+    }
+    let both = |a: Base, b: Base| [a, b].iter().all(|base| list.iter().any(|v| v.quantity == *base as usize));
+    if both(Base::VolumeToArea, Base::Bore) || both(Base::HoldTimeConstants, Base::Duration) {
+        let message = "has columns that set the same thing twice (bore_m and volume_to_area_m, or duration_s and hold_time_constants)";
+        return Err(Error::Table { path: file.clone(), message: message.into() });
+    }
+    let sha256 = sha256_of(&file)?;
+    Ok((Design::Table(table), list, Some(sha256)))
+}
+
+fn texts<'a>(entry: Entry<'a>) -> Result<Vec<&'a str>, Error> {
+    let list = entry.value.as_array().map(|array| array.iter().map(|item| item.get_ref().as_str()).collect());
+    list.and_then(|texts: Option<Vec<&str>>| texts).ok_or_else(|| entry.refuse("has to be a list of column names"))
+}
+
+fn sha256_of(path: &Path) -> Result<String, Error> {
+    let read = |source| Error::Read { path: path.to_owned(), source };
+    let mut file = std::fs::File::open(path).map_err(read)?;
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match std::io::Read::read(&mut file, &mut buffer).map_err(read)? {
+            0 => return Ok(hex(&hash.finalize())),
+            length => hash.update(&buffer[..length]),
+        }
+    }
+}
+
+/// Every number that does not vary: the model's, then the test's.
+fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, Error> {
+    let (c, mut base) = (&model.chamber, Point::EMPTY);
+    base.set(Base::GasConstant, c.gas.gas_constant);
+    base.set(Base::HeatCapacityRatio, c.gas.heat_capacity_ratio);
+    base.set(Base::Bore, c.geometry.bore);
+    base.set(Base::Rod, model.rod_m);
+    base.set(Base::DeadVolume, c.geometry.dead_volume);
+    base.set(Base::Coefficient, c.heat_transfer.coefficient);
+    base.set(Base::ReferencePressure, c.heat_transfer.reference_pressure);
+    base.set(Base::ReferenceTemperature, c.heat_transfer.reference_temperature);
+    base.set(Base::AmbientTemperature, model.ambient_temperature_k);
+    base.set(Base::AmbientPressure, model.ambient_pressure_pa);
+    base.effects_mut().copy_from_slice(&c.effects.0);
+
+    let varies = |base: Base| varied.iter().any(|v| v.quantity == base as usize);
+    let take = |base: &mut Point, quantity: Base| -> Result<bool, Error> {
+        let q = &quantity::all()[quantity as usize];
+        let key = q.name.trim_start_matches("test.");
+        let Some(entry) = test.get(key) else { return Ok(varies(quantity)) };
+        let value = entry.number()?;
+        if !q.allowed.contains(value) {
+            return Err(entry.refuse(format!("is {value}, but has to be {}", q.allowed)));
+        }
+        base.set(quantity, value);
+        Ok(true)
+    };
+    for quantity in [Base::InitialPressure, Base::InitialStroke, Base::FinalStroke, Base::PushTime] {
+        if !take(&mut base, quantity)? {
+            let q = &quantity::all()[quantity as usize];
+            let key = q.name.trim_start_matches("test.");
+            return Err(test.missing(key, &format!("{} in {} was expected, here or in [vary]", q.doc, q.unit)));
+        }
+    }
+    match (take(&mut base, Base::Duration)?, take(&mut base, Base::HoldTimeConstants)?) {
+        (true, true) => {
+            let entry = test.get("hold_time_constants").or_else(|| test.get("duration_s"));
+            let message = "and its counterpart both set the length of the test: keep one of duration_s and hold_time_constants";
+            return Err(entry.map_or_else(|| test.missing("duration_s", message), |entry| entry.refuse(message)));
+        }
+        (false, false) => {
+            return Err(test.missing("duration_s", "duration_s or hold_time_constants was expected, here or in [vary]"));
+        }
+        _ => {}
+    }
+    let fixed = |base: Base| !varies(base);
+    if fixed(Base::Duration) && fixed(Base::PushTime) && base.get(Base::Duration) < base.get(Base::PushTime)
+        && let Some(entry) = test.get("duration_s")
+    {
+        let (duration, push) = (base.get(Base::Duration), base.get(Base::PushTime));
+        return Err(entry.refuse(format!("is {duration}: the test would end before its push of {push} s")));
+    }
+    test.finish()?;
+    Ok(base)
+}
