@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::quantity;
 use crate::row::Outputs;
 use crate::study::Study;
-use arrow::array::{ArrayRef, DictionaryArray, Float64Array, Int64Array};
+use arrow::array::{ArrayRef, Float64Array, Int64Array, StringDictionaryBuilder};
 use arrow::datatypes::{DataType, Field, Int32Type, Schema, SchemaRef};
 use arrow::record_batch::RecordBatch;
 use parquet::basic::{Compression, Encoding, ZstdLevel};
@@ -95,8 +95,11 @@ pub fn batch(
         let values = rows.iter().map(|row| Some((output.value)(row)).filter(|value| value.is_finite()));
         columns.push(Arc::new(Float64Array::from_iter(values)));
     }
-    let status: DictionaryArray<Int32Type> = rows.iter().map(|row| row.status.text()).collect();
-    columns.push(Arc::new(status));
+    let mut status = StringDictionaryBuilder::<Int32Type>::new();
+    for row in rows {
+        status.append_value(row.status.text());
+    }
+    columns.push(Arc::new(status.finish()));
     RecordBatch::try_new(schema.clone(), columns).map_err(|error| Error::arrow(&study.path, error))
 }
 

@@ -1,1 +1,40 @@
-//! Placeholder until its first commit.
+//! Parameter studies of the push-and-hold test: designs, batches of simulations, partitioned Parquet.
+//!
+//! ```no_run
+//! let study = sweep::Study::read("study.toml".as_ref())?;
+//! sweep::run_to_file(&study, "study.parquet".as_ref(), &|_rows| {})?;
+//! # Ok::<(), sweep::Error>(())
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`study`] | study files, read and checked: [`Study`] |
+//! | [`quantity`] | every number that can be varied |
+//! | [`axis`], [`design`] | the values a quantity takes; which points a study has |
+//! | [`row`] | from a point to a scenario, and what comes out of it |
+//! | [`solve`] | rows through the batch kernel of `chamber` |
+//! | [`columns`] | the table: names, units, encoding |
+//! | [`part`], [`folder`] | one Parquet file; a study's folder and its manifest |
+//! | [`run`](mod@run) | a study carried out: a shard into a folder, all into a file or memory |
+//! | [`sensitivity`] | first- and total-order indices of a Saltelli study |
+//! | [`estimate`] | time and bytes of a study, from a short calibration |
+//!
+//! A row is a pure function of the study and its number. Shards, threads and interruptions make no difference to it.
+
+pub mod axis;
+pub mod columns;
+pub mod design;
+pub mod error;
+pub mod estimate;
+pub mod folder;
+pub mod part;
+pub mod quantity;
+pub mod row;
+pub mod run;
+pub mod sensitivity;
+pub mod solve;
+pub mod study;
+
+pub use error::Error;
+pub use run::{Report, Shard, run, run_in_memory, run_to_file};
+pub use study::Study;

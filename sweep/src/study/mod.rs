@@ -5,6 +5,7 @@ mod section;
 
 use crate::design::Design;
 use crate::quantity::{self, Base, Point};
+use chamber::batch::Solver;
 use chamber::effects::PARAMETERS;
 use records::Model;
 use serde_json::{Map, Value, json};
@@ -18,27 +19,9 @@ const PARTS_OF_A_LARGE_STUDY: u64 = 16;
 /// Rows below which a further part is not worth a file.
 const ROWS_WORTH_A_PART: u64 = 1 << 10;
 
-/// Which equations are solved in which way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Solver {
-    /// The exact solution where it applies, the adaptive integration elsewhere.
-    Auto,
-    /// The exact solution; rows to which it does not apply fail.
-    Exact,
-    /// The adaptive integration throughout.
-    Adaptive,
-}
-
-impl Solver {
-    /// Names in study files and on the command line.
-    pub const NAMES: [(&'static str, Solver); 3] =
-        [("auto", Solver::Auto), ("exact", Solver::Exact), ("adaptive", Solver::Adaptive)];
-
-    /// Its name in study files.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, solver)| *solver == self).map_or("", |(name, _)| name)
-    }
-}
+/// Names of the solvers in study files and on the command line.
+pub const SOLVERS: [(&str, Solver); 3] =
+    [("auto", Solver::Auto), ("exact", Solver::Exact), ("adaptive", Solver::Adaptive)];
 
 /// A quantity that varies.
 #[derive(Clone, Debug, PartialEq, Eq)]

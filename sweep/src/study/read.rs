@@ -1,21 +1,20 @@
 //! Study files. Unknown keys and values out of range are refused with file, line and key.
 
 use super::section::{Entry, File, Section};
-use super::{Solver, Study, Varied, hex};
+use super::{SOLVERS, Study, Varied, hex};
 use crate::axis::{Axis, Scale};
 use crate::columns;
 use crate::design::table::Table;
 use crate::design::{Design, NAMES, sobol};
 use crate::error::Error;
 use crate::quantity::{self, Base, NotFound, Point};
+use chamber::batch::{Options, Solver};
 use records::Model;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
-/// The relative tolerance of a study that does not set one.
-const TOLERANCE: f64 = 1e-9;
-/// Numbers of the model in a [`Point`].
+/// The points, what varies in them, and the hash of a table's file.
 type Rows = (Design, Vec<Varied>, Option<String>);
 
 impl Study {
@@ -62,8 +61,8 @@ impl Study {
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
         let fit = study.get("fit").map(|e| e.boolean()).transpose()?.unwrap_or(true);
         let traces = study.get("traces").map(|e| e.boolean()).transpose()?.unwrap_or(false);
-        let solver = study.get("solver").map(|e| e.one_of(&Solver::NAMES)).transpose()?.unwrap_or(Solver::Auto);
-        let tolerance = study.get("tolerance").map(tolerance).transpose()?.unwrap_or(TOLERANCE);
+        let solver = study.get("solver").map(|e| e.one_of(&SOLVERS)).transpose()?.unwrap_or(Solver::Auto);
+        let tolerance = study.get("tolerance").map(tolerance).transpose()?.unwrap_or(Options::RELATIVE_TOLERANCE);
         let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
         let parts = study.get("parts").map(|e| Ok((e, e.whole(1)?))).transpose()?;
 
@@ -338,6 +337,13 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
             let key = q.name.trim_start_matches("test.");
             return Err(test.missing(key, &format!("{} in {} was expected, here or in [vary]", q.doc, q.unit)));
         }
+    }
+    for flow in [Base::MassFlowIn, Base::MassFlowOut] {
+        base.set(flow, 0.0);
+        take(&mut base, flow)?;
+    }
+    for temperature in [Base::InitialTemperature, Base::TemperatureIn] {
+        take(&mut base, temperature)?;
     }
     match (take(&mut base, Base::Duration)?, take(&mut base, Base::HoldTimeConstants)?) {
         (true, true) => {

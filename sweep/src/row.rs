@@ -1,0 +1,243 @@
+//! One row: from the point of the design to the chamber and test it stands for, and what came out of it.
+
+use crate::quantity::{Base, Point};
+use crate::study::Study;
+use chamber::balance::{self, Boundary};
+use chamber::batch::{self, Hold, Outcome, Scenario};
+use chamber::effects::{self, EffectSet, EffectValues};
+use chamber::{Chamber, Gas, Geometry, HeatTransfer};
+use std::borrow::Cow;
+use thiserror::Error;
+
+/// Largest and smallest bore that a volume-to-area ratio is solved for, m.
+const BORES_M: (f64, f64) = (1e-4, 10.0);
+
+/// Why a row has no results. Few and without numbers, so that the status column is a small dictionary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
+pub enum Failure {
+    /// The rod leaves no piston area.
+    #[error("the rod leaves no piston area")]
+    RodFillsBore,
+    /// No heat transfer, so that a hold of some time constants has no length.
+    #[error("without heat transfer there is no time constant to hold for")]
+    NoTimeConstant,
+    /// No bore gives the volume-to-area ratio.
+    #[error("no bore gives this volume-to-area ratio")]
+    NoBore,
+    /// The simulation says why.
+    #[error(transparent)]
+    Simulation(#[from] batch::Failure),
+}
+
+/// How a row ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// All of it is there.
+    Ok,
+    /// Pressure had not settled to 1 % when the test ended.
+    NotSettled,
+    /// No results, and why.
+    Failed(Failure),
+}
+
+impl Status {
+    /// As in the status column.
+    pub fn text(self) -> Cow<'static, str> {
+        match self {
+            Status::Ok => "ok".into(),
+            Status::NotSettled => "not_settled".into(),
+            Status::Failed(failure) => format!("failed: {failure}").into(),
+        }
+    }
+}
+
+/// What came out of a row, SI units; NaN where there is nothing.
+#[allow(missing_docs)]
+#[derive(Clone, Copy, Debug)]
+pub struct Outputs {
+    pub volume: f64,
+    pub area: f64,
+    pub pressure_peak: f64,
+    pub pressure_final: f64,
+    pub temperature_final: f64,
+    pub temperature_peak: f64,
+    pub time_constant: f64,
+    pub lambda_av: f64,
+    pub lambda0: f64,
+    pub settling_time: f64,
+    pub energy_error: f64,
+    pub status: Status,
+}
+
+impl Outputs {
+    /// What a scenario gave.
+    pub fn new(scenario: &Scenario, outcome: &Outcome) -> Self {
+        if let Err(failure) = outcome.status {
+            return Self::failed(failure.into());
+        }
+        let (volume, area) = final_geometry(scenario);
+        let fit = |value: fn(&batch::Fit) -> f64| outcome.fit.as_ref().map_or(f64::NAN, value);
+        Self {
+            volume,
+            area,
+            pressure_peak: outcome.pressure_peak_pa,
+            pressure_final: outcome.pressure_final_pa,
+            temperature_final: outcome.temperature_final_k,
+            temperature_peak: outcome.temperature_peak_k,
+            time_constant: fit(|f| f.time_constant_s),
+            lambda_av: fit(|f| f.lambda_av_w_per_m2_k),
+            lambda0: fit(|f| f.lambda0_w_per_m2_k),
+            settling_time: outcome.settling_time_s.unwrap_or(f64::NAN),
+            energy_error: outcome.energy_error,
+            status: if outcome.settling_time_s.is_some() { Status::Ok } else { Status::NotSettled },
+        }
+    }
+
+    /// A row without results.
+    pub fn failed(failure: Failure) -> Self {
+        Self {
+            volume: f64::NAN,
+            area: f64::NAN,
+            pressure_peak: f64::NAN,
+            pressure_final: f64::NAN,
+            temperature_final: f64::NAN,
+            temperature_peak: f64::NAN,
+            time_constant: f64::NAN,
+            lambda_av: f64::NAN,
+            lambda0: f64::NAN,
+            settling_time: f64::NAN,
+            energy_error: f64::NAN,
+            status: Status::Failed(failure),
+        }
+    }
+}
+
+/// The push-and-hold test that a point of the study stands for.
+///
+/// # Errors
+/// Why there is no such test.
+pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Failure> {
+    let get = |base| point.get(base);
+    let or_ambient = |value: f64| if value.is_nan() { get(Base::AmbientTemperature) } else { value };
+    let mut effects = EffectValues::NEUTRAL;
+    effects.0.copy_from_slice(point.effects());
+    let heat_transfer = HeatTransfer {
+        coefficient: get(Base::Coefficient),
+        reference_pressure: get(Base::ReferencePressure),
+        reference_temperature: get(Base::ReferenceTemperature),
+    };
+    let gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
+    let geometry = geometry(study, point)?;
+    let mut scenario = Scenario {
+        chamber: Chamber { gas, geometry, heat_transfer, effects },
+        initial_pressure_pa: get(Base::InitialPressure),
+        initial_position_m: get(Base::InitialStroke),
+        final_position_m: get(Base::FinalStroke),
+        push_time_s: get(Base::PushTime),
+        hold: Hold::Duration(get(Base::Duration)),
+        initial_temperature_k: or_ambient(get(Base::InitialTemperature)),
+        ambient_temperature_k: get(Base::AmbientTemperature),
+        ambient_pressure_pa: get(Base::AmbientPressure),
+        mass_flow_in_kg_per_s: get(Base::MassFlowIn),
+        temperature_in_k: or_ambient(get(Base::TemperatureIn)),
+        mass_flow_out_kg_per_s: get(Base::MassFlowOut),
+        profile: None,
+    };
+    let time_constants = get(Base::HoldTimeConstants);
+    if !time_constants.is_nan() {
+        let hold = time_constants * final_time_constant(&scenario);
+        if !hold.is_finite() {
+            return Err(Failure::NoTimeConstant);
+        }
+        scenario.hold = Hold::Duration(scenario.push_time_s + hold);
+    }
+    Ok(scenario)
+}
+
+/// The chamber's shape, its bore solved for where the volume-to-area ratio is given.
+fn geometry(study: &Study, point: &Point) -> Result<Geometry, Failure> {
+    let get = |base| point.get(base);
+    let area_law = study.model.chamber.geometry.area_law;
+    let shape = |bore| Geometry::new(bore, get(Base::Rod), get(Base::DeadVolume), area_law);
+    let wanted = get(Base::VolumeToArea);
+    let bore = if wanted.is_nan() {
+        get(Base::Bore)
+    } else {
+        let ratio = |bore| ratio(&shape(bore), get(Base::FinalStroke));
+        bore_of(wanted, get(Base::Bore), get(Base::Rod), ratio).ok_or(Failure::NoBore)?
+    };
+    let geometry = shape(bore);
+    if geometry.piston_area > 0.0 { Ok(geometry) } else { Err(Failure::RodFillsBore) }
+}
+
+/// Volume of the gas, m³, and its heat transfer area, m², at the final stroke.
+pub fn final_geometry(scenario: &Scenario) -> (f64, f64) {
+    let geometry = &scenario.chamber.geometry;
+    let volume = geometry.volume(scenario.final_position_m);
+    (volume, geometry.heat_transfer_area(volume))
+}
+
+/// τ_f = m cv/(λ(Pf, Tamb) Aq), s, with Pf the pressure of all the gas at ambient temperature after the push and
+/// λ with its effects but natural convection, which has no value without a temperature difference.
+pub fn final_time_constant(scenario: &Scenario) -> f64 {
+    let chamber = &scenario.chamber;
+    let ambient = scenario.ambient_temperature_k;
+    let mass = scenario.initial_pressure_pa * chamber.geometry.volume(scenario.initial_position_m)
+        / (chamber.gas.gas_constant * scenario.initial_temperature_k);
+    let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
+    let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * ambient);
+    let eichelberg = chamber.heat_transfer.coefficient_at(at.pressure, at.temperature);
+    let natural = effects::find("natural_convection").map(|(index, _)| index);
+    let set = chamber.active().iter().filter(|index| Some(*index) != natural);
+    let set = set.fold(EffectSet::NONE, |set, index| set.union(EffectSet::one(index)));
+    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, eichelberg);
+    mass * chamber.gas.cv() / (coefficient * final_geometry(scenario).1)
+}
+
+/// Gas volume over heat transfer area at a stroke.
+fn ratio(geometry: &Geometry, stroke: f64) -> f64 {
+    let volume = geometry.volume(stroke);
+    volume / geometry.heat_transfer_area(volume)
+}
+
+/// The bore that gives a volume-to-area ratio: of several, the one nearest to `near` on a logarithmic scale.
+fn bore_of(target: f64, near: f64, rod: f64, ratio: impl Fn(f64) -> f64) -> Option<f64> {
+    const STEP: f64 = 1.1;
+    let miss = |bore: f64| ratio(bore) - target;
+    let (least, most) = (BORES_M.0.max(rod * (1.0 + 1e-12)), BORES_M.1);
+    let (mut low, mut high) = (near.clamp(least, most), near.clamp(least, most));
+    let (mut at_low, mut at_high) = (miss(low), miss(high));
+    while low > least || high < most {
+        let (next_low, next_high) = ((low / STEP).max(least), (high * STEP).min(most));
+        let (at_next_low, at_next_high) = (miss(next_low), miss(next_high));
+        if at_next_low * at_low <= 0.0 {
+            return Some(root(next_low, low, at_next_low, at_low, miss));
+        }
+        if at_next_high * at_high <= 0.0 {
+            return Some(root(high, next_high, at_high, at_next_high, miss));
+        }
+        (low, high, at_low, at_high) = (next_low, next_high, at_next_low, at_next_high);
+    }
+    None
+}
+
+/// A root between two bores at which the sign differs: regula falsi with the Illinois rule.
+fn root(mut a: f64, mut b: f64, mut at_a: f64, mut at_b: f64, miss: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..60 {
+        if at_a == 0.0 || (b - a).abs() <= 1e-15 * b {
+            return a;
+        }
+        let c = b - at_b * (b - a) / (at_b - at_a);
+        let at_c = miss(c);
+        if at_c * at_b <= 0.0 {
+            (a, at_a) = (b, at_b);
+        } else {
+            at_a *= 0.5;
+        }
+        if (c - b).abs() <= 1e-15 * c {
+            return c;
+        }
+        (b, at_b) = (c, at_c);
+    }
+    b
+}
