@@ -105,7 +105,8 @@ pub fn batch(
 
 /// How a part is encoded, with the study in its key-value metadata.
 pub fn properties(study: &Study, schema: &SchemaRef, extra: &[(&str, String)]) -> WriterProperties {
-    let units: Map<String, Value> = schema.fields().iter().map(|f| (f.name().clone(), json!(f.metadata()["unit"]))).collect();
+    let units: Map<String, Value> =
+        schema.fields().iter().map(|f| (f.name().clone(), json!(f.metadata()["unit"]))).collect();
     let mut metadata = vec![
         ("study", study.json().to_string()),
         ("study_sha256", study.identity()),
@@ -140,4 +141,3 @@ fn is_discrete(study: &Study, name: &str) -> bool {
     let factorial = study.design.name() == "factorial";
     axes.into_iter().any(|(axis, varied)| varied.column == name && (factorial || axis.is_discrete()))
 }
-

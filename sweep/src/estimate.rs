@@ -46,7 +46,8 @@ pub fn calibrate(study: &Study) -> Result<Estimate, Error> {
     loop {
         let begun = Instant::now();
         let starts: Vec<u64> = (0..threads).map(|i| (study.rows - piece) / threads.max(1) * i).collect();
-        let bytes: Vec<usize> = starts.into_par_iter().map(|start| encode(study, start, piece)).collect::<Result<_, _>>()?;
+        let bytes: Vec<usize> =
+            starts.into_par_iter().map(|start| encode(study, start, piece)).collect::<Result<_, _>>()?;
         let elapsed = begun.elapsed();
         let rows = piece * threads;
         if elapsed > LONG_ENOUGH || piece == study.rows || piece >= 1 << 18 {

@@ -50,7 +50,8 @@ impl<'a> Folder<'a> {
     fn names(&self) -> Result<Vec<String>, Error> {
         let read = |source| Error::Read { path: self.path.to_owned(), source };
         let entries = std::fs::read_dir(self.path).map_err(read)?;
-        let names: Result<Vec<_>, _> = entries.map(|e| e.map(|e| e.file_name().to_string_lossy().into_owned())).collect();
+        let names: Result<Vec<_>, _> =
+            entries.map(|e| e.map(|e| e.file_name().to_string_lossy().into_owned())).collect();
         let mut names = names.map_err(read)?;
         names.sort();
         Ok(names)

@@ -67,7 +67,9 @@ impl Sums {
         let (a, b) = (standard(block[0]), standard(block[block.len() - 1]));
         for axis in 0..self.first.len() {
             let ab = standard(block[axis + 1]);
-            for (sums, term) in [(&mut self.first[axis], b * (ab - a)), (&mut self.total[axis], 0.5 * (a - ab) * (a - ab))] {
+            for (sums, term) in
+                [(&mut self.first[axis], b * (ab - a)), (&mut self.total[axis], 0.5 * (a - ab) * (a - ab))]
+            {
                 sums[0] += term;
                 sums[1] += term * term;
             }
@@ -81,7 +83,11 @@ impl Sums {
             let error = ((squares / n - mean * mean).max(0.0) / n).sqrt();
             [mean, QUANTILE_95 * error]
         };
-        Indices { first: self.first.iter().map(mean).collect(), total: self.total.iter().map(mean).collect(), blocks: self.blocks }
+        Indices {
+            first: self.first.iter().map(mean).collect(),
+            total: self.total.iter().map(mean).collect(),
+            blocks: self.blocks,
+        }
     }
 }
 

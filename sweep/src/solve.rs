@@ -3,7 +3,7 @@
 use crate::quantity;
 use crate::row::{self, Outputs};
 use crate::study::Study;
-use chamber::batch::{self, Options};
+use chamber::batch::{self, Failure, Options, Outcome};
 use chamber::effects::{self, EffectSet, EffectValues, PARAMETERS};
 
 /// Simulates some rows, given by a column for each varied quantity.
@@ -25,7 +25,8 @@ pub fn rows(study: &Study, points: &[Vec<f64>]) -> Vec<Outputs> {
         }
     }
     let options = Options { solver: study.solver, relative_tolerance: study.tolerance, fit: study.fit };
-    let outcomes = batch::run(effects_of(study), &scenarios, &options);
+    let mut outcomes = vec![Outcome::failed(Failure::TooManySteps); scenarios.len()];
+    batch::run(effects_of(study), &scenarios, &options, &mut outcomes);
     let mut simulated = scenarios.iter().zip(&outcomes).map(|(scenario, outcome)| Outputs::new(scenario, outcome));
     outputs.into_iter().map_while(|failed| failed.or_else(|| simulated.next())).collect()
 }
@@ -41,4 +42,3 @@ pub fn effects_of(study: &Study) -> EffectSet {
         set.union(EffectSet::one(index))
     })
 }
-

@@ -127,7 +127,10 @@ impl Table {
             for i in 0..numbers.len() {
                 if numbers.is_null(i) || !numbers.value(i).is_finite() {
                     let row = first_row + i as u64;
-                    return Err(refuse(&self.path, format!("column `{name}`, row {row}: a finite number was expected")));
+                    return Err(refuse(
+                        &self.path,
+                        format!("column `{name}`, row {row}: a finite number was expected"),
+                    ));
                 }
                 column.push(numbers.value(i));
             }
@@ -221,7 +224,8 @@ mod tests {
     fn any_piece_of_a_csv_file_is_what_stands_there() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
-        let lines: String = (0..40_000).map(|i| format!("{i}, {}.5\r\n{}", 2 * i, if i % 7 == 0 { "\n" } else { "" })).collect();
+        let lines: String =
+            (0..40_000).map(|i| format!("{i}, {}.5\r\n{}", 2 * i, if i % 7 == 0 { "\n" } else { "" })).collect();
         std::fs::write(&path, format!("id,\"bore_m\"\n{lines}")).unwrap();
         let mut table = Table::open(&path).unwrap();
         table.retain(|name| name == "bore_m");

@@ -64,7 +64,7 @@ impl Study {
         let solver = study.get("solver").map(|e| e.one_of(&SOLVERS)).transpose()?.unwrap_or(Solver::Auto);
         let tolerance = study.get("tolerance").map(tolerance).transpose()?.unwrap_or(Options::RELATIVE_TOLERANCE);
         let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
-        let parts = study.get("parts").map(|e| Ok((e, e.whole(1)?))).transpose()?;
+        let parts = study.get("parts").map(|e| Ok::<_, Error>((e, e.whole(1)?))).transpose()?;
 
         let (design, varied, table_sha256) = design(&study, &vary, path, seed)?;
         study.finish()?;
@@ -155,7 +155,9 @@ fn axes<'a>(vary: &Section<'a>) -> Result<Vec<(Entry<'a>, Varied, Axis)>, Error>
         let place = quantity::find(&name).map_err(|reason| entry.refuse(not_found(&name, &reason)))?;
         if let Some((other, ..)) = found.iter().find(|(_, varied, _)| varied.quantity == place) {
             let line = other.line;
-            return Err(entry.refuse(format!("is {} once more: line {line} varies it already", quantity::all()[place].name)));
+            return Err(
+                entry.refuse(format!("is {} once more: line {line} varies it already", quantity::all()[place].name))
+            );
         }
         let axis = axis(entry, place)?;
         found.push((entry, varied(&name, place), axis));
@@ -195,9 +197,10 @@ fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Entry<'a>, Str
     let mut found = Vec::new();
     for entry in section.entries() {
         let name = if prefix.is_empty() { entry.key.to_owned() } else { format!("{prefix}.{}", entry.key) };
-        let nested = entry.value.as_table().is_some_and(|table| {
-            !table.is_empty() && table.iter().all(|(_, value)| value.get_ref().is_table())
-        });
+        let nested = entry
+            .value
+            .as_table()
+            .is_some_and(|table| !table.is_empty() && table.iter().all(|(_, value)| value.get_ref().is_table()));
         if nested {
             found.extend(leaves(&entry.section()?, &name)?);
         } else {
@@ -235,7 +238,8 @@ fn axis(entry: Entry<'_>, place: usize) -> Result<Axis, Error> {
             return Err(entry.refuse(format!("says too little: {FORMS}")));
         }
     };
-    let scale = section.get("scale").map(|e| e.one_of(&[("linear", Scale::Linear), ("log", Scale::Log)])).transpose()?;
+    let scale =
+        section.get("scale").map(|e| e.one_of(&[("linear", Scale::Linear), ("log", Scale::Log)])).transpose()?;
     let scale = scale.unwrap_or(Scale::Linear);
     let count = section.get("count").map(|e| e.whole(2)).transpose()?;
     section.finish()?;
@@ -269,7 +273,10 @@ fn table(study: &Section<'_>, vary: &Section<'_>, path: &Path) -> Result<Rows, E
     for name in table.names() {
         let place = quantity::find(name).map_err(|reason| Error::Table {
             path: file.clone(),
-            message: format!("column `{name}` {}; `columns = [...]` in the study picks columns", not_found(name, &reason)),
+            message: format!(
+                "column `{name}` {}; `columns = [...]` in the study picks columns",
+                not_found(name, &reason)
+            ),
         })?;
         if list.iter().any(|v| v.quantity == place) {
             let message = format!("column `{name}` is a quantity that another column holds already");
@@ -348,7 +355,8 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
     match (take(&mut base, Base::Duration)?, take(&mut base, Base::HoldTimeConstants)?) {
         (true, true) => {
             let entry = test.get("hold_time_constants").or_else(|| test.get("duration_s"));
-            let message = "and its counterpart both set the length of the test: keep one of duration_s and hold_time_constants";
+            let message =
+                "and its counterpart both set the length of the test: keep one of duration_s and hold_time_constants";
             return Err(entry.map_or_else(|| test.missing("duration_s", message), |entry| entry.refuse(message)));
         }
         (false, false) => {
@@ -357,7 +365,9 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
         _ => {}
     }
     let fixed = |base: Base| !varies(base);
-    if fixed(Base::Duration) && fixed(Base::PushTime) && base.get(Base::Duration) < base.get(Base::PushTime)
+    if fixed(Base::Duration)
+        && fixed(Base::PushTime)
+        && base.get(Base::Duration) < base.get(Base::PushTime)
         && let Some(entry) = test.get("duration_s")
     {
         let (duration, push) = (base.get(Base::Duration), base.get(Base::PushTime));

@@ -54,11 +54,6 @@ impl<'a> Section<'a> {
         Self { file, name: name.into(), table, known: RefCell::default() }
     }
 
-    /// Whether the file has it.
-    pub fn is_present(&self) -> bool {
-        self.table.is_some()
-    }
-
     /// All entries in the order of the file.
     pub fn entries(&self) -> Vec<Entry<'a>> {
         let mut keys: Vec<_> = self.table.into_iter().flat_map(|table| table.iter()).collect();

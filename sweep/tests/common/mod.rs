@@ -1,0 +1,64 @@
+//! What the tests of whole studies share: a model, studies about it, tables read back.
+
+use arrow::array::{Array, AsArray};
+use arrow::datatypes::{Float64Type, Int32Type};
+use arrow::record_batch::RecordBatch;
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use records::{Model, Provenance};
+use std::path::Path;
+use sweep::Study;
+
+/// The cylinder of the paper's section 3.1.
+pub fn model() -> Model {
+    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+    Model {
+        gas_name: Some("air".into()),
+        chamber: Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5)),
+        rod_m: 0.0,
+        ambient_temperature_k: 293.0,
+        ambient_pressure_pa: 1.013e5,
+        provenance: Provenance::default(),
+    }
+}
+
+/// The test of section 3.1.
+pub const TEST: &str = "
+[test]
+initial_pressure_pa = 1.01e5
+initial_stroke_m = 0.1
+final_stroke_m = 0.05
+push_time_s = 0.04
+duration_s = 5.0
+";
+
+/// A study about [`model`] from its lines of [study] and [vary].
+pub fn study(head: &str, vary: &str) -> Study {
+    Study::about(&model(), &text(head, vary)).unwrap()
+}
+
+/// The text of that study.
+pub fn text(head: &str, vary: &str) -> String {
+    format!("[study]\n{head}\n{TEST}\n[vary]\n{vary}\n")
+}
+
+/// Everything in a Parquet file, as one batch.
+pub fn read(path: &Path) -> RecordBatch {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(std::fs::File::open(path).unwrap()).unwrap();
+    let schema = builder.schema().clone();
+    let batches: Vec<_> = builder.build().unwrap().map(Result::unwrap).collect();
+    arrow::compute::concat_batches(&schema, &batches).unwrap()
+}
+
+/// A column's values, NaN for a null.
+pub fn values(batch: &RecordBatch, name: &str) -> Vec<f64> {
+    let column = batch.column_by_name(name).unwrap_or_else(|| panic!("no column {name}")).as_primitive::<Float64Type>();
+    column.iter().map(|value| value.unwrap_or(f64::NAN)).collect()
+}
+
+/// The statuses as text.
+pub fn statuses(batch: &RecordBatch) -> Vec<String> {
+    let dictionary = batch.column_by_name("status").unwrap().as_dictionary::<Int32Type>();
+    let names = dictionary.values().as_string::<i32>();
+    dictionary.keys().iter().map(|key| names.value(key.unwrap() as usize).to_owned()).collect()
+}

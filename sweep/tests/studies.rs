@@ -1,0 +1,203 @@
+//! Whole studies: what is in the table, and that it does not depend on how it came about.
+
+mod common;
+
+use common::{model, read, statuses, study, text, values};
+use std::collections::BTreeMap;
+use std::path::Path;
+use sweep::{Shard, Study, run, run_in_memory, run_to_file};
+
+fn quiet(_: u64) {}
+
+/// All parts of a folder, their tables by name.
+fn parts(folder: &Path) -> BTreeMap<String, arrow::record_batch::RecordBatch> {
+    let names = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| name.ends_with(".parquet")).map(|name| (name.clone(), read(&folder.join(&name)))).collect()
+}
+
+const BORES: &str = "bore_m = { from = 0.016, to = 0.063, count = 40, scale = \"log\" }
+initial_pressure_pa = { from = 1e5, to = 7e5, count = 30 }
+\"effect.leakage.conductance_m3_per_s_pa\" = { values = [0.0, 1e-12] }";
+
+#[test]
+fn the_same_study_gives_the_same_rows_whatever_the_shard_and_the_number_of_threads() {
+    let study = study("design = \"factorial\"", BORES);
+    assert_eq!((study.rows, study.parts), (2400, 3));
+    let folders: Vec<_> = (0..3).map(|_| tempfile::tempdir().unwrap()).collect();
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    assert!(pool(1).install(|| run(&study, folders[0].path(), Shard::WHOLE, &quiet)).unwrap().complete);
+    assert!(pool(4).install(|| run(&study, folders[1].path(), Shard::WHOLE, &quiet)).unwrap().complete);
+    for index in [1, 0] {
+        let report = run(&study, folders[2].path(), Shard { index, count: 2 }, &quiet).unwrap();
+        assert_eq!(report.complete, index == 0);
+    }
+    let tables: Vec<_> = folders.iter().map(|folder| parts(folder.path())).collect();
+    assert_eq!(tables[0].len(), 3);
+    assert_eq!(tables[0], tables[1]);
+    assert_eq!(tables[0], tables[2]);
+    let text = |i: usize| std::fs::read_to_string(folders[i].path().join("manifest.json")).unwrap();
+    assert_eq!(text(0), text(1));
+    let manifest: serde_json::Value = serde_json::from_str(&text(0)).unwrap();
+    assert_eq!((&manifest["rows"], &manifest["statuses"]["ok"]), (&2400.into(), &2400.into()));
+}
+
+#[test]
+fn one_file_and_memory_hold_the_rows_of_the_folder() {
+    let study = study(
+        "design = \"latin-hypercube\"\nsamples = 20000\nseed = 3\nfit = false",
+        &BORES.replace("count = 40, ", ""),
+    );
+    let folder = tempfile::tempdir().unwrap();
+    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let tables: Vec<_> = parts(folder.path()).into_values().collect();
+    let together = arrow::compute::concat_batches(&tables[0].schema(), &tables).unwrap();
+    let file = folder.path().join("all.parquet");
+    run_to_file(&study, &file, &quiet).unwrap();
+    assert_eq!(read(&file), together);
+    let memory = run_in_memory(&study).unwrap();
+    let memory = arrow::compute::concat_batches(&memory[0].schema(), &memory).unwrap();
+    assert_eq!(memory.columns(), together.columns());
+    assert!(memory.column_by_name("time_constant_s").is_none(), "fit = false leaves the regression out");
+}
+
+#[test]
+fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
+    let study = study("design = \"factorial\"", BORES);
+    let folder = tempfile::tempdir().unwrap();
+    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let before = parts(folder.path());
+    std::fs::remove_file(folder.path().join(study.part_name(0))).unwrap();
+    let broken = folder.path().join(study.part_name(2));
+    let bytes = std::fs::read(&broken).unwrap();
+    std::fs::write(&broken, &bytes[..bytes.len() / 2]).unwrap();
+    let stale = folder.path().join(format!(".{}.1-2-3.tmp", study.part_name(0)));
+    std::fs::write(&stale, "half").unwrap();
+    let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!((report.parts_written, report.parts_found, report.complete), (2, 1, true));
+    assert!(!stale.exists(), "what a killed run left is removed");
+    assert_eq!(parts(folder.path()), before);
+}
+
+#[test]
+fn a_temporary_file_that_a_living_run_writes_stays() {
+    let study = study("design = \"factorial\"", BORES);
+    let folder = tempfile::tempdir().unwrap();
+    let busy = folder.path().join(format!(".{}.1-2-3.tmp", study.part_name(0)));
+    let file = std::fs::File::create(&busy).unwrap();
+    file.lock().unwrap();
+    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    assert!(busy.exists());
+}
+
+#[test]
+fn a_folder_with_another_study_is_refused_and_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = study("design = \"factorial\"", BORES);
+    run(&first, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    std::fs::remove_file(folder.path().join("manifest.json")).unwrap();
+    let before = parts(folder.path());
+    let second = study("design = \"factorial\"\ntolerance = 1e-10", BORES);
+    let message = run(&second, folder.path(), Shard::WHOLE, &quiet).unwrap_err().to_string();
+    assert!(message.contains("holds another study") && message.contains("differs in tolerance"), "{message}");
+    assert_eq!(parts(folder.path()), before);
+}
+
+#[test]
+fn a_row_that_cannot_be_is_a_row_with_nulls_and_its_reason() {
+    let study = study(
+        "design = \"factorial\"",
+        "final_stroke_m = { values = [0.05, 0.0] }\ndead_volume_m3 = { values = [1e-6, 0.0] }\nrod_m = { values = [0.0, 0.03] }",
+    );
+    let batches = run_in_memory(&study).unwrap();
+    let batch = &batches[0];
+    let rod = "failed: the rod leaves no piston area";
+    let expected =
+        ["ok", rod, "ok", rod, "ok", rod, "failed: the gas volume is not positive along the whole stroke", rod];
+    assert_eq!(statuses(batch), expected);
+    let peaks = values(batch, "pressure_peak_pa");
+    assert_eq!(peaks.iter().map(|p| p.is_nan()).collect::<Vec<_>>(), expected.map(|status| status != "ok"));
+    assert_eq!(values(batch, "rod_m"), [0.0, 0.03, 0.0, 0.03, 0.0, 0.03, 0.0, 0.03]);
+}
+
+#[test]
+fn the_bore_is_solved_for_a_volume_to_area_ratio() {
+    for dead_volume in [0.0, 1.57e-6, 2e-5] {
+        let vary = format!(
+            "volume_to_area_m = {{ from = 0.002, to = 0.02, count = 25 }}\ndead_volume_m3 = {{ values = [{dead_volume}] }}"
+        );
+        let study = study("design = \"factorial\"\nfit = false", &vary);
+        let batch = &run_in_memory(&study).unwrap()[0];
+        let (wanted, volume, area) =
+            (values(batch, "volume_to_area_m"), values(batch, "volume_m3"), values(batch, "area_m2"));
+        for i in 0..wanted.len() {
+            assert!((volume[i] / area[i] / wanted[i] - 1.0).abs() < 1e-13, "{} {}", wanted[i], volume[i] / area[i]);
+        }
+    }
+    // At a stroke of 50 mm the ratio stays below 25 mm whatever the bore.
+    let study = study("design = \"factorial\"", "volume_to_area_m = { values = [0.03] }");
+    assert_eq!(statuses(&run_in_memory(&study).unwrap()[0]), ["failed: no bore gives this volume-to-area ratio"]);
+}
+
+#[test]
+fn a_hold_in_time_constants_ends_where_the_exact_solution_says() {
+    // 1 - Pf/P decays with exactly one time constant, so P at the end follows from P at the begin of the hold.
+    let text = text("design = \"factorial\"", "bore_m = { values = [0.016, 0.063] }")
+        .replace("duration_s = 5.0", "hold_time_constants = 3.0");
+    let study = Study::about(&model(), &text).unwrap();
+    let batch = &run_in_memory(&study).unwrap()[0];
+    let (peak, last, volume) =
+        (values(batch, "pressure_peak_pa"), values(batch, "pressure_final_pa"), values(batch, "volume_m3"));
+    for (i, bore) in [0.016, 0.063f64].into_iter().enumerate() {
+        let initial = 1.57e-6 + std::f64::consts::PI / 4.0 * bore * bore * 0.1;
+        let settled = 1.01e5 * initial / volume[i];
+        let decay = (1.0 - settled / last[i]) / (1.0 - settled / peak[i]);
+        assert!((decay / (-3.0f64).exp() - 1.0).abs() < 1e-9, "{decay}");
+    }
+    assert_eq!(statuses(batch), ["not_settled", "not_settled"]);
+}
+
+#[test]
+fn the_schema_is_the_contracts_and_names_every_unit() {
+    let study = study("design = \"factorial\"", BORES);
+    let schema = sweep::columns::schema(&study);
+    let fields: Vec<_> = schema.fields().iter().map(|f| (f.name().as_str(), f.metadata()["unit"].as_str())).collect();
+    let expected = [
+        ("row", "1"),
+        ("bore_m", "m"),
+        ("initial_pressure_pa", "Pa"),
+        ("effect.leakage.conductance_m3_per_s_pa", "m3/(s.Pa)"),
+        ("volume_m3", "m3"),
+        ("area_m2", "m2"),
+        ("volume_to_area_m", "m"),
+        ("pressure_peak_pa", "Pa"),
+        ("pressure_final_pa", "Pa"),
+        ("temperature_final_k", "K"),
+        ("temperature_peak_k", "K"),
+        ("time_constant_s", "s"),
+        ("lambda_av_w_per_m2_k", "W/(m2.K)"),
+        ("lambda0_w_per_m2_k", "W/(m2.K)"),
+        ("settling_time_s", "s"),
+        ("energy_error", "1"),
+        ("status", "1"),
+    ];
+    assert_eq!(fields, expected);
+}
+
+#[test]
+fn a_table_of_ones_own_is_a_design() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (0..3000).map(|i| format!("{},{}\n", 0.02 + 1e-5 * f64::from(i), 1e5 + f64::from(i))).collect();
+    std::fs::write(folder.path().join("points.csv"), format!("chamber.bore_m,initial_pressure_pa\n{rows}")).unwrap();
+    model().write(&folder.path().join("model.toml")).unwrap();
+    let head = "model = \"model.toml\"\ndesign = \"table\"\nfit = false\ntable = ";
+    let study =
+        |file: &str| Study::from_toml(&text(&format!("{head}\"{file}\""), ""), &folder.path().join("s.toml")).unwrap();
+    let from_csv = run_in_memory(&study("points.csv")).unwrap();
+    assert_eq!(from_csv.iter().map(|b| b.num_rows()).sum::<usize>(), 3000);
+    assert_eq!(values(&from_csv[0], "chamber.bore_m")[7], 0.02 + 7e-5);
+    // A study's own output serves as a table, with the columns that are picked.
+    run_to_file(&study("points.csv"), &folder.path().join("points.parquet"), &quiet).unwrap();
+    let again = text(&format!("{head}\"points.parquet\"\ncolumns = [\"chamber.bore_m\", \"initial_pressure_pa\"]"), "");
+    let again = Study::from_toml(&again, &folder.path().join("s.toml")).unwrap();
+    assert_eq!(run_in_memory(&again).unwrap()[0].columns(), from_csv[0].columns());
+}
