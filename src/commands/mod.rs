@@ -10,6 +10,7 @@ pub mod fmu;
 mod man;
 mod reproduce;
 mod simulate;
+mod sweep;
 
 use clap::Subcommand;
 
@@ -21,6 +22,7 @@ pub enum Command {
     Identify(identify::Args),
     Diagnose(diagnose::Args),
     Fmu(fmu::Args),
+    Sweep(sweep::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -34,6 +36,7 @@ impl Command {
             Command::Identify(args) => identify::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Fmu(args) => fmu::run(args),
+            Command::Sweep(args) => sweep::run(args),
             Command::Completions(args) => completions::run(args),
             Command::Man(args) => man::run(args),
         }

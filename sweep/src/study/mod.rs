@@ -4,12 +4,14 @@ mod read;
 mod section;
 
 use crate::design::Design;
+use crate::error::Error;
 use crate::quantity::{self, Base, Point};
 use chamber::batch::Solver;
 use chamber::effects::PARAMETERS;
 use records::Model;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Rows of a part at most, unless the study sets the number of parts.
@@ -22,6 +24,9 @@ const ROWS_WORTH_A_PART: u64 = 1 << 10;
 /// Names of the solvers in study files and on the command line.
 pub const SOLVERS: [(&str, Solver); 3] =
     [("auto", Solver::Auto), ("exact", Solver::Exact), ("adaptive", Solver::Adaptive)];
+
+/// Relative tolerances that make sense.
+pub const TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-2;
 
 /// A quantity that varies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,6 +73,21 @@ pub struct Study {
 }
 
 impl Study {
+    /// Sets the relative tolerance of the adaptive integration.
+    ///
+    /// # Errors
+    /// It is not within [`TOLERANCES`].
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<(), Error> {
+        if !TOLERANCES.contains(&tolerance) {
+            let (least, most) = (TOLERANCES.start(), TOLERANCES.end());
+            return Err(Error::Option(format!(
+                "the tolerance is {tolerance}: from {least:e} to {most:e} was expected"
+            )));
+        }
+        self.tolerance = tolerance;
+        Ok(())
+    }
+
     /// Number of parts that follows from a number of rows.
     fn default_parts(rows: u64) -> u64 {
         let small = rows.div_ceil(ROWS_WORTH_A_PART).clamp(1, PARTS_OF_A_LARGE_STUDY);

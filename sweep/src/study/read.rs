@@ -1,7 +1,7 @@
 //! Study files. Unknown keys and values out of range are refused with file, line and key.
 
 use super::section::{Entry, File, Section};
-use super::{SOLVERS, Study, Varied, hex};
+use super::{SOLVERS, Study, TOLERANCES, Varied, hex};
 use crate::axis::{Axis, Scale};
 use crate::columns;
 use crate::design::table::Table;
@@ -100,7 +100,7 @@ fn stem(path: &Path) -> String {
 
 fn tolerance(entry: Entry<'_>) -> Result<f64, Error> {
     let value = entry.number()?;
-    if (1e-13..=1e-2).contains(&value) {
+    if TOLERANCES.contains(&value) {
         Ok(value)
     } else {
         Err(entry.refuse(format!("is {value}: from 1e-13 to 1e-2 was expected")))
