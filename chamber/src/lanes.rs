@@ -13,21 +13,26 @@ pub const WIDTH: usize = 8;
 #[repr(align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
 
+/// Evaluates an expression for each lane. A plain loop: what closures and iterators of the standard library compile to
+/// is not inlined into a function with more instructions than the crate's, and would stay scalar there.
+macro_rules! each_lane {
+    ($i:ident => $value:expr) => {{
+        let mut out = [0.0; WIDTH];
+        let mut $i = 0;
+        while $i < WIDTH {
+            out[$i] = $value;
+            $i += 1;
+        }
+        Lanes(out)
+    }};
+}
+pub(crate) use each_lane;
+
 impl Lanes {
     /// One number per lane, made from the lane's index.
     #[inline(always)]
-    pub fn from_fn(f: impl FnMut(usize) -> f64) -> Self {
-        Self(core::array::from_fn(f))
-    }
-
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self::from_fn(|i| f(self.0[i]))
-    }
-
-    #[inline(always)]
-    fn zip(self, o: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self::from_fn(|i| f(self.0[i], o.0[i]))
+    pub fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
+        each_lane!(i => f(i))
     }
 }
 
@@ -58,7 +63,7 @@ macro_rules! lanewise {
             type Output = Self;
             #[inline(always)]
             fn $method(self, o: Self) -> Self {
-                self.zip(o, |a, b| a $symbol b)
+                each_lane!(i => self.0[i] $symbol o.0[i])
             }
         }
     )*};
@@ -71,7 +76,7 @@ macro_rules! lanes_with_number {
             type Output = Self;
             #[inline(always)]
             fn $method(self, o: f64) -> Self {
-                self.map(|a| a $symbol o)
+                each_lane!(i => self.0[i] $symbol o)
             }
         }
     )*};
@@ -82,7 +87,7 @@ impl Neg for Lanes {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        each_lane!(i => -self.0[i])
     }
 }
 impl AddAssign for Lanes {
@@ -104,23 +109,23 @@ impl Real for Lanes {
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
+        each_lane!(i => f64::sqrt(self.0[i]))
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        self.map(math::exp)
+        each_lane!(i => math::exp(self.0[i]))
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        self.map(math::ln)
+        each_lane!(i => math::ln(self.0[i]))
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.map(f64::abs)
+        each_lane!(i => f64::abs(self.0[i]))
     }
     #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
-        Self::from_fn(|i| if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] })
+        each_lane!(i => if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] })
     }
 }
 

@@ -37,8 +37,8 @@ pub struct Outcome {
     /// None when not settled in time: when the test ends with more than that 1 % of the pressure, P |1 − Tamb/T|,
     /// still to be lost to or gained from the wall.
     pub settling_time_s: Option<f64>,
-    /// Closure of the energy balance: what the change of internal energy misses of heat, work and enthalpy,
-    /// relative to the internal energy before the test.
+    /// Closure of the energy balance: how far the change of internal energy is from heat, work and enthalpy, relative to
+    /// the energy: of the integrator, by the sum of its steps' own error estimates.
     pub energy_error: f64,
     /// Length of the test, s.
     pub duration_s: f64,

@@ -114,7 +114,7 @@ impl Plan {
     }
 }
 
-fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
+pub fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
     let c = &s.chamber;
     for (name, value) in [
         ("the bore", c.geometry.bore),
@@ -181,7 +181,7 @@ fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
 }
 
 /// End of the push and of the test, s.
-fn times(scenario: &Scenario) -> Result<(f64, f64), Failure> {
+pub fn times(scenario: &Scenario) -> Result<(f64, f64), Failure> {
     let (push_end, last_position) = match &scenario.profile {
         None => (scenario.push_time_s, scenario.final_position_m),
         Some(knots) => {

@@ -1,0 +1,309 @@
+//! Many initial value problems, each over one smooth stretch of time: eight at once, each with its own steps, and a
+//! lane that is done takes the next problem.
+
+use super::outcome::Failure;
+use super::step::{LaneSystem, attempt};
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::real::Real;
+use core::hint::black_box;
+
+/// Attempts after which a problem is given up.
+const MAX_ATTEMPTS: f64 = 1e5;
+const SAFETY: f64 = 0.9;
+const GROW: f64 = 6.0;
+const SHRINK: f64 = 0.3;
+/// Share of the length that the estimate gives, for the first step: its time scale is a guess.
+const FIRST: f64 = 0.6;
+/// Share of a state, and of the stretch, over which the first step's length is felt out.
+const PROBE: f64 = 0.01;
+/// Estimated error of a step of the time scale's length L, relative to the distance |dy/dt| L: what the pair's
+/// estimate gives for dy/dt = −y/L at h = L, where it still grows with the eighth power.
+const ERROR_AT_SCALE: f64 = 6.6e-7;
+/// Added to what is divided by (a choice between quotients would become branches).
+const TINY: f64 = 1e-300;
+/// Groups of lanes that advance in turn, so that one computes while another waits for its own results.
+pub const GROUPS: usize = 2;
+/// A step shorter than this share of the stretch is no progress.
+const SMALLEST_SHARE: f64 = 1e-14;
+
+/// A system whose lanes can be filled from a list of problems.
+pub trait Loadable {
+    /// Puts the constants of problem `index` into a lane.
+    fn load(&mut self, lane: usize, index: usize);
+}
+
+/// One initial value problem, and after [`advance`] its solution.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<const N: usize> {
+    /// Length of the stretch, s.
+    pub length: f64,
+    /// States at its begin; afterwards at its end.
+    pub state: [f64; N],
+    /// Absolute tolerance of each state.
+    pub absolute: [f64; N],
+    /// What the steps miss of the states' changes, relative to the states, by the pair's own estimate, added up.
+    pub gap: f64,
+    /// Where its steps stand in the log.
+    pub steps: Steps,
+    /// Why it was given up.
+    pub failure: Option<Failure>,
+}
+
+/// A problem's place in the log: one lane of one group's consecutive entries.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Steps {
+    /// First entry.
+    pub from: u32,
+    /// One past the last.
+    pub to: u32,
+    /// Group.
+    pub group: u16,
+    /// Lane.
+    pub lane: u16,
+}
+
+/// Every attempted step of eight lanes, to look into accepted ones.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry<const N: usize> {
+    /// Begin, s from the stretch's begin.
+    pub from: Lanes,
+    /// Length, s.
+    pub length: Lanes,
+    /// States at its begin.
+    pub begin: [Lanes; N],
+    /// States at its end.
+    pub end: [Lanes; N],
+    /// dy/dt of its stages.
+    pub slopes: [[Lanes; N]; 13],
+    /// Per lane: 1 where the step was accepted, else 0.
+    pub accepted: Lanes,
+}
+
+/// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
+#[inline(always)]
+fn inverse_eighth_root(x: Lanes) -> Lanes {
+    const ONE: u64 = 0x3ff0_0000_0000_0000;
+    each_lane!(i => f64::from_bits((ONE + ONE / 8).wrapping_sub(x.0[i].to_bits() >> 3)))
+}
+
+/// Lane-wise choice where `condition` > 0.
+#[inline(always)]
+fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -> [Lanes; N] {
+    let mut out = *no;
+    for i in 0..N {
+        out[i] = condition.where_positive(yes[i], no[i]);
+    }
+    out
+}
+
+/// Inside of all steps, by group.
+pub type Log<const N: usize> = [Vec<Entry<N>>; GROUPS];
+
+const IDLE: usize = usize::MAX;
+
+/// Eight problems under way.
+#[derive(Clone)]
+struct Group<const N: usize, S> {
+    system: S,
+    owner: [usize; WIDTH],
+    attempts: Lanes,
+    /// Positive where a lane has further to go, and may.
+    going: Lanes,
+    ended: [bool; WIDTH],
+    some_ended: bool,
+    idle: usize,
+    t: Lanes,
+    h: Lanes,
+    length: Lanes,
+    y: [Lanes; N],
+    slope: [Lanes; N],
+    absolute: [Lanes; N],
+    gap: Lanes,
+}
+
+/// Solves each problem that has not failed. `LOG` keeps the inside of every step.
+#[inline(always)]
+pub fn advance<const N: usize, const FUSED: bool, const LOG: bool, S: LaneSystem<N> + Loadable + Clone>(
+    system: &S,
+    problems: &mut [Problem<N>],
+    relative: f64,
+    log: &mut Log<N>,
+) {
+    let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
+    let mut first: Group<N, S> = Group {
+        system: system.clone(),
+        owner: [IDLE; WIDTH],
+        attempts: Lanes::ZERO,
+        going: Lanes::ZERO,
+        ended: [true; WIDTH],
+        some_ended: true,
+        idle: 0,
+        t: Lanes::ZERO,
+        h: Lanes::ZERO,
+        length: Lanes::ZERO,
+        y: [Lanes::ONE; N],
+        slope: [Lanes::ZERO; N],
+        absolute: [Lanes::ONE; N],
+        gap: Lanes::ZERO,
+    };
+    // Lanes without a problem of their own rest where this one begins.
+    for lane in 0..WIDTH {
+        first.system.load(lane, any);
+        for i in 0..N {
+            first.y[i][lane] = problems[any].state[i];
+        }
+    }
+    let mut groups: [Group<N, S>; GROUPS] = core::array::from_fn(|_| first.clone());
+    let mut next = 0;
+    let mut running = true;
+    while running {
+        running = false;
+        for (index, group) in groups.iter_mut().enumerate() {
+            // What became of the group's step is looked at only after the other groups' steps are on their way.
+            group.through_memory().halt(problems);
+            if group.some_ended {
+                let fresh = group.refill(index, problems, &mut next, log[index].len() as u32);
+                group.through_memory().begin(fresh, relative);
+            }
+            if group.idle < WIDTH {
+                running = true;
+                group.through_memory().step::<FUSED, LOG>(relative, &mut log[index]);
+            }
+        }
+    }
+}
+
+impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
+    /// Keeps the compiler from carrying lanes from one phase into the next as single numbers, which it would then
+    /// compute with one by one.
+    #[inline(always)]
+    fn through_memory(&mut self) -> &mut Self {
+        black_box(self)
+    }
+
+    /// Stores the solutions of lanes that are done and gives them the next problems.
+    #[inline(always)]
+    fn refill(&mut self, group: usize, problems: &mut [Problem<N>], next: &mut usize, entries: u32) -> Lanes {
+        let mut fresh = Lanes::ZERO;
+        self.some_ended = false;
+        for lane in 0..WIDTH {
+            if !self.ended[lane] {
+                continue;
+            }
+            self.ended[lane] = false;
+            if let Some(done) = problems.get_mut(self.owner[lane]) {
+                done.steps.to = entries;
+                for i in 0..N {
+                    done.state[i] = self.y[i][lane];
+                }
+                done.gap += self.gap[lane];
+            }
+            while problems.get(*next).is_some_and(|p| p.failure.is_some()) {
+                *next += 1;
+            }
+            let Some(problem) = problems.get_mut(*next) else {
+                self.owner[lane] = IDLE;
+                self.idle += 1;
+                (self.t[lane], self.length[lane], self.h[lane]) = (0.0, 0.0, 0.0);
+                continue;
+            };
+            problem.steps = Steps { from: entries, to: 0, group: group as u16, lane: lane as u16 };
+            self.system.load(lane, *next);
+            for i in 0..N {
+                self.y[i][lane] = problem.state[i];
+                self.absolute[i][lane] = problem.absolute[i];
+            }
+            self.gap[lane] = 0.0;
+            (self.t[lane], self.length[lane], self.attempts[lane]) = (0.0, problem.length, 0.0);
+            self.owner[lane] = *next;
+            fresh[lane] = 1.0;
+            *next += 1;
+        }
+        black_box(fresh)
+    }
+
+    /// First rates and step length of the fresh lanes: the length at which the error, growing with the eighth power,
+    /// should meet the tolerance, from the time scale L = |dy/dt|/|d²y/dt²|.
+    #[inline(always)]
+    fn begin(&mut self, fresh: Lanes, relative: f64) {
+        let rates = self.system.rates(self.t, &self.y);
+        self.slope = choose(fresh, &rates, &self.slope);
+        let mut probe = self.length * PROBE;
+        for i in 0..N {
+            let rate = self.slope[i].abs();
+            let size = self.y[i].abs() + self.absolute[i] * (1.0 / relative);
+            probe = probe.min(size * PROBE / (rate + TINY));
+        }
+        let mut ahead = self.y;
+        for i in 0..N {
+            ahead[i] += self.slope[i] * probe;
+        }
+        let there = self.system.rates(self.t + probe, &ahead);
+        let mut first = self.length;
+        for i in 0..N {
+            let rate = self.slope[i].abs();
+            let bend = (there[i] - self.slope[i]).abs();
+            let scale = rate * probe / (bend + TINY);
+            let size = (self.y[i].abs() + self.absolute[i] * (1.0 / relative)) * (relative / ERROR_AT_SCALE);
+            let share = inverse_eighth_root(rate * scale / size + 1e-30);
+            first = first.min(scale * (share * FIRST).min(Lanes::ONE));
+        }
+        // Something, should the rates vanish or not be numbers: the step's own error decides.
+        let first = first.where_positive(first, self.length * PROBE);
+        self.h = fresh.where_positive(first, self.h);
+    }
+
+    /// Tries a step in every lane, and takes it where it is good.
+    #[inline(always)]
+    fn step<const FUSED: bool, const LOG: bool>(
+        &mut self,
+        relative: f64,
+        log: &mut Vec<Entry<N>>,
+    ) {
+        let (t, h, length, y) = (self.t, self.h, self.length, self.y);
+        let left = length - t;
+        let last = h - left * (1.0 - 1e-12);
+        // Two even steps rather than a whole one and a sliver.
+        let tried = last.where_positive(left, h.min(left * 0.5));
+        let step = attempt::<N, FUSED>(&self.system, t, tried, &y, &self.slope, (relative, &self.absolute));
+        // Positive where the step is good: not for NaN.
+        let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { 0.0 });
+        if LOG {
+            log.push(Entry { from: t, length: tried, begin: y, end: step.end, slopes: step.slopes, accepted: good });
+        }
+        // error^(−1/8) from its square; a step that was NaN is cut to a tenth.
+        let error = (step.error_squared + 1e-40).sqrt();
+        let root = inverse_eighth_root(error) * SAFETY;
+        let factor = root.max(Lanes::from(SHRINK)).min(Lanes::from(GROW));
+        let shrunk = each_lane!(i => if step.error_squared.0[i] > 1.0 { factor.0[i].min(0.9) } else { 0.1 });
+        let grown = tried * factor;
+        // A step cut short by the end says nothing against the longer one that was planned.
+        let kept = last.where_positive(h.max(grown), grown);
+        let h = good.where_positive(kept, tried * shrunk);
+        let t = good.where_positive(last.where_positive(length, t + tried), t);
+        self.gap += good.where_positive(error * relative, Lanes::ZERO);
+        self.y = choose(good, &step.end, &y);
+        self.slope = choose(good, &step.slopes[12], &self.slope);
+        (self.t, self.h) = (t, h);
+
+        self.attempts = self.attempts + 1.0;
+        self.going = (length - t).min(h - length * SMALLEST_SHARE).min(-self.attempts + MAX_ATTEMPTS);
+    }
+
+    /// Marks lanes that have come to rest; those short of their end have failed.
+    #[inline(always)]
+    fn halt(&mut self, problems: &mut [Problem<N>]) {
+        for lane in 0..WIDTH {
+            if self.going[lane] > 0.0 || self.owner[lane] == IDLE {
+                continue;
+            }
+            self.ended[lane] = true;
+            self.some_ended = true;
+            if self.t[lane] < self.length[lane] {
+                let stuck = self.attempts[lane] < MAX_ATTEMPTS;
+                let reason = if stuck { Failure::StepTooSmall } else { Failure::TooManySteps };
+                problems[self.owner[lane]].failure = Some(reason);
+            }
+        }
+    }
+}

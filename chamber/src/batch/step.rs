@@ -1,0 +1,139 @@
+//! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
+
+use super::tableau::{A, C, D, E3, E5};
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::real::Real;
+
+/// Ordinary differential equations of N states, eight independent systems side by side.
+pub trait LaneSystem<const N: usize> {
+    /// dy/dt at time `t`, s.
+    fn rates(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; N];
+}
+
+/// Least e5²/e3³ of a step whose e5 can be believed, e5 and e3 relative to the states: a twentieth of what
+/// dy/dt = −y/L gives.
+const CHANCE: f64 = 2.5e-4;
+
+/// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
+#[inline(always)]
+pub fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+    if FUSED { each_lane!(i => a.0[i].mul_add(b.0[i], c.0[i])) } else { a * b + c }
+}
+
+/// Σ weight_j slope_j over the listed stages j, the latest last.
+macro_rules! weighted {
+    ($fused:ident, $slopes:expr, $i:expr, $weights:expr; 0 $($j:tt)*) => {{
+        let sum = $slopes[0][$i] * $weights[0];
+        $(let sum = multiply_add::<$fused>($slopes[$j][$i], Lanes::from($weights[$j]), sum);)*
+        sum
+    }};
+}
+
+/// What an attempted step has found.
+pub struct Attempt<const N: usize> {
+    /// States at its end.
+    pub end: [Lanes; N],
+    /// dy/dt of stages 0 to 11, and at the end (12).
+    pub slopes: [[Lanes; N]; 13],
+    /// Error over tolerance, squared: at most 1 where the step is good. NaN where the equations could not be evaluated.
+    pub error_squared: Lanes,
+}
+
+/// Tries a step of `h` from `y`, where dy/dt is `first`.
+#[inline(always)]
+pub fn attempt<const N: usize, const FUSED: bool>(
+    system: &impl LaneSystem<N>,
+    t: Lanes,
+    h: Lanes,
+    y: &[Lanes; N],
+    first: &[Lanes; N],
+    tolerance: (f64, &[Lanes; N]),
+) -> Attempt<N> {
+    let mut k = [[Lanes::ZERO; N]; 13];
+    k[0] = *first;
+    macro_rules! stage {
+        ($s:literal; $($j:tt)*) => {{
+            let mut at = *y;
+            for i in 0..N {
+                at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; $($j)*), h, y[i]);
+            }
+            k[$s] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[$s]), t), &at);
+            at
+        }};
+    }
+    stage!(1; 0);
+    stage!(2; 0 1);
+    stage!(3; 0 2);
+    stage!(4; 0 2 3);
+    stage!(5; 0 3 4);
+    stage!(6; 0 3 4 5);
+    stage!(7; 0 3 4 5 6);
+    stage!(8; 0 3 4 5 6 7);
+    stage!(9; 0 3 4 5 6 7 8);
+    stage!(10; 0 3 4 5 6 7 8 9);
+    stage!(11; 0 3 4 5 6 7 8 9 10);
+    let end = stage!(12; 0 5 6 7 8 9 10 11);
+
+    let (mut fifth, mut third) = (Lanes::ZERO, Lanes::ZERO);
+    for i in 0..N {
+        let scale = y[i].abs().max(end[i].abs()) * tolerance.0 + tolerance.1[i];
+        let per_scale = h / scale;
+        let e5 = weighted!(FUSED, k, i, E5; 0 5 6 7 8 9 10 11) * per_scale;
+        let e3 = weighted!(FUSED, k, i, E3; 0 5 6 7 8 9 10 11) * per_scale;
+        fifth = multiply_add::<FUSED>(e5, e5, fifth);
+        third = multiply_add::<FUSED>(e3, e3, third);
+    }
+    // e5 grows as e3^1.5; where it is far below that, it is about to change sign and says nothing about the step.
+    let usual = third * third.sqrt() * (tolerance.0 * CHANCE);
+    let fifth = fifth.max(usual);
+    // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), in the mean over the states; squared, to save the root.
+    let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * N as f64);
+    Attempt { end, slopes: k, error_squared }
+}
+
+/// Terms of the states within an accepted step, to be evaluated by [`within`].
+#[inline(always)]
+pub fn dense<const N: usize, const FUSED: bool>(
+    system: &impl LaneSystem<N>,
+    t: Lanes,
+    h: Lanes,
+    y: &[Lanes; N],
+    end: &[Lanes; N],
+    slopes: &[[Lanes; N]; 13],
+) -> [[Lanes; N]; 8] {
+    let mut k = [[Lanes::ZERO; N]; 16];
+    k[..13].copy_from_slice(slopes);
+    macro_rules! stage {
+        ($s:literal; $($j:tt)*) => {{
+            let mut at = *y;
+            for i in 0..N {
+                at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; $($j)*), h, y[i]);
+            }
+            k[$s] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[$s]), t), &at);
+        }};
+    }
+    stage!(13; 0 6 7 8 9 10 11 12);
+    stage!(14; 0 5 6 7 10 11 12 13);
+    stage!(15; 0 5 6 7 8 12 13 14);
+    let mut terms = [[Lanes::ZERO; N]; 8];
+    for i in 0..N {
+        let change = end[i] - y[i];
+        let begin = h * k[0][i] - change;
+        terms[0][i] = y[i];
+        terms[1][i] = change;
+        terms[2][i] = begin;
+        terms[3][i] = change - h * k[12][i] - begin;
+        for (row, weights) in D.iter().enumerate() {
+            terms[4 + row][i] = weighted!(FUSED, k, i, weights; 0 5 6 7 8 9 10 11 12 13 14 15) * h;
+        }
+    }
+    terms
+}
+
+/// A state within a step, at the share `x` of its length.
+#[inline(always)]
+pub fn within<R: Real>(terms: &[R; 8], x: R) -> R {
+    let y = R::ONE - x;
+    let [t0, t1, t2, t3, t4, t5, t6, t7] = *terms;
+    t0 + x * (t1 + y * (t2 + x * (t3 + y * (t4 + x * (t5 + y * (t6 + x * t7))))))
+}
