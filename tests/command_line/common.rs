@@ -42,7 +42,7 @@ impl Bench {
         let bench = Self { folder: TempDir::with_prefix("pneutherm test ").unwrap() };
         bench.file("model.toml", MODEL);
         bench.file("rig.toml", RIG);
-        bench.file("motion.csv", &motion());
+        bench.file("motion.csv", motion());
         bench
     }
 
