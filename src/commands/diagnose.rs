@@ -13,8 +13,8 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
-  pneutherm diagnose rigs/example/rig.toml -o model.toml
-  pneutherm diagnose rigs/example --json diagnosis.json
+  pneutherm diagnose examples/cylinder/rig.toml -o model.toml
+  pneutherm diagnose examples/cylinder --json diagnosis.json
 
 The verdict: `adequate`, the paper's model leaves no more than noise; `explained`, with the effects that it lacks;
 `unexplained`, something is there that no known effect accounts for. Pressures in Pa, other units by name.")]
@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let found = found?;
     if let Some(path) = &args.output {
-        model(&rig, &found).write(path)?;
+        output::write(path, model(&rig, &found).to_toml()?.as_bytes())?;
     }
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
-  pneutherm identify rigs/example/rig.toml -o model.toml
-  pneutherm identify rigs/example --method time-constant --json -
+  pneutherm identify examples/cylinder/rig.toml -o model.toml
+  pneutherm identify examples/cylinder --method time-constant --json -
 
 Units: lambda0 in W/(m2 K) at 5.65 bar and 293 K, dead volume in m3, mass in kg, pressures in Pa, times in s.")]
 pub struct Args {
@@ -47,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     let result = identify::identify(&rig, method).with_context(|| rig.path.display().to_string())?;
     if let Some(path) = &args.output {
-        model(&rig, &result).write(path)?;
+        output::write(path, model(&rig, &result).to_toml()?.as_bytes())?;
     }
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&result)?, b"\n".to_vec()].concat())?;

@@ -8,11 +8,15 @@ use records::{Layout, Model, Need, Reading, RigFile, Trace, Window};
 use std::fmt::Write;
 use std::path::PathBuf;
 
+/// Steps of the search for the start; each leaves a small share of the error, a leak's share of the rest's pressure.
+const MEAN_ITERATIONS: usize = 8;
+
 /// Simulate a model's chamber along a measured or planned stroke
 #[derive(clap::Args)]
 #[command(after_help = "\
 One row for each row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, temperature_k,
-mass_kg, volume_m3, heat_flow_w (into the gas). Before the first movement the gas is at ambient temperature.
+mass_kg, volume_m3, heat_flow_w (into the gas). The gas begins at ambient temperature, and at the pressure with which
+the simulated mean before the first movement is that of the motion's pressure column.
 
 Example:
   pneutherm simulate model.toml --motion validation.csv -o simulated.csv
@@ -27,7 +31,7 @@ pub struct Args {
     /// A rig whose [columns] and [format] say how the motion's file is laid out
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
-    /// Gas pressure at the start, Pa, absolute; otherwise the mean of the motion's pressure before the first movement
+    /// Gas pressure at the start, Pa, absolute; otherwise from the motion's pressure before the first movement
     #[arg(long, value_name = "PA", value_parser = pressure)]
     initial_pressure: Option<f64>,
     /// The file to write
@@ -48,22 +52,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let motion = read_motion(args)?;
     let signals = signals(&model, &motion);
     check_volume(&model, &motion)?;
-    let rest = motion.rows_at_rest();
-    let initial_pressure = match (args.initial_pressure, &motion.pressure_pa) {
-        (Some(pressure), _) => pressure,
-        (None, Some(pressure)) => mean(&pressure[..rest]),
-        (None, None) => bail!(
-            "{}: has no pressure column to begin from; say the gas pressure at the start by --initial-pressure",
-            motion.path.display()
-        ),
-    };
-    let initial_temperature = match &motion.ambient_temperature_k {
-        Some(ambient) => mean(&ambient[..rest]),
-        None => model.ambient_temperature_k,
-    };
-    let start = Start { pressure: initial_pressure, temperature: initial_temperature };
-    let samples = simulate(&model.chamber, model.active(), start, &signals, &motion.time_s, RELATIVE_TOLERANCE)
-        .with_context(|| format!("{}: cannot be simulated along", motion.path.display()))?;
+    let start = start(args, &model, &motion, &signals)?;
+    let samples = along(&model, start, &signals, &motion, motion.len())?;
     output::write(&args.output, table(&samples)?.as_bytes())
 }
 
@@ -89,6 +79,52 @@ fn signals(model: &Model, motion: &Trace) -> Signals {
     Signals { knots: (0..motion.len()).map(knot).collect(), ambient_pressure: model.ambient_pressure_pa }
 }
 
+/// The first rows of the motion, simulated.
+fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: usize) -> anyhow::Result<Vec<Sample>> {
+    simulate(&model.chamber, model.active(), start, signals, &motion.time_s[..rows], RELATIVE_TOLERANCE)
+        .with_context(|| format!("{}: cannot be simulated along", motion.path.display()))
+}
+
+/// The state that the simulation begins from: ambient temperature, and the pressure asked for or measured.
+fn start(args: &Args, model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Result<Start> {
+    let rest = rows_at_rest(motion);
+    let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
+    let temperature = ambient.unwrap_or(model.ambient_temperature_k);
+    if let Some(pressure) = args.initial_pressure {
+        return Ok(Start { pressure, temperature });
+    }
+    let Some(measured) = &motion.pressure_pa else {
+        bail!(
+            "{}: has no pressure column to begin from; say the gas pressure at the start by --initial-pressure",
+            motion.path.display()
+        );
+    };
+    let measured = mean(measured[..rest].iter().copied());
+    // At rest the sensor shows the mean, but a leak or a drift moves it meanwhile: begin so that the means agree.
+    let mut pressure = measured;
+    for _ in 0..MEAN_ITERATIONS {
+        let samples = along(model, Start { pressure, temperature }, signals, motion, rest)?;
+        let next = pressure + measured - mean(samples.iter().map(|sample| sample.measured_pressure));
+        let settled = (next - pressure).abs() < 1e-9 * measured;
+        // A model that empties or fills the chamber before the piston moves has no such start.
+        if !(0.5 * measured..2.0 * measured).contains(&next) {
+            return Ok(Start { pressure: measured, temperature });
+        }
+        pressure = next;
+        if settled {
+            break;
+        }
+    }
+    Ok(Start { pressure, temperature })
+}
+
+/// Rows before the piston moves or gas flows.
+fn rows_at_rest(motion: &Trace) -> usize {
+    let flow = motion.mass_flow_kg_per_s.as_deref().unwrap_or_default();
+    let closed = flow.iter().position(|flow| *flow != 0.0).unwrap_or(motion.len());
+    motion.rows_at_rest().min(closed.max(1))
+}
+
 /// Refuses a motion that runs into the chamber's end.
 fn check_volume(model: &Model, motion: &Trace) -> anyhow::Result<()> {
     let geometry = &model.chamber.geometry;
@@ -105,8 +141,9 @@ fn check_volume(model: &Model, motion: &Trace) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
 }
 
 fn table(samples: &[Sample]) -> Result<String, std::fmt::Error> {

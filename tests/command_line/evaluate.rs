@@ -1,0 +1,108 @@
+//! `pneutherm identify` and `pneutherm diagnose` on the example cylinder, whose leak is known, and on bad rigs.
+
+use crate::common::{Bench, text};
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// The example's folder: five experiments of three repeats, a leaking cylinder.
+fn example() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("examples/cylinder")
+}
+
+/// A bench with a copy of the example's rig and traces.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    for entry in std::fs::read_dir(example()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, bench.path(path.file_name().unwrap())).unwrap();
+        }
+    }
+    bench
+}
+
+fn number(json: &Value, pointer: &str) -> f64 {
+    json.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {pointer} in {json}"))
+}
+
+#[test]
+fn identify_writes_the_contract_s_json_and_a_model_that_can_be_simulated() {
+    let bench = bench();
+    for method in ["exact", "time-constant"] {
+        let call = ["identify", "rig.toml", "--method", method, "--json", "-", "-o", "identified.toml"];
+        let json: Value = serde_json::from_slice(&bench.call(0, &call).stdout).unwrap();
+        assert_eq!(json["method"], method);
+        for name in ["lambda0_w_per_m2_k", "dead_volume_m3", "mass_kg"] {
+            let [value, low, high] =
+                ["value", "ci95/0", "ci95/1"].map(|part| number(&json, &format!("/parameters/{name}/{part}")));
+            assert!(low <= value && value <= high && value > 0.0, "{method}, {name}: {low} {value} {high}");
+            assert!(json["parameters"][name]["unit"].is_string());
+        }
+        assert!(number(&json, "/rmse_pa/fit") > 0.0);
+        assert_eq!(json["experiments"].as_array().unwrap().len(), 5);
+        assert!(number(&json, "/experiments/0/time_constant_s") > 0.0);
+        let simulated = bench.call(0, &["simulate", "identified.toml", "--motion", "validation.csv"]).stdout;
+        assert_eq!(
+            text(&simulated).lines().count(),
+            text(&std::fs::read(bench.path("validation.csv")).unwrap()).lines().count()
+        );
+    }
+}
+
+#[test]
+fn diagnose_names_the_leak_and_its_model_predicts_a_motion_it_never_saw() {
+    let bench = bench();
+    let output = bench.call(0, &["diagnose", ".", "--json", "-", "-o", "diagnosed.toml"]);
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let truth: Value = serde_json::from_slice(&std::fs::read(bench.path("answer.json")).unwrap()).unwrap();
+    assert_eq!(json["verdict"], "explained");
+    assert_eq!(json["effects"][0], truth["effect"], "{truth}");
+    assert!(number(&json, "/after/rmse_pa/held_out") < number(&json, "/before/rmse_pa/held_out"));
+    let model = text(&std::fs::read(bench.path("diagnosed.toml")).unwrap());
+    for part in ["[effect.leakage]", "[provenance]", "sha256 = ", "compress-3bar-1.csv", "rmse_before_pa"] {
+        assert!(model.contains(part), "{part} is not in:\n{model}");
+    }
+    let simulated = text(&bench.call(0, &["simulate", "diagnosed.toml", "--motion", "validation.csv"]).stdout);
+    let measured = text(&std::fs::read(bench.path("validation.csv")).unwrap());
+    let column = |table: &str| -> Vec<f64> {
+        table.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect()
+    };
+    let squares = column(&simulated).iter().zip(column(&measured)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+    let rmse = (squares / (measured.lines().count() - 1) as f64).sqrt();
+    assert!(rmse < 1.1 * 150.0, "{rmse} Pa rms where the noise is 150 Pa");
+}
+
+#[test]
+fn the_same_traces_give_the_same_bytes() {
+    let bench = bench();
+    let model = || {
+        let call = bench.command().args(["diagnose", ".", "-o", "-"]).env("SOURCE_DATE_EPOCH", "0").output().unwrap();
+        text(&call.stdout)
+    };
+    let first = model();
+    assert!(first.contains("date = \"1970-01-01T00:00:00Z\""), "{first}");
+    assert_eq!(first, model());
+}
+
+#[test]
+fn bad_rigs_and_traces_are_refused_and_nothing_is_written() {
+    let faults = [
+        ("rig.toml", "bore_m", "boer_m", "rig.toml: line 3: cylinder.boer_m: unknown key; did you mean `bore_m`?"),
+        ("rig.toml", "0.032", "-0.032", "rig.toml: line 3: cylinder.bore_m: -0.032 cannot be"),
+        ("rig.toml", "compress-3bar-2.csv", "absent.csv", "absent.csv: cannot be read"),
+        ("rig.toml", "[[experiment]]", "[[experimnt]]", "did you mean `experiment`?"),
+        ("expand-5bar-2.csv", "pressure_pa", "pressure", "expand-5bar-2.csv: line 1: there is no column `pressure_pa`"),
+        ("expand-5bar-2.csv", "0.050,", "0.040,", "expand-5bar-2.csv: line 7, column `time_s`: time does not increase"),
+        ("expand-5bar-2.csv", "\n0.050,", "\n0.050,NaN ", "expand-5bar-2.csv: line 7, column `pressure_pa`"),
+    ];
+    for command in ["identify", "diagnose"] {
+        for (file, from, to, says) in faults {
+            let bench = bench();
+            let good = text(&std::fs::read(bench.path(file)).unwrap());
+            assert!(good.contains(from), "{file} has no {from}");
+            bench.file(file, good.replacen(from, to, 1));
+            let sentence = bench.refusal(&[command, "rig.toml", "-o", "out.toml", "--json", "out.json"]);
+            assert!(sentence.contains(says), "`{says}` is not in: {sentence}");
+        }
+    }
+}
