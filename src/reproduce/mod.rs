@@ -3,13 +3,17 @@
 mod document;
 mod figures;
 mod geometry_effect;
+mod reference_pressure;
 mod section31;
+mod studies;
 mod tables;
+mod trend;
 
 use anyhow::{Context, Result};
 use document::Block;
 use identify::paper::{self, section31::Timing};
 use std::path::{Path, PathBuf};
+use studies::Law;
 
 /// Writes everything into the folder, which is made when absent, and returns the files in the order they were written.
 ///
@@ -22,8 +26,24 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
     let measured = paper::measured::reproduce()?;
     let effect = paper::geometry_effect::examine(&measured);
 
-    let sections =
-        vec![section31::section(&section31)?, tables::section(&measured)?, geometry_effect::section(&effect)?];
+    let models = [studies::model(&measured, Law::Column)?, studies::model(&measured, Law::Flat)?];
+    for (law, model, file) in [(Law::Column, &models[0], MODEL), (Law::Flat, &models[1], MODEL_ONE_LAMBDA0)] {
+        out.model(file, model)?;
+        for (name, text) in studies::files(model, file, law) {
+            out.text(&name, &text)?;
+        }
+        studies::run(folder, law)?;
+        out.written.push(folder.join(format!("{}.parquet", law.study())));
+    }
+    let [studied, flat] = [studies::read(folder, Law::Column)?, studies::read(folder, Law::Flat)?];
+
+    let sections = [
+        section31::section(&section31)?,
+        tables::section(&measured)?,
+        geometry_effect::section(&effect)?,
+        reference_pressure::section(),
+        trend::section(&measured, [&models[0], &models[1]], &studied, &flat)?,
+    ];
     out.json("section31.json", section31::lines(&section31))?;
     out.text("section31.md", &sections[0].markdown())?;
     out.text("table4.csv", &tables::table4(&measured)?)?;
@@ -39,6 +59,10 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(out.written)
 }
 
+/// The identified chamber: actuator A with the coefficient of all six tests and the column's length in λ.
+const MODEL: &str = "model.toml";
+/// The same with one λ0.
+const MODEL_ONE_LAMBDA0: &str = "model_one_lambda0.toml";
 const TITLE: &str = "Heat transfer in pneumatic cylinders: the paper's numbers, reproduced";
 const LEAD: &str = "From the tables of J. F. Carneiro and F. Gomes de Almeida, Heat transfer evaluation of industrial pneumatic \
      cylinders, Proc. IMechE Part I (2006), DOI 10.1243/09596518JSCE188. Everything on this page was computed and written by \
@@ -56,6 +80,10 @@ impl Output<'_> {
         records::write_atomically(&path, text.as_bytes())?;
         self.written.push(path);
         Ok(())
+    }
+
+    fn model(&mut self, name: &str, model: &records::Model) -> Result<()> {
+        self.text(name, &model.to_toml()?)
     }
 
     fn json<T: serde::Serialize + ?Sized>(&mut self, name: &str, value: &T) -> Result<()> {

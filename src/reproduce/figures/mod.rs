@@ -5,6 +5,7 @@
 pub mod forms;
 pub mod pressure_response;
 pub mod time_constants;
+pub mod trend;
 
 use anyhow::{Result, anyhow};
 use plotters::coord::Shift;
@@ -58,6 +59,11 @@ pub fn axis_style() -> TextStyle<'static> {
 /// Numbers at ticks and entries of legends.
 pub fn label_style() -> TextStyle<'static> {
     TextStyle::from((FONT, 15).into_font()).color(&INK)
+}
+
+/// Text that begins, vertically centred, at a point.
+pub fn beside() -> TextStyle<'static> {
+    label_style().pos(Pos::new(HPos::Left, VPos::Center))
 }
 
 /// Text centred at a point.

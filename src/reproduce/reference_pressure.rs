@@ -1,0 +1,25 @@
+//! Appendix 2 of the paper, the pressure that λ0 refers to, as a section of the report.
+
+use super::document::{Section, digits};
+use chamber::{Gas, paper};
+
+/// Supply pressure of the paper's servovalve, Pa.
+const SUPPLY_PA: f64 = 7e5;
+/// The ratio as the paper prints it.
+const PRINTED_RATIO: f64 = 0.8077;
+
+/// The section of the report.
+pub fn section() -> Section {
+    let ratio = paper::equilibrium_pressure_ratio(Gas::AIR.heat_capacity_ratio);
+    let mut section = Section::new("Appendix 2: the reference pressure");
+    section.text(format!(
+        "λ0 refers to the chamber pressure at which a servovalve's subsonic inlet and sonic exhaust pass the same flow. Solved \
+         here, the ratio to the supply is {} (the paper prints {PRINTED_RATIO}): {} bar of {} bar. P0 = {} bar, as in the paper, stays \
+         the reference.",
+        digits(ratio, 5),
+        digits(ratio * SUPPLY_PA * 1e-5, 4),
+        digits(SUPPLY_PA * 1e-5, 2),
+        digits(paper::REFERENCE_PRESSURE_PA * 1e-5, 3),
+    ));
+    section
+}

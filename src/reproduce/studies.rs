@@ -1,0 +1,202 @@
+//! The studies behind table 5's trend: dense push-and-hold tests over bore, stroke and pressure.
+//!
+//! One with λ ∝ √(P T) l^(−1/2) and the coefficient identified from the six measured tests, and its sibling with one λ0.
+//! Strokes, dead volume and push keep their proportions over all rows (final stroke half the initial one, dead volume a
+//! tenth of the final swept volume, push of one time constant, hold of ten), so that the bias of the paper's fit is nearly
+//! the same in every row and makes no trend of its own. Each study is written as a user would: a model, a study file and a
+//! table of points, from which `pneutherm sweep` gives the same rows.
+
+use anyhow::{Context, Result, ensure};
+use arrow::array::AsArray;
+use arrow::datatypes::Float64Type;
+use chamber::exact::Closed;
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer, effects};
+use identify::paper::geometry_effect::REFERENCE_LENGTH_M;
+use identify::paper::measured::{Measured, Row};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use records::{Model, Provenance};
+use std::fs::File;
+use std::path::Path;
+
+/// A row of a study as the trend's figure needs it. SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrendPoint {
+    /// Bore, m.
+    pub bore_m: f64,
+    /// Initial pressure, Pa.
+    pub initial_pressure_pa: f64,
+    /// V/A at the final stroke, m.
+    pub volume_to_area_m: f64,
+    /// λ0 by the paper's steps, W/(m² K).
+    pub coefficient_0_w_per_m2_k: f64,
+}
+
+/// Bores, m: common sizes, those of the paper's actuators among them.
+const BORES_M: [f64; 7] = [0.012, 0.016, 0.020, 0.025, 0.032, 0.040, 0.063];
+/// Initial pressures, Pa: those of the paper's two series (second in the mean), and up to a usual supply.
+const PRESSURES_PA: [f64; 4] = [1.01e5, 3.2e5, 5.0e5, 7.0e5];
+/// Initial strokes, m: shortest, longest and number, geometrically spaced.
+const STROKES_M: (f64, f64, usize) = (0.05, 1.0, 40);
+/// Final over initial stroke.
+const FINAL_STROKE: f64 = 0.5;
+/// Dead volume over final swept volume.
+const DEAD_VOLUME: f64 = 0.1;
+/// Length of the hold in time constants.
+const HOLD_TIME_CONSTANTS: f64 = 10.0;
+/// Pressure of the surroundings, Pa: the initial pressure of the first series.
+const AMBIENT_PRESSURE_PA: f64 = 1.01e5;
+
+/// Which λ a study is made with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// λ ∝ √(P T) l^(−1/2).
+    Column,
+    /// λ ∝ √(P T).
+    Flat,
+}
+
+impl Law {
+    /// Name of the study, and of its files before their endings.
+    pub fn study(self) -> &'static str {
+        match self {
+            Law::Column => "table5_sweep",
+            Law::Flat => "table5_sweep_one_lambda0",
+        }
+    }
+
+    /// λ0 over that at the reference length, for a gas column of that length, m.
+    fn factor(self, column_m: f64) -> f64 {
+        match self {
+            Law::Column => (column_m / REFERENCE_LENGTH_M).powf(-0.5),
+            Law::Flat => 1.0,
+        }
+    }
+
+    /// λ0 (at the reference length), W/(m² K): the geometric mean over the six tests, each λ0 that of the exact decay behind
+    /// the printed regression.
+    fn coefficient(self, measured: &Measured) -> f64 {
+        let ln = |row: &Row| {
+            let column = row.steps.final_volume_m3.value / row.setup.piston_area_m2;
+            (row.exact_coefficient_0_w_per_m2_k[0] / self.factor(column)).ln()
+        };
+        (measured.rows.iter().map(ln).sum::<f64>() / measured.rows.len() as f64).exp()
+    }
+}
+
+/// The chamber of actuator A with the coefficient identified from all six tests: what the FMU and the studies begin from.
+///
+/// # Errors
+/// No test of actuator A.
+pub fn model(measured: &Measured, law: Law) -> Result<Model> {
+    let of_a: Vec<&Row> = measured.rows.iter().filter(|r| r.test.actuator == "A").collect();
+    let first = of_a.first().context("the paper's tables hold no test of actuator A")?;
+    let dead_volume = of_a.iter().map(|r| r.steps.dead_volume_m3.value).sum::<f64>() / of_a.len() as f64;
+    let geometry = Geometry::new(first.setup.bore_m, 0.0, rounded(dead_volume), AreaLaw::Total);
+    let heat_transfer = HeatTransfer::at_paper_reference(rounded(law.coefficient(measured)));
+    let mut chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
+    if law == Law::Column {
+        let (place, _) = effects::find("gas_column_length").context("no effect `gas_column_length`")?;
+        chamber.effects.of_mut(place).copy_from_slice(&[-0.5, REFERENCE_LENGTH_M]);
+    }
+    Ok(Model {
+        gas_name: Some("air".to_owned()),
+        chamber,
+        rod_m: 0.0,
+        ambient_temperature_k: rounded(measured.ambient.temperature_k.value),
+        ambient_pressure_pa: AMBIENT_PRESSURE_PA,
+        provenance: Provenance { program: Some(PROGRAM.to_owned()), ..Provenance::default() },
+    })
+}
+
+const PROGRAM: &str = concat!("pneutherm ", env!("CARGO_PKG_VERSION"));
+
+/// Five significant digits: what the paper's tables can carry, and a file that a person can read.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
+
+/// The study's points as CSV: one row for each bore, stroke and pressure.
+fn points(model: &Model, law: Law) -> String {
+    let mut out = String::from(
+        "bore_m,initial_stroke_m,final_stroke_m,chamber.dead_volume_m3,initial_pressure_pa,push_time_s\n",
+    );
+    let (shortest, longest, count) = STROKES_M;
+    for bore in BORES_M {
+        for i in 0..count {
+            let share = i as f64 / (count - 1) as f64;
+            let initial = rounded(shortest * (longest / shortest).powf(share));
+            let last = initial * FINAL_STROKE;
+            let piston = Geometry::new(bore, 0.0, 0.0, AreaLaw::Total).piston_area;
+            let dead_volume = rounded(DEAD_VOLUME * last * piston);
+            for pressure in PRESSURES_PA {
+                let push = rounded(time_constant(model, law, bore, dead_volume, [initial, last], pressure));
+                out.push_str(&format!("{bore},{initial},{last},{dead_volume:e},{pressure},{push}\n"));
+            }
+        }
+    }
+    out
+}
+
+/// τ_f of the hold, s.
+fn time_constant(model: &Model, law: Law, bore: f64, dead_volume: f64, strokes: [f64; 2], pressure: f64) -> f64 {
+    let geometry = Geometry::new(bore, 0.0, dead_volume, AreaLaw::Total);
+    let [initial, last] = strokes.map(|x| geometry.volume(x));
+    let mut heat_transfer = model.chamber.heat_transfer;
+    heat_transfer.coefficient *= law.factor(last / geometry.piston_area);
+    let chamber = Chamber::new(model.chamber.gas, geometry, heat_transfer);
+    let ambient = model.ambient_temperature_k;
+    1.0 / Closed::filled(&chamber, pressure, ambient, initial, ambient).rate(last)
+}
+
+/// Texts of a study's own files: (name, text) of its points and of the study.
+pub fn files(model: &Model, model_file: &str, law: Law) -> [(String, String); 2] {
+    let name = law.study();
+    let points_file = format!("{name}_points.csv");
+    let study = format!(
+        "# Written by `pneutherm reproduce`; `pneutherm sweep {name}.toml -o DIR` gives the rows of {name}.parquet.\n\
+         [study]\nname = \"{name}\"\nmodel = \"{model_file}\"\ndesign = \"table\"\ntable = \"{points_file}\"\nfit = true\n\n\
+         [test]\nhold_time_constants = {HOLD_TIME_CONSTANTS:.1}\n"
+    );
+    [(points_file, points(model, law)), (format!("{name}.toml"), study)]
+}
+
+/// Carries the study in that folder out, into a Parquet file beside it.
+///
+/// # Errors
+/// A study or model that cannot be read, a file that cannot be written, a row that is not ok.
+pub fn run(folder: &Path, law: Law) -> Result<()> {
+    let name = law.study();
+    let study = sweep::Study::read(&folder.join(format!("{name}.toml")))?;
+    let statuses = sweep::run_to_file(&study, &folder.join(format!("{name}.parquet")), &|_| {})?;
+    let not_ok: Vec<String> = statuses.iter().filter(|(s, _)| *s != "ok").map(|(s, n)| format!("{n} {s}")).collect();
+    ensure!(not_ok.is_empty(), "{name}: rows are not ok: {}", not_ok.join(", "));
+    Ok(())
+}
+
+/// Reads back what the trend's figure needs.
+///
+/// # Errors
+/// A file that is not such a study.
+pub fn read(folder: &Path, law: Law) -> Result<Vec<TrendPoint>> {
+    let path = folder.join(format!("{}.parquet", law.study()));
+    let unreadable = || format!("{}: cannot be read", path.display());
+    let file = File::open(&path).with_context(unreadable)?;
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).and_then(|b| b.build()).with_context(unreadable)?;
+    let mut points = Vec::new();
+    for batch in reader {
+        let batch = batch.with_context(unreadable)?;
+        let column = |name: &str| {
+            let column = batch.column_by_name(name).and_then(|c| c.as_primitive_opt::<Float64Type>());
+            column.with_context(|| format!("{}: no column `{name}` of numbers", path.display()))
+        };
+        let (bore, pressure) = (column("bore_m")?, column("initial_pressure_pa")?);
+        let (ratio, coefficient) = (column("volume_to_area_m")?, column("lambda0_w_per_m2_k")?);
+        points.extend((0..batch.num_rows()).map(|i| TrendPoint {
+            bore_m: bore.value(i),
+            initial_pressure_pa: pressure.value(i),
+            volume_to_area_m: ratio.value(i),
+            coefficient_0_w_per_m2_k: coefficient.value(i),
+        }));
+    }
+    Ok(points)
+}
