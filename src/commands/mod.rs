@@ -5,8 +5,8 @@
 mod completions;
 mod diagnose;
 mod estimates;
-mod identify;
 pub mod fmu;
+mod identify;
 mod man;
 mod reproduce;
 mod simulate;

@@ -44,6 +44,7 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
         reference_pressure::section(),
         trend::section(&measured, [&models[0], &models[1]], &studied, &flat)?,
     ];
+    out.bytes("Chamber.fmu", &crate::commands::fmu::package(&models[0], models[0].to_toml()?.as_bytes())?)?;
     out.json("section31.json", section31::lines(&section31))?;
     out.text("section31.md", &sections[0].markdown())?;
     out.text("table4.csv", &tables::table4(&measured)?)?;
@@ -75,11 +76,15 @@ struct Output<'a> {
 }
 
 impl Output<'_> {
-    fn text(&mut self, name: &str, text: &str) -> Result<()> {
+    fn bytes(&mut self, name: &str, bytes: &[u8]) -> Result<()> {
         let path = self.folder.join(name);
-        records::write_atomically(&path, text.as_bytes())?;
+        records::write_atomically(&path, bytes)?;
         self.written.push(path);
         Ok(())
+    }
+
+    fn text(&mut self, name: &str, text: &str) -> Result<()> {
+        self.bytes(name, text.as_bytes())
     }
 
     fn model(&mut self, name: &str, model: &records::Model) -> Result<()> {

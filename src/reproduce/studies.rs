@@ -117,9 +117,8 @@ fn rounded(value: f64) -> f64 {
 
 /// The study's points as CSV: one row for each bore, stroke and pressure.
 fn points(model: &Model, law: Law) -> String {
-    let mut out = String::from(
-        "bore_m,initial_stroke_m,final_stroke_m,chamber.dead_volume_m3,initial_pressure_pa,push_time_s\n",
-    );
+    let mut out =
+        String::from("bore_m,initial_stroke_m,final_stroke_m,chamber.dead_volume_m3,initial_pressure_pa,push_time_s\n");
     let (shortest, longest, count) = STROKES_M;
     for bore in BORES_M {
         for i in 0..count {
