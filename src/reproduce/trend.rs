@@ -55,7 +55,8 @@ pub fn section(
     section.table(table);
     section.text(
         "Every row keeps the same proportions (final stroke half the initial one, a push of one time constant, a hold of ten), so that \
-         the bias of the paper's fit, the last column, makes no trend. `pneutherm sweep table5_sweep.toml -o DIR` in this folder \
+         the bias of the paper's fit, the last column, makes no trend; what remains between pressures comes from the 100 rows a second \
+         of a record, fewer for a shorter time constant. `pneutherm sweep table5_sweep.toml -o DIR` in this folder \
          repeats the study.",
     );
     Ok(section)
