@@ -117,10 +117,12 @@ h1 { font-size: 1.8rem; line-height: 1.2; } h2 { font-size: 1.3rem; margin-top: 
 table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; font-size: .9rem; }
 th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #ddd; }
 th { border-bottom: 2px solid #888; vertical-align: bottom; } th:first-child, td:first-child { text-align: left; }
+td:not(:first-child) { white-space: nowrap; } tr { break-inside: avoid; }
 .scroll { overflow-x: auto; }
 figure { margin: 1.5rem 0; } figure svg { width: 100%; height: auto; } figcaption { color: #444; font-size: .92rem; }
 code { background: #f3f3f3; padding: 0 .25em; border-radius: 3px; font-size: .92em; }
-@media print { body { margin: 0; max-width: none; font-size: 11pt; } figure, table { break-inside: avoid; } h2 { break-after: avoid; } }
+@page { margin: 15mm; }
+@media print { body { margin: 0; max-width: none; font-size: 10.5pt; } table { font-size: 7.5pt; } th, td { padding: .15rem .35rem; } figure { break-inside: avoid; } h2 { break-after: avoid; } }
 ";
 
 fn markdown_table(table: &Table) -> String {
@@ -183,12 +185,12 @@ pub fn digits(value: f64, significant: usize) -> String {
 
 /// A ratio as a percentage with that many decimals and its sign.
 pub fn signed_percent(ratio: f64, decimals: usize) -> String {
-    format!("{:+.decimals$} %", 100.0 * ratio)
+    format!("{:+.decimals$}\u{a0}%", 100.0 * ratio)
 }
 
 /// A ratio as a percentage with that many decimals.
 pub fn percent(ratio: f64, decimals: usize) -> String {
-    format!("{:.decimals$} %", 100.0 * ratio)
+    format!("{:.decimals$}\u{a0}%", 100.0 * ratio)
 }
 
 #[cfg(test)]
@@ -207,7 +209,7 @@ mod tests {
         {
             assert_eq!(digits(value, 4), text);
         }
-        assert_eq!(signed_percent(0.0667, 1), "+6.7 %");
+        assert_eq!(signed_percent(0.0667, 1), "+6.7\u{a0}%");
     }
 
     #[test]

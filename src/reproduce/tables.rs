@@ -143,7 +143,7 @@ fn largest_differences(measured: &Measured) -> Result<Table> {
                     open = 0.5 * paper.last_place(row, column)? / printed;
                 }
             }
-            let open = format!("± {:.1} %", 100.0 * open);
+            let open = format!("±\u{a0}{:.1}\u{a0}%", 100.0 * open);
             table.row([format!("`{column}`"), name.to_owned(), signed_percent(largest, 1), open]);
         }
     }

@@ -3,7 +3,8 @@
 //! One Tamb for all six tests, by weighted least squares over what table 4 prints and Tamb moves: the mean
 //! temperatures (∝ Tamb) and the masses (∝ 1/Tamb). Dead volumes, areas and mean pressures do not depend on it. Weights come
 //! from the printed digits (standard deviation of a last place: 1/√12 of it, inputs and outputs alike); where the six tests
-//! scatter more than that, the interval is widened by √(χ²/(n − 1)).
+//! scatter more than that, the interval is widened by √(χ²/(n − 1)), n the number of tests: a test's mass adds next to
+//! nothing to what its mean temperature says.
 
 use super::Error;
 use super::exact_regression;
@@ -21,7 +22,7 @@ pub struct AmbientTemperature {
     /// Its standard error, K.
     #[serde(skip)]
     pub standard_error_k: f64,
-    /// √(χ²/(n − 1)): how much more the printed numbers scatter than their digits explain.
+    /// √(χ²/(n − 1)), n the number of tests: how much more the printed numbers scatter than their digits explain.
     pub scatter_over_rounding: f64,
     /// For each test what its mean temperature alone says, K.
     pub by_mean_temperature_k: Vec<f64>,
@@ -112,13 +113,12 @@ pub fn ambient_temperature(tests: &[MeasuredTest]) -> Result<AmbientTemperature,
     // Mean of ln Tamb.
     let weights: f64 = asked.iter().map(|(_, s)| s.powi(-2)).sum();
     let mean = asked.iter().map(|(t, s)| t.ln() / (s * s)).sum::<f64>() / weights;
-    let freedom = asked.len() as f64 - 1.0;
+    let freedom = tests.len() as f64 - 1.0;
     let chi2: f64 = asked.iter().map(|(t, s)| ((t.ln() - mean) / s).powi(2)).sum();
     let scatter = (chi2 / freedom).sqrt();
     let value = mean.exp();
     let standard_error_k = value * weights.powf(-0.5) * scatter.max(1.0);
-    // The mean temperatures carry nearly all the weight: their number, not that of all numbers, sets the quantile.
-    let quantile = student_95(tests.len() as f64 - 1.0);
+    let quantile = student_95(freedom);
     Ok(AmbientTemperature {
         temperature_k: Estimate::new(value, standard_error_k, quantile),
         standard_error_k,
