@@ -73,7 +73,7 @@ const D: [f64; 7] = [
     69997945.0 / 29380423.0,
 ];
 
-/// Largest number of steps in one call of [`Integrator::advance`].
+/// Steps that one call of [`Integrator::advance`] may take unless told otherwise.
 pub const MAX_STEPS: usize = 1_000_000;
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
@@ -150,19 +150,21 @@ pub struct Integrator<R, const N: usize> {
     pub state: [R; N],
     /// Next step to try, s; zero asks for a first guess.
     pub step: f64,
+    /// Steps that one call of [`Integrator::advance`] may take.
+    pub max_steps: usize,
     tolerance: Tolerance<N>,
 }
 
 impl<R: Scalar, const N: usize> Integrator<R, N> {
     /// At `time` with these states.
     pub fn new(time: f64, state: [R; N], tolerance: Tolerance<N>) -> Self {
-        Self { time, state, step: 0.0, tolerance }
+        Self { time, state, step: 0.0, max_steps: MAX_STEPS, tolerance }
     }
 
     /// Integrates to `end`, s, over a stretch on which the system is smooth; hands each accepted step to `on_step`.
     ///
     /// # Errors
-    /// When no step meets the tolerance, or [`MAX_STEPS`] is exceeded; time and states are then those of the last
+    /// When no step meets the tolerance, or [`Integrator::max_steps`] is exceeded; time and states are then those of the last
     /// accepted step.
     #[inline]
     pub fn advance(
@@ -179,7 +181,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
             self.step = self.first_step(&first, end);
         }
         let mut rejected = false;
-        for _ in 0..MAX_STEPS {
+        for _ in 0..self.max_steps {
             let left = end - self.time;
             let is_last = self.step >= left * (1.0 - 1e-12);
             // Two even steps rather than one whole and a sliver.
@@ -207,7 +209,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
                 }
             }
         }
-        Err(IntegrationError::TooManySteps { at: self.time, limit: MAX_STEPS })
+        Err(IntegrationError::TooManySteps { at: self.time, limit: self.max_steps })
     }
 
     #[inline]

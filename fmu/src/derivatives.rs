@@ -6,9 +6,12 @@ use crate::inputs;
 use crate::present::{self, Present, Sensor};
 use crate::refusal::Refusal;
 use crate::snapshot::{Phase, Snapshot};
-use crate::variables::{INPUTS, OUTPUTS, Parameters, REALS, Role, input, output, table};
-use chamber::balance::{MASS, STATES};
+use crate::variables::{BASE, INPUTS, OUTPUTS, Parameters, REALS, Role, input, output, table};
+use chamber::Chamber;
+use chamber::balance::{self, Boundary, ENERGY, MASS, OWN, STATES};
 use chamber::dual::Dual;
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
 
 type D = Dual<1>;
 
@@ -56,6 +59,33 @@ impl Seed {
         }
         Ok(seed)
     }
+
+    /// Effects whose parameters the direction changes: they count even where they are off.
+    fn effects(&self) -> EffectSet {
+        let changed = |&index: &usize| {
+            let range = effects::PARAMETER_OFFSETS[index]..effects::PARAMETER_OFFSETS[index + 1];
+            self.parameters[BASE..][range].iter().any(|d| *d != 0.0)
+        };
+        (0..effects::COUNT).filter(changed).fold(EffectSet::NONE, |set, index| set.union(EffectSet::one(index)))
+    }
+}
+
+/// States of effects that are off begin in equilibrium when the direction switches them on.
+fn with_fresh_states(
+    chamber: &Chamber<D>,
+    seeded: EffectSet,
+    on: EffectSet,
+    boundary: &Boundary<D>,
+    mut states: [D; STATES],
+) -> [D; STATES] {
+    let mut fresh = [D::ZERO; effects::OWN_STATES];
+    effects::initial(&balance::conditions(chamber, boundary, states[MASS], states[ENERGY]), &mut fresh);
+    for index in seeded.iter().filter(|&index| !on.has(index)) {
+        for own in effects::STATE_OFFSETS[index]..effects::STATE_OFFSETS[index + 1] {
+            states[OWN + own] = fresh[own];
+        }
+    }
+    states
 }
 
 fn lifted<const N: usize>(values: &[f64; N], tangent: &[f64; N]) -> [D; N] {
@@ -73,36 +103,53 @@ pub fn along(now: &Snapshot, seed: &Seed) -> Result<Present, Refusal> {
     let chamber = parameters.chamber();
     let u = lifted(&now.inputs.present(), &seed.inputs);
     let boundary = inputs::boundary(&u);
-    let mut sensor = Sensor { elapsed: D::from(0.0), delayed: None };
-    let states =
-        if matches!(now.phase, Phase::Instantiated | Phase::Initialization) {
-            present::initial_states(&parameters, &chamber, &u)
-        } else {
-            let elapsed = now.time - now.experiment.start;
-            sensor.elapsed = Dual { value: elapsed, tangent: [seed.elapsed] };
-            sensor.delayed = now.record.as_ref().map(|record| {
-                let (value, _) = record.at(now.time - now.delay());
-                Dual { value, tangent: [seed.delayed] }
-            });
-            let mut states = now.gas.states.map(D::from);
-            let from = D::from(now.gas.position);
-            if boundary.position != from {
-                states = present::jump(&chamber, now.plant.set, &boundary, &states, from)
-                    .map_err(|e| Refusal::NoStep { step: 0.0, time: now.time, cause: e.to_string() })?;
-            }
-            // Known states are those at the present position.
-            for (state, tangent) in states.iter_mut().zip(seed.states) {
-                state.tangent[0] += tangent;
-            }
-            states
-        };
-    let all = present::evaluate(&chamber, now.plant.set, &boundary, &states, &sensor);
-    let tangents = |d: &[D]| d.iter().map(|d| d.tangent[0]).collect::<Vec<_>>();
-    let mut out = Present { outputs: [0.0; OUTPUTS], states: [0.0; STATES], rates: [0.0; STATES] };
-    out.outputs.copy_from_slice(&tangents(&all.outputs));
-    out.states.copy_from_slice(&tangents(&all.states));
-    out.rates.copy_from_slice(&tangents(&all.rates));
-    Ok(out)
+    let starting = matches!(now.phase, Phase::Instantiated | Phase::Initialization);
+    let (states, sensor) = if starting {
+        let at_rest = Sensor { elapsed: D::from(0.0), delayed: None };
+        (present::initial_states(&parameters, &chamber, &u), at_rest)
+    } else {
+        (states_along(now, seed, &chamber, &boundary)?, sensor_along(now, seed, &chamber))
+    };
+    let states = with_fresh_states(&chamber, seed.effects(), now.plant.set, &boundary, states);
+    let set = now.plant.set.union(seed.effects());
+    let all = present::evaluate(&chamber, set, &boundary, &states, &sensor);
+    Ok(Present {
+        outputs: all.outputs.map(|d| d.tangent[0]),
+        states: all.states.map(|d| d.tangent[0]),
+        rates: all.rates.map(|d| d.tangent[0]),
+    })
+}
+
+/// States at the present position: those the stroke leads to, and the direction's own.
+fn states_along(
+    now: &Snapshot,
+    seed: &Seed,
+    chamber: &Chamber<D>,
+    boundary: &Boundary<D>,
+) -> Result<[D; STATES], Refusal> {
+    let mut states = now.gas.states.map(D::from);
+    let from = D::from(now.gas.position);
+    if boundary.position != from {
+        states = present::jump(chamber, now.plant.set, boundary, &states, from).map_err(|e| Refusal::NoStep {
+            step: 0.0,
+            time: now.time,
+            cause: e.to_string(),
+        })?;
+    }
+    for (state, tangent) in states.iter_mut().zip(seed.states) {
+        state.tangent[0] += tangent;
+    }
+    Ok(states)
+}
+
+/// What the sensor's chain adds; a longer delay shows an earlier reading.
+fn sensor_along(now: &Snapshot, seed: &Seed, chamber: &Chamber<D>) -> Sensor<D> {
+    let longer = effects::delay(now.plant.set, &chamber.effects).tangent[0];
+    let delayed = now.record.as_ref().map(|record| {
+        let (value, rate) = record.at(now.time - now.delay());
+        Dual { value, tangent: [seed.delayed - rate * longer] }
+    });
+    Sensor { elapsed: Dual { value: now.time - now.experiment.start, tangent: [seed.elapsed] }, delayed }
 }
 
 /// Rates of the outputs at the present time, with the inputs' present rates.
@@ -124,10 +171,7 @@ pub fn in_time(now: &Snapshot) -> Result<[f64; OUTPUTS], Refusal> {
 fn along_the_stroke(now: &Snapshot, seed: &Seed) -> Result<[f64; OUTPUTS], Refusal> {
     let chamber = now.parameters.lift::<D>().chamber();
     let boundary = inputs::boundary(&lifted(&now.inputs.present(), &seed.inputs));
-    let sensor = Sensor {
-        elapsed: Dual { value: now.time - now.experiment.start, tangent: [seed.elapsed] },
-        delayed: now.record.as_ref().map(|_| Dual { value: 0.0, tangent: [seed.delayed] }),
-    };
+    let sensor = sensor_along(now, seed, &chamber);
     let states = lifted(&now.gas.states, &seed.states);
     Ok(present::evaluate(&chamber, now.plant.set, &boundary, &states, &sensor).outputs.map(|d| d.tangent[0]))
 }

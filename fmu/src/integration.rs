@@ -15,6 +15,9 @@ use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::exact::Closed;
 use chamber::integrate::{IntegrationError, Integrator, Step, Tolerance};
 
+/// Inner steps that a communication step may take: about 0.1 s of computing. A host that wants more takes shorter steps.
+const MAX_INNER_STEPS: usize = 200_000;
+
 /// States of the gas at a communication point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gas {
@@ -172,6 +175,7 @@ impl Span<'_> {
     ) -> Result<([f64; N], f64), IntegrationError> {
         let mut run = Integrator::new(0.0, states, tolerance);
         run.step = self.inner_step;
+        run.max_steps = MAX_INNER_STEPS;
         for &until in self.breaks.iter().chain([&self.end]) {
             run.advance(&rates, until, &mut on_step)?;
         }

@@ -1,0 +1,251 @@
+//! Hosts that call anything with anything, and many instances at once.
+//!
+//! 100,000 random call sequences, 5,000 where the environment has `CI`.
+
+mod common;
+
+use common::Host;
+use fmu::abi::*;
+use fmu::variables::table;
+use proptest::prelude::*;
+use std::ffi::{c_int, c_void};
+use std::ptr::{null, null_mut};
+
+#[derive(Clone, Debug)]
+enum Call {
+    Start,
+    Setup { tolerance: Option<f64>, start: f64, stop: Option<f64> },
+    Enter,
+    Exit,
+    Terminate,
+    Reset,
+    SetReal(Vec<(u32, f64)>, bool),
+    SetInteger(u32, i32),
+    SetOther(u32),
+    GetReal(Vec<u32>, bool),
+    GetInteger(u32),
+    Derivative(u32, i32, f64),
+    OutputDerivative(u32, i32),
+    Directional(u32, u32, f64),
+    Step { offset: f64, h: f64 },
+    Save,
+    Restore(usize),
+    Free(usize),
+    Bytes { cut: usize, flip: usize },
+    Status(i32),
+    Logging(i32),
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -1.0..1.0f64,
+        2 => (-12.0..7.0f64).prop_map(|e| 10f64.powf(e)),
+        1 => prop::sample::select(vec![0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 1e-300, f64::MIN_POSITIVE, 5e-324]),
+        2 => 250.0..400.0f64,
+        1 => 1e5..1e6f64,
+    ]
+}
+
+fn reference() -> impl Strategy<Value = u32> {
+    let count = table().len() as u32;
+    prop_oneof![6 => 0..7u32, 10 => 0..count, 1 => count..count + 3, 1 => Just(u32::MAX)]
+}
+
+fn step() -> impl Strategy<Value = f64> {
+    prop_oneof![6 => (-6.0..0.0f64).prop_map(|e| 10f64.powf(e)), 1 => number()]
+}
+
+fn call() -> impl Strategy<Value = Call> {
+    let option = |s: BoxedStrategy<f64>| prop::option::of(s);
+    prop_oneof![
+        2 => Just(Call::Start),
+        1 => (option(number().boxed()), number(), option(number().boxed())).prop_map(|(tolerance, start, stop)| Call::Setup { tolerance, start, stop }),
+        1 => Just(Call::Enter),
+        1 => Just(Call::Exit),
+        1 => Just(Call::Terminate),
+        1 => Just(Call::Reset),
+        8 => (prop::collection::vec((reference(), number()), 0..4), prop::bool::weighted(0.05)).prop_map(|(b, n)| Call::SetReal(b, n)),
+        1 => (reference(), any::<i32>()).prop_map(|(r, v)| Call::SetInteger(r, v)),
+        1 => reference().prop_map(Call::SetOther),
+        4 => (prop::collection::vec(reference(), 0..5), prop::bool::weighted(0.05)).prop_map(|(b, n)| Call::GetReal(b, n)),
+        1 => reference().prop_map(Call::GetInteger),
+        3 => (reference(), -1..5, number()).prop_map(|(r, o, v)| Call::Derivative(r, o, v)),
+        2 => (reference(), 0..3).prop_map(|(r, o)| Call::OutputDerivative(r, o)),
+        2 => (reference(), reference(), number()).prop_map(|(u, k, v)| Call::Directional(u, k, v)),
+        10 => (prop_oneof![9 => Just(0.0), 1 => number()], step()).prop_map(|(offset, h)| Call::Step { offset, h }),
+        2 => Just(Call::Save),
+        2 => (0..4usize).prop_map(Call::Restore),
+        1 => (0..4usize).prop_map(Call::Free),
+        1 => (0..2000usize, 0..20_000usize).prop_map(|(cut, flip)| Call::Bytes { cut, flip }),
+        1 => (-1..6).prop_map(Call::Status),
+        1 => (-1..2).prop_map(Call::Logging),
+    ]
+}
+
+/// What a host holds beside the instance.
+#[derive(Default)]
+struct Held {
+    states: Vec<*mut c_void>,
+}
+
+impl Held {
+    fn get(&self, index: usize) -> *mut c_void {
+        self.states.get(index).copied().unwrap_or(null_mut())
+    }
+}
+
+fn reached(host: &Host) -> f64 {
+    let mut time = 0.0;
+    unsafe { fmi2GetRealStatus(host.c, 2, &mut time) };
+    time
+}
+
+/// Makes the call; its worst status.
+unsafe fn make(host: &Host, held: &mut Held, call: &Call) -> c_int {
+    let c = host.c;
+    unsafe {
+        match call {
+            Call::Start => {
+                if fmi2EnterInitializationMode(c) != 0 {
+                    return 3;
+                }
+                fmi2ExitInitializationMode(c)
+            }
+            Call::Setup { tolerance, start, stop } => fmi2SetupExperiment(
+                c,
+                c_int::from(tolerance.is_some()),
+                tolerance.unwrap_or(0.0),
+                *start,
+                c_int::from(stop.is_some()),
+                stop.unwrap_or(0.0),
+            ),
+            Call::Enter => fmi2EnterInitializationMode(c),
+            Call::Exit => fmi2ExitInitializationMode(c),
+            Call::Terminate => fmi2Terminate(c),
+            Call::Reset => fmi2Reset(c),
+            Call::SetReal(batch, null_value) => {
+                let (references, values): (Vec<u32>, Vec<f64>) = batch.iter().copied().unzip();
+                let values = if *null_value { null() } else { values.as_ptr() };
+                fmi2SetReal(c, references.as_ptr(), references.len(), values)
+            }
+            Call::SetInteger(reference, value) => fmi2SetInteger(c, reference, 1, value),
+            Call::SetOther(reference) => {
+                fmi2SetBoolean(c, reference, 1, &1).max(fmi2GetString(c, reference, 1, null_mut()))
+            }
+            Call::GetReal(references, null_references) => {
+                let mut values = vec![0.0; references.len()];
+                let pointer = if *null_references { null() } else { references.as_ptr() };
+                fmi2GetReal(c, pointer, references.len(), values.as_mut_ptr())
+            }
+            Call::GetInteger(reference) => fmi2GetInteger(c, reference, 1, &mut 0),
+            Call::Derivative(reference, order, value) => fmi2SetRealInputDerivatives(c, reference, 1, order, value),
+            Call::OutputDerivative(reference, order) => fmi2GetRealOutputDerivatives(c, reference, 1, order, &mut 0.0),
+            Call::Directional(unknown, known, value) => {
+                fmi2GetDirectionalDerivative(c, unknown, 1, known, 1, value, &mut 0.0)
+            }
+            Call::Step { offset, h } => fmi2DoStep(c, reached(host) + offset, *h, 1),
+            Call::Save => {
+                let mut state = held.get(0);
+                if held.states.len() < 4 {
+                    state = null_mut();
+                }
+                let status = fmi2GetFMUstate(c, &mut state);
+                if !held.states.contains(&state) {
+                    held.states.push(state);
+                }
+                status
+            }
+            Call::Restore(index) => fmi2SetFMUstate(c, held.get(*index)),
+            Call::Free(index) => {
+                let mut state = held.get(*index);
+                let status = fmi2FreeFMUstate(c, &mut state);
+                let freed = held.get(*index);
+                held.states.retain(|s| *s != freed);
+                status
+            }
+            Call::Bytes { cut, flip } => {
+                let mut bytes = host.serialized();
+                bytes.truncate(*cut);
+                if let Some(byte) = bytes.get_mut(flip / 8) {
+                    *byte ^= 1 << (flip % 8);
+                }
+                host.deserialize(&bytes)
+            }
+            Call::Status(kind) => fmi2GetRealStatus(c, *kind, &mut 0.0).max(fmi2GetBooleanStatus(c, *kind, &mut 0)),
+            Call::Logging(count) => fmi2SetDebugLogging(c, 0, *count as usize, null()),
+        }
+    }
+}
+
+fn cases() -> u32 {
+    if std::env::var_os("CI").is_some() { 5_000 } else { 100_000 }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_sequence_of_calls_crashes_and_every_refusal_is_explained(orderly in prop::bool::weighted(0.7), calls in prop::collection::vec(call(), 1..25)) {
+        let host = Host::new();
+        let mut held = Held::default();
+        if orderly {
+            host.start(&[], None);
+        }
+        for call in &calls {
+            let sets = matches!(call, Call::SetReal(..) | Call::SetInteger(..) | Call::Derivative(..) | Call::Step { .. });
+            let before = sets.then(|| host.serialized());
+            host.messages();
+            let status = unsafe { make(&host, &mut held, call) };
+            let messages = host.messages();
+            prop_assert!((0..=3).contains(&status), "{:?}: {}", call, status);
+            prop_assert_eq!(status >= 2, !messages.is_empty(), "{:?}: {} {:?}", call, status, messages);
+            prop_assert!(messages.iter().all(|m| m.text.len() > 20 && !m.text.contains("broke down")), "{:?}: {:?}", call, messages);
+            if let Some(before) = before.filter(|_| status >= 2) {
+                prop_assert_eq!(before, host.serialized(), "{:?} was refused and changed something", call);
+            }
+        }
+    }
+}
+
+/// Pressure over a run whose inputs depend on `seed`, as bits.
+fn run(seed: u32) -> Vec<u64> {
+    let host = Host::started(&[("initialPressure", 2e5 + f64::from(seed)), ("wallHeating.capacity", 1.0)]);
+    (0..300)
+        .map(|k| {
+            host.set("velocity", 0.1 * (f64::from(k + seed) * 0.1).sin());
+            host.set("position", host.get("position"));
+            host.step(f64::from(k) * 1e-3, 1e-3);
+            host.get("pressure").to_bits()
+        })
+        .collect()
+}
+
+#[test]
+fn sixty_four_instances_in_eight_threads_run_as_if_alone() {
+    let alone: Vec<_> = (0..64).map(run).collect();
+    let threads: Vec<_> = (0..8)
+        .map(|t| {
+            std::thread::spawn(move || {
+                // Eight instances alive at once, stepped in turn.
+                let hosts: Vec<_> = (0..8)
+                    .map(|i| {
+                        let pressure = 2e5 + f64::from(8 * t + i);
+                        (8 * t + i, Host::started(&[("initialPressure", pressure), ("wallHeating.capacity", 1.0)]))
+                    })
+                    .collect();
+                let mut bits = vec![Vec::new(); 8];
+                for k in 0..300 {
+                    for (i, (seed, host)) in hosts.iter().enumerate() {
+                        host.set("velocity", 0.1 * (f64::from(k + seed) * 0.1).sin());
+                        host.set("position", host.get("position"));
+                        host.step(f64::from(k) * 1e-3, 1e-3);
+                        bits[i].push(host.get("pressure").to_bits());
+                    }
+                }
+                bits
+            })
+        })
+        .collect();
+    let together: Vec<_> = threads.into_iter().flat_map(|t| t.join().unwrap()).collect();
+    assert_eq!(alone, together);
+}
