@@ -1,0 +1,58 @@
+//! What a step costs: no allocation, and memory that stays flat however many steps are made.
+
+mod common;
+
+use common::Host;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
+
+/// The system's allocator, counting.
+struct Counting;
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+static BYTES: AtomicIsize = AtomicIsize::new(0);
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Relaxed);
+        BYTES.fetch_add(layout.size() as isize, Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        BYTES.fetch_sub(layout.size() as isize, Relaxed);
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Steps of 1 ms with moving inputs; time reached.
+fn drive(host: &Host, from: u32, steps: u32) {
+    for k in from..from + steps {
+        let t = f64::from(k) * 1e-3;
+        host.set("velocity", 0.1 * (20.0 * t).cos());
+        host.set("massFlowIn", 1e-4 * (1.0 + (3.0 * t).sin()));
+        host.set("massFlowOut", 1e-4 * (1.0 + (3.0 * t).sin()));
+        host.set("position", 0.1 + 0.005 * (20.0 * t).sin());
+        host.step(t, 1e-3);
+        host.get("force");
+    }
+}
+
+#[test]
+fn a_step_allocates_nothing_and_memory_stays_flat() {
+    // One test alone in this binary: the counters are the process's.
+    let plain = Host::started(&[]);
+    let effects = Host::started(&[("wallHeating.capacity", 2.0), ("sensorLag.timeConstant", 0.01)]);
+    for host in [&plain, &effects] {
+        drive(host, 0, 100);
+        let before = ALLOCATIONS.load(Relaxed);
+        drive(host, 100, 20_000);
+        assert_eq!(ALLOCATIONS.load(Relaxed) - before, 0);
+    }
+    let delayed = Host::started(&[("recordDelay.delay", 0.2)]);
+    drive(&delayed, 0, 2_000);
+    let before = BYTES.load(Relaxed);
+    drive(&delayed, 2_000, 20_000);
+    assert!(BYTES.load(Relaxed) - before < 100_000, "the delayed record has its size once the delay is over");
+}
