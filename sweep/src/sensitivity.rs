@@ -1,7 +1,7 @@
 //! Global sensitivity of a Saltelli study's results: which share of an output's variance each quantity brings.
 //!
 //! First order: S_i = mean(B (AB_i − A))/V (Saltelli et al. 2010, table 2, b). Total order: T_i = ½ mean((A − AB_i)²)/V
-//! (Jansen 1999). A and B are standardised by mean and deviation of both, as SALib does; V is then their variance.
+//! (Jansen 1999). V is the variance of A and B; values count from the mean of all of them, as in SALib.
 //! Blocks with a missing value take no part.
 
 use crate::columns;
@@ -32,38 +32,55 @@ pub struct Indices {
     pub blocks: u64,
 }
 
-/// Sums over blocks; the first pass needs mean and variance of A and B, the second the indices.
+/// Sums over blocks; the first pass needs the means and the variance of A and B, the second the indices.
 #[derive(Clone)]
 struct Sums {
     blocks: u64,
-    mean: f64,
-    squares: f64,
+    /// Of every value.
+    all: Moments,
+    /// Of A and B.
+    ends: Moments,
     first: Vec<[f64; 2]>,
     total: Vec<[f64; 2]>,
 }
 
+/// Mean and sum of squared deviations, by Welford's update.
+#[derive(Clone, Default)]
+struct Moments {
+    count: f64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Moments {
+    fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        let difference = value - self.mean;
+        self.mean += difference / self.count;
+        self.squares += difference * (value - self.mean);
+    }
+
+    fn variance(&self) -> f64 {
+        self.squares / self.count
+    }
+}
+
 impl Sums {
     fn new(axes: usize) -> Self {
-        Self { blocks: 0, mean: 0.0, squares: 0.0, first: vec![[0.0; 2]; axes], total: vec![[0.0; 2]; axes] }
+        let zeros = vec![[0.0; 2]; axes];
+        Self { blocks: 0, all: Moments::default(), ends: Moments::default(), first: zeros.clone(), total: zeros }
     }
 
-    /// Mean and sum of squared deviations, by Welford's update: A and B of one block.
     fn add_to_moments(&mut self, block: &[f64]) {
         self.blocks += 1;
-        for (value, count) in [(block[0], 2 * self.blocks - 1), (block[block.len() - 1], 2 * self.blocks)] {
-            let difference = value - self.mean;
-            self.mean += difference / count as f64;
-            self.squares += difference * (value - self.mean);
-        }
-    }
-
-    fn deviation(&self) -> f64 {
-        (self.squares / (2 * self.blocks) as f64).sqrt()
+        block.iter().for_each(|value| self.all.add(*value));
+        self.ends.add(block[0]);
+        self.ends.add(block[block.len() - 1]);
     }
 
     fn add_to_indices(&mut self, block: &[f64]) {
-        let deviation = self.deviation();
-        let standard = |value: f64| (value - self.mean) / deviation;
+        let deviation = self.ends.variance().sqrt();
+        let standard = |value: f64| (value - self.all.mean) / deviation;
         let (a, b) = (standard(block[0]), standard(block[block.len() - 1]));
         for axis in 0..self.first.len() {
             let ab = standard(block[axis + 1]);
