@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Rows of a row group: what a reader has to take at once, and what a writer keeps in memory.
 const ROW_GROUP: usize = 1 << 17;
-/// Fastest of zstd's levels: on split mantissas the higher ones gain under 2 %.
+/// Fastest of zstd's levels: on 100 000 rows of a fitted study 1, 3 and 6 differ by 1 %.
 const ZSTD_LEVEL: i32 = 1;
 
 /// A column that is computed.

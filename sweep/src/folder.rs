@@ -67,8 +67,7 @@ impl<'a> Folder<'a> {
             }
         }
         for name in self.names()?.iter().filter(|name| name.starts_with(PART) || name.ends_with(".parquet")) {
-            let parts = (0..self.study.parts).map(|part| self.study.part_name(part));
-            if !parts.into_iter().any(|part| part == *name) {
+            if !self.is_part(name) {
                 return other(format!("{name} is none of its {} parts", self.study.parts));
             }
             match Footer::read(&self.path.join(name)) {
@@ -82,6 +81,12 @@ impl<'a> Folder<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Whether a file has the name of one of the study's parts.
+    fn is_part(&self, name: &str) -> bool {
+        let number = name.strip_prefix(PART).and_then(|rest| rest.split('-').next()?.parse().ok());
+        number.is_some_and(|part| part < self.study.parts && self.study.part_name(part) == name)
     }
 
     /// What another study differs in, as far as that can be said in a few words.

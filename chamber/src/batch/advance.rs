@@ -255,11 +255,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Tries a step in every lane, and takes it where it is good.
     #[inline(always)]
-    fn step<const FUSED: bool, const LOG: bool>(
-        &mut self,
-        relative: f64,
-        log: &mut Vec<Entry<N>>,
-    ) {
+    fn step<const FUSED: bool, const LOG: bool>(&mut self, relative: f64, log: &mut Vec<Entry<N>>) {
         let (t, h, length, y) = (self.t, self.h, self.length, self.y);
         let left = length - t;
         let last = h - left * (1.0 - 1e-12);

@@ -45,8 +45,8 @@ impl Test {
         let mass_gas_constant = s.initial_pressure_pa * volume / s.initial_temperature_k;
         let h = &c.heat_transfer;
         let expansion = c.gas.heat_capacity_ratio - 1.0;
-        let per_area = h.coefficient * expansion
-            / (mass_gas_constant * h.reference_pressure * h.reference_temperature).sqrt();
+        let per_area =
+            h.coefficient * expansion / (mass_gas_constant * h.reference_pressure * h.reference_temperature).sqrt();
         let lateral = 4.0 / g.bore;
         let unwetted = match g.area_law {
             AreaLaw::Total => 0.0,

@@ -58,8 +58,6 @@ pub struct Study {
     pub rows: u64,
     /// Whether the paper's regression is carried out for each row.
     pub fit: bool,
-    /// Whether each row's trace is kept in a second table.
-    pub traces: bool,
     /// How the equations are solved.
     pub solver: Solver,
     /// Relative tolerance of the adaptive integration.
@@ -126,7 +124,6 @@ impl Study {
         study.insert("rows".into(), json!(self.rows));
         study.insert("parts".into(), json!(self.parts));
         study.insert("fit".into(), json!(self.fit));
-        study.insert("traces".into(), json!(self.traces));
         study.insert("solver".into(), json!(self.solver.name()));
         study.insert("tolerance".into(), json!(self.tolerance));
         study.insert("gas".into(), json!(self.model.gas_name));

@@ -60,7 +60,6 @@ impl Study {
         let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
         let fit = study.get("fit").map(|e| e.boolean()).transpose()?.unwrap_or(true);
-        let traces = study.get("traces").map(|e| e.boolean()).transpose()?.unwrap_or(false);
         let solver = study.get("solver").map(|e| e.one_of(&SOLVERS)).transpose()?.unwrap_or(Solver::Auto);
         let tolerance = study.get("tolerance").map(tolerance).transpose()?.unwrap_or(Options::RELATIVE_TOLERANCE);
         let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
@@ -83,7 +82,7 @@ impl Study {
         let path = path.to_owned();
         #[rustfmt::skip]
         let study = Study {
-            name, path, model, base, varied, design, seed, rows, fit, traces, solver, tolerance, parts, samples, table_sha256,
+            name, path, model, base, varied, design, seed, rows, fit, solver, tolerance, parts, samples, table_sha256,
         };
         Ok(study)
     }
