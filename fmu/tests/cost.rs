@@ -4,21 +4,24 @@ mod common;
 
 use common::Host;
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
+use std::cell::Cell;
 
-/// The system's allocator, counting.
+/// The system's allocator, counting what this thread does.
 struct Counting;
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-static BYTES: AtomicIsize = AtomicIsize::new(0);
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+    static BYTES: Cell<isize> = const { Cell::new(0) };
+}
 
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Relaxed);
-        BYTES.fetch_add(layout.size() as isize, Relaxed);
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        BYTES.set(BYTES.get() + layout.size() as isize);
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        BYTES.fetch_sub(layout.size() as isize, Relaxed);
+        BYTES.set(BYTES.get() - layout.size() as isize);
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -41,18 +44,17 @@ fn drive(host: &Host, from: u32, steps: u32) {
 
 #[test]
 fn a_step_allocates_nothing_and_memory_stays_flat() {
-    // One test alone in this binary: the counters are the process's.
     let plain = Host::started(&[]);
     let effects = Host::started(&[("wallHeating.capacity", 2.0), ("sensorLag.timeConstant", 0.01)]);
     for host in [&plain, &effects] {
         drive(host, 0, 100);
-        let before = ALLOCATIONS.load(Relaxed);
+        let before = ALLOCATIONS.get();
         drive(host, 100, 20_000);
-        assert_eq!(ALLOCATIONS.load(Relaxed) - before, 0);
+        assert_eq!(ALLOCATIONS.get(), before);
     }
     let delayed = Host::started(&[("recordDelay.delay", 0.2)]);
     drive(&delayed, 0, 2_000);
-    let before = BYTES.load(Relaxed);
+    let before = BYTES.get();
     drive(&delayed, 2_000, 20_000);
-    assert!(BYTES.load(Relaxed) - before < 100_000, "the delayed record has its size once the delay is over");
+    assert!(BYTES.get() - before < 100_000, "the delayed record has its size once the delay is over");
 }
