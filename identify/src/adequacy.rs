@@ -14,11 +14,19 @@ pub const FAMILY_PROBABILITY: f64 = 2e-5;
 /// A sum of squares this many standard deviations above its expectation is no noise.
 pub const SQUARES_DEVIATIONS: f64 = 4.5;
 
+/// A fit that leaves less than this share of the baseline's excess over noise has found what there was to find: what
+/// remains is the stroke's course between two rows and the like.
+pub const REMAINING_SHARE: f64 = 5e-4;
+/// Provided that what remains is not more than this many times the noise's own power.
+pub const REMAINING_POWER: f64 = 1.0;
+
 /// What the tests say.
 #[derive(Clone, Debug)]
 pub struct Adequacy {
     /// Whether the residual is no more than noise.
     pub is_noise: bool,
+    /// Power of the residual's block means beyond the noise's, over the noise's.
+    pub excess: f64,
     /// Sum of squares of block means above its expectation, in standard deviations.
     pub squares_deviations: f64,
     /// Probability of the best family's gain under noise.
@@ -38,9 +46,17 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     let family_probability = families.first().map_or(1.0, probability);
     Adequacy {
         is_noise: squares_deviations < SQUARES_DEVIATIONS && family_probability > FAMILY_PROBABILITY,
+        excess: fit.chi2 / freedom - 1.0,
         squares_deviations,
         family_probability,
         families,
+    }
+}
+
+impl Adequacy {
+    /// Whether nothing worth a name remains of what `baseline` left: noise, or next to nothing beside it.
+    pub fn settles(&self, baseline: &Adequacy) -> bool {
+        self.is_noise || (self.excess < REMAINING_POWER && self.excess < REMAINING_SHARE * baseline.excess)
     }
 }
 

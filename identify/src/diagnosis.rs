@@ -149,7 +149,7 @@ pub fn describe(data: Data, trace: Trace) -> Diagnosed {
         if after.effects.is_empty() { residuals_before.clone() } else { evidence::residuals(&data, &after.fit) };
     let baseline_is_noise = trace.baseline_adequacy.is_noise;
     let before = side(&data, &trace.baseline, &residuals_before, baseline_is_noise);
-    let is_noise = trace.verdict != Verdict::Unexplained;
+    let is_noise = trace.verdict != Verdict::Unexplained && trace.chosen_adequacy.is_noise;
     let after_side = side(&data, after, &residuals_after, is_noise);
     let missing = if trace.verdict == Verdict::Unexplained { unnamed(&data, &trace) } else { Vec::new() };
     let balance = match trace.verdict {

@@ -28,6 +28,7 @@ pub mod motion;
 pub mod noise;
 pub mod paper;
 pub mod prepare;
+pub mod ramp;
 pub mod sanity;
 pub mod separate;
 pub mod tracing;

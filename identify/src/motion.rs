@@ -2,8 +2,10 @@
 //!
 //! A move is a cubic spline through its samples with zero speed at its ends, since straight lines between 100 Hz rows
 //! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a hold is the mean of
-//! its samples, so that the position's own noise is averaged away. Position in m, time in s from the record's start.
+//! its samples, so that the position's own noise is averaged away. A move at constant speed keeps its corners
+//! ([`crate::ramp`]). Position in m, time in s from the record's start.
 
+use crate::ramp;
 use std::cell::Cell;
 
 /// A piecewise cubic function of time with continuous slope; constant before its first and after its last knot.
@@ -69,10 +71,10 @@ impl Spline {
     #[inline]
     pub fn at(&self, t: f64, near: &Cell<usize>) -> (f64, f64) {
         let last = self.time.len() - 1;
-        if t <= self.time[0] {
+        if t < self.time[0] || last == 0 {
             return (self.value[0], 0.0);
         }
-        if t >= self.time[last] {
+        if t > self.time[last] {
             return (self.value[last], 0.0);
         }
         let mut i = near.get().min(last - 1);
@@ -157,6 +159,7 @@ impl Motion {
         for k in 0..segments.len() {
             if segments[k].phase == Phase::Move {
                 segments[k].stroke = moved(k, &segments, time_s, position_m);
+                straighten(k, &mut segments, time_s, position_m, noise_m);
             }
         }
         Self { segments, noise_m }
@@ -261,6 +264,23 @@ fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64]) -> 
         ends[1] = Some(0.0);
     }
     Spline::through(time, value, ends)
+}
+
+/// Makes a move between two holds a straight line where its rows say that it is one.
+fn straighten(k: usize, segments: &mut [Segment], time_s: &[f64], position_m: &[f64], noise_m: f64) {
+    let around = k.saturating_sub(1)..(k + 2).min(segments.len());
+    let [before, segment, after] = &mut segments[around] else { return };
+    let near = Cell::new(0);
+    let (from, to) = (before.stroke.at(segment.from_s, &near).0, after.stroke.at(time_s[after.first], &near).0);
+    let rows = segment.first..segment.end;
+    let Some([begin, end]) = ramp::corners(&time_s[rows.clone()], &position_m[rows], from, to, noise_m) else { return };
+    if begin <= before.from_s || end >= after.to_s {
+        return;
+    }
+    (before.to_s, segment.from_s) = (begin, begin);
+    (segment.to_s, after.from_s) = (end, end);
+    let speed = (to - from) / (end - begin);
+    segment.stroke = Spline { time: vec![begin, end], value: vec![from, to], slope: vec![speed; 2] };
 }
 
 #[cfg(test)]

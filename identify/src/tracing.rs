@@ -131,7 +131,7 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
     }
     progress("done", 1.0);
 
-    let verdict = match (chosen.effects.is_empty(), chosen_adequacy.is_noise) {
+    let verdict = match (chosen.effects.is_empty(), chosen_adequacy.settles(&baseline_adequacy)) {
         (true, true) => Verdict::Adequate,
         (false, true) => Verdict::Explained,
         (_, false) => Verdict::Unexplained,

@@ -118,44 +118,47 @@ class Chamber:
         return np.array([dp, flow_in - flow_out, dcore, dtw, dlag]), q
 
 
-def simulate(chamber, times, positions, pressure, mass_flows=None):
-    """Rows like the program's: measured pressure, gas pressure, temperature, mass, heat flow at each time."""
+def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
+    """What the program would write at `rows` (by default at the knots): each column an array.
+
+    The stroke and the mass flow (into the chamber, kg/s) are linear between the knots at `times`.
+    """
     times, positions = np.asarray(times, float), np.asarray(positions, float)
     flows = np.zeros_like(times) if mass_flows is None else np.asarray(mass_flows, float)
+    rows = times if rows is None else np.asarray(rows, float)
     ambient = chamber.ambient_temperature
     mass = pressure * chamber.volume(positions[0]) / (chamber.gas_constant * ambient)
     y = np.array([pressure, mass, ambient, ambient, pressure])
-    pieces, states = [], [y]
+    scale = np.array([pressure, mass, 300.0, 300.0, pressure])
+    gas = np.full((len(rows), len(y)), np.nan)
+    shown = np.full(len(rows), np.nan)
+    delay = chamber.value("record_delay", "delay_s")
+    column = 4 if chamber.value("sensor_lag", "time_constant_s") else 0
+    earlier = np.maximum(rows - delay, times[0])
+    gas[rows <= times[0]] = y
+    shown[earlier <= times[0]] = y[column]
     for k in range(len(times) - 1):
         t0, t1 = times[k], times[k + 1]
         v = (positions[k + 1] - positions[k]) / (t1 - t0)
 
         def rates(t, y, k=k, t0=t0, t1=t1, v=v):
-            share = (t - t0) / (t1 - t0)
-            mdot = flows[k] + (flows[k + 1] - flows[k]) * share
+            mdot = flows[k] + (flows[k + 1] - flows[k]) * (t - t0) / (t1 - t0)
             return chamber.rates(y, positions[k] + v * (t - t0), v, mdot)[0]
 
-        scale = np.array([pressure, mass, 300.0, 300.0, pressure])
         run = solve_ivp(rates, (t0, t1), y, method="DOP853", rtol=RTOL, atol=1e-13 * scale, dense_output=True)
         assert run.success, run.message
         y = run.y[:, -1]
-        pieces.append(run.sol)
-        states.append(y)
-    states = np.array(states)
-    lag = chamber.value("sensor_lag", "time_constant_s")
-    delay = chamber.value("record_delay", "delay_s")
-    column = 4 if lag else 0
-    shown = []
-    for t in times:
-        earlier = max(t - delay, times[0])
-        k = min(np.searchsorted(times, earlier, side="right") - 1, len(pieces) - 1)
-        shown.append(pieces[k](earlier)[column] if delay else states[np.searchsorted(times, t), column])
-    measured = np.array(shown) + chamber.value("sensor_drift", "rate_pa_per_s") * (times - times[0])
-    volume = np.array([chamber.volume(x) for x in positions])
+        for i in np.flatnonzero((rows > t0) & (rows < t1)):
+            gas[i] = run.sol(rows[i])
+        gas[rows == t1] = y
+        for i in np.flatnonzero((earlier > t0) & (earlier <= t1)):
+            shown[i] = run.sol(earlier[i])[column] if earlier[i] < t1 else y[column]
+    measured = shown + chamber.value("sensor_drift", "rate_pa_per_s") * (rows - times[0])
+    volume = chamber.volume(np.interp(rows, times, positions))
     return {
         "pressure_pa": measured,
-        "gas_pressure_pa": states[:, 0],
-        "temperature_k": states[:, 0] * volume / (states[:, 1] * chamber.gas_constant),
-        "mass_kg": states[:, 1],
+        "gas_pressure_pa": gas[:, 0],
+        "temperature_k": gas[:, 0] * volume / (gas[:, 1] * chamber.gas_constant),
+        "mass_kg": gas[:, 1],
         "volume_m3": volume,
     }
