@@ -2,7 +2,7 @@
 //!
 //! A library must be a `cdylib` of its own, optimised as a whole; Cargo builds none for a dependency. So this runs Cargo
 //! once more, for `fmu/cdylib`, into a target folder of its own under `OUT_DIR`. Libraries for other platforms, and one
-//! for older glibc, are taken from `fmu/binaries/` if `fmu/platforms` has built them.
+//! for older glibc, are taken from `fmu/binaries/` where they lie ready: see the page there.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

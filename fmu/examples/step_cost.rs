@@ -73,7 +73,12 @@ fn main() {
     row(&format!("with flow in and out, {millions} million steps"), seconds(flow, millions * 1_000_000, |_| ()));
     let grown = memory.zip(resident_mb()).map(|(before, after)| after - before);
 
-    let all = started(&[hot, ("wallHeating.capacity", 2.0), ("leakage.conductance", 1e-12), ("sensorLag.timeConstant", 0.01)]);
+    let all = started(&[
+        hot,
+        ("wallHeating.capacity", 2.0),
+        ("leakage.conductance", 1e-12),
+        ("sensorLag.timeConstant", 0.01),
+    ]);
     row("wall heating, leakage and sensor lag", seconds(all, 200_000, |_| ()));
     if let Some(grown) = grown {
         println!("\nMemory grew by {grown:.2} MB over {millions} million steps.");

@@ -1,0 +1,289 @@
+"""The FMU in clients that others wrote, and against SciPy. A client that is not here skips its test and says so."""
+
+import ctypes
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+
+fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+from fmpy import extract, read_model_description, simulate_fmu  # noqa: E402
+from fmpy.fmi2 import FMU2Slave  # noqa: E402
+from fmpy.validation import validate_fmu  # noqa: E402
+
+MODEL = """
+[gas]
+name = "air"
+gas_constant_j_per_kg_k = 287.0
+heat_capacity_ratio = 1.4
+[chamber]
+bore_m = 0.025
+rod_m = 0.01
+dead_volume_m3 = 2e-6
+area_law = "total"
+[heat_transfer]
+coefficient_w_per_m2_k = 30.0
+reference_pressure_pa = 5.65e5
+reference_temperature_k = 293.0
+[effect.leakage]
+conductance_m3_per_s_pa = 1e-13
+[ambient]
+temperature_k = 295.0
+pressure_pa = 1.01e5
+"""
+R, GAMMA, LAMBDA0, P0, T0 = 287.0, 1.4, 30.0, 5.65e5, 293.0
+BORE, AREA, DEAD = 0.025, np.pi / 4 * (0.025**2 - 0.01**2), 2e-6
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory, pneutherm):
+    folder = tmp_path_factory.mktemp("an fmu with spaces")
+    (folder / "model.toml").write_text(MODEL)
+    pneutherm("fmu", "model.toml", "-o", "Chamber.fmu", cwd=folder)
+    return folder / "Chamber.fmu"
+
+
+class Slave:
+    """An instance in FMPy, by names."""
+
+    def __init__(self, fmu, name="slave", **start):
+        self.description = read_model_description(str(fmu))
+        self.folder = extract(str(fmu))
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.fmu.instantiate()
+        self.start(**start)
+
+    def start(self, **start):
+        self.fmu.setupExperiment(startTime=0.0)
+        for name, value in start.items():
+            self.set(name, value)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def set(self, name, value):
+        self.fmu.setReal([self.references[name]], [value])
+
+    def get(self, name):
+        return self.fmu.getReal([self.references[name]])[0]
+
+    def step(self, t, h):
+        self.fmu.doStep(t, h)
+
+    def close(self):
+        self.fmu.terminate()
+        self.fmu.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def test_fmpy_finds_no_fault(fmu):
+    assert validate_fmu(str(fmu)) == []
+
+
+def test_start_values_in_the_library_are_those_in_the_description(fmu):
+    slave = Slave(fmu)
+    for v in slave.description.modelVariables:
+        if v.type == "Real" and v.start is not None:
+            assert slave.get(v.name) == float(v.start), v.name
+    assert slave.get("bore") == BORE and slave.get("leakage.conductance") == 1e-13
+    slave.close()
+
+
+def test_the_held_piston_follows_the_exact_solution(fmu):
+    start = {"initialPressure": 3e5, "initialTemperature": 350.0, "leakage.conductance": 0.0, "position": 0.05}
+    volume = DEAD + AREA * 0.05
+    mass = 3e5 * volume / (R * 350.0)
+    cv = R / (GAMMA - 1)
+    area = 4 * volume / BORE + np.pi * BORE**2 / 2
+    k = 295.0 * LAMBDA0 * np.sqrt(mass * R / (P0 * T0)) / (mass * cv) * area / np.sqrt(volume)
+    for h in (1e-3, 0.1):
+        result = simulate_fmu(str(fmu), stop_time=1.0, output_interval=h, step_size=h, start_values=start)
+        exact = 295.0 / (1 - (1 - 295.0 / 350.0) * np.exp(-k * result["time"]))
+        assert np.max(np.abs(result["temperature"] / exact - 1)) < 1e-9
+
+
+def test_charging_and_discharging_agree_with_scipy(fmu):
+    integrate = pytest.importorskip("scipy.integrate", reason="SciPy is not installed")
+    cv, cp = R / (GAMMA - 1), GAMMA * R / (GAMMA - 1)
+
+    def leak(p, t):
+        up, down, t_up = (p, 1.01e5, t) if p > 1.01e5 else (1.01e5, p, 295.0)
+        r = down / up
+        psi = np.sqrt(max(0.0, 1 - max(0.0, (min(r, 0.999) - 0.3) / 0.7) ** 2)) * min(1.0, (1 - r) / 0.001)
+        flow = 2e-11 * up * 1.185 * np.sqrt(293.15 / t_up) * psi
+        return (flow, 0.0) if p > 1.01e5 else (0.0, flow)
+
+    def rates(t, y, x, v, inflow, outflow):
+        m, u = y
+        volume = DEAD + AREA * (x + v * t)
+        p, temperature = (GAMMA - 1) * u / volume, u / (m * cv)
+        out, back = leak(p, temperature)
+        coefficient = LAMBDA0 * np.sqrt(p * temperature / (P0 * T0))
+        heat = coefficient * (4 * volume / BORE + np.pi * BORE**2 / 2) * (295.0 - temperature)
+        enthalpy = cp * (inflow * 280.0 + back * 295.0 - (outflow + out) * temperature)
+        return [inflow + back - outflow - out, heat + enthalpy - p * AREA * v]
+
+    for h in (1e-3, 0.05):
+        slave = Slave(fmu, **{"initialPressure": 2e5, "leakage.conductance": 2e-11, "temperatureIn": 280.0, "position": 0.08})
+        y = [slave.get("mass"), slave.get("internalEnergy")]
+        worst, t = 0.0, 0.0
+        for step in range(round(0.5 / h)):
+            t = step * h
+            x, v = 0.08 + 0.02 * np.sin(9 * t), 0.18 * np.cos(9 * t)
+            inflow, outflow = 3e-4 * (1 + np.sin(5 * t)), 2e-4 * (1 - np.cos(11 * t))
+            if step:
+                # The stroke that position and velocity disagree by is taken up adiabatically.
+                y[1] *= ((DEAD + AREA * reached) / (DEAD + AREA * x)) ** (GAMMA - 1)
+            for name, value in (("position", x), ("velocity", v), ("massFlowIn", inflow), ("massFlowOut", outflow)):
+                slave.set(name, value)
+            slave.step(t, h)
+            run = integrate.solve_ivp(rates, (0, h), y, "DOP853", args=(x, v, inflow, outflow), rtol=1e-11, atol=1e-15)
+            y, reached = list(run.y[:, -1]), x + v * h
+            pressure = (GAMMA - 1) * y[1] / (DEAD + AREA * reached)
+            worst = max(worst, abs(slave.get("pressure") / pressure - 1), abs(slave.get("mass") / y[0] - 1))
+        slave.close()
+        assert worst < 1e-6, (h, worst)
+
+
+def test_a_state_saved_by_one_process_continues_in_another(fmu, tmp_path):
+    child = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from test_fmu_clients import Slave, continued
+slave = Slave(sys.argv[2])
+state = slave.fmu.deSerializeFMUstate(open(sys.argv[3], "rb").read())
+slave.fmu.setFMUState(state)
+print(*[value.hex() for value in continued(slave)])
+"""
+    slave = Slave(fmu, **{"recordDelay.delay": 0.02, "wallHeating.capacity": 2.0})
+    slave.set("massFlowIn", 1e-4)
+    for k in range(20):
+        slave.step(k * 0.01, 0.01)
+    (tmp_path / "state").write_bytes(slave.fmu.serializeFMUState(slave.fmu.getFMUState()))
+    here = [value.hex() for value in continued(slave)]
+    slave.close()
+    arguments = [os.path.dirname(__file__), str(fmu), str(tmp_path / "state")]
+    there = subprocess.run([sys.executable, "-c", child, *arguments], capture_output=True, text=True, check=True)
+    assert there.stdout.split() == here
+
+
+def continued(slave):
+    values = []
+    for k in range(20, 40):
+        slave.set("velocity", -0.1)
+        slave.set("position", 0.1 - 0.001 * (k - 20))
+        slave.step(k * 0.01, 0.01)
+        values += [slave.get("measuredPressure"), slave.get("temperature")]
+    return values
+
+
+def test_the_schema_accepts_the_description(fmu, tmp_path):
+    if shutil.which("xmllint") is None:
+        pytest.skip("xmllint is not installed (Debian: libxml2-utils)")
+    schema = os.path.join(os.path.dirname(fmpy.__file__), "schema", "fmi2", "fmi2ModelDescription.xsd")
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extract("modelDescription.xml", tmp_path)
+    subprocess.run(["xmllint", "--noout", "--schema", schema, tmp_path / "modelDescription.xml"], check=True)
+
+
+def test_fmutool_finds_it_compliant(fmu):
+    tool = os.path.join(os.path.dirname(sys.executable), "fmutool")
+    if not os.path.exists(tool):
+        pytest.skip("fmutool (fmu-manipulation-toolbox) is not installed")
+    run = subprocess.run([tool, "-input", fmu, "-check"], capture_output=True, text=True, check=True)
+    report = run.stdout + run.stderr
+    assert "seems to be compliant with FMI-2.0" in report and "No semantic error" in report, report
+    assert "ERROR" not in report and "WARNING" not in report, report
+
+
+def by_fmpy(fmu, steps, h):
+    slave = Slave(fmu)
+    values = []
+    for k in range(steps):
+        slave.step(k * h, h)
+        values.append((slave.get("pressure"), slave.get("temperature"), slave.get("heatFlow")))
+    slave.close()
+    return np.array(values)
+
+
+def test_libcosimpy_gives_the_same_digits(fmu):
+    cosim = pytest.importorskip("libcosimpy.CosimExecution", reason="libcosimpy is not installed")
+    from libcosimpy.CosimManipulator import CosimManipulator
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    steps, h = 50, 0.01
+    execution = cosim.CosimExecution.from_step_size(round(h * 1e9))
+    index = execution.add_local_slave(CosimLocalSlave(fmu_path=str(fmu), instance_name="chamber"))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    manipulator = CosimManipulator.create_override()
+    execution.add_manipulator(manipulator)
+    references = {v.name: v.valueReference for v in read_model_description(str(fmu)).modelVariables}
+    names = ["pressure", "temperature", "heatFlow"]
+    hot = np.array(by_fmpy(fmu, steps, h))
+    for k in range(steps):
+        execution.step()
+        values = observer.last_real_values(index, [references[name] for name in names])
+        assert list(values) == list(hot[k]), k
+
+
+def test_ecos_gives_the_same_digits(fmu):
+    try:
+        from ecospy import EcosSimulation, EcosSimulationStructure
+    except (ImportError, OSError) as error:
+        pytest.skip(f"ecospy cannot be loaded (it needs Debian's libtbb12): {error}")
+    steps, h = 50, 0.01
+    structure = EcosSimulationStructure()
+    structure.add_model("chamber", str(fmu))
+    simulation = EcosSimulation(structure, step_size=h)
+    simulation.init()
+    expected = by_fmpy(fmu, steps, h)
+    for k in range(steps):
+        simulation.step(1)
+        assert simulation.get_real("chamber::pressure") == expected[k, 0], k
+        assert simulation.get_real("chamber::temperature") == expected[k, 1], k
+    simulation.terminate()
+
+
+def test_only_the_interface_is_exported_and_old_systems_can_load_it(fmu, tmp_path):
+    if platform.system() != "Linux" or shutil.which("nm") is None:
+        pytest.skip("reads the ELF library with nm")
+    name = "linux64" if platform.machine() == "x86_64" else "aarch64-linux"
+    with zipfile.ZipFile(fmu) as archive:
+        library = archive.extract(f"binaries/{name}/Chamber.so", tmp_path)
+        entries = archive.namelist()
+    assert entries[0] == "modelDescription.xml" and "documentation/index.html" in entries and "model.png" in entries
+    symbols = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True)
+    exported = [line.split()[-1] for line in symbols.stdout.splitlines()]
+    assert len(exported) == 34 and all(symbol.startswith("fmi2") for symbol in exported), exported
+    assert ctypes.CDLL(library).fmi2GetVersion
+
+
+def test_the_same_model_gives_the_same_bytes(fmu, pneutherm, tmp_path):
+    pneutherm("fmu", fmu.parent / "model.toml", "-o", tmp_path / "again.fmu")
+    assert (tmp_path / "again.fmu").read_bytes() == fmu.read_bytes()
+
+
+def test_source_date_epoch_dates_the_description(fmu, tmp_path, pneutherm, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "951827696")
+    pneutherm("fmu", fmu.parent / "model.toml", "-o", tmp_path / "dated.fmu")
+    assert read_model_description(str(tmp_path / "dated.fmu")).generationDateAndTime == "2000-02-29T12:34:56Z"
+    assert read_model_description(str(tmp_path / "dated.fmu")).guid != read_model_description(str(fmu)).guid
+
+
+def test_a_model_that_no_fmu_can_hold_is_refused_by_name(pneutherm, tmp_path):
+    (tmp_path / "model.toml").write_text(MODEL.replace("coefficient_w_per_m2_k = 30.0", "coefficient_w_per_m2_k = 3e9"))
+    process = pneutherm("fmu", "model.toml", "-o", "Chamber.fmu", cwd=tmp_path, code=1)
+    assert "line 12: heat_transfer.coefficient_w_per_m2_k" in process.stderr
+    assert not (tmp_path / "Chamber.fmu").exists()
