@@ -186,7 +186,8 @@ pub fn evaluate<R: Real>(
     boundary: &Boundary<R>,
     state: &[R; STATES],
 ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
-    let own: [R; OWN_STATES] = core::array::from_fn(|i| state[OWN + i]);
+    let mut own = [R::ZERO; OWN_STATES];
+    own.copy_from_slice(&state[OWN..]);
     let mut at = conditions(chamber, boundary, state[MASS], state[ENERGY]);
     effects::conditions(set, &chamber.effects, &own, &mut at);
 

@@ -62,7 +62,8 @@ impl<R: Real> Geometry<R> {
             AreaLaw::Total => volume,
             AreaLaw::Swept => volume - self.dead_volume,
         };
-        wetted * 4.0 / self.bore + self.bore * self.bore * (PI / 2.0)
+        // The quotient of constants stands by itself, so that a loop takes it once.
+        wetted * (R::from(4.0) / self.bore) + self.bore * self.bore * (PI / 2.0)
     }
 
     /// The same geometry in another number type.

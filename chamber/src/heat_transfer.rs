@@ -30,7 +30,9 @@ impl<R: Real> HeatTransfer<R> {
     /// λ at pressure P, Pa, and gas temperature T, K. Equation (5).
     #[inline(always)]
     pub fn coefficient_at(&self, pressure: R, temperature: R) -> R {
-        self.coefficient * (pressure * temperature / (self.reference_pressure * self.reference_temperature)).sqrt()
+        // The constant factor stands by itself, so that a loop takes its root and quotient once.
+        let constant = self.coefficient / (self.reference_pressure * self.reference_temperature).sqrt();
+        constant * (pressure * temperature).sqrt()
     }
 
     /// The same law in another number type.

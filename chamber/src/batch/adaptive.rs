@@ -2,10 +2,13 @@
 
 use super::advance::{Loadable, Log, Problem, Steps, advance};
 use super::finish::{self, Relaxation};
+use super::fit;
 use super::outcome::{Failure, Outcome};
+use super::record::{Piece, Question, Record};
 use super::scenario::{Options, Scenario};
 use super::sealed::{Held, Moving, Test};
 use crate::lanes::{Lanes, WIDTH};
+use pulp::Arch;
 
 /// Working memory of a chunk, kept from one to the next.
 #[derive(Default)]
@@ -14,18 +17,19 @@ pub struct Memory {
     problems: Vec<Problem<1>>,
     peaks: Vec<f64>,
     log: Log<1>,
+    pieces: Vec<Piece<1>>,
 }
 
 /// Runs tests that [`sealed`](super::sealed) covers and whose numbers are checked; `durations` in s.
-#[inline(always)]
-pub fn run<const FUSED: bool>(
+pub fn run(
+    arch: Arch,
     memory: &mut Memory,
     rows: &[(u32, f64)],
     scenarios: &[Scenario],
     options: &Options,
     out: &mut [Outcome],
 ) {
-    let Memory { tests, problems, peaks, log } = memory;
+    let Memory { tests, problems, peaks, log, pieces } = memory;
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
@@ -42,13 +46,13 @@ pub fn run<const FUSED: bool>(
             failure: None,
         });
     }
-    advance::<1, FUSED, false, _>(&Moving::new(tests), problems, relative, log);
+    advance::<1, false, _>(arch, &Moving::new(tests), problems, relative, log);
     peaks.clear();
     for (problem, (_, duration)) in problems.iter_mut().zip(rows) {
         peaks.push(problem.state[0]);
         problem.length = duration - problem.length;
     }
-    advance::<1, FUSED, true, _>(&Held::new(tests), problems, relative, log);
+    advance::<1, true, _>(arch, &Held::new(tests), problems, relative, log);
 
     for (group, rows) in rows.chunks(WIDTH).enumerate() {
         let base = group * WIDTH;
@@ -61,7 +65,7 @@ pub fn run<const FUSED: bool>(
         for lane in 0..WIDTH {
             system.load(lane, at(lane));
         }
-        let settling = finish::settling::<1, FUSED>(&relaxation, &system);
+        let settling = finish::settling(arch, &relaxation, &system);
         for (lane, &(row, duration)) in rows.iter().enumerate() {
             let (test, problem) = (&tests[at(lane)], &problems[at(lane)]);
             out[row as usize] = match problem.failure {
@@ -70,12 +74,33 @@ pub fn run<const FUSED: bool>(
                     let per_temperature = test.mass_gas_constant / test.held_volume;
                     let (peak, end) = (peak[lane], end[lane]);
                     let settled = (end - test.wall).abs() <= 0.01 * (peak - end).abs() || peak == end;
+                    let scenario = &scenarios[row as usize];
+                    let mut regression = None;
+                    if options.fit && end > 0.0 {
+                        let mut record = Record::new(system.clone(), pieces, 0.0);
+                        record.add(arch, log, problem.steps, at(lane), scenario.push_time_s);
+                        regression = record.answer(
+                            arch,
+                            &Question {
+                                push_end: scenario.push_time_s,
+                                duration,
+                                delay: 0.0,
+                                expands: test.volume_rate > 0.0,
+                                before: [scenario.initial_pressure_pa, 0.0],
+                                guess: Some(1.0 / test.rate),
+                            },
+                        );
+                    }
+                    let fit = regression.and_then(|a| a.regression).and_then(|regression| {
+                        let positions = [scenario.initial_position_m, scenario.final_position_m];
+                        fit::steps(scenario, positions, scenario.initial_pressure_pa, regression)
+                    });
                     Outcome {
                         pressure_peak_pa: peak * per_temperature,
                         pressure_final_pa: end * per_temperature,
                         temperature_final_k: end,
                         temperature_peak_k: peak,
-                        fit: None,
+                        fit,
                         settling_time_s: settled.then(|| settling[lane]),
                         energy_error: problem.gap,
                         duration_s: duration,

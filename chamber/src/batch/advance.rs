@@ -6,6 +6,7 @@ use super::step::{LaneSystem, attempt};
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::real::Real;
 use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Attempts after which a problem is given up.
 const MAX_ATTEMPTS: f64 = 1e5;
@@ -121,9 +122,40 @@ struct Group<const N: usize, S> {
     gap: Lanes,
 }
 
-/// Solves each problem that has not failed. `LOG` keeps the inside of every step.
+/// Solves each problem that has not failed, on the machine's widest instructions. `LOG` keeps the inside of every step.
+pub fn advance<const N: usize, const LOG: bool, S: LaneSystem<N> + Loadable + Clone>(
+    arch: Arch,
+    system: &S,
+    problems: &mut [Problem<N>],
+    relative: f64,
+    log: &mut Log<N>,
+) {
+    arch.dispatch(Advance::<N, LOG, S> { system, problems, relative, log });
+}
+
+struct Advance<'a, const N: usize, const LOG: bool, S> {
+    system: &'a S,
+    problems: &'a mut [Problem<N>],
+    relative: f64,
+    log: &'a mut Log<N>,
+}
+
+impl<const N: usize, const LOG: bool, S: LaneSystem<N> + Loadable + Clone> WithSimd for Advance<'_, N, LOG, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        // Every instruction set beyond plain SSE2 that pulp knows of fuses multiplication and addition.
+        if I::IS_SCALAR {
+            run::<N, false, LOG, S>(self.system, self.problems, self.relative, self.log);
+        } else {
+            run::<N, true, LOG, S>(self.system, self.problems, self.relative, self.log);
+        }
+    }
+}
+
 #[inline(always)]
-pub fn advance<const N: usize, const FUSED: bool, const LOG: bool, S: LaneSystem<N> + Loadable + Clone>(
+fn run<const N: usize, const FUSED: bool, const LOG: bool, S: LaneSystem<N> + Loadable + Clone>(
     system: &S,
     problems: &mut [Problem<N>],
     relative: f64,
@@ -243,7 +275,8 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         for i in 0..N {
             let rate = self.slope[i].abs();
             let bend = (there[i] - self.slope[i]).abs();
-            let scale = rate * probe / (bend + TINY);
+            // At least the probe, where the rate happens to be nothing.
+            let scale = (rate + bend) * probe / (bend + TINY);
             let size = (self.y[i].abs() + self.absolute[i] * (1.0 / relative)) * (relative / ERROR_AT_SCALE);
             let share = inverse_eighth_root(rate * scale / size + 1e-30);
             first = first.min(scale * (share * FIRST).min(Lanes::ONE));
@@ -261,7 +294,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let last = h - left * (1.0 - 1e-12);
         // Two even steps rather than a whole one and a sliver.
         let tried = last.where_positive(left, h.min(left * 0.5));
-        let step = attempt::<N, FUSED>(&self.system, t, tried, &y, &self.slope, (relative, &self.absolute));
+        let step = attempt::<N, FUSED, S>(&self.system, t, tried, &y, &self.slope, (relative, &self.absolute));
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { 0.0 });
         if LOG {

@@ -1,10 +1,11 @@
 //! What is asked of a relaxation once it is integrated, eight at once, from the inside of the steps.
 
 use super::advance::{Log, Steps};
-use super::step::{LaneSystem, dense, within};
+use super::record::Dense;
+use super::step::{LaneSystem, within};
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
-use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Eight relaxations of one state from its peak to its end.
 pub struct Relaxation<'a, const N: usize> {
@@ -27,8 +28,7 @@ const ROOT_STEPS: usize = 12;
 
 /// Time from the begin of the log until the state stays within 1 % of the peak-to-end distance of its end, s;
 /// `system` holds the eight problems' constants.
-#[inline(always)]
-pub fn settling<const N: usize, const FUSED: bool>(r: &Relaxation<N>, system: &impl LaneSystem<N>) -> Lanes {
+pub fn settling<const N: usize, S: LaneSystem<N>>(arch: Arch, r: &Relaxation<N>, system: &S) -> Lanes {
     let band = (r.peak - r.end).abs() * SETTLED;
     // The last accepted step that begins outside the band leads into it.
     let (mut from, mut length) = (Lanes::ZERO, Lanes::ZERO);
@@ -54,29 +54,47 @@ pub fn settling<const N: usize, const FUSED: bool>(r: &Relaxation<N>, system: &i
             }
         }
     }
-    // Through memory, or the compiler computes on with the lanes one by one.
-    let (begin, end, slopes) = black_box((begin, end, slopes));
-    let all = dense::<N, FUSED>(system, from, length, &begin, &end, &slopes);
-    let mut terms = [Lanes::ZERO; 8];
-    for (term, of_all) in terms.iter_mut().zip(&all) {
-        *term = of_all[r.state];
+    let steps = Dense { system, from, length, begin: &begin, end: &end, slopes: &slopes };
+    arch.dispatch(Crossing { steps, state: r.state, end: r.end, band })
+}
+
+/// Time at which a state comes within `band` of its end value, s from the begin of the steps' stretch.
+struct Crossing<'a, const N: usize, S> {
+    steps: Dense<'a, N, S>,
+    state: usize,
+    end: Lanes,
+    band: Lanes,
+}
+
+impl<const N: usize, S: LaneSystem<N>> WithSimd for Crossing<'_, N, S> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, simd: I) -> Lanes {
+        let Self { steps, state, end, band } = self;
+        let (from, length) = (steps.from, steps.length);
+        let all = steps.with_simd(simd);
+        let mut terms = [Lanes::ZERO; 8];
+        for (term, of_all) in terms.iter_mut().zip(&all) {
+            *term = of_all[state];
+        }
+        // Illinois' regula falsi on the distance beyond the band: positive at x = 0, negative at x = 1.
+        let side = (terms[0] - end).where_positive(Lanes::ONE, -Lanes::ONE);
+        let beyond = |x: Lanes| (within(&terms, x) - end) * side - band;
+        let (mut low, mut high) = (Lanes::ZERO, Lanes::ONE);
+        let (mut at_low, mut at_high) = (beyond(low), beyond(high));
+        let mut x = Lanes::ZERO;
+        for _ in 0..ROOT_STEPS {
+            let span = at_low - at_high;
+            let safe = span.where_positive(span, Lanes::ONE);
+            x = low + (high - low) * (at_low / safe);
+            let value = beyond(x);
+            // The end that is kept a second time loses half its value.
+            low = value.where_positive(x, low);
+            at_high = value.where_positive(at_high * 0.5, value);
+            at_low = value.where_positive(value, at_low * 0.5);
+            high = value.where_positive(high, x);
+        }
+        from + length * x
     }
-    // Illinois' regula falsi on the distance beyond the band: positive at x = 0, negative at x = 1.
-    let side = (terms[0] - r.end).where_positive(Lanes::ONE, -Lanes::ONE);
-    let beyond = |x: Lanes| (within(&terms, x) - r.end) * side - band;
-    let (mut low, mut high) = (Lanes::ZERO, Lanes::ONE);
-    let (mut at_low, mut at_high) = (beyond(low), beyond(high));
-    let mut x = Lanes::ZERO;
-    for _ in 0..ROOT_STEPS {
-        let span = at_low - at_high;
-        let safe = span.where_positive(span, Lanes::ONE);
-        x = low + (high - low) * (at_low / safe);
-        let value = beyond(x);
-        // The end that is kept a second time loses half its value.
-        low = value.where_positive(x, low);
-        at_high = value.where_positive(at_high * 0.5, value);
-        at_low = value.where_positive(value, at_low * 0.5);
-        high = value.where_positive(high, x);
-    }
-    from + length * x
 }

@@ -5,11 +5,15 @@
 
 mod adaptive;
 mod advance;
+mod course;
 mod finish;
 mod fit;
+mod general;
 mod outcome;
+#[cfg(test)]
 mod plain;
 mod plan;
+mod record;
 mod scenario;
 mod sealed;
 mod step;
@@ -21,7 +25,10 @@ pub use fit::SAMPLE_RATE_HZ;
 pub use outcome::{Failure, Fit, Outcome};
 pub use scenario::{Hold, Options, Scenario, Solver};
 
-use crate::effects::EffectSet;
+use crate::AreaLaw;
+use crate::balance::STATES;
+use crate::effects::{self, EffectSet};
+use plan::Plan;
 
 /// Scenarios that are solved together: as many as keep their working memory in a core's cache.
 const CHUNK: usize = 256;
@@ -33,45 +40,90 @@ const CHUNK: usize = 256;
 /// Where the two slices differ in length.
 pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
     assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
+    let arch = pulp::Arch::new();
     let mut memory = adaptive::Memory::default();
-    let mut rows = Vec::new();
+    let mut sorted = Sorted::default();
     for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-        rows.clear();
-        for (row, (s, out)) in scenarios.iter().zip(out.iter_mut()).enumerate() {
+        sorted.fill(set, scenarios, out);
+        adaptive::run(arch, &mut memory, &sorted.sealed, scenarios, options, out);
+        for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
+            course(arch, set, rows, scenarios, options, out);
+        }
+    }
+}
+
+/// A chunk's rows by the way they are solved.
+#[derive(Default)]
+struct Sorted {
+    /// Sealed tests and their durations, s.
+    sealed: Vec<(u32, f64)>,
+    /// Others, by area law and whether they have a profile: what lanes must have in common.
+    others: [Vec<(u32, Plan)>; 4],
+}
+
+impl Sorted {
+    /// Sorts a chunk; rows that cannot be solved are answered at once.
+    fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], out: &mut [Outcome]) {
+        self.sealed.clear();
+        self.others.iter_mut().for_each(Vec::clear);
+        for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
+            let row = row as u32;
             let flows = s.mass_flow_in_kg_per_s != 0.0 || s.mass_flow_out_kg_per_s != 0.0;
-            if options.fit || flows || s.profile.is_some() || !set.is_empty() {
-                *out = plain::run(set, s, options);
+            if set.is_empty() && !flows && s.profile.is_none() {
+                match plan::check(set, s).and_then(|()| plan::times(s)) {
+                    Ok((_, duration)) => self.sealed.push((row, duration)),
+                    Err(reason) => *out = Outcome::failed(reason),
+                }
                 continue;
             }
-            match plan::check(set, s).and_then(|()| plan::times(s)) {
-                Ok((_, duration)) => rows.push((row as u32, duration)),
+            let kind =
+                usize::from(s.chamber.geometry.area_law == AreaLaw::Swept) + 2 * usize::from(s.profile.is_some());
+            match Plan::new(set, s) {
+                Ok(plan) => self.others[kind].push((row, plan)),
                 Err(reason) => *out = Outcome::failed(reason),
             }
         }
-        let chunk = Chunk { memory: &mut memory, rows: &rows, scenarios, options, out };
-        pulp::Arch::new().dispatch(chunk);
     }
 }
 
-/// A chunk's work, compiled for each instruction set.
-struct Chunk<'a> {
-    memory: &'a mut adaptive::Memory,
-    rows: &'a [(u32, f64)],
-    scenarios: &'a [Scenario],
-    options: &'a Options,
-    out: &'a mut [Outcome],
-}
-
-impl pulp::WithSimd for Chunk<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        // Every instruction set beyond plain SSE2 that pulp knows of fuses multiplication and addition.
-        if S::IS_SCALAR {
-            adaptive::run::<false>(self.memory, self.rows, self.scenarios, self.options, self.out);
-        } else {
-            adaptive::run::<true>(self.memory, self.rows, self.scenarios, self.options, self.out);
+/// The bit of the effect of that name in [`EffectSet::bits`].
+const fn bit(name: &str) -> u32 {
+    let mut index = 0;
+    while index < effects::COUNT {
+        let (a, b) = (effects::CARDS[index].name.as_bytes(), name.as_bytes());
+        let mut same = a.len() == b.len();
+        let mut i = 0;
+        while same && i < a.len() {
+            same = a[i] == b[i];
+            i += 1;
         }
+        if same {
+            return 1 << index;
+        }
+        index += 1;
     }
+    panic!("no effect of that name")
+}
+
+/// Rows of any kind, in code of its own for some sets; any other is asked at run time for what it has.
+fn course(
+    arch: pulp::Arch,
+    set: EffectSet,
+    rows: &[(u32, Plan)],
+    scenarios: &[Scenario],
+    options: &Options,
+    out: &mut [Outcome],
+) {
+    macro_rules! compiled {
+        ($($name:literal)*) => {
+            match set.bits() {
+                0 => course::run::<2, 0>(arch, set, rows, scenarios, options, out),
+                $(bits if bits == const { bit($name) } => {
+                    course::run::<{ general::states(bit($name)) }, { bit($name) }>(arch, set, rows, scenarios, options, out)
+                })*
+                _ => course::run::<STATES, { general::AT_RUN_TIME }>(arch, set, rows, scenarios, options, out),
+            }
+        };
+    }
+    compiled!("leakage");
 }

@@ -1,6 +1,6 @@
 //! One scenario after the other with the plain integrator: the reference that the lanes are held against.
 
-use super::fit::{self, Node, SAMPLE_RATE_HZ};
+use super::fit::{self, Nodes, SAMPLE_RATE_HZ};
 use super::outcome::{Failure, Outcome};
 use super::plan::{Plan, Stretch};
 use super::scenario::{Options, Scenario};
@@ -178,8 +178,10 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<super::outcome:
         return None;
     }
     let begin = record[0].0;
-    let nodes: Vec<Node> =
-        record.iter().map(|&(time, pressure)| Node { time: time - begin, pressure, weight: 1.0 }).collect();
+    let mut nodes = Nodes::default();
+    for (time, pressure) in &record {
+        nodes.push(time - begin, *pressure, 1.0);
+    }
     let end = plan.stretches.last()?.boundary(0.0).position;
     let volume = scenario.chamber.geometry.volume(end);
     let closed = crate::exact::Closed::filled(
@@ -189,6 +191,6 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<super::outcome:
         volume,
         scenario.ambient_temperature_k,
     );
-    let regression = fit::exponential(&nodes, 1.0 / closed.rate(volume))?;
+    let regression = nodes.exponential(pulp::Arch::new(), 1.0 / closed.rate(volume))?;
     fit::steps(scenario, [plan.stretches[0].position, end], scenario.initial_pressure_pa, regression)
 }

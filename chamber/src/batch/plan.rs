@@ -5,6 +5,7 @@ use super::scenario::{Hold, Scenario};
 use crate::balance::Boundary;
 use crate::effects::{self, EffectSet};
 use crate::exact::Closed;
+use crate::lanes::Lanes;
 use crate::real::Real;
 use crate::signals::Knot;
 
@@ -33,23 +34,32 @@ pub struct Stretch<R = f64> {
     pub ambient_temperature_rate: R,
     /// Ambient pressure, Pa.
     pub ambient_pressure: R,
+    /// Whether a profile adds to the inflow.
+    pub profiled: bool,
 }
+
+/// Keeps a mean temperature finite where nothing flows, kg/s.
+const SMALLEST_FLOW: f64 = 1e-300;
 
 impl<R: Real> Stretch<R> {
     /// The boundary a time `t`, s, after the stretch's begin.
     #[inline(always)]
     pub fn boundary(&self, t: R) -> Boundary<R> {
         let ambient_temperature = self.ambient_temperature + self.ambient_temperature_rate * t;
-        let from_profile = self.inflow[1] + self.inflow_rate * t;
-        let inflow = self.inflow[0] + from_profile;
-        // One inflow of the mean temperature; without any, of the ambient's.
-        let kelvin = self.inflow[0] * self.temperature_in + from_profile * ambient_temperature;
-        let safe = inflow.where_positive(inflow, R::ONE);
+        let mut mass_flow_in = self.inflow[0];
+        let mut temperature_in = self.temperature_in;
+        if self.profiled {
+            // One inflow of the mean temperature.
+            let from_profile = self.inflow[1] + self.inflow_rate * t;
+            let kelvin = mass_flow_in * temperature_in + from_profile * ambient_temperature;
+            mass_flow_in += from_profile;
+            temperature_in = kelvin / (mass_flow_in + SMALLEST_FLOW);
+        }
         Boundary {
             position: self.position + self.velocity * t,
             velocity: self.velocity,
-            mass_flow_in: inflow,
-            temperature_in: inflow.where_positive(kelvin / safe, ambient_temperature),
+            mass_flow_in,
+            temperature_in,
             mass_flow_out: self.outflow + self.outflow_rate * t,
             ambient_temperature,
             ambient_pressure: self.ambient_pressure,
@@ -57,7 +67,44 @@ impl<R: Real> Stretch<R> {
     }
 }
 
+impl Stretch<Lanes> {
+    /// Puts a stretch into a lane; [`Stretch::profiled`] is for all lanes alike.
+    #[inline(always)]
+    pub fn load(&mut self, lane: usize, from: &Stretch) {
+        self.length[lane] = from.length;
+        self.position[lane] = from.position;
+        self.velocity[lane] = from.velocity;
+        self.inflow[0][lane] = from.inflow[0];
+        self.inflow[1][lane] = from.inflow[1];
+        self.inflow_rate[lane] = from.inflow_rate;
+        self.temperature_in[lane] = from.temperature_in;
+        self.outflow[lane] = from.outflow;
+        self.outflow_rate[lane] = from.outflow_rate;
+        self.ambient_temperature[lane] = from.ambient_temperature;
+        self.ambient_temperature_rate[lane] = from.ambient_temperature_rate;
+        self.ambient_pressure[lane] = from.ambient_pressure;
+    }
+}
+
 impl Stretch<f64> {
+    /// The same stretch in every lane.
+    pub fn lift(&self) -> Stretch<Lanes> {
+        Stretch {
+            length: self.length.into(),
+            position: self.position.into(),
+            velocity: self.velocity.into(),
+            inflow: self.inflow.map(Lanes::from),
+            inflow_rate: self.inflow_rate.into(),
+            temperature_in: self.temperature_in.into(),
+            outflow: self.outflow.into(),
+            outflow_rate: self.outflow_rate.into(),
+            ambient_temperature: self.ambient_temperature.into(),
+            ambient_temperature_rate: self.ambient_temperature_rate.into(),
+            ambient_pressure: self.ambient_pressure.into(),
+            profiled: self.profiled,
+        }
+    }
+
     /// The stretch from a time `t` after its begin on.
     fn after(&self, t: f64) -> Self {
         let at = self.boundary(t);
@@ -220,6 +267,7 @@ fn still(s: &Scenario, position: f64, length: f64) -> Stretch {
         ambient_temperature: s.ambient_temperature_k,
         ambient_temperature_rate: 0.0,
         ambient_pressure: s.ambient_pressure_pa,
+        profiled: false,
     }
 }
 
@@ -266,6 +314,7 @@ fn along(s: &Scenario, knots: &[Knot], duration: f64) -> Vec<Stretch> {
                 outflow_rate: if enters { 0.0 } else { -rate },
                 ambient_temperature: from.ambient_temperature + warming * piece[0],
                 ambient_temperature_rate: warming,
+                profiled: true,
                 ..still
             });
         }

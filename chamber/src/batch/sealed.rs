@@ -7,6 +7,7 @@
 //! it alone is constant. T in K, V in m³.
 
 use super::advance::Loadable;
+use super::record::Observe;
 use super::scenario::Scenario;
 use super::step::LaneSystem;
 use crate::geometry::AreaLaw;
@@ -101,6 +102,8 @@ impl Loadable for Moving<'_> {
 }
 
 impl LaneSystem<1> for Moving<'_> {
+    const CHEAP: bool = true;
+
     #[inline(always)]
     fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
         let volume = self.volume + self.volume_rate * t;
@@ -116,12 +119,13 @@ pub struct Held<'a> {
     tests: &'a [Test],
     exchange: Lanes,
     wall: Lanes,
+    pressure: Lanes,
 }
 
 impl<'a> Held<'a> {
     /// For these tests, none loaded yet.
     pub fn new(tests: &'a [Test]) -> Self {
-        Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO }
+        Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO, pressure: Lanes::ZERO }
     }
 }
 
@@ -130,13 +134,23 @@ impl Loadable for Held<'_> {
     fn load(&mut self, lane: usize, index: usize) {
         let test = &self.tests[index];
         self.exchange[lane] = test.rate / test.wall;
+        self.pressure[lane] = test.mass_gas_constant / test.held_volume;
         self.wall[lane] = test.wall;
     }
 }
 
 impl LaneSystem<1> for Held<'_> {
+    const CHEAP: bool = true;
+
     #[inline(always)]
     fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
         [y[0] * (self.exchange * (self.wall - y[0]))]
+    }
+}
+
+impl Observe<1> for Held<'_> {
+    #[inline(always)]
+    fn observe(&self, _: Lanes, y: &[Lanes; 1], _: Lanes) -> [Lanes; 2] {
+        [y[0] * self.pressure, y[0]]
     }
 }

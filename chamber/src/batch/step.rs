@@ -6,6 +6,9 @@ use crate::real::Real;
 
 /// Ordinary differential equations of N states, eight independent systems side by side.
 pub trait LaneSystem<const N: usize> {
+    /// Whether the rates are so cheap that each stage deserves code of its own.
+    const CHEAP: bool;
+
     /// dy/dt at time `t`, s.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; N];
 }
@@ -39,18 +42,17 @@ pub struct Attempt<const N: usize> {
     pub error_squared: Lanes,
 }
 
-/// Tries a step of `h` from `y`, where dy/dt is `first`.
+/// Stages 1 to 12, each in code of its own without the weights that are zero; the states at the end.
 #[inline(always)]
-pub fn attempt<const N: usize, const FUSED: bool>(
-    system: &impl LaneSystem<N>,
+fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
     t: Lanes,
     h: Lanes,
     y: &[Lanes; N],
-    first: &[Lanes; N],
-    tolerance: (f64, &[Lanes; N]),
-) -> Attempt<N> {
+    slopes: &mut [[Lanes; N]; 13],
+) -> [Lanes; N] {
     let mut k = [[Lanes::ZERO; N]; 13];
-    k[0] = *first;
+    k[0] = slopes[0];
     macro_rules! stage {
         ($s:literal; $($j:tt)*) => {{
             let mut at = *y;
@@ -73,6 +75,53 @@ pub fn attempt<const N: usize, const FUSED: bool>(
     stage!(10; 0 3 4 5 6 7 8 9);
     stage!(11; 0 3 4 5 6 7 8 9 10);
     let end = stage!(12; 0 5 6 7 8 9 10 11);
+    *slopes = k;
+    end
+}
+
+/// Stage number `stage`: the states it is taken at.
+#[inline(always)]
+fn stage<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
+    t: Lanes,
+    h: Lanes,
+    y: &[Lanes; N],
+    k: &mut [[Lanes; N]],
+    stage: usize,
+) -> [Lanes; N] {
+    let mut at = *y;
+    for i in 0..N {
+        let mut sum = k[0][i] * A[stage][0];
+        for j in 1..stage {
+            sum = multiply_add::<FUSED>(k[j][i], Lanes::from(A[stage][j]), sum);
+        }
+        at[i] = multiply_add::<FUSED>(sum, h, y[i]);
+    }
+    k[stage] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
+    at
+}
+
+/// Tries a step of `h` from `y`, where dy/dt is `first`.
+#[inline(always)]
+pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
+    t: Lanes,
+    h: Lanes,
+    y: &[Lanes; N],
+    first: &[Lanes; N],
+    tolerance: (f64, &[Lanes; N]),
+) -> Attempt<N> {
+    let mut k = [[Lanes::ZERO; N]; 13];
+    k[0] = *first;
+    let end = if S::CHEAP {
+        stages_unrolled::<N, FUSED, S>(system, t, h, y, &mut k)
+    } else {
+        let mut at = *y;
+        for stage in 1..13 {
+            at = self::stage::<N, FUSED, S>(system, t, h, y, &mut k, stage);
+        }
+        at
+    };
 
     let (mut fifth, mut third) = (Lanes::ZERO, Lanes::ZERO);
     for i in 0..N {
@@ -93,8 +142,8 @@ pub fn attempt<const N: usize, const FUSED: bool>(
 
 /// Terms of the states within an accepted step, to be evaluated by [`within`].
 #[inline(always)]
-pub fn dense<const N: usize, const FUSED: bool>(
-    system: &impl LaneSystem<N>,
+pub fn dense<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
     t: Lanes,
     h: Lanes,
     y: &[Lanes; N],
@@ -103,18 +152,9 @@ pub fn dense<const N: usize, const FUSED: bool>(
 ) -> [[Lanes; N]; 8] {
     let mut k = [[Lanes::ZERO; N]; 16];
     k[..13].copy_from_slice(slopes);
-    macro_rules! stage {
-        ($s:literal; $($j:tt)*) => {{
-            let mut at = *y;
-            for i in 0..N {
-                at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; $($j)*), h, y[i]);
-            }
-            k[$s] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[$s]), t), &at);
-        }};
+    for stage in 13..16 {
+        self::stage::<N, FUSED, S>(system, t, h, y, &mut k, stage);
     }
-    stage!(13; 0 6 7 8 9 10 11 12);
-    stage!(14; 0 5 6 7 10 11 12 13);
-    stage!(15; 0 5 6 7 8 12 13 14);
     let mut terms = [[Lanes::ZERO; N]; 8];
     for i in 0..N {
         let change = end[i] - y[i];

@@ -111,3 +111,140 @@ fn a_row_that_cannot_be_solved_says_why_and_leaves_the_others_alone() {
     assert!(matches!(reasons[7], Some(Empty | StepTooSmall | TooManySteps)), "{:?}", reasons[7]);
     assert_eq!(out[0], out[8]);
 }
+
+/// Tests of every kind: leaks, flows, each effect, a profile; around the card's typical values.
+fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
+    let mut r = Numbers(11);
+    let mut rows = sealed(count);
+    for s in &mut rows {
+        for (index, card) in crate::effects::all() {
+            if only.is_some_and(|i| i != index) {
+                continue;
+            }
+            for (to, p) in s.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
+                *to = p.neutral + (p.typical - p.neutral) * r.between(0.3, 1.2);
+            }
+        }
+        if r.next() < 0.5 {
+            s.mass_flow_in_kg_per_s = r.between(0.0, 1e-5);
+            s.temperature_in_k = r.between(280.0, 320.0);
+        }
+        s.hold = Hold::Duration(s.push_time_s + r.between(0.5, 3.0));
+    }
+    rows
+}
+
+fn assert_same(ours: &Outcome, reference: &Outcome, tolerance: f64, what: &str) {
+    assert_eq!(ours.status.is_ok(), reference.status.is_ok(), "{what}: {:?} {:?}", ours.status, reference.status);
+    if ours.status.is_err() {
+        return;
+    }
+    assert_close(ours.pressure_peak_pa, reference.pressure_peak_pa, tolerance, &format!("{what}: peak"));
+    assert_close(ours.pressure_final_pa, reference.pressure_final_pa, tolerance, &format!("{what}: final"));
+    assert_close(
+        ours.temperature_peak_k,
+        reference.temperature_peak_k,
+        tolerance,
+        &format!("{what}: peak temperature"),
+    );
+    assert_close(
+        ours.temperature_final_k,
+        reference.temperature_final_k,
+        tolerance,
+        &format!("{what}: final temperature"),
+    );
+    assert_eq!(ours.settling_time_s.is_some(), reference.settling_time_s.is_some(), "{what}");
+    if let (Some(a), Some(b)) = (ours.settling_time_s, reference.settling_time_s) {
+        let distance = (reference.pressure_peak_pa / reference.pressure_final_pa - 1.0).abs();
+        assert!((a - b).abs() < 1e-3 * b + 10.0 * tolerance / distance, "{what}: settling {a} {b}");
+    }
+    assert_eq!(ours.fit.is_some(), reference.fit.is_some(), "{what}: {:?} {:?}", ours.fit, reference.fit);
+    if let (Some(a), Some(b)) = (ours.fit, reference.fit) {
+        assert_close(a.time_constant_s, b.time_constant_s, 1e-3, &format!("{what}: tau"));
+        assert_close(a.lambda_av_w_per_m2_k, b.lambda_av_w_per_m2_k, 1e-3, &format!("{what}: lambda_av"));
+        assert_close(a.lambda0_w_per_m2_k, b.lambda0_w_per_m2_k, 1e-3, &format!("{what}: lambda0"));
+    }
+}
+
+fn reference(set: EffectSet, scenario: &Scenario) -> Outcome {
+    plain::run(set, scenario, &Options { relative_tolerance: 1e-12, ..Options::default() })
+}
+
+#[test]
+fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
+    for (index, card) in crate::effects::all() {
+        let rows = varied(16, Some(index));
+        let set = EffectSet::one(index);
+        for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
+            assert_same(&o, &reference(set, s), 1e-7, &format!("{} row {k}", card.name));
+        }
+    }
+}
+
+#[test]
+fn all_effects_together_agree_with_the_plain_integrator() {
+    let rows = varied(24, None);
+    for (k, (s, o)) in rows.iter().zip(results(EffectSet::ALL, &rows, &Options::default())).enumerate() {
+        assert_same(&o, &reference(EffectSet::ALL, s), 1e-7, &format!("row {k}"));
+    }
+}
+
+#[test]
+fn sealed_rows_with_their_regressions_agree_with_the_sampled_record() {
+    let rows = sealed(64);
+    for solver in [Solver::Adaptive, Solver::Auto] {
+        for (k, (s, o)) in
+            rows.iter().zip(results(EffectSet::NONE, &rows, &Options { solver, ..Options::default() })).enumerate()
+        {
+            assert_same(&o, &reference(EffectSet::NONE, s), 1e-8, &format!("{solver:?} row {k}"));
+        }
+    }
+}
+
+#[test]
+fn a_row_does_not_depend_on_its_neighbours() {
+    for (set, rows, solver) in [
+        (EffectSet::NONE, sealed(700), Solver::Adaptive),
+        (EffectSet::NONE, sealed(700), Solver::Auto),
+        (EffectSet::one(0), varied(300, Some(0)), Solver::Auto),
+        (EffectSet::ALL, varied(100, None), Solver::Auto),
+    ] {
+        let options = Options { solver, ..Options::default() };
+        let straight = results(set, &rows, &options);
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        let mut r = Numbers(3);
+        for i in (1..order.len()).rev() {
+            order.swap(i, r.between(0.0, i as f64 + 1.0) as usize);
+        }
+        let shuffled: Vec<Scenario> = order.iter().map(|&i| rows[i].clone()).collect();
+        for (i, o) in order.iter().zip(results(set, &shuffled, &options)) {
+            assert_eq!(o, straight[*i], "row {i}");
+        }
+        assert_eq!(results(set, &rows[5..6], &options)[0], straight[5]);
+    }
+}
+
+#[test]
+fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
+    let mut r = Numbers(5);
+    let mut rows = sealed(24);
+    for s in &mut rows {
+        let mut time = 0.0;
+        let knot = |time: f64, r: &mut Numbers| crate::signals::Knot {
+            time,
+            position: r.between(0.05, 0.2),
+            mass_flow: r.between(-1e-5, 1e-5),
+            ambient_temperature: r.between(285.0, 300.0),
+        };
+        let mut knots = vec![knot(0.0, &mut r)];
+        for _ in 0..6 {
+            time += r.between(0.05, 0.3);
+            knots.push(knot(time, &mut r));
+        }
+        s.profile = Some(knots.into());
+        s.hold = Hold::Duration(time + 1.0);
+    }
+    for (k, (s, o)) in rows.iter().zip(results(EffectSet::NONE, &rows, &Options::default())).enumerate() {
+        assert_same(&o, &reference(EffectSet::NONE, s), 1e-7, &format!("row {k}"));
+    }
+}

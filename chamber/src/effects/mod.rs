@@ -233,6 +233,14 @@ impl EffectSet {
     pub const fn one(index: usize) -> Self {
         Self(1 << index)
     }
+    /// The set as a number, one bit an effect by its place in the list.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+    /// The set of those [`bits`](Self::bits).
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits & Self::ALL.0)
+    }
     /// Whether the effect at that place is in the set.
     #[inline(always)]
     pub const fn has(self, index: usize) -> bool {

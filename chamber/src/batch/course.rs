@@ -1,0 +1,164 @@
+//! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
+//! of each row's record.
+
+use super::advance::{Log, Problem, Steps, advance};
+use super::fit;
+use super::general::{General, Row, observe};
+use super::outcome::{Failure, Outcome};
+use super::plan::Plan;
+use super::record::{Piece, Question, Record};
+use super::scenario::{Options, Scenario};
+use crate::balance::{self, ENERGY, MASS, STATES};
+use crate::effects::EffectSet;
+use crate::exact::Closed;
+use crate::simulate::tolerance;
+use pulp::Arch;
+
+/// Share of the initial mass below which a chamber whose equations cannot be followed further has run empty.
+const EMPTY: f64 = 0.01;
+
+/// One row on its way.
+struct Course<'a, const N: usize> {
+    row: u32,
+    scenario: &'a Scenario,
+    plan: &'a Plan,
+    initial: [f64; STATES],
+    state: [f64; N],
+    absolute: [f64; N],
+    gap: f64,
+    steps: Vec<Steps>,
+    failure: Option<Failure>,
+}
+
+/// Runs checked rows (number and plan) that have their area law, and whether they have a profile, in common.
+pub fn run<const N: usize, const BITS: u32>(
+    arch: Arch,
+    set: EffectSet,
+    rows: &[(u32, Plan)],
+    scenarios: &[Scenario],
+    options: &Options,
+    out: &mut [Outcome],
+) {
+    let relative = options.relative_tolerance;
+    let places = General::<N, BITS>::PLACES;
+    let mut courses: Vec<Course<N>> = Vec::with_capacity(rows.len());
+    for (row, plan) in rows {
+        let scenario = &scenarios[*row as usize];
+        let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
+        let initial = balance::state_at(&scenario.chamber, &plan.stretches[0].boundary(0.0), pressure, temperature);
+        let all = tolerance(relative, &initial).absolute;
+        let (mut state, mut absolute) = ([0.0; N], [0.0; N]);
+        for i in 0..N {
+            (state[i], absolute[i]) = (initial[places[i]], all[places[i]]);
+        }
+        let steps = Vec::with_capacity(plan.stretches.len());
+        courses.push(Course { row: *row, scenario, plan, initial, state, absolute, gap: 0.0, steps, failure: None });
+    }
+    let Some(first) = courses.first() else { return };
+    let area_law = first.scenario.chamber.geometry.area_law;
+
+    let mut log: Log<N> = Log::default();
+    let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
+    for index in 0.. {
+        let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
+        let systems: Vec<Row> =
+            courses.iter().filter(|c| active(c)).map(|c| (&c.scenario.chamber, &c.plan.stretches[index])).collect();
+        if systems.is_empty() {
+            break;
+        }
+        problems.clear();
+        for c in courses.iter().filter(|c| active(c)) {
+            problems.push(Problem {
+                length: c.plan.stretches[index].length,
+                state: c.state,
+                absolute: c.absolute,
+                gap: c.gap,
+                steps: Steps::default(),
+                failure: None,
+            });
+        }
+        let system = General::<N, BITS>::new(&systems, set, area_law);
+        advance::<N, true, _>(arch, &system, &mut problems, relative, &mut log);
+        let mut solved = problems.iter();
+        for c in courses.iter_mut().filter(|c| active(c)) {
+            if let Some(problem) = solved.next() {
+                (c.state, c.gap, c.failure) = (problem.state, problem.gap, problem.failure);
+                c.steps.push(problem.steps);
+                let left = c.state[MASS] / c.initial[MASS];
+                c.failure = match c.failure {
+                    None if !(c.state[MASS] > 0.0 && c.state[ENERGY] > 0.0) => Some(Failure::Empty),
+                    Some(_) if !(left > EMPTY) => Some(Failure::Empty),
+                    other => other,
+                };
+            }
+        }
+    }
+
+    let mut pieces: Vec<Piece<N>> = Vec::new();
+    for c in &courses {
+        out[c.row as usize] = match c.failure {
+            Some(reason) => Outcome::failed(reason),
+            None => evaluate::<N, BITS>(arch, set, c, &log, options, &mut pieces),
+        };
+    }
+}
+
+/// Looks into a row's record.
+fn evaluate<const N: usize, const BITS: u32>(
+    arch: Arch,
+    set: EffectSet,
+    c: &Course<N>,
+    log: &Log<N>,
+    options: &Options,
+    pieces: &mut Vec<Piece<N>>,
+) -> Outcome {
+    let (plan, chamber) = (c.plan, &c.scenario.chamber);
+    let systems: Vec<Row> = plan.stretches.iter().map(|s| (chamber, s)).collect();
+    let system = General::<N, BITS>::new(&systems, set, chamber.geometry.area_law);
+    let mut record = Record::new(system, pieces, plan.delay);
+    let seen = plan.window[0].min(plan.hold);
+    let mut begin = 0.0;
+    for (index, (stretch, steps)) in plan.stretches.iter().zip(&c.steps).enumerate() {
+        if index >= seen {
+            record.add(arch, log, *steps, index, begin);
+        }
+        begin += stretch.length;
+    }
+    let last = &plan.stretches[plan.stretches.len() - 1];
+    let (first_position, last_position) = (plan.stretches[0].position, last.position + last.velocity * last.length);
+    let volume = chamber.geometry.volume(last_position);
+    let shown = |elapsed| observe(set, chamber, &plan.stretches[0], 0.0, &c.initial, elapsed)[0];
+    let ambient = last.boundary(last.length).ambient_temperature;
+    let at_rest = c.state[MASS] * chamber.gas.gas_constant * ambient / volume;
+    let closed = Closed::filled(chamber, at_rest, ambient, volume, ambient);
+    let answer = record.answer(
+        arch,
+        &Question {
+            push_end: plan.push_end,
+            duration: plan.duration,
+            delay: plan.delay,
+            expands: plan.expands,
+            before: [shown(0.0), shown(1.0) - shown(0.0)],
+            guess: options.fit.then(|| 1.0 / closed.rate(volume)),
+        },
+    );
+    let Some(a) = answer else { return Outcome::failed(Failure::EndsInPush) };
+    let distance = (a.pressure_peak - a.pressure_final).abs();
+    let gas_pressure = closed.pressure(a.temperature_final, volume);
+    let unsettled = gas_pressure * (1.0 - ambient / a.temperature_final).abs();
+    let fit = a.regression.and_then(|regression| {
+        fit::steps(c.scenario, [first_position, last_position], c.scenario.initial_pressure_pa, regression)
+    });
+    Outcome {
+        pressure_peak_pa: a.pressure_peak,
+        pressure_final_pa: a.pressure_final,
+        temperature_final_k: a.temperature_final,
+        temperature_peak_k: a.temperature_peak,
+        fit,
+        settling_time_s: (unsettled <= 0.01 * distance || distance == 0.0).then_some(a.settling),
+        energy_error: c.gap,
+        duration_s: plan.duration,
+        exact: false,
+        status: Ok(()),
+    }
+}
