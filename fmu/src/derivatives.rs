@@ -81,9 +81,8 @@ fn with_fresh_states(
     let mut fresh = [D::ZERO; effects::OWN_STATES];
     effects::initial(&balance::conditions(chamber, boundary, states[MASS], states[ENERGY]), &mut fresh);
     for index in seeded.iter().filter(|&index| !on.has(index)) {
-        for own in effects::STATE_OFFSETS[index]..effects::STATE_OFFSETS[index + 1] {
-            states[OWN + own] = fresh[own];
-        }
+        let own = effects::STATE_OFFSETS[index]..effects::STATE_OFFSETS[index + 1];
+        states[OWN..][own.clone()].copy_from_slice(&fresh[own]);
     }
     states
 }

@@ -70,10 +70,10 @@ impl Instance {
         if !start.is_finite() {
             return bad("startTime", start, "a finite time is expected");
         }
-        if let Some(stop) = stop.filter(|stop| !(*stop >= start) || !stop.is_finite()) {
+        if let Some(stop) = stop.filter(|stop| !stop.is_finite() || *stop < start) {
             return bad("stopTime", stop, "a finite time not before startTime is expected");
         }
-        if let Some(tolerance) = tolerance.filter(|t| !(*t > 0.0) || !t.is_finite()) {
+        if let Some(tolerance) = tolerance.filter(|t| !t.is_finite() || *t <= 0.0) {
             return bad("tolerance", tolerance, "a positive relative tolerance is expected");
         }
         let tolerance =

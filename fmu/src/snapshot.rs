@@ -156,9 +156,8 @@ impl Snapshot {
             let first = crate::variables::BASE + effects::PARAMETER_OFFSETS[index];
             let neutral = card.parameters[0].neutral;
             if old.real[first] == neutral && self.parameters.real[first] != neutral {
-                for own in effects::STATE_OFFSETS[index]..effects::STATE_OFFSETS[index + 1] {
-                    states[OWN + own] = fresh[own];
-                }
+                let own = effects::STATE_OFFSETS[index]..effects::STATE_OFFSETS[index + 1];
+                states[OWN..][own.clone()].copy_from_slice(&fresh[own]);
             }
         }
     }
