@@ -1,13 +1,14 @@
 """Runs the tutorial's commands verbatim, page after page, in a copy of the examples' folder."""
 
 import os
-import pathlib
 import re
 import shutil
 import subprocess
 import sys
 
 import pytest
+
+from conftest import PROGRAM
 
 PAGES = ["record", "identify", "diagnose", "fmu", "sweep", "python"]
 BLOCK = re.compile(r"^```(\w+)(?:,file=(\S+))?\n(.*?)^```", flags=re.S | re.M)
@@ -27,34 +28,28 @@ def folder(root, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def environment(tmp_path_factory):
+def environment(root, tmp_path_factory):
     """The reader's shell: `pneutherm` and `python` on the PATH."""
-    program = pathlib.Path(os.environ.get("PNEUTHERM", pathlib.Path("target/release/pneutherm"))).resolve()
-    if not program.exists():
-        pytest.fail(f"{program} is not there: build it with `cargo build --release`, or set PNEUTHERM")
+    program = PROGRAM.resolve()
     tools = tmp_path_factory.mktemp("bin")
     (tools / "pneutherm").symlink_to(program)
     # A symbolic link to a virtual environment's interpreter would lose the environment.
     (tools / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
     (tools / "python").chmod(0o755)
-    return {**os.environ, "PATH": os.pathsep.join([str(tools), os.environ["PATH"]])}
+    # `pip install .` would put the module there too; without it the sources are taken, with the program under test.
+    paths = {"PATH": os.pathsep.join([str(tools), os.environ["PATH"]]), "PYTHONPATH": str(root / "python")}
+    return {**os.environ, **paths, "PNEUTHERM": str(program)}
 
 
 @pytest.mark.parametrize("name", PAGES)
 def test_the_page_works_as_written(name, root, folder, environment):
     page = (root / "book/src/tutorial" / f"{name}.md").read_text()
-    if "import pneutherm" in page and not module_is_installed():
-        pytest.skip("the Python module `pneutherm` is not installed (pip install .)")
     for language, file, text in blocks(page):
         if file:
             (folder / file).write_text(text)
         elif language == "sh":
             for command in text.strip().splitlines():
                 run(command, folder, environment)
-
-
-def module_is_installed():
-    return subprocess.run([sys.executable, "-c", "import pneutherm"], capture_output=True).returncode == 0
 
 
 def run(command, folder, environment):
