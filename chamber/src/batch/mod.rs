@@ -6,6 +6,7 @@
 mod adaptive;
 mod advance;
 mod course;
+mod exact_rows;
 mod finish;
 mod fit;
 mod general;
@@ -44,7 +45,7 @@ pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut 
     let mut memory = adaptive::Memory::default();
     let mut sorted = Sorted::default();
     for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-        sorted.fill(set, scenarios, out);
+        sorted.fill(arch, set, scenarios, options, out);
         adaptive::run(arch, &mut memory, &sorted.sealed, scenarios, options, out);
         for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
             course(arch, set, rows, scenarios, options, out);
@@ -63,14 +64,29 @@ struct Sorted {
 
 impl Sorted {
     /// Sorts a chunk; rows that cannot be solved are answered at once.
-    fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], out: &mut [Outcome]) {
+    fn fill(
+        &mut self,
+        arch: pulp::Arch,
+        set: EffectSet,
+        scenarios: &[Scenario],
+        options: &Options,
+        out: &mut [Outcome],
+    ) {
         self.sealed.clear();
         self.others.iter_mut().for_each(Vec::clear);
         for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
             let row = row as u32;
             let flows = s.mass_flow_in_kg_per_s != 0.0 || s.mass_flow_out_kg_per_s != 0.0;
-            if set.is_empty() && !flows && s.profile.is_none() {
+            let sealed = !flows && s.profile.is_none() && (set.is_empty() || s.chamber.active().is_empty());
+            if options.solver == Solver::Exact && !sealed {
+                *out = Outcome::failed(Failure::NoExactSolution);
+                continue;
+            }
+            if sealed && (set.is_empty() || options.solver != Solver::Adaptive) {
                 match plan::check(set, s).and_then(|()| plan::times(s)) {
+                    Ok((_, duration)) if options.solver != Solver::Adaptive => {
+                        *out = exact_rows::run(arch, s, duration, options.fit);
+                    }
                     Ok((_, duration)) => self.sealed.push((row, duration)),
                     Err(reason) => *out = Outcome::failed(reason),
                 }

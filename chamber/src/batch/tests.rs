@@ -248,3 +248,16 @@ fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
         assert_same(&o, &reference(EffectSet::NONE, s), 1e-7, &format!("row {k}"));
     }
 }
+
+#[test]
+fn the_exact_solver_refuses_what_it_has_no_solution_for_and_says_where_it_was_used() {
+    let mut rows = sealed(3);
+    rows[1].mass_flow_in_kg_per_s = 1e-6;
+    let with = |solver| results(EffectSet::NONE, &rows, &Options { solver, ..Options::default() });
+    let exact = with(Solver::Exact);
+    assert_eq!(exact[1].status, Err(Failure::NoExactSolution));
+    assert!(exact[0].exact && exact[2].exact);
+    let auto = with(Solver::Auto);
+    assert_eq!(auto.iter().map(|o| o.exact).collect::<Vec<_>>(), [true, false, true]);
+    assert!(with(Solver::Adaptive).iter().all(|o| !o.exact));
+}
