@@ -36,7 +36,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     output::write(&args.output, &bytes)?;
     if !output::is_stdout(&args.output) {
         let platforms: Vec<_> = LIBRARIES.iter().map(|library| library.platform).collect();
-        println!("{}: FMI 2.0 co-simulation for {}", args.output.display(), platforms.join(", "));
+        let told = format!("{}: FMI 2.0 co-simulation for {}\n", args.output.display(), platforms.join(", "));
+        output::print(told.as_bytes())?;
     }
     Ok(())
 }

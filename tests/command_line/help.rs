@@ -15,7 +15,7 @@ fn every_command_has_help_with_an_example_that_names_it() {
 #[test]
 fn the_commands_of_the_main_path_are_there() {
     let commands = commands();
-    for command in ["reproduce", "identify", "diagnose", "simulate", "completions", "man"] {
+    for command in ["reproduce", "identify", "diagnose", "simulate", "sweep", "fmu", "completions", "man"] {
         assert!(commands.iter().any(|c| c == command), "{command} is not in {commands:?}");
     }
 }

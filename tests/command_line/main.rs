@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod common;
+mod deliver;
 mod evaluate;
 mod help;
 mod output;

@@ -1,0 +1,101 @@
+//! `pneutherm fmu` and `pneutherm sweep`: what they write, and what they refuse.
+
+use crate::common::{Bench, MODEL, text};
+
+const STUDY: &str = "\
+[study]
+name = \"bores\"
+model = \"model.toml\"
+design = \"factorial\"
+[test]
+initial_pressure_pa = 1.01e5
+initial_stroke_m = 0.1
+final_stroke_m = 0.05
+push_time_s = 0.04
+duration_s = 2.0
+[vary]
+bore_m = { values = [0.016, 0.032] }
+initial_pressure_pa = { from = 1.0e5, to = 3.0e5, count = 3 }
+";
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.file("study.toml", STUDY);
+    bench
+}
+
+#[test]
+fn an_fmu_is_a_zip_archive_the_same_each_time() {
+    let bench = bench();
+    let told = text(&bench.call(0, &["fmu", "model.toml", "-o", "my chamber.fmu"]).stdout);
+    assert!(told.contains("my chamber.fmu: FMI 2.0 co-simulation for linux64") || !cfg!(target_os = "linux"), "{told}");
+    let archive = std::fs::read(bench.path("my chamber.fmu")).unwrap();
+    assert!(archive.starts_with(b"PK\x03\x04"));
+    let names = ["modelDescription.xml", "binaries/", "resources/"];
+    assert!(names.iter().all(|name| archive.windows(name.len()).any(|part| part == name.as_bytes())));
+    assert_eq!(bench.call(0, &["fmu", "model.toml", "-o", "-"]).stdout, archive);
+}
+
+#[test]
+fn an_fmu_of_a_faulty_model_or_at_an_impossible_place_is_refused() {
+    let bench = bench();
+    bench.file("faulty.toml", MODEL.replace("bore_m", "boer_m"));
+    let sentence = bench.refusal(&["fmu", "faulty.toml", "-o", "a.fmu"]);
+    assert!(sentence.contains("faulty.toml: line 2: chamber.boer_m"), "{sentence}");
+    assert!(bench.refusal(&["fmu", "absent.toml"]).contains("absent.toml: cannot be read"));
+    let sentence = bench.refusal(&["fmu", "model.toml", "-o", "absent/a.fmu"]);
+    assert!(sentence.contains("absent/a.fmu: cannot be written"), "{sentence}");
+}
+
+#[test]
+fn a_study_becomes_parts_and_a_manifest() {
+    let bench = bench();
+    bench.call(0, &["sweep", "study.toml", "-o", "my results"]);
+    let manifest = std::fs::read(bench.path("my results/manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap();
+    assert!(manifest.to_string().contains("bores"), "{manifest}");
+    let parts = std::fs::read_dir(bench.path("my results"))
+        .unwrap()
+        .filter(|entry| entry.as_ref().unwrap().path().extension().is_some_and(|extension| extension == "parquet"));
+    assert!(parts.count() >= 1);
+    bench.call(0, &["sweep", "study.toml", "-o", "my results"]);
+    bench.file("study.toml", STUDY.replace("0.032", "0.04"));
+    let sentence = bench.refusal(&["sweep", "study.toml", "-o", "my results"]);
+    assert!(sentence.contains("my results"), "{sentence}");
+}
+
+#[test]
+fn a_dry_run_writes_nothing() {
+    let bench = bench();
+    let before = bench.names();
+    let told = text(&bench.call(0, &["sweep", "study.toml", "-o", "out", "--dry-run"]).stdout);
+    assert!(told.contains("rows       6 "), "{told}");
+    assert_eq!(bench.names(), before);
+}
+
+#[test]
+fn faulty_studies_are_refused_by_line_and_key() {
+    let faults = [
+        ("bore_m", "boer_m", "study.toml: line 12", "bore_m"),
+        ("initial_stroke_m = 0.1", "initial_strok_m = 0.1", "study.toml: line 7", "initial_stroke_m"),
+        ("\"factorial\"", "\"factorail\"", "study.toml: line 4", "factorial"),
+        ("initial_stroke_m = 0.1", "initial_stroke_m = -0.1", "study.toml: line 7", "initial_stroke_m"),
+        ("0.016, 0.032", "-0.016", "study.toml: line 12", "bore_m"),
+        ("count = 3", "count = \"3\"", "study.toml: line 13", "count"),
+        ("\"model.toml\"", "\"absent.toml\"", "absent.toml", "cannot be read"),
+        ("[vary]", "[vary", "study.toml: line 11", "TOML"),
+    ];
+    for (from, to, place, says) in faults {
+        let bench = bench();
+        bench.file("study.toml", STUDY.replacen(from, to, 1));
+        let sentence = bench.refusal(&["sweep", "study.toml", "-o", "out"]);
+        assert!(sentence.contains(place) && sentence.contains(says), "`{place}` and `{says}`: {sentence}");
+    }
+}
+
+#[test]
+fn a_shard_that_is_none_is_wrong_usage() {
+    for shard in ["4/4", "x", "-1/3", "1/0"] {
+        bench().call(2, &["sweep", "study.toml", "-o", "out", &format!("--shard={shard}")]);
+    }
+}
