@@ -76,6 +76,24 @@ pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
     (rows > 0).then(|| (squares / rows as f64).sqrt())
 }
 
+/// Residuals, Pa, of a fit on records of another rig file: the globals stay, each record brings its own initial state
+/// (from its rest, or from its first third, which is then left out of the answer).
+pub fn on_other(fitted: &Fit, other: &Data) -> Option<Vec<Vec<f64>>> {
+    let chamber = fitted.chamber();
+    (0..other.traces.len())
+        .map(|k| {
+            let t = &other.traces[k];
+            let (local, from) = if t.starts_at_rest {
+                (from_rest(t, &chamber)?, 0)
+            } else {
+                (first_third(other, fitted, k)?, t.time_s.len() / 3)
+            };
+            let model = readings(t, &chamber, &local).ok()?;
+            Some(t.pressure_pa.iter().zip(&model).skip(from).map(|(y, m)| y - m).collect())
+        })
+        .collect()
+}
+
 /// The initial pressure with which the model's mean over the rest is the measured one.
 fn from_rest(t: &Prepared, chamber: &Chamber) -> Option<Vec<f64>> {
     let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);

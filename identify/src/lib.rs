@@ -10,6 +10,8 @@
 //! | [`tracing`] | from the residual to the effect that explains it, or to the statement that none does |
 //! | [`diagnosis`], [`separate`] | the result for programs and reports; what to measure next |
 //! | [`identification`] | the paper's model alone, by either method |
+//! | [`gas_spring`] | the study of a measured gas spring |
+//! | [`synthetic`] | rigs with a known truth, for tests and the Monte Carlo study |
 //! | [`paper`] | the published method on one trace, and the paper's own numbers |
 
 pub mod adequacy;
@@ -20,6 +22,7 @@ pub mod error;
 pub mod evidence;
 pub mod fit;
 pub mod forward;
+pub mod gas_spring;
 pub mod held_out;
 pub mod hypothesis;
 pub mod identification;
@@ -29,8 +32,10 @@ pub mod noise;
 pub mod paper;
 pub mod prepare;
 pub mod ramp;
+pub mod report;
 pub mod sanity;
 pub mod separate;
+pub mod synthetic;
 pub mod tracing;
 pub mod uncertainty;
 

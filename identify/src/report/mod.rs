@@ -1,0 +1,275 @@
+//! The report of a diagnosis: one self-contained HTML page with inline SVG, for a person who did not write it.
+
+mod page;
+mod svg;
+
+use crate::diagnosis::{Diagnosed, Diagnosis, Side, Unnamed};
+use crate::missing::Variable;
+use chamber::effects;
+use page::{number, row};
+use std::fmt::Write;
+use svg::{Chart, Curve, escape};
+
+const BEFORE: &str = "#c2410c";
+const AFTER: &str = "#1f5fa8";
+const MEASURED: &str = "#555555";
+const WIDE: (f64, f64) = (640.0, 230.0);
+const SMALL: (f64, f64) = (420.0, 210.0);
+
+/// The page.
+pub fn html(rig: &records::Rig, found: &Diagnosed) -> String {
+    let d = &found.diagnosis;
+    let mut out = page::head(&format!("Diagnosis of {}", rig.path.display()));
+    summary(&mut out, rig, d);
+    parameters(&mut out, d);
+    evidence(&mut out, d);
+    if !d.missing.is_empty() {
+        unnamed(&mut out, &d.missing);
+    }
+    traces(&mut out, found);
+    against(&mut out, found);
+    next(&mut out, d);
+    data(&mut out, rig, found);
+    out.push_str("</body></html>\n");
+    out
+}
+
+fn summary(out: &mut String, rig: &records::Rig, d: &Diagnosis) {
+    let _ = write!(
+        out,
+        "<h1>What the model of this cylinder lacks</h1><p class=\"source\">{}</p>",
+        escape(&rig.path.display().to_string())
+    );
+    let verdict = match d.verdict {
+        "adequate" => {
+            "The paper's chamber model describes these traces: what it leaves is no more than the sensor's noise."
+                .to_owned()
+        }
+        "explained" => format!(
+            "The paper's chamber model is visibly wrong here. What it lacks is <b>{}</b> ({} balance): {}. With it, what remains is noise.",
+            d.effects.join("</b> and <b>"),
+            d.balance,
+            d.effects.iter().filter_map(|e| effects::find(e)).map(|(_, c)| lower(c.doc)).collect::<Vec<_>>().join("; ")
+        ),
+        _ => format!(
+            "The paper's chamber model is visibly wrong here, and <b>no known effect accounts for it</b>: with the best of them clearly more than noise remains. \
+             The evidence points to the <b>{}</b> balance. No effect is added to the model.",
+            d.balance
+        ),
+    };
+    let _ = write!(out, "<p class=\"verdict {}\">{verdict}</p>", d.verdict);
+    let _ = write!(
+        out,
+        "<table><tr><th>error, Pa rms</th><th>on the data fitted</th><th>on data left out of the fit</th></tr>{}{}{}</table>",
+        errors("before (the paper's model)", &d.before),
+        errors("after", &d.after),
+        row(&["noise of the sensor", &number(d.noise_pa, 4), ""])
+    );
+    out.push_str(
+        "<p class=\"small\">Left out: each repeat in turn, or, without repeats, the last third of each record, simulated on from its beginning. \
+         A record that was left out brings its own initial pressure, whose noise is in its error.</p>",
+    );
+    for group in &d.indistinguishable {
+        let _ = write!(
+            out,
+            "<p>These data cannot tell apart: <b>{}</b> (difference of BIC below 6).</p>",
+            group.join("</b>, <b>")
+        );
+    }
+}
+
+fn errors(name: &str, side: &Side) -> String {
+    let held_out = side.rmse_pa.held_out.map_or("–".to_owned(), |h| number(h, 4));
+    row(&[name, &number(side.rmse_pa.fit, 4), &held_out])
+}
+
+fn parameters(out: &mut String, d: &Diagnosis) {
+    out.push_str("<h2>Parameters</h2><table><tr><th>parameter</th><th>before</th><th>after</th><th>95 % interval (after)</th><th>unit</th></tr>");
+    for (name, e) in &d.after.parameters {
+        let before =
+            d.before.parameters.iter().find(|(n, _)| n == name).map_or("–".to_owned(), |(_, b)| number(b.value, 5));
+        let interval = format!("{} … {}", number(e.ci95[0], 5), number(e.ci95[1], 5));
+        out.push_str(&row(&[name, &before, &number(e.value, 5), &interval, &e.unit]));
+    }
+    out.push_str("</table>");
+    for u in &d.undetermined {
+        let parts: Vec<String> = u.parameters.iter().map(|(n, s)| format!("{s:+.2} {n}")).collect();
+        let _ = write!(
+            out,
+            "<p>Hardly determined by these traces: {} (relative deviation {}).</p>",
+            escape(&parts.join(" ")),
+            number(u.relative_deviation, 2)
+        );
+    }
+    for e in d.effects.iter().filter_map(|e| effects::find(e)) {
+        let _ = write!(
+            out,
+            "<p class=\"small\">{}: <code>{}</code>. {}</p>",
+            e.1.name,
+            escape(e.1.equation),
+            escape(e.1.source)
+        );
+    }
+}
+
+fn evidence(out: &mut String, d: &Diagnosis) {
+    let _ = write!(
+        out,
+        "<h2>Evidence</h2><p>Each effect was added to the model and everything fitted anew. ΔBIC: how much the data speak for it against the paper's \
+         model, {} independent samples, each parameter paid for; above 10 is decisive. An effect enters only if the error on left-out data falls too.</p>\
+         <table><tr><th>effect</th><th>ΔBIC</th><th>error on left-out data, Pa rms</th><th>its parameters</th></tr>",
+        number(d.effective_samples, 3)
+    );
+    let paper: Vec<&String> = d.before.parameters.iter().map(|(n, _)| n).collect();
+    for c in d.candidates.iter().take(24) {
+        let own: Vec<String> = c
+            .parameters
+            .iter()
+            .filter(|(n, _)| !paper.contains(&n))
+            .map(|(n, e)| format!("{} = {}", n.split('.').next_back().unwrap_or(n), number(e.value, 4)))
+            .collect();
+        let held_out = c.held_out_rmse_pa.map_or("–".to_owned(), |h| number(h, 4));
+        out.push_str(&row(&[&c.effect, &format!("{:.1}", c.delta_bic), &held_out, &own.join(", ")]));
+    }
+    out.push_str("</table>");
+}
+
+fn unnamed(out: &mut String, missing: &[Unnamed]) {
+    out.push_str(
+        "<h2>What is missing, without a name</h2><p>The residual as a free function of one variable, to first order; the best ones by what they take away \
+         of the squares beyond noise. Bars: two standard deviations.</p><div class=\"charts\">",
+    );
+    for m in missing.iter().take(4) {
+        let curve: Vec<(f64, f64)> = m.at.iter().copied().zip(m.value.iter().copied()).collect();
+        let mut curves = vec![Curve { points: curve, colour: AFTER, label: "", dots: false }];
+        for ((at, value), sd) in m.at.iter().zip(&m.value).zip(&m.sd) {
+            curves.push(Curve {
+                points: vec![(*at, value - 2.0 * sd), (*at, value + 2.0 * sd)],
+                colour: MEASURED,
+                label: "",
+                dots: false,
+            });
+        }
+        let title = format!("takes away {:.0} % ({} balance)", 100.0 * m.share, m.balance);
+        let (x, y) = (format!("{}, {}", m.variable, m.variable_unit), format!("{}, {}", m.quantity, m.unit));
+        let chart = Chart { title: &title, x: &x, y: &y, band: None, size: (420.0, 260.0) };
+        let _ = write!(out, "<figure>{}</figure>", chart.draw(&curves));
+    }
+    out.push_str("</div>");
+}
+
+fn traces(out: &mut String, found: &Diagnosed) {
+    out.push_str("<h2>Traces and residuals</h2><p>The first repeat of each experiment. Residual: measured less model; the grey band is twice the noise.</p>");
+    let noise = found.diagnosis.noise_pa;
+    let changed = !found.diagnosis.effects.is_empty();
+    for (k, t) in found.data.traces.iter().enumerate().filter(|(_, t)| t.repeat == 0) {
+        let series = |values: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+            (0..t.time_s.len()).map(|i| (t.time_s[i], values(i))).collect()
+        };
+        let (before, after) = (&found.residuals_before[k], &found.residuals_after[k]);
+        let mut pressures = vec![
+            Curve { points: series(&|i| t.pressure_pa[i] / 1e5), colour: MEASURED, label: "measured", dots: true },
+            Curve {
+                points: series(&|i| (t.pressure_pa[i] - before[i]) / 1e5),
+                colour: BEFORE,
+                label: "before",
+                dots: false,
+            },
+        ];
+        let mut residuals =
+            vec![Curve { points: series(&|i| before[i]), colour: BEFORE, label: "before", dots: false }];
+        if changed {
+            pressures.push(Curve {
+                points: series(&|i| (t.pressure_pa[i] - after[i]) / 1e5),
+                colour: AFTER,
+                label: "after",
+                dots: false,
+            });
+            residuals.push(Curve { points: series(&|i| after[i]), colour: AFTER, label: "after", dots: false });
+        }
+        let title = found.data.experiments.get(t.experiment).map_or("", String::as_str);
+        let pressure = Chart { title, x: "time, s", y: "pressure, bar", band: None, size: WIDE };
+        let residual = Chart { title: "", x: "time, s", y: "residual, Pa", band: Some(2.0 * noise), size: WIDE };
+        let _ = write!(
+            out,
+            "<div class=\"charts\"><figure>{}</figure><figure>{}</figure></div>",
+            pressure.draw(&pressures),
+            residual.draw(&residuals)
+        );
+    }
+}
+
+fn against(out: &mut String, found: &Diagnosed) {
+    out.push_str("<h2>Residual against what the gas does</h2><p>All records, means of blocks of rows. A flat cloud within the band is noise.</p><div class=\"charts\">");
+    let changed = !found.diagnosis.effects.is_empty();
+    for variable in [
+        Variable::Time,
+        Variable::Pressure,
+        Variable::TemperatureDifference,
+        Variable::Speed,
+        Variable::PressureRate,
+        Variable::SinceMove,
+    ] {
+        let mut curves = Vec::new();
+        let sides: [(&Vec<Vec<f64>>, &str, &str); 2] =
+            [(&found.residuals_before, BEFORE, "before"), (&found.residuals_after, AFTER, "after")];
+        for (residuals, colour, label) in sides.into_iter().take(if changed { 2 } else { 1 }) {
+            let mut points = Vec::new();
+            for ((t, path), r) in found.data.traces.iter().zip(&found.paths).zip(residuals) {
+                let values = path.variable(variable);
+                for b in &t.blocks {
+                    let mean = |v: &[f64]| v[b.first..b.end].iter().sum::<f64>() / b.rows() as f64;
+                    points.push((mean(&values), mean(r)));
+                }
+            }
+            let step = points.len().div_ceil(600);
+            curves.push(Curve { points: points.into_iter().step_by(step.max(1)).collect(), colour, label, dots: true });
+        }
+        let (name, unit) = variable.name();
+        let x = format!("{name}, {unit}");
+        let chart =
+            Chart { title: "", x: &x, y: "residual, Pa", band: Some(2.0 * found.diagnosis.noise_pa), size: SMALL };
+        let _ = write!(out, "<figure>{}</figure>", chart.draw(&curves));
+    }
+    out.push_str("</div>");
+}
+
+fn next(out: &mut String, d: &Diagnosis) {
+    if d.next_experiments.is_empty() {
+        return;
+    }
+    out.push_str("<h2>What to measure next</h2><ul>");
+    for n in &d.next_experiments {
+        let by = n
+            .difference_over_noise
+            .map_or(String::new(), |x| format!(" The two differ there by {} times the noise.", number(x, 2)));
+        let _ = write!(
+            out,
+            "<li>To tell <b>{}</b> from <b>{}</b>: {}.{by}</li>",
+            n.separates[0],
+            n.separates[1],
+            escape(&n.test)
+        );
+    }
+    out.push_str("</ul>");
+}
+
+fn data(out: &mut String, rig: &records::Rig, found: &Diagnosed) {
+    out.push_str("<h2>Data</h2>");
+    for a in &found.diagnosis.assumptions {
+        let _ = write!(out, "<p>{}.</p>", escape(a));
+    }
+    out.push_str("<table><tr><th>experiment</th><th>trace</th><th>rows</th><th>SHA-256</th></tr>");
+    for e in &rig.experiments {
+        for t in &e.traces {
+            let file = t.path.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned());
+            out.push_str(&row(&[&e.name, &file, &t.len().to_string(), t.sha256.get(..16).unwrap_or("")]));
+        }
+    }
+    let _ = write!(out, "</table><p class=\"small\">pneutherm {}</p>", env!("CARGO_PKG_VERSION"));
+}
+
+fn lower(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}

@@ -1,0 +1,38 @@
+//! The page's frame: head, style, table rows, numbers.
+
+use super::svg::escape;
+
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1b1b1b;max-width:1320px;margin:2em auto;padding:0 1em}\
+h1{font-size:1.6em;margin-bottom:.1em}h2{font-size:1.2em;margin-top:2em;border-bottom:1px solid #ddd}\
+table{border-collapse:collapse;margin:.8em 0}th,td{padding:.2em .8em;border-bottom:1px solid #e4e4e4;text-align:left}td+td{font-variant-numeric:tabular-nums}\
+.verdict{padding:.7em 1em;border-left:5px solid #888;background:#f6f6f4}.explained{border-color:#1f5fa8}.adequate{border-color:#2e7d32}.unexplained{border-color:#c2410c}\
+.small,.source{color:#666;font-size:.88em}.charts{display:flex;flex-wrap:wrap;gap:10px}figure{margin:0;flex:1 1 400px;max-width:650px}\
+svg{width:100%;height:auto;font:11px system-ui,sans-serif}.grid{stroke:#e6e6e6}.band{fill:#ececec}.x{text-anchor:middle}.y{text-anchor:end}\
+.axis{text-anchor:middle;fill:#333}.title{font-weight:600}.legend{text-anchor:end}";
+
+/// Everything up to the body's first element.
+pub fn head(title: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{}</title><style>{STYLE}</style></head><body>",
+        escape(title)
+    )
+}
+
+/// A row of a table.
+pub fn row(cells: &[&str]) -> String {
+    let cells: String = cells.iter().map(|c| format!("<td>{}</td>", escape(c))).collect();
+    format!("<tr>{cells}</tr>")
+}
+
+/// A number with that many significant digits.
+pub fn number(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let exponent = value.abs().log10().floor();
+    if (-4.0..7.0).contains(&exponent) {
+        format!("{value:.*}", (digits as f64 - 1.0 - exponent).max(0.0) as usize)
+    } else {
+        format!("{value:.*e}", digits - 1)
+    }
+}

@@ -1,0 +1,212 @@
+//! Small line charts as inline SVG: axes with units, round ticks, several curves or points.
+
+use std::fmt::Write;
+
+/// One curve.
+pub struct Curve<'a> {
+    /// Its points.
+    pub points: Vec<(f64, f64)>,
+    /// Its colour.
+    pub colour: &'a str,
+    /// What it is, in the legend; empty: not in it.
+    pub label: &'a str,
+    /// Dots instead of a line.
+    pub dots: bool,
+}
+
+/// A chart.
+pub struct Chart<'a> {
+    /// Above it.
+    pub title: &'a str,
+    /// Horizontal axis with unit.
+    pub x: &'a str,
+    /// Vertical axis with unit.
+    pub y: &'a str,
+    /// A band around zero that is noise, in the vertical axis's unit.
+    pub band: Option<f64>,
+    /// Width and height, px.
+    pub size: (f64, f64),
+}
+
+const LEFT: f64 = 62.0;
+const RIGHT: f64 = 10.0;
+const TOP: f64 = 24.0;
+const BOTTOM: f64 = 40.0;
+/// Points beyond this are thinned to the extremes of each column of pixels.
+const MOST_POINTS: usize = 700;
+
+impl Chart<'_> {
+    /// The chart as an SVG element; nothing where there is nothing to draw.
+    pub fn draw(&self, curves: &[Curve]) -> String {
+        let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
+        let mut points = curves.iter().flat_map(|c| &c.points).filter(finite).peekable();
+        if points.peek().is_none() {
+            return String::new();
+        }
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        for (x, y) in points {
+            range = [range[0].min(*x), range[1].max(*x), range[2].min(*y), range[3].max(*y)];
+        }
+        if let Some(band) = self.band {
+            range = [range[0], range[1], range[2].min(-1.5 * band), range[3].max(1.5 * band)];
+        }
+        let (xs, ys) = (ticks(range[0], range[1], 6), ticks(range[2], range[3], 5));
+        let ([x0, x1], [y0, y1]) = (xs.range, ys.range);
+        let (width, height) = self.size;
+        let px = |x: f64| LEFT + (x - x0) / (x1 - x0) * (width - LEFT - RIGHT);
+        let py = |y: f64| TOP + (y1 - y) / (y1 - y0) * (height - TOP - BOTTOM);
+        let mut out =
+            format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">", escape(self.title));
+        if let Some(band) = self.band {
+            let _ = write!(
+                out,
+                "<rect class=\"band\" x=\"{LEFT}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
+                py(band),
+                width - LEFT - RIGHT,
+                py(-band) - py(band)
+            );
+        }
+        for y in &ys.at {
+            let (at, right) = (py(*y), width - RIGHT);
+            let _ = write!(
+                out,
+                "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/><text class=\"y\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                LEFT - 5.0,
+                at + 4.0,
+                ys.label(*y)
+            );
+        }
+        for x in &xs.at {
+            let (at, bottom) = (px(*x), height - BOTTOM);
+            let _ = write!(
+                out,
+                "<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/><text class=\"x\" x=\"{at:.1}\" y=\"{:.1}\">{}</text>",
+                bottom + 14.0,
+                xs.label(*x)
+            );
+        }
+        for c in curves {
+            let _ = write!(out, "{}", self.curve(c, &px, &py));
+        }
+        let mut at = width - RIGHT - 4.0;
+        for c in curves.iter().rev().filter(|c| !c.label.is_empty()) {
+            let _ = write!(
+                out,
+                "<text class=\"legend\" x=\"{at:.1}\" y=\"{:.1}\" fill=\"{}\">{}</text>",
+                TOP - 8.0,
+                c.colour,
+                escape(c.label)
+            );
+            at -= 6.6 * c.label.chars().count() as f64 + 14.0;
+        }
+        let _ = write!(
+            out,
+            "<text class=\"title\" x=\"{LEFT}\" y=\"{:.1}\">{}</text><text class=\"axis\" x=\"{:.1}\" y=\"{:.1}\">{}</text>\
+             <text class=\"axis\" transform=\"translate(12 {:.1}) rotate(-90)\">{}</text></svg>",
+            TOP - 8.0,
+            escape(self.title),
+            LEFT + (width - LEFT - RIGHT) / 2.0,
+            height - 6.0,
+            escape(self.x),
+            TOP + (height - TOP - BOTTOM) / 2.0,
+            escape(self.y)
+        );
+        out
+    }
+
+    fn curve(&self, c: &Curve, px: &impl Fn(f64) -> f64, py: &impl Fn(f64) -> f64) -> String {
+        let points = thinned(&c.points);
+        let mut out = String::new();
+        if c.dots {
+            for (x, y) in points {
+                let _ =
+                    write!(out, "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"1.6\" fill=\"{}\"/>", px(x), py(y), c.colour);
+            }
+            return out;
+        }
+        let _ = write!(out, "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.3\" points=\"", c.colour);
+        for (x, y) in points {
+            let _ = write!(out, "{:.1},{:.1} ", px(x), py(y));
+        }
+        out.push_str("\"/>");
+        out
+    }
+}
+
+/// At most [`MOST_POINTS`], keeping the smallest and largest of each stretch.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let points: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
+    if points.len() <= MOST_POINTS {
+        return points;
+    }
+    let size = points.len().div_ceil(MOST_POINTS / 2);
+    points
+        .chunks(size)
+        .flat_map(|chunk| {
+            let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+            let low = chunk.iter().min_by(by_value).copied().unwrap_or_default();
+            let high = chunk.iter().max_by(by_value).copied().unwrap_or_default();
+            if low.0 <= high.0 { [low, high] } else { [high, low] }
+        })
+        .collect()
+}
+
+/// Round numbers along an axis.
+struct Ticks {
+    at: Vec<f64>,
+    range: [f64; 2],
+    step: f64,
+}
+
+impl Ticks {
+    fn label(&self, value: f64) -> String {
+        let size = self.range[0].abs().max(self.range[1].abs());
+        if size >= 1e7 || (size > 0.0 && size < 1e-3) {
+            return format!("{value:.1e}");
+        }
+        format!("{:.*}", (-self.step.log10().floor()).max(0.0) as usize, if value == 0.0 { 0.0 } else { value })
+    }
+}
+
+fn ticks(low: f64, high: f64, about: usize) -> Ticks {
+    let span = if high > low { high - low } else { high.abs().max(1.0) * 0.1 };
+    let (low, high) = if high > low { (low, high) } else { (low - 0.5 * span, high + 0.5 * span) };
+    let rough = span / about as f64;
+    let power = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].iter().map(|f| f * power).find(|s| *s >= rough).unwrap_or(power);
+    let (first, last) = ((low / step).floor(), (high / step).ceil());
+    let at: Vec<f64> = (0..=(last - first) as usize).map(|k| (first + k as f64) * step).collect();
+    Ticks { range: [first * step, last * step], at, step }
+}
+
+/// Text for HTML and SVG.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_hold_the_range() {
+        for (low, high) in [(0.0, 5.63), (-149.0, 612.3), (1.01e5, 6.06e5), (3.0, 3.0), (-2e-7, 3e-7)] {
+            let t = ticks(low, high, 5);
+            assert!(
+                t.range[0] <= low && t.range[1] >= high && t.at.len() >= 3 && t.at.len() < 14,
+                "{low} {high} {:?}",
+                t.at
+            );
+        }
+    }
+
+    #[test]
+    fn thinning_keeps_the_extremes() {
+        let mut points: Vec<(f64, f64)> = (0..10_000).map(|k| (f64::from(k), 0.0)).collect();
+        points[4321].1 = 7.0;
+        points[8765].1 = -3.0;
+        let few = thinned(&points);
+        assert!(few.len() <= MOST_POINTS + 2);
+        assert!(few.contains(&(4321.0, 7.0)) && few.contains(&(8765.0, -3.0)));
+    }
+}

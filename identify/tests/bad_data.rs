@@ -1,0 +1,87 @@
+//! Data that cannot be what it should be is named, with the number that gives it away.
+
+use identify::synthetic::Recipe;
+use identify::{Error, Method};
+use records::{Rig, Trace};
+
+fn spoilt(change: impl Fn(&mut Trace)) -> Error {
+    let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
+    for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
+        change(t);
+    }
+    refused(&rig)
+}
+
+fn refused(rig: &Rig) -> Error {
+    match identify::identify(rig, Method::Exact) {
+        Err(error) => error,
+        Ok(found) => panic!("accepted: {:?}", found.parameters),
+    }
+}
+
+fn pressures(t: &mut Trace) -> &mut Vec<f64> {
+    t.pressure_pa.as_mut().unwrap()
+}
+
+#[test]
+fn too_few_rows_are_counted() {
+    let error = spoilt(|t| {
+        t.time_s.truncate(12);
+        t.position_m.truncate(12);
+        pressures(t).truncate(12);
+        t.ambient_temperature_k = None;
+    });
+    assert!(matches!(error, Error::TooFewSamples { rows: 12, .. }), "{error}");
+}
+
+#[test]
+fn a_piston_at_rest_is_no_test() {
+    let error = spoilt(|t| {
+        let first = t.position_m[0];
+        t.position_m.iter_mut().enumerate().for_each(|(i, x)| *x = first + 2e-6 * (i % 3) as f64);
+    });
+    assert!(matches!(error, Error::NoMove { .. }), "{error}");
+    assert!(error.to_string().contains("0.004 mm"), "{error}");
+}
+
+#[test]
+fn a_constant_pressure_is_no_answer_to_a_move() {
+    let error = spoilt(|t| pressures(t).iter_mut().enumerate().for_each(|(i, p)| *p = 3e5 + 15.0 * (i % 3) as f64));
+    assert!(matches!(error, Error::ConstantPressure { range_pa, .. } if range_pa == 30.0), "{error}");
+}
+
+#[test]
+fn a_saturated_sensor_is_told_with_value_and_time() {
+    let error = spoilt(|t| {
+        let p = pressures(t);
+        let (low, high) = p.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        let limit = (low + 0.7 * (high - low)).round();
+        p.iter_mut().for_each(|v| *v = v.min(limit));
+    });
+    assert!(matches!(error, Error::Saturated { high: true, .. }), "{error}");
+}
+
+#[test]
+fn gauge_pressures_are_recognised_by_the_offset_they_ask_for() {
+    // The expansions from ambient would be below vacuum: a reader of records refuses those.
+    let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
+    rig.experiments.retain(|e| e.name == "compress-3bar" || e.name == "expand-5bar" || e.name == "compress-part");
+    rig.experiments
+        .iter_mut()
+        .flat_map(|e| &mut e.traces)
+        .for_each(|t| pressures(t).iter_mut().for_each(|p| *p -= 101_300.0));
+    let error = refused(&rig);
+    assert!(matches!(error, Error::Gauge { offset_pa, .. } if (offset_pa / 101_300.0 - 1.0).abs() < 0.1), "{error}");
+}
+
+#[test]
+fn a_position_with_an_offset_asks_for_a_negative_dead_volume() {
+    let error = spoilt(|t| t.position_m.iter_mut().for_each(|x| *x += 0.05));
+    assert!(matches!(error, Error::NegativeDeadVolume { dead_volume_m3, .. } if dead_volume_m3 < 0.0), "{error}");
+}
+
+#[test]
+fn a_position_counted_from_the_other_end_is_noticed() {
+    let error = spoilt(|t| t.position_m.iter_mut().for_each(|x| *x = 0.4 - *x));
+    assert!(matches!(error, Error::WrongSign { correlation, .. } if correlation > 0.5), "{error}");
+}

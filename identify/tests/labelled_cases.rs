@@ -1,0 +1,97 @@
+//! Four of the labelled cases (two repeats of each experiment), from a simulator written apart from this project.
+
+use identify::diagnosis::Diagnosed;
+use identify::fit::readings;
+use identify::prepare::Data;
+use records::Rig;
+use std::path::PathBuf;
+
+fn folder(case: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(case)
+}
+
+fn diagnosed(case: &str) -> Diagnosed {
+    identify::diagnose(&Rig::read(&folder(case)).unwrap(), &|_, _| ()).unwrap()
+}
+
+/// Error of the diagnosed model on a motion that no experiment has, over the noise.
+fn validation_error_over_noise(case: &str, found: &Diagnosed) -> f64 {
+    let mut rig = Rig::read(&folder(case)).unwrap();
+    let text = std::fs::read_to_string(folder(case).join("rig.toml")).unwrap();
+    let only = format!(
+        "{}[[experiment]]\nname = \"validation\"\ntraces = [\"validation.csv\"]\n",
+        text.split("[[experiment]]").next().unwrap()
+    );
+    let copy = tempfile::tempdir().unwrap();
+    std::fs::write(copy.path().join("rig.toml"), only).unwrap();
+    std::fs::copy(folder(case).join("validation.csv"), copy.path().join("validation.csv")).unwrap();
+    rig = Rig { path: rig.path, ..Rig::read(copy.path()).unwrap() };
+    let data = Data::prepare(&rig).unwrap();
+    let t = &data.traces[0];
+    let model = readings(t, &found.chamber(), &[1.0]).unwrap();
+    let squares: f64 = t.pressure_pa.iter().zip(&model).map(|(y, m)| (y - m).powi(2)).sum();
+    (squares / model.len() as f64).sqrt() / found.diagnosis.noise_pa
+}
+
+fn assert_within(value: f64, truth: f64, share: f64) {
+    assert!((value / truth - 1.0).abs() < share, "{value} against {truth}");
+}
+
+#[test]
+fn a_clean_cylinder_raises_no_alarm() {
+    let found = diagnosed("case01");
+    assert_eq!((found.diagnosis.verdict, found.diagnosis.balance), ("adequate", "none"));
+    assert!(found.diagnosis.effects.is_empty());
+    assert_within(found.chamber().heat_transfer.coefficient, 43.257, 0.01);
+    assert_within(found.chamber().geometry.dead_volume, 9.645e-6, 0.01);
+    assert!(validation_error_over_noise("case01", &found) < 1.1);
+}
+
+#[test]
+fn a_leak_is_named_and_measured() {
+    let found = diagnosed("case03");
+    assert_eq!((found.diagnosis.verdict, found.diagnosis.balance), ("explained", "mass"));
+    assert_eq!(found.diagnosis.effects, ["leakage"]);
+    assert_within(found.chamber().heat_transfer.coefficient, 33.132, 0.01);
+    let leak = found.diagnosis.after.parameters.iter().find(|(n, _)| n == "leakage.conductance_m3_per_s_pa").unwrap();
+    assert_within(leak.1.value, 3e-12, 0.01);
+    assert!(found.diagnosis.after.rmse_pa.held_out < found.diagnosis.before.rmse_pa.held_out);
+}
+
+#[test]
+fn a_slow_sensor_is_named_and_not_taken_for_a_delay() {
+    let found = diagnosed("case08");
+    assert_eq!((found.diagnosis.effects.as_slice(), found.diagnosis.balance), (["sensor_lag"].as_slice(), "sensor"));
+    assert_within(found.chamber().heat_transfer.coefficient, 44.519, 0.01);
+    assert!(validation_error_over_noise("case08", &found) < 1.1);
+}
+
+#[test]
+fn what_no_card_describes_gets_no_name() {
+    let found = diagnosed("case13");
+    assert_eq!(found.diagnosis.verdict, "unexplained");
+    assert!(found.diagnosis.effects.is_empty());
+    assert!(found.diagnosis.missing.len() > 2 && found.diagnosis.balance != "none");
+    // The model to go on with is the paper's.
+    assert!(found.chamber().active().is_empty());
+}
+
+#[test]
+fn the_result_has_the_contract_s_names() {
+    let found = diagnosed("case03");
+    let json = serde_json::to_value(&found.diagnosis).unwrap();
+    assert!(json["before"]["parameters"]["lambda0_w_per_m2_k"]["ci95"][0].as_f64().unwrap() > 0.0);
+    assert!(json["after"]["parameters"]["leakage.conductance_m3_per_s_pa"]["value"].as_f64().unwrap() > 0.0);
+    assert!(json["candidates"][0]["delta_bic"].as_f64().unwrap() > 10.0);
+    assert_eq!(json["candidates"][0]["effect"], "leakage");
+    assert!(json["candidates"][0]["held_out_rmse_pa"].is_number() && json["noise_pa"].is_number());
+}
+
+#[test]
+fn the_report_is_one_page_without_outside_references() {
+    let rig = Rig::read(&folder("case03")).unwrap();
+    let page = identify::report::html(&rig, &diagnosed("case03"));
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    assert!(page.contains("<svg") && page.contains("pressure, bar") && page.contains("leakage"));
+    assert!(!page.contains("http://") && !page.contains("https://") && !page.contains("NaN"));
+}
