@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
-  pneutherm diagnose examples/cylinder/rig.toml -o model.toml
+  pneutherm diagnose examples/cylinder/rig.toml -o model.toml --report report.html
   pneutherm diagnose examples/cylinder --json diagnosis.json
 
 The verdict: `adequate`, the paper's model leaves no more than noise; `explained`, with the effects that it lacks;
@@ -27,6 +27,9 @@ pub struct Args {
     /// Write the result as JSON to this file, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write a report for people to this file: one self-contained page
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 }
 
 /// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
@@ -46,7 +49,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;
     }
-    let taken = [&args.output, &args.json].into_iter().flatten().any(|p| output::is_stdout(p));
+    if let Some(path) = &args.report {
+        output::write(path, identify::report::html(&rig, &found).as_bytes())?;
+    }
+    let taken = [&args.output, &args.json, &args.report].into_iter().flatten().any(|p| output::is_stdout(p));
     if taken { Ok(()) } else { output::print(table(&found.diagnosis).as_bytes()) }
 }
 
