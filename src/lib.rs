@@ -1,6 +1,6 @@
 //! `pneutherm`: heat transfer in pneumatic cylinder chambers, from the command line.
 //!
-//! A library, so that the program of `cargo install` and that of `pip install` are the same: both call [`run`].
+//! A library, so that tests and the guide's reference pages see what the program is made of.
 //! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do.
 
 mod commands;
@@ -9,6 +9,7 @@ mod output;
 #[cfg(test)]
 mod reference;
 mod reproduce;
+pub mod simulation;
 
 use clap::Parser;
 use std::ffi::OsString;

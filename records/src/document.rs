@@ -6,7 +6,8 @@
 use crate::error::Error;
 use crate::table::Table;
 use std::borrow::Cow;
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -85,16 +86,21 @@ impl Document {
     }
 }
 
-fn read_text(path: &Path) -> io::Result<String> {
+/// The text of a settings file.
+///
+/// # Errors
+/// Besides the system's reasons: a folder, more bytes than a person types (a device without end among them), no UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
     let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
-    let facts = std::fs::metadata(path)?;
-    if facts.is_dir() {
+    if std::fs::metadata(path)?.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, a TOML file is expected"));
     }
-    if facts.len() > MAX_BYTES {
-        return Err(invalid(format!("its {} bytes are more than settings take ({MAX_BYTES} at most)", facts.len())));
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(invalid(format!("it has more bytes than settings take ({MAX_BYTES} at most)")));
     }
-    String::from_utf8(std::fs::read(path)?).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
         invalid(format!("line {line} has bytes that are not UTF-8 text"))

@@ -65,6 +65,11 @@ impl Quantity {
         self.units()[0].0
     }
 
+    /// Names of the units that are read, SI first.
+    pub fn unit_names(self) -> impl Iterator<Item = &'static str> {
+        self.units().iter().map(|(name, _)| *name)
+    }
+
     /// Known units, SI first.
     fn units(self) -> &'static [UnitRow] {
         match self {

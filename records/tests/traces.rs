@@ -250,7 +250,7 @@ fn files_without_a_record_are_refused() {
     assert_says(&bench.refusal(""), &["the file is empty"]);
     assert_says(&bench.refusal("\n \r\n\n"), &["the file is empty"]);
     assert_says(&bench.refusal(table(&[])), &["no row after the header in line 1"]);
-    assert_says(&bench.refusal(table(&GOOD[..1])), &["1 row are too few", "3 are the least"]);
+    assert_says(&bench.refusal(table(&GOOD[..1])), &["1 row is too few", "3 are the least"]);
     assert_says(&bench.refusal(table(&GOOD[..2])), &["2 rows are too few"]);
 }
 

@@ -2,8 +2,10 @@
 //!
 //! `UPDATE_EXPECT=1 cargo test reference` writes the pages anew.
 
+mod columns;
 mod command_line;
 mod effects;
+mod fmu;
 
 use std::fmt::Write;
 

@@ -62,7 +62,7 @@ pub enum TraceProblem {
         line: usize,
     },
     /// Too few rows to be a record.
-    #[error("{rows} row{} {part}are too few for a record; 3 are the least", if *rows == 1 { "" } else { "s" })]
+    #[error("{rows} row{} {part}{} too few for a record; 3 are the least", if *rows == 1 { "" } else { "s" }, if *rows == 1 { "is" } else { "are" })]
     FewRows {
         /// How many there are.
         rows: usize,

@@ -23,7 +23,8 @@ impl Study {
     /// # Errors
     /// Whatever is wrong with either file, with its line and key.
     pub fn read(path: &Path) -> Result<Study, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text =
+            records::document::read_text(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
         Study::parse(&text, path, None)
     }
 

@@ -1,0 +1,40 @@
+//! The page of columns: traces, `simulate`, studies and what a study can vary.
+
+use super::{MADE, table};
+use crate::simulation;
+use records::layout::Quantity;
+use sweep::{columns::OUTPUTS, quantity};
+
+fn page() -> String {
+    let code = |name: &str| format!("`{name}`");
+    let mut page = format!("{MADE}# Columns\n\n## Traces\n\n");
+    page += &table(
+        ["key in `[columns]`", "column unless mapped", "units that are read"],
+        Quantity::ALL.map(|q| [code(q.key()), code(q.default_name()), q.unit_names().collect::<Vec<_>>().join(", ")]),
+    );
+    page += "\nThe first unit is that of the column unless mapped.\n\n## What `simulate` writes\n\n";
+    page += &table(
+        ["column", "unit", ""],
+        simulation::COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]),
+    );
+    page += "\n## What `sweep` writes\n\n`row` (its number in the design), each varied quantity under its own name, then\n\n";
+    page += &table(
+        ["column", "unit", ""],
+        OUTPUTS.iter().map(|o| {
+            let fit = if o.of_fit { " (with `fit = true`)" } else { "" };
+            [code(o.name), o.unit.to_owned(), format!("{}{fit}", o.doc)]
+        }),
+    );
+    page += "\nand `status`: `ok`, `not_settled` (the test ends before), or `failed: ` and the reason.\n";
+    page += "\n## What a study can vary\n\nBy the dotted name, or its last part where that is unambiguous.\n\n";
+    page += &table(
+        ["quantity", "unit", "values", ""],
+        quantity::all().iter().map(|q| [code(&q.name), q.unit.to_owned(), q.allowed.to_string(), q.doc.to_owned()]),
+    );
+    page
+}
+
+#[test]
+fn the_page_of_columns_is_what_the_code_declares() {
+    expect_test::expect_file!["../../book/src/reference/columns.md"].assert_eq(&page());
+}

@@ -1,0 +1,153 @@
+//! A model's chamber along a motion: what `pneutherm simulate` and its like in Python compute.
+
+use anyhow::{Context, bail};
+use chamber::signals::{Knot, Signals};
+use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
+use records::{Layout, Model, Need, Reading, RigFile, Trace, Window};
+use std::path::{Path, PathBuf};
+
+/// Steps of the search for the start; each leaves a small share of the error, a leak's share of the rest's pressure.
+const MEAN_ITERATIONS: usize = 8;
+
+/// What is simulated.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The model file.
+    pub model: PathBuf,
+    /// The motion, a trace file with or without pressure.
+    pub motion: PathBuf,
+    /// A rig whose columns and format are the motion's.
+    pub rig: Option<PathBuf>,
+    /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
+    pub initial_pressure_pa: Option<f64>,
+}
+
+/// A column of the result.
+pub struct Column {
+    /// Its name, with the unit.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// One line for people.
+    pub doc: &'static str,
+    /// Its value of a sample.
+    pub of: fn(&Sample) -> f64,
+}
+
+/// The result's columns, in order.
+pub const COLUMNS: [Column; 7] = [
+    Column { name: "time_s", unit: "s", doc: "Time, as in the motion", of: |s| s.time },
+    Column {
+        name: "pressure_pa",
+        unit: "Pa",
+        doc: "What the sensor would show, sensor effects included",
+        of: |s| s.measured_pressure,
+    },
+    Column { name: "gas_pressure_pa", unit: "Pa", doc: "Pressure of the gas", of: |s| s.gas_pressure },
+    Column { name: "temperature_k", unit: "K", doc: "Mean temperature of the gas", of: |s| s.temperature },
+    Column { name: "mass_kg", unit: "kg", doc: "Mass of the gas", of: |s| s.mass },
+    Column { name: "volume_m3", unit: "m3", doc: "Volume of the gas", of: |s| s.volume },
+    Column { name: "heat_flow_w", unit: "W", doc: "Heat flow into the gas", of: |s| s.heat_flow },
+];
+
+/// Simulates: one sample for each row of the motion.
+///
+/// # Errors
+/// A file that is refused, a motion that leaves no gas, no pressure to begin from.
+pub fn samples(request: &Request) -> anyhow::Result<Vec<Sample>> {
+    let model = Model::read(&request.model)?;
+    let motion = read_motion(&request.motion, request.rig.as_deref())?;
+    let signals = signals(&model, &motion);
+    check_volume(&model, &motion)?;
+    let start = start(request, &model, &motion, &signals)?;
+    along(&model, start, &signals, &motion, motion.len())
+}
+
+fn read_motion(path: &Path, rig: Option<&Path>) -> anyhow::Result<Trace> {
+    let (layout, stroke_m) = match rig {
+        None => (Layout::default(), None),
+        Some(rig) => {
+            let file = RigFile::read(rig)?;
+            (file.layout, file.rig.cylinder.stroke_m)
+        }
+    };
+    let reading = Reading { layout: &layout, stroke_m, window: Window::ALL, need: Need::Motion };
+    Ok(Trace::read(path, &reading)?)
+}
+
+fn signals(model: &Model, motion: &Trace) -> Signals {
+    let knot = |row: usize| Knot {
+        time: motion.time_s[row],
+        position: motion.position_m[row],
+        mass_flow: motion.mass_flow_kg_per_s.as_ref().map_or(0.0, |flow| flow[row]),
+        ambient_temperature: motion.ambient_temperature_k.as_ref().map_or(model.ambient_temperature_k, |t| t[row]),
+    };
+    Signals { knots: (0..motion.len()).map(knot).collect(), ambient_pressure: model.ambient_pressure_pa }
+}
+
+/// The first rows of the motion, simulated.
+fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: usize) -> anyhow::Result<Vec<Sample>> {
+    simulate(&model.chamber, model.active(), start, signals, &motion.time_s[..rows], RELATIVE_TOLERANCE)
+        .with_context(|| format!("{}: cannot be simulated along", motion.path.display()))
+}
+
+/// The state that the simulation begins from: ambient temperature, and the pressure asked for or measured.
+fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Result<Start> {
+    let rest = rows_at_rest(motion);
+    let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
+    let temperature = ambient.unwrap_or(model.ambient_temperature_k);
+    if let Some(pressure) = request.initial_pressure_pa {
+        return Ok(Start { pressure, temperature });
+    }
+    let Some(measured) = &motion.pressure_pa else {
+        bail!(
+            "{}: has no pressure column to begin from; say the gas pressure at the start by --initial-pressure",
+            motion.path.display()
+        );
+    };
+    let measured = mean(measured[..rest].iter().copied());
+    // At rest the sensor shows the mean, but a leak or a drift moves it meanwhile: begin so that the means agree.
+    let mut pressure = measured;
+    for _ in 0..MEAN_ITERATIONS {
+        let samples = along(model, Start { pressure, temperature }, signals, motion, rest)?;
+        let next = pressure + measured - mean(samples.iter().map(|sample| sample.measured_pressure));
+        let settled = (next - pressure).abs() < 1e-9 * measured;
+        // A model that empties or fills the chamber before the piston moves has no such start.
+        if !(0.5 * measured..2.0 * measured).contains(&next) {
+            return Ok(Start { pressure: measured, temperature });
+        }
+        pressure = next;
+        if settled {
+            break;
+        }
+    }
+    Ok(Start { pressure, temperature })
+}
+
+/// Rows before the piston moves or gas flows.
+fn rows_at_rest(motion: &Trace) -> usize {
+    let flow = motion.mass_flow_kg_per_s.as_deref().unwrap_or_default();
+    let closed = flow.iter().position(|flow| *flow != 0.0).unwrap_or(motion.len());
+    motion.rows_at_rest().min(closed.max(1))
+}
+
+/// Refuses a motion that runs into the chamber's end.
+fn check_volume(model: &Model, motion: &Trace) -> anyhow::Result<()> {
+    let geometry = &model.chamber.geometry;
+    let rows = motion.time_s.iter().zip(&motion.position_m);
+    for (time, position) in rows {
+        if geometry.volume(*position) <= 0.0 {
+            bail!(
+                "{}: at {time} s the position {position} m leaves no gas: the dead volume is {} m3",
+                motion.path.display(),
+                geometry.dead_volume
+            );
+        }
+    }
+    Ok(())
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}
