@@ -86,8 +86,8 @@ pub fn run<const N: usize, const BITS: u32>(
                 c.steps.push(problem.steps);
                 let left = c.state[MASS] / c.initial[MASS];
                 c.failure = match c.failure {
-                    None if !(c.state[MASS] > 0.0 && c.state[ENERGY] > 0.0) => Some(Failure::Empty),
-                    Some(_) if !(left > EMPTY) => Some(Failure::Empty),
+                    None if !positive(c.state[MASS]) || !positive(c.state[ENERGY]) => Some(Failure::Empty),
+                    Some(_) if left.is_nan() || left <= EMPTY => Some(Failure::Empty),
                     other => other,
                 };
             }
@@ -161,4 +161,9 @@ fn evaluate<const N: usize, const BITS: u32>(
         exact: false,
         status: Ok(()),
     }
+}
+
+/// Whether a state is a positive number (NaN is not).
+fn positive(value: f64) -> bool {
+    value > 0.0
 }

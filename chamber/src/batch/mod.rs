@@ -3,6 +3,9 @@
 //! [`run`] solves push-and-hold tests on one thread, each result a pure function of its scenario: the same bits
 //! whatever the others are and in whichever order they come. The caller spreads chunks over threads.
 
+// Several arrays of lanes side by side, by one index, read as the equations do.
+#![allow(clippy::needless_range_loop)]
+
 mod adaptive;
 mod advance;
 mod course;

@@ -180,7 +180,7 @@ pub fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
             return Err(Failure::NotPositive(name));
         }
     }
-    let at_least_zero = |value: f64| value >= 0.0 && value < f64::INFINITY;
+    let at_least_zero = |value: f64| (0.0..f64::INFINITY).contains(&value);
     for (name, fine) in [
         ("the dead volume", c.geometry.dead_volume.is_finite()),
         ("the heat transfer coefficient", at_least_zero(c.heat_transfer.coefficient)),

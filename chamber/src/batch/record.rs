@@ -107,7 +107,7 @@ impl<'a, const N: usize, S: Observe<N>> Record<'a, N, S> {
             while index < steps.to as usize && count < WIDTH {
                 let entry = &entries[index];
                 index += 1;
-                if !(entry.accepted[column] > 0.0) {
+                if entry.accepted[column] <= 0.0 {
                     continue;
                 }
                 from[count] = entry.from[column];
