@@ -78,6 +78,7 @@ fn faulty_studies_are_refused_by_line_and_key() {
     let faults = [
         ("bore_m", "boer_m", "study.toml: line 12", "bore_m"),
         ("\"factorial\"", "\"factorail\"", "study.toml: line 4", "factorial"),
+        ("initial_stroke_m = 0.1", "initial_strok_m = 0.1", "study.toml: line 7", "initial_stroke_m"),
         ("initial_stroke_m = 0.1", "initial_stroke_m = -0.1", "study.toml: line 7", "initial_stroke_m"),
         ("0.016, 0.032", "-0.016", "study.toml: line 12", "bore_m"),
         ("count = 3", "count = \"3\"", "study.toml: line 13", "count"),

@@ -326,6 +326,12 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
     base.set(Base::AmbientPressure, model.ambient_pressure_pa);
     base.effects_mut().copy_from_slice(&c.effects.0);
 
+    // A misspelt key is said to be one before the key it was meant for is missed.
+    for key in quantity::all().iter().filter_map(|q| q.name.strip_prefix("test.")) {
+        test.get(key);
+    }
+    test.finish()?;
+
     let varies = |base: Base| varied.iter().any(|v| v.quantity == base as usize);
     let take = |base: &mut Point, quantity: Base| -> Result<bool, Error> {
         let q = &quantity::all()[quantity as usize];
@@ -373,6 +379,5 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
         let (duration, push) = (base.get(Base::Duration), base.get(Base::PushTime));
         return Err(entry.refuse(format!("is {duration}: the test would end before its push of {push} s")));
     }
-    test.finish()?;
     Ok(base)
 }
