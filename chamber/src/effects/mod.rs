@@ -30,7 +30,7 @@ pub trait Effect {
     fn flows<R: Real>(_p: &[R], _at: &Conditions<R>, _flows: &mut Flows<R>) {}
 
     /// Gas that leaves (positive) because pressure rises at `pressure_rate`, Pa/s, if nothing left: returns the flow in
-    /// kg/s and the temperature it has, K. See [`tube_volume`](crate::effects::tube_volume).
+    /// kg/s and the temperature it has, K. See [`tube_volume`].
     #[inline(always)]
     fn storage<R: Real>(_p: &[R], _at: &Conditions<R>, _pressure_rate: R) -> Option<(R, R)> {
         None
