@@ -98,7 +98,7 @@ fn a_folder_with_another_study_is_refused_and_left_alone() {
     run(&first, folder.path(), Shard::WHOLE, &quiet).unwrap();
     std::fs::remove_file(folder.path().join("manifest.json")).unwrap();
     let before = parts(folder.path());
-    let second = study("design = \"factorial\"\ntolerance = 1e-10", BORES);
+    let second = study("design = \"factorial\"\ntolerance = 1e-8", BORES);
     let message = run(&second, folder.path(), Shard::WHOLE, &quiet).unwrap_err().to_string();
     assert!(message.contains("holds another study") && message.contains("differs in tolerance"), "{message}");
     assert_eq!(parts(folder.path()), before);
