@@ -68,26 +68,8 @@ pub fn simulate<R: Scalar>(
     relative_tolerance: f64,
 ) -> Result<Vec<Sample<R>>, IntegrationError> {
     let mut recorder = Recorder::new(chamber, set, signals, times);
-    recorder.whole_samples = true;
     recorder.run(start, relative_tolerance)?;
     Ok(recorder.samples)
-}
-
-/// What the sensor shows at each of `times`, Pa: [`simulate`] without the rest of the samples, at a fraction of the cost.
-///
-/// # Errors
-/// As [`simulate`].
-pub fn readings<R: Scalar>(
-    chamber: &Chamber<R>,
-    set: EffectSet,
-    start: Start<R>,
-    signals: &Signals,
-    times: &[f64],
-    relative_tolerance: f64,
-) -> Result<Vec<R>, IntegrationError> {
-    let mut recorder = Recorder::new(chamber, set, signals, times);
-    recorder.run(start, relative_tolerance)?;
-    Ok(recorder.readings)
 }
 
 /// Fills samples while the integration passes by: the gas at each row's time, the sensor's reading of a delay earlier.
@@ -97,7 +79,6 @@ struct Recorder<'a, R> {
     signals: &'a Signals,
     times: &'a [f64],
     delay: R,
-    whole_samples: bool,
     samples: Vec<Sample<R>>,
     readings: Vec<R>,
 }
@@ -111,8 +92,7 @@ impl<'a, R: Scalar> Recorder<'a, R> {
             signals,
             times,
             delay,
-            whole_samples: false,
-            samples: Vec::new(),
+            samples: Vec::with_capacity(times.len()),
             readings: Vec::with_capacity(times.len()),
         }
     }
@@ -184,7 +164,7 @@ impl<'a, R: Scalar> Recorder<'a, R> {
 
     #[inline]
     fn next_sample(&self) -> Option<f64> {
-        if self.whole_samples { self.times.get(self.samples.len()).copied() } else { None }
+        self.times.get(self.samples.len()).copied()
     }
 
     /// The boundary at `time`, whose derivatives (those of a delay) move the position on.
@@ -240,17 +220,6 @@ mod tests {
         let plain = run(&with(&chamber, "record_delay", &[0.05]), &signals, &times);
         for (d, p) in run(&drifting, &signals, &times).iter().zip(&plain) {
             assert!((d.measured_pressure - (p.measured_pressure - 200.0 * d.time)).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn readings_alone_are_those_of_the_whole_samples() {
-        let (chamber, signals, times) = push();
-        let delayed = with(&chamber, "record_delay", &[0.013]);
-        let start = Start { pressure: 1.013e5, temperature: 293.0 };
-        let alone = readings(&delayed, delayed.active(), start, &signals, &times, 1e-10).unwrap();
-        for (reading, sample) in alone.iter().zip(run(&delayed, &signals, &times)) {
-            assert_eq!(*reading, sample.measured_pressure);
         }
     }
 

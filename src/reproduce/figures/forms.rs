@@ -1,6 +1,6 @@
 //! Error of every form of λ that was tried, on the fitted points and on left-out actuators, as dots on a common scale.
 
-use super::{BLUE, GRID, INK, VERMILION, axis_style, before, drawing, failed, label_style, title_style};
+use super::{BLUE, GRID, INK, VERMILION, axis_style, before, drawing, failed, label_style, legend, title_style};
 use anyhow::Result;
 use identify::paper::geometry_effect::GeometryEffect;
 use plotters::prelude::*;
@@ -63,16 +63,7 @@ pub fn draw(effect: &GeometryEffect) -> Result<String> {
             .map_err(failed)?
             .label("actuator left out")
             .legend(|(x, y)| TriangleMarker::new((x + 12, y), 7, VERMILION.filled()));
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .label_font(label_style())
-            .legend_area_size(32)
-            .margin(14)
-            .background_style(WHITE.filled())
-            .border_style(GRID)
-            .draw()
-            .map_err(failed)?;
+        legend(&mut chart)?;
         Ok(())
     })
 }

@@ -8,7 +8,7 @@ pub mod time_constants;
 pub mod trend;
 
 use anyhow::{Result, anyhow};
-use plotters::coord::Shift;
+use plotters::coord::{CoordTranslate, Shift};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -44,6 +44,20 @@ where
 /// A drawing error as one sentence.
 pub fn failed(error: impl std::fmt::Display) -> anyhow::Error {
     anyhow!("a figure could not be drawn: {error}")
+}
+
+/// The legend of the labelled series, in the upper right corner.
+pub fn legend<'a, T: CoordTranslate>(chart: &mut ChartContext<'a, SVGBackend<'a>, T>) -> Result<()> {
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .label_font(label_style())
+        .legend_area_size(32)
+        .margin(14)
+        .background_style(WHITE.filled())
+        .border_style(GRID)
+        .draw()
+        .map_err(failed)
 }
 
 /// Titles.

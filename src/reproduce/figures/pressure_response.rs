@@ -1,6 +1,6 @@
 //! Pressure after the push of section 3.1 with both fits, and the residual of each, over time.
 
-use super::{BLUE, GRID, INK, VERMILION, axis_style, drawing, failed, label_style, title_style};
+use super::{BLUE, GRID, INK, VERMILION, axis_style, drawing, failed, label_style, legend, title_style};
 use anyhow::Result;
 use identify::paper::section31::Section31;
 use plotters::prelude::*;
@@ -61,16 +61,7 @@ pub fn draw(found: &Section31) -> Result<String> {
             .map_err(failed)?
             .label("P = Pf + ΔP exp(−t/τ), as published")
             .legend(|(x, y)| PathElement::new([(x, y), (x + 24, y)], VERMILION.stroke_width(3)));
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .label_font(label_style())
-            .legend_area_size(32)
-            .margin(14)
-            .background_style(WHITE.filled())
-            .border_style(GRID)
-            .draw()
-            .map_err(failed)?;
+        legend(&mut chart)?;
         residuals(&below, shown(left(exponential)).collect(), shown(left(exact)).collect())
     })
 }

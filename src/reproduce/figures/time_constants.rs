@@ -1,6 +1,6 @@
 //! Predicted over measured time constant of the six tests, before and after, each actuator predicted from the others.
 
-use super::{BLUE, GRID, INK, VERMILION, axis_style, centred, drawing, failed, label_style, title_style};
+use super::{BLUE, GRID, INK, VERMILION, axis_style, centred, drawing, failed, label_style, legend, title_style};
 use anyhow::{Context, Result};
 use identify::paper::geometry_effect::{COLUMN_HALF, GeometryEffect, ONE_LAMBDA0};
 use plotters::prelude::*;
@@ -54,16 +54,7 @@ pub fn draw(effect: &GeometryEffect) -> Result<String> {
             .map_err(failed)?
             .label("λ ∝ √(PT) l^(−1/2)")
             .legend(|(x, y)| Circle::new((x + 12, y), 6, BLUE.filled()));
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .label_font(label_style())
-            .legend_area_size(32)
-            .margin(14)
-            .background_style(WHITE.filled())
-            .border_style(GRID)
-            .draw()
-            .map_err(failed)?;
+        legend(&mut chart)?;
         for (i, p) in effect.points.iter().enumerate() {
             let (x, y) = chart.backend_coord(&(i as f64, 0.4));
             let column = format!("{:.0} mm, {} s", p.column_m * 1e3, p.time_constant_s);
