@@ -115,14 +115,13 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; m
 h1 { font-size: 1.8rem; line-height: 1.2; } h2 { font-size: 1.3rem; margin-top: 2.5rem; border-bottom: 1px solid #ccc; padding-bottom: .2rem; }
 .lead { font-size: 1.1rem; color: #444; }
 table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; font-size: .9rem; }
-th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #ddd; }
-th { border-bottom: 2px solid #888; vertical-align: bottom; } th:first-child, td:first-child { text-align: left; }
-td:not(:first-child) { white-space: nowrap; } tr { break-inside: avoid; }
-.scroll { overflow-x: auto; }
+th, td { padding: .25rem .7rem; text-align: left; border-bottom: 1px solid #ddd; }
+th { border-bottom: 2px solid #888; vertical-align: bottom; } .n { text-align: right; } td.n { white-space: nowrap; }
+tr { break-inside: avoid; } .scroll { overflow-x: auto; }
 figure { margin: 1.5rem 0; } figure svg { width: 100%; height: auto; } figcaption { color: #444; font-size: .92rem; }
 code { background: #f3f3f3; padding: 0 .25em; border-radius: 3px; font-size: .92em; }
 @page { margin: 15mm; }
-@media print { body { margin: 0; max-width: none; font-size: 10.5pt; } table { font-size: 7.5pt; } th, td { padding: .15rem .35rem; } figure { break-inside: avoid; } h2 { break-after: avoid; } }
+@media print { body { margin: 0; max-width: none; font-size: 10pt; } table { font-size: 7.5pt; } th, td { padding: .1rem .35rem; } figure { break-inside: avoid; } h2 { break-after: avoid; } p { orphans: 3; widows: 3; } .scroll { overflow: visible; } figcaption, .lead { font-size: 1em; } }
 ";
 
 fn markdown_table(table: &Table) -> String {
@@ -135,9 +134,20 @@ fn markdown_table(table: &Table) -> String {
     format!("{}|{}|\n{rows}", line(&table.head), rule.join("|"))
 }
 
+/// Whether a column is set as numbers are: to the right, in one line. The first names its row.
+fn is_numeric(table: &Table, column: usize) -> bool {
+    let begins_with_digit =
+        |cell: &str| cell.trim_start_matches(['+', '-', '±', ' ']).starts_with(|c: char| c.is_ascii_digit());
+    let numbers = table.rows.iter().filter(|row| begins_with_digit(&row[column])).count();
+    column > 0 && 2 * numbers > table.rows.len()
+}
+
 fn html_table(table: &Table) -> String {
+    let classes: Vec<&str> =
+        (0..table.head.len()).map(|i| if is_numeric(table, i) { " class=\"n\"" } else { "" }).collect();
     let cells = |tag: &str, cells: &[String]| -> String {
-        cells.iter().map(|c| format!("<{tag}>{}</{tag}>", inline(c))).collect()
+        let set = cells.iter().zip(&classes);
+        set.map(|(cell, class)| format!("<{tag}{class}>{}</{tag}>", inline(cell))).collect()
     };
     let rows: String = table.rows.iter().map(|r| format!("<tr>{}</tr>\n", cells("td", r))).collect();
     format!(
@@ -218,7 +228,7 @@ mod tests {
         table.row(["x|y".into(), "1".into()]);
         let text = markdown_table(&table);
         assert_eq!(text, "| a | b in m |\n|---|---:|\n| x\\|y | 1 |\n");
-        assert!(html_table(&table).contains("<td>x|y</td><td>1</td>"));
+        assert!(html_table(&table).contains("<td>x|y</td><td class=\"n\">1</td>"));
     }
 
     #[test]

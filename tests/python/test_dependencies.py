@@ -1,6 +1,9 @@
-"""What the lock files must hold: one version of the crates whose types cross between ours."""
+"""What the dependencies must be: one version of the crates whose types cross between ours, licences, notices."""
 
 import re
+import shutil
+import subprocess
+import sys
 import tomllib
 
 import pytest
@@ -30,3 +33,17 @@ def test_every_package_comes_from_the_registry_or_the_project(root):
 def test_the_changelog_has_the_program_s_version(root):
     version = tomllib.loads((root / "Cargo.toml").read_text())["workspace"]["package"]["version"]
     assert f"## {version}" in (root / "CHANGELOG.md").read_text()
+
+
+@pytest.mark.skipif(not shutil.which("cargo-deny"), reason="no cargo-deny here (cargo install cargo-deny --locked)")
+def test_licences_versions_and_sources_are_those_that_deny_toml_allows(root):
+    command = ["cargo", "deny", "--offline", "check", "--hide-inclusion-graph", "licenses", "bans", "sources"]
+    process = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=300)
+    assert process.returncode == 0, process.stderr
+
+
+@pytest.mark.skipif(not shutil.which("cargo"), reason="no cargo here")
+def test_the_third_party_notices_are_those_of_the_lock_file(root):
+    command = [sys.executable, "release/notices.py", "--check"]
+    process = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=300)
+    assert process.returncode == 0, process.stderr

@@ -1,0 +1,149 @@
+"""Both HTML reports in a real browser: drawn, free of errors and requests, readable, whole on screen and on paper."""
+
+import io
+import re
+
+import pytest
+
+import browser
+
+image = pytest.importorskip("PIL.Image")
+
+if browser.program() is None:
+    pytest.skip("no Chromium here (Debian: apt-get install chromium)", allow_module_level=True)
+
+SCREEN, PAPER = (1100, 800, "screen"), (680, 960, "print")
+
+# Every text with its colour and the colour behind it, as sRGB bytes, with its size in px and whether it is bold.
+TEXTS = """
+(() => {
+  const found = [];
+  const bytes = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const text = walker.currentNode.textContent.trim();
+    const element = walker.currentNode.parentElement;
+    if (!text || element.closest('style, script, title, desc')) continue;
+    const style = getComputedStyle(element);
+    const inDrawing = element.closest('svg') !== null;
+    let behind = [255, 255, 255];
+    for (let e = element; e && !inDrawing; e = e.parentElement) {
+      const b = bytes(getComputedStyle(e).backgroundColor);
+      if (b.length === 3 || b[3] > 0) { behind = b; break; }
+    }
+    found.push([text, bytes(inDrawing ? style.fill : style.color).slice(0, 3), behind.slice(0, 3)]);
+  }
+  return found;
+})()
+"""
+# What does not fit its box or the page.
+CUT = """
+(() => [...document.querySelectorAll('body, body *:not(svg *)')]
+    .filter((e) => e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && getComputedStyle(e).display !== 'inline')
+    .map((e) => `${e.tagName}.${e.className} ${e.scrollWidth} > ${e.clientWidth}: ${e.textContent.slice(0, 80)}`))()
+"""
+DRAWINGS = "[...document.querySelectorAll('svg')].map((e) => { const b = e.getBoundingClientRect();"
+DRAWINGS += " return {x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height,"
+DRAWINGS += " texts: [...e.querySelectorAll('text')].map((t) => t.textContent.trim())}; })"
+UNITS = r", (s|ms|mbar|bar|Pa|Pa/s|K|K/s|mm|m|m/s|%|W/\(m² ?K\))$"
+# What an axis may say that has no unit: names, ratios.
+NO_UNIT = r"^(predicted τ / measured τ|experiment and actuator, .*|c(_i)? .*)$"
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory):
+    with browser.page(tmp_path_factory.mktemp("profile")) as tab:
+        yield tab
+
+
+@pytest.fixture(scope="module", params=["reproduce", "diagnose"])
+def report(request, pneutherm, root, tmp_path_factory):
+    """The report's file."""
+    folder = tmp_path_factory.mktemp(request.param)
+    if request.param == "reproduce":
+        pneutherm("reproduce", "-o", folder)
+    else:
+        pneutherm("diagnose", root / "examples/cylinder", "--report", folder / "report.html")
+    return folder / "report.html"
+
+
+@pytest.fixture
+def shown(tab, report):
+    """The tab with the report on a screen."""
+    tab.complaints.clear()
+    tab.requests.clear()
+    tab.size(*SCREEN)
+    tab.open(report)
+    return tab
+
+
+def test_the_browser_notices_what_is_wrong(tab, tmp_path):
+    """So that silence below means something."""
+    page = tmp_path / "bad.html"
+    page.write_text("<title>x</title><img src='absent.png'><script>console.error('one'); throw Error('two')</script>")
+    tab.complaints.clear()
+    tab.open(page)
+    said = str(tab.complaints)
+    assert "one" in said and "two" in said and "ERR_FILE_NOT_FOUND" in said
+
+
+def test_nothing_is_complained_about_and_nothing_else_is_loaded(shown, report):
+    shown.evaluate("document.fonts.ready.then(() => true)")
+    assert shown.complaints == []
+    assert shown.requests == [report.resolve().as_uri()]
+
+
+def test_the_page_and_each_of_its_drawings_are_not_blank(shown):
+    picture = image.open(io.BytesIO(shown.screenshot())).convert("RGB")
+    assert picture.height > 1500 and len(picture.getcolors(1 << 24)) > 200
+    drawings = shown.evaluate(DRAWINGS)
+    assert len(drawings) >= 4
+    for drawing in drawings:
+        corner = (drawing["x"], drawing["y"])
+        box = [*corner, corner[0] + drawing["width"], corner[1] + drawing["height"]]
+        colours = picture.crop([round(edge) for edge in box]).getcolors(1 << 24)
+        whitest = max(count for count, colour in colours if min(colour) > 240)
+        total = sum(count for count, _ in colours)
+        vivid = sum(count for count, colour in colours if max(colour) - min(colour) > 60)
+        assert len(colours) > 30 and whitest < 0.99 * total and vivid > 50, drawing["texts"]
+
+
+def luminance(colour):
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (v / 255 for v in colour)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one, other):
+    """WCAG 2.2, contrast ratio."""
+    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def test_every_text_stands_out_from_what_is_behind_it(shown):
+    texts = shown.evaluate(TEXTS)
+    assert len(texts) > 100
+    pale = {(text, *map(tuple, (colour, behind))) for text, colour, behind in texts if contrast(colour, behind) < 4.5}
+    assert not pale, sorted(pale)[:10]
+
+
+def test_it_is_light_whatever_the_reader_prefers(shown):
+    shown.call("Emulation.setEmulatedMedia", media="screen", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+    corner = image.open(io.BytesIO(shown.screenshot())).convert("RGB").getpixel((2, 2))
+    assert corner == (255, 255, 255)
+
+
+@pytest.mark.parametrize("view", [SCREEN, PAPER], ids=["screen", "paper"])
+def test_nothing_is_cut_off(shown, view):
+    shown.size(*view)
+    assert shown.evaluate(CUT) == []
+
+
+def test_every_axis_names_its_unit(shown):
+    for drawing in shown.evaluate(DRAWINGS):
+        described = [t for t in drawing["texts"] if re.search(UNITS, t) or re.search(NO_UNIT, t)]
+        assert len(described) >= 2, drawing["texts"]
+
+
+def test_it_prints_on_several_pages(shown):
+    pdf = shown.pdf()
+    assert pdf.startswith(b"%PDF") and len(re.findall(rb"/Type\s*/Page\b", pdf)) >= 3
