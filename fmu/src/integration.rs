@@ -96,13 +96,16 @@ impl Stroke {
     }
 }
 
+/// Volumes from here on are refused, m³.
+const LARGEST_VOLUME: f64 = 1e9;
+
 /// Volume at a position, m³.
 ///
 /// # Errors
-/// When there is none.
+/// When there is none, or more than any machine has: its gas could not be told in numbers.
 pub fn volume_at(chamber: &Chamber, position: f64) -> Result<f64, Refusal> {
     let volume = chamber.geometry.volume(position);
-    if volume > 0.0 && volume.is_finite() {
+    if volume > 0.0 && volume < LARGEST_VOLUME {
         Ok(volume)
     } else {
         Err(Refusal::NoVolume { position, volume, dead_volume: chamber.geometry.dead_volume })

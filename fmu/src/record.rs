@@ -101,8 +101,15 @@ impl Record {
         }
     }
 
-    /// Appends a stretch.
+    /// Appends a stretch. The host's clock may lie a rounding before the last one's end: what adds no time is left out,
+    /// what it covers anew goes, so that stretches stay in time order.
     pub fn push(&mut self, stretch: Stretch, delay: f64) {
+        if self.end().is_some_and(|end| stretch.end() <= end) {
+            return;
+        }
+        while self.stretches.back().is_some_and(|last| last.from >= stretch.from) {
+            self.stretches.pop_back();
+        }
         if let Some(last) = self.stretches.back_mut()
             && let Some(both) = last.merged(&stretch, delay)
         {
@@ -110,6 +117,11 @@ impl Record {
             return;
         }
         self.stretches.push_back(stretch);
+    }
+
+    /// End of the last stretch, s.
+    pub fn end(&self) -> Option<f64> {
+        self.stretches.back().map(Stretch::end)
     }
 
     /// Forgets what is older than `until`, s.
@@ -136,6 +148,19 @@ mod tests {
 
     fn wave(t: f64) -> f64 {
         1e5 + 1e4 * (3.0 * t).sin()
+    }
+
+    #[test]
+    fn a_clock_that_stands_or_goes_back_a_little_keeps_the_stretches_in_order() {
+        let mut record = filled(0.002, 40, 0.05);
+        let end = record.end().unwrap();
+        for (back, length) in [(0.0, 0.0), (1e-10, 1e-10), (0.067, 1e-3), (0.01, 0.02), (1e-12, 0.002)] {
+            record.push(Stretch::of(end - back, length, wave), 0.05);
+            assert!(record.stretches.iter().all(|s| s.length > 0.0), "{back} {length}");
+            assert!(record.stretches.iter().zip(record.stretches.iter().skip(1)).all(|(a, b)| a.from < b.from));
+            let (shown, _) = record.at(end - 0.001);
+            assert!((shown - wave(end - 0.001)).abs() < 1.0, "{back} {length}: {shown}");
+        }
     }
 
     fn filled(step: f64, steps: i32, delay: f64) -> Record {

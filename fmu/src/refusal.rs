@@ -214,7 +214,7 @@ pub enum Refusal {
     },
     /// No room for the gas.
     #[error(
-        "position = {position} m leaves the gas a volume of {volume} m3; it must be positive (deadVolume = {dead_volume} m3)"
+        "position = {position} m leaves the gas a volume of {volume} m3; it must lie between 0 and 1e9 m3 (deadVolume = {dead_volume} m3)"
     )]
     NoVolume {
         /// m.

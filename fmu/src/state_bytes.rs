@@ -15,6 +15,8 @@ use chamber::AreaLaw;
 const MAGIC: [u8; 8] = *b"PNTFMUS\0";
 const VERSION: u32 = 1;
 const GUID: usize = 40;
+/// How far, relative to the time or 1 s, a record may reach beyond the present time: the host's clock counts, not the sum of steps.
+const CLOCK: f64 = 1e-6;
 const HEAD: usize = 8 + 4 + 4 + GUID;
 
 /// The snapshot as bytes.
@@ -188,6 +190,7 @@ fn makes_sense(s: &Snapshot) -> bool {
     let ascending = s.record.iter().all(|record| {
         record.stretches.iter().all(|x| x.length > 0.0)
             && record.stretches.iter().zip(record.stretches.iter().skip(1)).all(|(a, b)| a.from < b.from)
+            && record.end().is_none_or(|end| end <= s.time + CLOCK * s.time.abs().max(1.0))
     });
     within && gas && record && ascending && s.gas.inner_step >= 0.0
 }

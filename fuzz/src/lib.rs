@@ -3,6 +3,7 @@
 //! Each target has a folder in `corpus/`. First every file of it is tried as it is, then mutations for
 //! `PNEUTHERM_FUZZ_SECONDS` (a target; 5 unless told). The seed is printed, and taken from `PNEUTHERM_FUZZ_SEED` when that is
 //! set. An input that makes a reader panic is kept in the corpus under a name that begins with `found-`.
+//! Formats that only the program writes have no files to begin from: their first inputs are made in the test.
 
 mod mutate;
 
@@ -19,8 +20,16 @@ const SLOW: Duration = Duration::from_secs(5);
 ///
 /// # Panics
 /// Where the target panics or takes longer than five seconds; the input is kept then.
-pub fn run(name: &str, dictionary: &[&str], mut target: impl FnMut(&[u8])) {
-    let corpus = Corpus::read(name);
+pub fn run(name: &str, dictionary: &[&str], target: impl FnMut(&[u8])) {
+    run_from(name, Vec::new(), dictionary, target);
+}
+
+/// As [`run`], with further inputs to begin from.
+///
+/// # Panics
+/// As [`run`].
+pub fn run_from(name: &str, made: Vec<Vec<u8>>, dictionary: &[&str], mut target: impl FnMut(&[u8])) {
+    let corpus = Corpus::read(name, made);
     for (path, bytes) in &corpus.files {
         attempt(&mut target, bytes, || path.clone());
     }
@@ -57,13 +66,14 @@ struct Corpus {
 }
 
 impl Corpus {
-    fn read(name: &str) -> Self {
+    fn read(name: &str, made: Vec<Vec<u8>>) -> Self {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name);
         let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("a folder's entry").path()).collect();
         paths.sort();
-        let files: Vec<_> =
+        let mut files: Vec<_> =
             paths.into_iter().map(|path| (path.clone(), std::fs::read(path).expect("a file"))).collect();
+        files.extend(made.into_iter().enumerate().map(|(i, bytes)| (PathBuf::from(format!("made {i}")), bytes)));
         assert!(!files.is_empty(), "{} is empty", folder.display());
         Self { folder, files }
     }

@@ -1,4 +1,4 @@
-//! Mutations that text formats stumble over: bytes flipped, parts cut, doubled, swapped between files, and words put in.
+//! Mutations that formats stumble over: bytes flipped, parts cut, doubled, swapped between files, words and numbers put in.
 
 use fastrand::Rng;
 use std::path::PathBuf;
@@ -46,6 +46,25 @@ const NASTY: [&str; 40] = [
     "99999999999999999999999999",
     "5e-324",
 ];
+/// Numbers no format likes, as eight bytes.
+const NASTY_REALS: [f64; 16] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    2.0,
+    0.5,
+    1e-300,
+    5e-324,
+    f64::MAX,
+    f64::MIN,
+    1e18,
+    -1e18,
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::EPSILON,
+];
 /// The longest input that is made, bytes.
 const LONGEST: usize = 64 << 10;
 
@@ -61,7 +80,7 @@ pub fn mutated(random: &mut Rng, files: &[(PathBuf, Vec<u8>)], dictionary: &[&st
 
 fn mutate(random: &mut Rng, bytes: &mut Vec<u8>, files: &[(PathBuf, Vec<u8>)], dictionary: &[&str]) {
     let part = part(random, bytes.len());
-    match random.u8(..9) {
+    match random.u8(..10) {
         0 => {
             if let Some(byte) = random.choice(bytes.iter_mut()) {
                 *byte ^= 1 << random.u8(..8);
@@ -81,6 +100,7 @@ fn mutate(random: &mut Rng, bytes: &mut Vec<u8>, files: &[(PathBuf, Vec<u8>)], d
         5 => put(random, bytes, &NASTY),
         6 if !dictionary.is_empty() => put(random, bytes, dictionary),
         7 => replace_number(random, bytes),
+        8 => replace_real(random, bytes),
         _ => {
             let line = line_at(bytes, part.start);
             let copy = bytes[line.clone()].to_vec();
@@ -109,6 +129,16 @@ fn replace_number(random: &mut Rng, bytes: &mut Vec<u8>) {
     let value = (random.f64() * 2.0 - 1.0) * magnitude;
     let text = if random.bool() { format!("{value:e}") } else { format!("{}", random.i64(-3..100)) };
     bytes.splice(at..end, text.bytes());
+}
+
+/// Eight bytes that may be a little-endian number become another number: a nasty one, or one not far from what was there.
+fn replace_real(random: &mut Rng, bytes: &mut [u8]) {
+    let Some(places) = (bytes.len() / 8).checked_sub(1) else { return };
+    let at = 8 * random.usize(..=places);
+    let Some(eight) = bytes[at..].first_chunk_mut::<8>() else { return };
+    let near = f64::from_le_bytes(*eight) * 10_f64.powf(6.0 * random.f64() - 3.0);
+    let nasty = NASTY_REALS[random.usize(..NASTY_REALS.len())];
+    *eight = if random.bool() { near } else { nasty }.to_le_bytes();
 }
 
 /// A random part, more often short than long.
