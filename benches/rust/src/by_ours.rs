@@ -1,0 +1,56 @@
+//! pneutherm's batch kernel, called as `sweep` calls it: one piece of the rows after the other for each thread.
+
+use crate::Solve;
+use crate::options;
+use crate::scenario::{AMBIENT_TEMPERATURE_K, Answer, Case};
+use chamber::batch::{self, Failure, Hold, Options, Outcome, Scenario, Solver};
+use chamber::effects::{self, EffectSet, EffectValues};
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+use rayon::prelude::*;
+
+/// Rows that one thread takes at a time, as in `sweep`.
+const PIECE: usize = 1 << 13;
+
+/// The kernel for these scenarios; they are turned into the kernel's own before the clock starts, as for the others.
+pub fn solver(cases: &[Case], asked: &options::Options) -> Solve {
+    let scenarios: Vec<Scenario> = cases.iter().map(scenario).collect();
+    let solver = if asked.is("exact") { Solver::Auto } else { Solver::Adaptive };
+    let options = Options { solver, relative_tolerance: asked.tolerance(), fit: asked.is("fit") };
+    let leaks = cases.iter().any(|c| c.leakage_m3_per_s_pa > 0.0);
+    let set = if leaks { EffectSet::one(leakage()) } else { EffectSet::NONE };
+    Box::new(move |cases, answers| {
+        let pieces = scenarios[..cases.len()].par_chunks(PIECE).zip(answers.par_chunks_mut(PIECE));
+        pieces.for_each_init(
+            || vec![Outcome::failed(Failure::TooManySteps); PIECE],
+            |outcomes, (scenarios, answers)| {
+                let outcomes = &mut outcomes[..scenarios.len()];
+                batch::run(set, scenarios, &options, outcomes);
+                for (answer, outcome) in answers.iter_mut().zip(outcomes) {
+                    *answer = Answer { peak_pa: outcome.pressure_peak_pa, final_pa: outcome.pressure_final_pa };
+                }
+            },
+        );
+    })
+}
+
+fn leakage() -> usize {
+    effects::find("leakage").expect("the leakage effect").0
+}
+
+fn scenario(case: &Case) -> Scenario {
+    let geometry = Geometry::new(case.bore_m, 0.0, case.dead_volume_m3, AreaLaw::Total);
+    let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(case.coefficient));
+    if case.leakage_m3_per_s_pa > 0.0 {
+        let mut values = EffectValues::NEUTRAL;
+        values.of_mut(leakage())[0] = case.leakage_m3_per_s_pa;
+        chamber.effects = values;
+    }
+    let positions = [case.initial_stroke_m, case.final_stroke_m];
+    let hold = Hold::Duration(case.duration_s);
+    let mut scenario = Scenario::push(chamber, case.initial_pressure_pa, positions, case.push_time_s, hold);
+    scenario.initial_temperature_k = AMBIENT_TEMPERATURE_K;
+    scenario.ambient_temperature_k = AMBIENT_TEMPERATURE_K;
+    scenario.temperature_in_k = AMBIENT_TEMPERATURE_K;
+    scenario.mass_flow_in_kg_per_s = case.inflow_kg_per_s;
+    scenario
+}

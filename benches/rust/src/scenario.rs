@@ -1,0 +1,50 @@
+//! A scenario as the driver writes it.
+
+use std::path::Path;
+
+/// Of the surroundings, in `../model.toml`.
+pub const AMBIENT_TEMPERATURE_K: f64 = 293.0;
+
+/// One push-and-hold test.
+#[derive(Clone, Copy)]
+pub struct Case {
+    pub bore_m: f64,
+    pub dead_volume_m3: f64,
+    pub initial_pressure_pa: f64,
+    pub initial_stroke_m: f64,
+    pub final_stroke_m: f64,
+    pub coefficient: f64,
+    pub push_time_s: f64,
+    pub duration_s: f64,
+    pub leakage_m3_per_s_pa: f64,
+    pub inflow_kg_per_s: f64,
+}
+
+/// What the contenders are compared by.
+#[derive(Clone, Copy, Default)]
+pub struct Answer {
+    pub peak_pa: f64,
+    pub final_pa: f64,
+}
+
+impl Case {
+    /// All scenarios of a file: ten 64-bit floats each.
+    pub fn read(path: &Path) -> Vec<Self> {
+        let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let numbers: Vec<f64> =
+            bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("eight bytes"))).collect();
+        let one = |n: &[f64]| Case {
+            bore_m: n[0],
+            dead_volume_m3: n[1],
+            initial_pressure_pa: n[2],
+            initial_stroke_m: n[3],
+            final_stroke_m: n[4],
+            coefficient: n[5],
+            push_time_s: n[6],
+            duration_s: n[7],
+            leakage_m3_per_s_pa: n[8],
+            inflow_kg_per_s: n[9],
+        };
+        numbers.chunks_exact(10).map(one).collect()
+    }
+}
