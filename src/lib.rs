@@ -1,15 +1,18 @@
 //! `pneutherm`: heat transfer in pneumatic cylinder chambers, from the command line.
 //!
-//! A library, so that tests and the guide's reference pages see what the program is made of.
+//! A library, so that Python, tests and the guide's reference pages see what the program is made of.
 //! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do.
 
 mod commands;
+pub mod evaluation;
 mod failure;
 mod output;
 #[cfg(test)]
 mod reference;
 mod reproduce;
 pub mod simulation;
+
+pub use failure::sentence;
 
 use clap::Parser;
 use std::ffi::OsString;
@@ -24,7 +27,13 @@ struct Cli {
 }
 
 const AFTER_HELP: &str = "\
+From a record to an FMU:
+  pneutherm identify examples/cylinder                  coefficient, dead volume, mass
+  pneutherm diagnose examples/cylinder -o model.toml    what the model misses, and the model that has it
+  pneutherm fmu model.toml -o Chamber.fmu               for Simulink, OpenModelica, FMPy, ...
+
 Files: traces are CSV, rigs, models and studies are TOML; `-` means standard output where a file is written.
+
 Exit code: 0 done, 1 the input is wrong or the work failed (one sentence on standard error), 2 wrong usage.";
 
 /// Does what the arguments say, the program's name first, and gives the exit code: 0, 1 or 2 as the help has it.

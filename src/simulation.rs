@@ -97,6 +97,9 @@ fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals) ->
     let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
     let temperature = ambient.unwrap_or(model.ambient_temperature_k);
     if let Some(pressure) = request.initial_pressure_pa {
+        if !(pressure.is_finite() && pressure > 0.0) {
+            bail!("the initial pressure is {pressure} Pa: a pressure in Pa, absolute and above zero, is expected");
+        }
         return Ok(Start { pressure, temperature });
     }
     let Some(measured) = &motion.pressure_pa else {

@@ -1,7 +1,7 @@
 """A servo cylinder made of two chambers: the FMU twice, a piston with load and a simple valve between them, with FMPy.
 
     pip install fmpy numpy
-    pneutherm fmu examples/model.toml -o Chamber.fmu      # or any model file
+    pneutherm fmu model.toml -o Chamber.fmu      # any model file
     python examples/fmu/servo_cylinder.py Chamber.fmu
 """
 

@@ -63,7 +63,10 @@ impl Document {
         let parsed = DeTable::parse(&text).map_err(|error| {
             let (line, column) = lines.line_and_column(&text, error.span().map_or(0, |span| span.start));
             // The parser's message may span lines; a sentence does not.
-            let message = error.message().lines().map(str::trim).collect::<Vec<_>>().join(", ");
+            let mut message = error.message().lines().map(str::trim).collect::<Vec<_>>().join(", ");
+            if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv")) {
+                message += "; a trace is named in a rig file (TOML), which is expected here";
+            }
             Error::Syntax { path: path.to_owned(), line, column, message }
         })?;
         let root = entries(parsed.get_ref(), &lines);

@@ -15,6 +15,14 @@ pub enum KeyProblem {
         /// All keys known here.
         known: Vec<String>,
     },
+    /// A key of another kind of file.
+    #[error("belongs to a {kind}, another kind of file is expected here; known here: {}", known.join(", "))]
+    OtherFile {
+        /// The kind of file whose key it is.
+        kind: &'static str,
+        /// All keys known here.
+        known: Vec<String>,
+    },
     /// A key without which the file says too little.
     #[error("missing; {expected} is needed")]
     Missing {
@@ -57,6 +65,16 @@ fn offer(near: &Option<String>, known: &[String]) -> String {
         Some(near) => format!("did you mean `{near}`?"),
         None if known.is_empty() => "nothing is expected here".to_owned(),
         None => format!("known here: {}", known.join(", ")),
+    }
+}
+
+/// The kind of file whose outermost table has that key and no other kind's.
+pub fn kind_of_file(key: &str) -> Option<&'static str> {
+    match key {
+        "cylinder" | "sensor" | "columns" | "format" | "experiment" => Some("rig file"),
+        "chamber" | "heat_transfer" | "effect" | "provenance" => Some("model file"),
+        "study" | "test" | "vary" => Some("study file"),
+        _ => None,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::document::{Entry, Value};
 use crate::error::Error;
-use crate::key::{Bounds, KeyProblem};
+use crate::key::{Bounds, KeyProblem, kind_of_file};
 use std::path::Path;
 
 /// A view on one table of a [`Document`](crate::document::Document).
@@ -42,7 +42,11 @@ impl<'d> Table<'d> {
         let Some(entry) = self.entries.iter().find(|entry| !known.contains(&entry.key.as_str())) else { return Ok(()) };
         let near = crate::nearest(&entry.key, known.iter().copied()).map(str::to_owned);
         let known = known.iter().map(|k| (*k).to_owned()).collect();
-        Err(self.refuse(&entry.key, KeyProblem::Unknown { near, known }))
+        let problem = match kind_of_file(&entry.key) {
+            Some(kind) if self.name.is_empty() => KeyProblem::OtherFile { kind, known },
+            _ => KeyProblem::Unknown { near, known },
+        };
+        Err(self.refuse(&entry.key, problem))
     }
 
     /// A complaint about a key of this table: at its line, or at the table's where it is missing.

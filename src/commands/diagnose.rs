@@ -1,10 +1,8 @@
 //! `pneutherm diagnose`: closes the loop between measured traces and the model.
 
 use crate::commands::estimates::{self, significant};
-use crate::output;
-use anyhow::Context;
-use identify::{Diagnosed, Diagnosis};
-use records::{Model, Provenance, Rig};
+use crate::{evaluation, output};
+use identify::Diagnosis;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -16,7 +14,7 @@ Example:
   pneutherm diagnose examples/cylinder/rig.toml -o model.toml --report report.html
   pneutherm diagnose examples/cylinder --json diagnosis.json
 
-The verdict: `adequate`, the paper's model leaves no more than noise; `explained`, with the effects that it lacks;
+The verdict: `adequate`, the paper's model leaves no more than noise; `explained`, with the effects that it lacks; \
 `unexplained`, something is there that no known effect accounts for. Pressures in Pa, other units by name.")]
 pub struct Args {
     /// The rig file, or the folder that holds its rig.toml
@@ -34,23 +32,15 @@ pub struct Args {
 
 /// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let rig = Rig::read(&args.rig)?;
     let bar = progress_bar();
-    let found = identify::diagnose(&rig, &|what, share| {
+    let found = evaluation::diagnose(&args.rig, args.output.as_deref(), args.report.as_deref(), &|what, share| {
         bar.set_message(what.to_owned());
         bar.set_position((share * 100.0) as u64);
-    })
-    .with_context(|| rig.path.display().to_string());
+    });
     bar.finish_and_clear();
     let found = found?;
-    if let Some(path) = &args.output {
-        output::write(path, model(&rig, &found).to_toml()?.as_bytes())?;
-    }
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;
-    }
-    if let Some(path) = &args.report {
-        output::write(path, identify::report::html(&rig, &found).as_bytes())?;
     }
     let taken = [&args.output, &args.json, &args.report].into_iter().flatten().any(|p| output::is_stdout(p));
     if taken { Ok(()) } else { output::print(table(&found.diagnosis).as_bytes()) }
@@ -66,22 +56,6 @@ fn progress_bar() -> indicatif::ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-fn model(rig: &Rig, found: &Diagnosed) -> Model {
-    let rmse = |s: &identify::diagnosis::Side| records::Rmse { fit: s.rmse_pa.fit, held_out: s.rmse_pa.held_out };
-    Model {
-        gas_name: rig.gas.name.clone(),
-        chamber: found.chamber(),
-        rod_m: rig.cylinder.rod_through_m,
-        ambient_temperature_k: found.data.ambient_temperature_k,
-        ambient_pressure_pa: rig.ambient.pressure_pa,
-        provenance: Provenance {
-            rmse_before_pa: Some(rmse(&found.diagnosis.before)),
-            rmse_after_pa: Some(rmse(&found.diagnosis.after)),
-            ..Provenance::of_rig(rig)
-        },
-    }
 }
 
 fn table(d: &Diagnosis) -> String {

@@ -18,13 +18,13 @@ const START_POSITION_M: f64 = 0.1;
 Example:
   pneutherm fmu model.toml -o Chamber.fmu
 
-Every start value can be changed by the importing tool. The date in the FMU is that of SOURCE_DATE_EPOCH, else the
+Every start value can be changed by the importing tool. The date in the FMU is that of SOURCE_DATE_EPOCH, else the \
 model's own: the same model gives the same bytes.")]
 pub struct Args {
     /// The model file, as `identify` and `diagnose` write it
     model: PathBuf,
     /// The FMU to write
-    #[arg(short, long, default_value = "Chamber.fmu")]
+    #[arg(short, long, value_name = "FILE.fmu", default_value = "Chamber.fmu")]
     output: PathBuf,
 }
 

@@ -1,10 +1,8 @@
 //! `pneutherm identify`: heat transfer coefficient, dead volume and mass from measured traces.
 
 use crate::commands::estimates;
-use crate::output;
-use anyhow::Context;
+use crate::{evaluation, output};
 use identify::{Identification, Method};
-use records::{Model, Provenance, Rig};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -40,32 +38,16 @@ enum Choice {
 
 /// Identifies, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let rig = Rig::read(&args.rig)?;
     let method = match args.method {
         Choice::Exact => Method::Exact,
         Choice::TimeConstant => Method::TimeConstant,
     };
-    let result = identify::identify(&rig, method).with_context(|| rig.path.display().to_string())?;
-    if let Some(path) = &args.output {
-        output::write(path, model(&rig, &result).to_toml()?.as_bytes())?;
-    }
+    let result = evaluation::identify(&args.rig, method, args.output.as_deref())?;
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&result)?, b"\n".to_vec()].concat())?;
     }
     let taken = [&args.output, &args.json].into_iter().flatten().any(|p| output::is_stdout(p));
     if taken { Ok(()) } else { output::print(table(&result).as_bytes()) }
-}
-
-fn model(rig: &Rig, result: &Identification) -> Model {
-    let rmse = records::Rmse { fit: result.rmse_pa.fit, held_out: result.rmse_pa.held_out };
-    Model {
-        gas_name: rig.gas.name.clone(),
-        chamber: result.chamber,
-        rod_m: rig.cylinder.rod_through_m,
-        ambient_temperature_k: result.ambient_temperature_k,
-        ambient_pressure_pa: rig.ambient.pressure_pa,
-        provenance: Provenance { rmse_before_pa: Some(rmse), rmse_after_pa: Some(rmse), ..Provenance::of_rig(rig) },
-    }
 }
 
 fn table(r: &Identification) -> String {

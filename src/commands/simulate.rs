@@ -8,8 +8,8 @@ use std::path::PathBuf;
 /// Simulate a model's chamber along a measured or planned stroke
 #[derive(clap::Args)]
 #[command(after_help = "\
-One row for each row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, temperature_k,
-mass_kg, volume_m3, heat_flow_w (into the gas). The gas begins at ambient temperature, and at the pressure with which
+One row for each row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, temperature_k, \
+mass_kg, volume_m3, heat_flow_w (into the gas). The gas begins at ambient temperature, and at the pressure with which \
 the simulated mean before the first movement is that of the motion's pressure column.
 
 Example:

@@ -39,7 +39,7 @@ pub enum Error {
         message: String,
     },
     /// A key that means nothing.
-    #[error("{}: line {line}: `{key}` is not known in [{section}]{}", path.display(), hint(nearest))]
+    #[error("{}: line {line}: `{key}` is not known in {}{}", path.display(), place(section), hint(nearest, key, section))]
     UnknownKey {
         /// The study file.
         path: PathBuf,
@@ -53,7 +53,7 @@ pub enum Error {
         nearest: Option<String>,
     },
     /// A key that has to be there.
-    #[error("{}: [{section}] has no `{key}`: {expected}", path.display())]
+    #[error("{}: {} has no `{key}`: {expected}", path.display(), place(section))]
     MissingKey {
         /// The study file.
         path: PathBuf,
@@ -116,8 +116,19 @@ fn advice(source: &io::Error) -> &'static str {
     }
 }
 
-fn hint(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"))
+/// The outermost table's name in errors.
+pub(crate) const OUTERMOST: &str = "a study file";
+
+fn place(section: &str) -> String {
+    if section == OUTERMOST { section.to_owned() } else { format!("[{section}]") }
+}
+
+fn hint(nearest: &Option<String>, key: &str, section: &str) -> String {
+    match (nearest, records::key::kind_of_file(key)) {
+        (_, Some(kind)) if section == OUTERMOST => format!("; it belongs to a {kind}"),
+        (Some(name), _) => format!("; did you mean `{name}`?"),
+        _ => String::new(),
+    }
 }
 
 impl Error {

@@ -80,7 +80,7 @@ fn a_number_of_the_test_that_cannot_be_is_named() {
         ("duration_s = 5.0", "duration_s = 0.01", "the test would end before its push of 0.04 s"),
         ("duration_s = 5.0", "", "duration_s or hold_time_constants was expected"),
         ("duration_s = 5.0", "duration_s = \"5 s\"", "is a string: a finite number was expected"),
-        ("[vary]", "[varry]", "`varry` is not known in [the file]; did you mean `vary`?"),
+        ("[vary]", "[varry]", "`varry` is not known in a study file; did you mean `vary`?"),
         ("design = \"factorial\"", "design = \"grid\"", "one of \"factorial\", \"latin-hypercube\""),
         ("design = \"factorial\"", "design = \"sobol\"", "[study] has no `samples`"),
         ("[study]", "[study", "line 1:"),

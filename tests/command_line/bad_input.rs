@@ -47,6 +47,23 @@ fn in_a_rig() {
 }
 
 #[test]
+fn a_file_of_another_kind_is_told_as_such() {
+    let bench = Bench::new();
+    bench.file("study.toml", "[study]\nname = \"a\"\n");
+    let calls: [(&[&str], &str); 5] = [
+        (&["fmu", "rig.toml"], "rig.toml: line 1: cylinder: belongs to a rig file"),
+        (&["identify", "model.toml"], "model.toml: line 1: chamber: belongs to a model file"),
+        (&["identify", "study.toml"], "study.toml: line 1: study: belongs to a study file"),
+        (&["sweep", "rig.toml", "-o", "out"], "`cylinder` is not known in a study file; it belongs to a rig file"),
+        (&["identify", "motion.csv"], "a trace is named in a rig file (TOML), which is expected here"),
+    ];
+    for (call, says) in calls {
+        let sentence = bench.refusal(call);
+        assert!(sentence.contains(says), "`{says}` is not in: {sentence}");
+    }
+}
+
+#[test]
 fn missing_files_are_named() {
     let bench = Bench::new();
     for missing in ["model.toml", "motion.csv", "rig.toml"] {

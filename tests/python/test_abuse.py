@@ -135,12 +135,12 @@ def complete(path):
     elif path.suffix == ".fmu":
         with zipfile.ZipFile(path) as archive:
             assert archive.testzip() is None
-    elif path.suffix == ".html":
-        assert path.read_text().rstrip().endswith("</html>")
+    elif path.suffix in (".html", ".svg"):
+        assert path.read_text().rstrip().endswith(f"</{path.suffix[1:]}>")
     elif path.suffix == ".toml":
         text = path.read_text()
-        assert "[heat_transfer]" in text and text.endswith("\n")
-    elif path.suffix == ".csv":
+        assert ("[heat_transfer]" in text or "[study]" in text) and text.endswith("\n")
+    elif path.suffix in (".csv", ".md"):
         assert path.read_text().endswith("\n")
     elif path.suffix == ".parquet":
         import pyarrow.parquet
@@ -156,6 +156,7 @@ KILLED = {
     "simulate": ["simulate", "model.toml", "--motion", "one.csv", "-o", "out/table.csv"],
     "fmu": ["fmu", "model.toml", "-o", "out/Chamber.fmu"],
     "sweep": ["sweep", "study.toml", "-o", "out"],
+    "reproduce": ["reproduce", "-o", "out"],
 }
 
 
@@ -203,25 +204,55 @@ def small_disk(tmp_path):
     subprocess.run(["umount", str(folder)], check=True)
 
 
-@pytest.mark.parametrize("command", ["diagnose", "simulate", "fmu", "sweep"])
+# What each command writes, into a folder yet to be named.
+WRITING = {
+    "identify": lambda out: ["identify", "rig.toml", "-o", out],
+    "identify --json": lambda out: ["identify", "rig.toml", "--json", out],
+    "diagnose": lambda out: ["diagnose", "rig.toml", "-o", out],
+    "diagnose --report": lambda out: ["diagnose", "rig.toml", "--report", out],
+    "simulate": lambda out: ["simulate", "model.toml", "--motion", "one.csv", "-o", out],
+    "fmu": lambda out: ["fmu", "model.toml", "-o", out],
+    "sweep": lambda out: ["sweep", "study.toml", "-o", out],
+    "reproduce": lambda out: ["reproduce", "-o", out],
+}
+INTO_A_FOLDER = ("sweep", "reproduce")
+
+
+def fill(disk):
+    """Leaves no byte free on the disk."""
+    with open(disk / "filler", "wb", buffering=0) as file:
+        try:
+            while file.write(bytes(4096)):
+                pass
+        except OSError:
+            pass
+
+
+@pytest.mark.parametrize("command", WRITING)
 def test_a_full_disk_is_named_and_what_stood_there_still_stands(command, rig, small_disk):
-    (small_disk / "filler").write_bytes(bytes(60 << 10))
     out = small_disk / "out"
-    if command != "sweep":
+    if command in INTO_A_FOLDER:
+        out.mkdir()
+    else:
         out.write_text("old")
-    arguments = {
-        "diagnose": ["diagnose", "rig.toml", "--report", out],
-        "simulate": ["simulate", "model.toml", "--motion", "one.csv", "-o", out],
-        "fmu": ["fmu", "model.toml", "-o", out],
-        "sweep": ["sweep", "study.toml", "-o", out],
-    }
-    code, message, _, _ = bounded(arguments[command], rig)
+    fill(small_disk)
+    code, message, _, _ = bounded(WRITING[command](out), rig)
     assert code == 1 and "No space left" in message and str(small_disk) in message, message
-    if command == "sweep":
-        assert not out.exists() or not [path for path in out.iterdir() if not path.name.startswith(".")]
+    assert message.startswith("error: ") and message.count("\n") == 1, message
+    if command in INTO_A_FOLDER:
+        assert not [path for path in out.iterdir() if not path.name.startswith(".")]
     else:
         assert out.read_text() == "old"
-        assert sorted(path.name for path in small_disk.iterdir()) == ["filler", "out"]
+    assert sorted(path.name for path in small_disk.iterdir()) == ["filler", "out"]
+
+
+@pytest.mark.parametrize("command", WRITING)
+def test_a_read_only_disk_is_named(command, rig, small_disk):
+    (small_disk / "old").write_text("old")
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    code, message, _, _ = bounded(WRITING[command](small_disk / "out"), rig)
+    assert code == 1 and "Read-only file system" in message and str(small_disk) in message, message
+    assert message.startswith("error: ") and message.count("\n") == 1, message
 
 
 def test_names_with_spaces_umlauts_and_bytes_that_are_no_text_are_names(rig):
@@ -232,10 +263,14 @@ def test_names_with_spaces_umlauts_and_bytes_that_are_no_text_are_names(rig):
         [b"identify", folder, b"-o", model, b"--json", os.path.join(folder, b"r.json")],
         [b"simulate", model, b"--motion", os.path.join(folder, b"one.csv"), b"-o", os.path.join(folder, b"o \xfe.csv")],
         [b"fmu", model, b"-o", os.path.join(folder, b"C \xfe.fmu")],
+        [b"diagnose", folder, b"--report", os.path.join(folder, b"R \xfe.html")],
+        [b"sweep", os.path.join(folder, b"study.toml"), b"-o", os.path.join(folder, b"S \xfe")],
+        [b"reproduce", b"-o", os.path.join(folder, b"P \xfe")],
     ]:
         process = subprocess.run([os.fsencode(PROGRAM), *arguments], capture_output=True, timeout=300)
         assert process.returncode == 0, process.stderr
-    assert {b"my \xff model.toml", b"o \xfe.csv", b"C \xfe.fmu"} <= set(os.listdir(folder))
+    written = {b"my \xff model.toml", b"o \xfe.csv", b"C \xfe.fmu", b"R \xfe.html", b"S \xfe", b"P \xfe"}
+    assert written <= set(os.listdir(folder))
 
 
 def test_little_memory_ends_in_a_sentence_or_success(rig):

@@ -10,6 +10,7 @@ use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, Parq
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// Rows between remembered places of a CSV file.
@@ -42,8 +43,10 @@ impl Table {
         let (names, rows, kind) = match path.extension().and_then(|e| e.to_str()) {
             Some("parquet") => {
                 let file = File::open(path).map_err(read)?;
-                let metadata = ArrowReaderMetadata::load(&file, ArrowReaderOptions::new())
-                    .map_err(|source| Error::Parquet { path: path.to_owned(), source })?;
+                let metadata = unbroken(path, || {
+                    ArrowReaderMetadata::load(&file, ArrowReaderOptions::new())
+                        .map_err(|source| Error::Parquet { path: path.to_owned(), source })
+                })?;
                 let names = metadata.schema().fields().iter().map(|f| f.name().clone()).collect();
                 let rows = metadata.metadata().file_metadata().num_rows() as u64;
                 (names, rows, Kind::Parquet(metadata))
@@ -83,7 +86,7 @@ impl Table {
     /// The file cannot be read or holds what is not a number; an empty or missing value is one of these.
     pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
         match &self.kind {
-            Kind::Parquet(metadata) => self.fill_from_parquet(metadata, rows, columns),
+            Kind::Parquet(metadata) => unbroken(&self.path, || self.fill_from_parquet(metadata, rows, columns)),
             Kind::Csv(places) => self.fill_from_csv(places, rows, columns),
         }
     }
@@ -180,6 +183,11 @@ impl Table {
         }
         Ok(())
     }
+}
+
+/// The Parquet library panics on some damaged files; they are refused here like any other.
+fn unbroken<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(refuse(path, "the Parquet file is damaged")))
 }
 
 /// Reads a CSV file once: its header, its number of rows and where every [`STRIDE`]-th begins.

@@ -6,7 +6,7 @@ use crate::axis::{Axis, Scale};
 use crate::columns;
 use crate::design::table::Table;
 use crate::design::{Design, NAMES, sobol};
-use crate::error::Error;
+use crate::error::{Error, OUTERMOST};
 use crate::quantity::{self, Base, NotFound, Point};
 use chamber::batch::{Options, Solver};
 use records::Model;
@@ -47,7 +47,7 @@ impl Study {
     fn parse(text: &str, path: &Path, model: Option<&Model>) -> Result<Study, Error> {
         let file = File { path, text };
         let table = DeTable::parse(text).map_err(|error| file.syntax(&error))?;
-        let top = Section::new(file, "the file", Some(table.get_ref()));
+        let top = Section::new(file, OUTERMOST, Some(table.get_ref()));
         let (study, test, vary) = (top.section("study")?, top.section("test")?, top.section("vary")?);
         top.finish()?;
 

@@ -1,0 +1,85 @@
+//! What `pneutherm identify` and `pneutherm diagnose` do before they print, for other callers: Python.
+
+use anyhow::{Context, bail};
+use identify::{Diagnosed, Identification, Method, diagnosis};
+use records::{Model, Provenance, Rig, Rmse};
+use std::path::Path;
+
+use crate::output;
+
+/// Names of the methods on the command line and in Python.
+pub const METHODS: [(&str, Method); 2] = [("exact", Method::Exact), ("time-constant", Method::TimeConstant)];
+
+/// The method of that name.
+///
+/// # Errors
+/// There is none.
+pub fn method(name: &str) -> anyhow::Result<Method> {
+    match METHODS.iter().find(|(known, _)| *known == name) {
+        Some((_, method)) => Ok(*method),
+        None => bail!("method: `{name}` is not known; known here: {}", METHODS.map(|(known, _)| known).join(", ")),
+    }
+}
+
+/// Identifies what was measured on the rig and writes the model, if asked for.
+///
+/// # Errors
+/// A file that is refused, a rig that cannot be identified, a file that cannot be written.
+pub fn identify(rig: &Path, method: Method, model: Option<&Path>) -> anyhow::Result<Identification> {
+    let rig = Rig::read(rig)?;
+    let found = identify::identify(&rig, method).with_context(|| rig.path.display().to_string())?;
+    if let Some(path) = model {
+        output::write(path, identified_model(&rig, &found).to_toml()?.as_bytes())?;
+    }
+    Ok(found)
+}
+
+/// Diagnoses what was measured on the rig and writes model and report, if asked for. `progress` hears what is being done
+/// and which share of it.
+///
+/// # Errors
+/// As [`identify`].
+pub fn diagnose(
+    rig: &Path,
+    model: Option<&Path>,
+    report: Option<&Path>,
+    progress: &(dyn Fn(&str, f64) + Sync),
+) -> anyhow::Result<Diagnosed> {
+    let rig = Rig::read(rig)?;
+    let found = identify::diagnose(&rig, progress).with_context(|| rig.path.display().to_string())?;
+    if let Some(path) = model {
+        output::write(path, diagnosed_model(&rig, &found).to_toml()?.as_bytes())?;
+    }
+    if let Some(path) = report {
+        output::write(path, identify::report::html(&rig, &found).as_bytes())?;
+    }
+    Ok(found)
+}
+
+fn identified_model(rig: &Rig, found: &Identification) -> Model {
+    let rmse = Rmse { fit: found.rmse_pa.fit, held_out: found.rmse_pa.held_out };
+    Model {
+        gas_name: rig.gas.name.clone(),
+        chamber: found.chamber,
+        rod_m: rig.cylinder.rod_through_m,
+        ambient_temperature_k: found.ambient_temperature_k,
+        ambient_pressure_pa: rig.ambient.pressure_pa,
+        provenance: Provenance { rmse_before_pa: Some(rmse), rmse_after_pa: Some(rmse), ..Provenance::of_rig(rig) },
+    }
+}
+
+fn diagnosed_model(rig: &Rig, found: &Diagnosed) -> Model {
+    let rmse = |side: &diagnosis::Side| Rmse { fit: side.rmse_pa.fit, held_out: side.rmse_pa.held_out };
+    Model {
+        gas_name: rig.gas.name.clone(),
+        chamber: found.chamber(),
+        rod_m: rig.cylinder.rod_through_m,
+        ambient_temperature_k: found.data.ambient_temperature_k,
+        ambient_pressure_pa: rig.ambient.pressure_pa,
+        provenance: Provenance {
+            rmse_before_pa: Some(rmse(&found.diagnosis.before)),
+            rmse_after_pa: Some(rmse(&found.diagnosis.after)),
+            ..Provenance::of_rig(rig)
+        },
+    }
+}

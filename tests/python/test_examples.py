@@ -1,0 +1,44 @@
+"""The scripts in `examples/` that the tutorial does not run. The DuckDB query is in the tutorial, Dask in `test_sweep.py`."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("fmpy")
+
+
+@pytest.fixture(scope="module")
+def fmu(pneutherm, root, tmp_path_factory):
+    """The FMU of the diagnosed example, in a folder of its own."""
+    folder = tmp_path_factory.mktemp("examples")
+    pneutherm("diagnose", root / "examples/cylinder", "-o", folder / "model.toml")
+    pneutherm("fmu", folder / "model.toml", "-o", folder / "Chamber.fmu")
+    return folder / "Chamber.fmu"
+
+
+def run(script, *arguments, cwd):
+    command = [sys.executable, str(script), *map(str, arguments)]
+    process = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+    assert process.returncode == 0, process.stdout + process.stderr
+    return process.stdout
+
+
+def test_the_prediction_is_drawn_and_as_good_as_the_sensor(fmu, root, tmp_path):
+    pytest.importorskip("matplotlib")
+    image = pytest.importorskip("PIL.Image")
+    record = root / "examples/cylinder/validation.csv"
+    said = run(root / "examples/fmu/predict_and_plot.py", fmu, record, tmp_path / "p.png", cwd=tmp_path)
+    assert float(re.search(r"(\d+) Pa rms", said)[1]) < 1.2 * 150.0, said
+    with image.open(tmp_path / "p.png") as picture:
+        assert len(picture.convert("RGB").getcolors(1 << 24)) > 100
+
+
+def test_the_servo_cylinder_of_two_chambers_reaches_its_place(fmu, root, tmp_path):
+    said = run(root / "examples/fmu/servo_cylinder.py", fmu, cwd=tmp_path)
+    reached, wanted = map(float, re.search(r"reached ([\d.]+) mm of ([\d.]+) mm", said).groups())
+    assert abs(reached - wanted) < 1.0, said
+    # The way there is one that air allows: neither vacuum nor more than the supply.
+    pressures = [float(p) for line in re.findall(r"p = *([\d. |]+) bar", said) for p in line.split("|")]
+    assert len(pressures) == 20 and all(0.9 < p < 7.1 for p in pressures), said
