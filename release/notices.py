@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes THIRD-PARTY.md: every crate in the program with its licence, and the texts of those licences.
+"""Writes THIRD-PARTY.md: every crate in the program and its Python module with its licence, and the texts of those licences.
 
     python3 release/notices.py            # writes the file
     python3 release/notices.py --check    # fails when it is not up to date
 
-The list is that of `cargo metadata` for the program on the platforms that are shipped; the texts
+The list is that of `cargo metadata` on the platforms that are shipped; the texts
 are those in the crates themselves, each printed once.
 """
 
@@ -22,7 +22,7 @@ TEXTS = re.compile(r"(?i)^(licen[cs]e|copying|notice|unlicense)([-._].*)?$")
 
 HEAD = """# Third parties
 
-The program contains these crates. pneutherm itself is MIT or Apache 2.0, as you prefer. The Sobol
+The program and its Python module contain these crates. pneutherm itself is MIT or Apache 2.0, as you prefer. The Sobol
 direction numbers are those of S. Joe and F. Y. Kuo (BSD, `sweep/src/design/JOE_KUO_LICENCE.txt`).
 
 Made by `release/notices.py`.
@@ -64,7 +64,7 @@ def texts(package):
 
 
 def render():
-    found = packages("Cargo.toml")
+    found = packages("Cargo.toml") | packages("python/Cargo.toml")
     lines = [HEAD, "| crate | version | licence |\n|---|---|---|\n"]
     users = collections.defaultdict(list)
     for (name, version), package in sorted(found.items()):

@@ -2,7 +2,7 @@
 
 The functions take the files that the commands of the program `pneutherm` take, and return pyarrow tables. Units are SI and
 stand in each column's name and metadata; pressure is absolute. What is wrong with an input is raised as `Error`, with
-the sentence that the program would print.
+the sentence that the program would print. The rows of `simulate` and `sweep` lie where Rust wrote them; they are not copied.
 
     >>> import pneutherm
     >>> pneutherm.identify("examples/cylinder").parameters.to_pandas()  # doctest: +SKIP
@@ -13,37 +13,17 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import pathlib
-import shutil
-import subprocess
-import sysconfig
-import tempfile
-from typing import Any, Literal, Optional, Union
+from typing import TYPE_CHECKING, Any, Literal, Optional, Union
 
-import pyarrow
-import pyarrow.csv
-import pyarrow.parquet
+from . import _native
+from ._native import Error
 
-__all__ = ["Diagnosis", "Error", "Identification", "diagnose", "identify", "program", "simulate", "sweep"]
+if TYPE_CHECKING:
+    import pyarrow
+
+__all__ = ["Diagnosis", "Error", "Identification", "diagnose", "identify", "simulate", "sweep"]
 
 Path = Union[str, "os.PathLike[str]"]
-
-_PARAMETERS = pyarrow.schema(
-    [
-        pyarrow.field("name", pyarrow.string()),
-        pyarrow.field("value", pyarrow.float64()),
-        pyarrow.field("ci95_low", pyarrow.float64()),
-        pyarrow.field("ci95_high", pyarrow.float64()),
-        pyarrow.field("unit", pyarrow.string()),
-    ]
-)
-
-
-_UNITS = {"_s": "s", "_pa": "Pa", "_k": "K", "_kg": "kg", "_m3": "m3", "_w": "W"}
-
-
-class Error(Exception):
-    """What is wrong, in the sentence that the program prints."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,11 +86,11 @@ def identify(
         method: the exact regression, or the paper's thermal time constant method.
         model: where to write the model file, if anywhere.
     """
-    raw = _json("identify", os.fspath(rig), "--method", method, *_option("-o", model))
+    raw = json.loads(_native.identify(rig, method, model))
     return Identification(
         method=raw["method"],
         parameters=_parameters(raw["parameters"]),
-        experiments=pyarrow.Table.from_pylist([_flat(experiment) for experiment in raw["experiments"]]),
+        experiments=_rows([_flat(experiment) for experiment in raw["experiments"]]),
         rmse_pa=raw["rmse_pa"],
         raw=raw,
     )
@@ -124,7 +104,7 @@ def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] 
         model: where to write the diagnosed model file, if anywhere.
         report: where to write the report (HTML), if anywhere.
     """
-    raw = _json("diagnose", os.fspath(rig), *_option("-o", model), *_option("--report", report))
+    raw = json.loads(_native.diagnose(rig, model, report))
     candidates = [
         {key: candidate[key] for key in ("effect", "delta_bic", "held_out_rmse_pa")} for candidate in raw["candidates"]
     ]
@@ -138,7 +118,7 @@ def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] 
         after=_parameters(raw["after"]["parameters"]),
         rmse_before_pa=raw["before"]["rmse_pa"],
         rmse_after_pa=raw["after"]["rmse_pa"],
-        candidates=pyarrow.Table.from_pylist(candidates),
+        candidates=_rows(candidates),
         raw=raw,
     )
 
@@ -155,12 +135,9 @@ def simulate(
         initial_pressure_pa: gas pressure at the start, Pa; otherwise from the motion's pressure before the first
             movement.
     """
-    start = [] if initial_pressure_pa is None else ["--initial-pressure", repr(float(initial_pressure_pa))]
-    with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "simulated.csv")
-        _call("simulate", os.fspath(model), "--motion", os.fspath(motion), *_option("--rig", rig), *start, "-o", file)
-        table = pyarrow.csv.read_csv(file)
-    return table.cast(pyarrow.schema([pyarrow.field(name, "double", False, _unit(name)) for name in table.column_names]))
+    import pyarrow
+
+    return pyarrow.table(_native.simulate(model, motion, rig, initial_pressure_pa))
 
 
 def sweep(study: Path) -> pyarrow.Table:
@@ -169,55 +146,14 @@ def sweep(study: Path) -> pyarrow.Table:
     Args:
         study: the study file.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        _call("sweep", os.fspath(study), "-o", os.path.join(folder, "study"))
-        parts = sorted(pathlib.Path(folder, "study").glob("*.parquet"))
-        return pyarrow.concat_tables([pyarrow.parquet.read_table(part) for part in parts], promote_options="default")
+    import pyarrow
 
-
-def program() -> str:
-    """The program that does the work: ``PNEUTHERM`` of the environment, that of this installation, or that on the path.
-
-    Raises:
-        Error: where there is none.
-    """
-    installed = shutil.which("pneutherm", path=sysconfig.get_path("scripts"))
-    found = os.environ.get("PNEUTHERM") or installed or shutil.which("pneutherm")
-    if not found:
-        raise Error("the program `pneutherm` is not installed: pip install . in its folder, or set PNEUTHERM to its path")
-    return found
-
-
-def _call(*arguments: str) -> None:
-    """Runs the program; raises what it says is wrong."""
-    command = [program(), *arguments]
-    try:
-        done = subprocess.run(
-            command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8", errors="replace"
-        )
-    except OSError as error:
-        raise Error(f"{command[0]}: cannot be run: {error.strerror}") from error
-    if done.returncode != 0:
-        raise Error(done.stderr.strip().removeprefix("error: ") or f"pneutherm ended with code {done.returncode}")
-
-
-def _json(command: str, *arguments: str) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "result.json")
-        _call(command, *arguments, "--json", file)
-        with open(file, encoding="utf-8") as text:
-            return json.load(text)
-
-
-def _option(name: str, value: Optional[Path]) -> list[str]:
-    return [] if value is None else [name, os.fspath(value)]
-
-
-def _unit(column: str) -> dict[str, str]:
-    return {"unit": next(unit for ending, unit in _UNITS.items() if column.endswith(ending))}
+    return pyarrow.table(_native.sweep(study))
 
 
 def _parameters(parameters: dict[str, Any]) -> pyarrow.Table:
+    import pyarrow
+
     rows = [
         {
             "name": name,
@@ -228,7 +164,14 @@ def _parameters(parameters: dict[str, Any]) -> pyarrow.Table:
         }
         for name, entry in parameters.items()
     ]
-    return pyarrow.Table.from_pylist(rows, schema=_PARAMETERS)
+    numbers = [(name, pyarrow.float64()) for name in ("value", "ci95_low", "ci95_high")]
+    return _rows(rows, pyarrow.schema([("name", pyarrow.string()), *numbers, ("unit", pyarrow.string())]))
+
+
+def _rows(rows: list[dict[str, Any]], schema: Optional[pyarrow.Schema] = None) -> pyarrow.Table:
+    import pyarrow
+
+    return pyarrow.Table.from_pylist(rows, schema=schema)
 
 
 def _flat(entry: dict[str, Any]) -> dict[str, Any]:

@@ -1,8 +1,17 @@
-"""`python -m pneutherm`: the program."""
+"""The program: `pneutherm` and `python -m pneutherm`."""
 
-import subprocess
+import signal
 import sys
 
-from . import program
+from . import _native
 
-sys.exit(subprocess.run([program(), *sys.argv[1:]]).returncode)
+
+def main() -> int:
+    """Does what the command line says and returns the exit code."""
+    # Ctrl-C ends the program at once, as it does outside Python; what is being written has a temporary name.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    return _native.run(["pneutherm", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -2,12 +2,33 @@
 
 import os
 import pathlib
+import shutil
 import subprocess
+import sys
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(os.environ.get("PNEUTHERM", ROOT / "target" / "release" / "pneutherm"))
+
+
+def library() -> pathlib.Path:
+    """The extension module of the Python package, as the tests' build of the workspace left it."""
+    name = {"win32": "pneutherm_native.dll", "darwin": "libpneutherm_native.dylib"}.get(sys.platform, "libpneutherm_native.so")
+    built = [path for path in (PROGRAM.parent / name, PROGRAM.parent / "deps" / name) if path.exists()]
+    assert built, f"{name} is not in {PROGRAM.parent}: cargo build --workspace --release"
+    return max(built, key=lambda path: path.stat().st_mtime)
+
+
+@pytest.fixture(scope="session")
+def package(tmp_path_factory) -> pathlib.Path:
+    """A folder for PYTHONPATH with the package `pneutherm`, as `pip install .` would lay it out."""
+    folder = tmp_path_factory.mktemp("packages")
+    (folder / "pneutherm").mkdir()
+    for source in (ROOT / "python/pneutherm").glob("*.py*"):
+        shutil.copy(source, folder / "pneutherm")
+    shutil.copy(library(), folder / "pneutherm" / ("_native.pyd" if sys.platform == "win32" else "_native.abi3.so"))
+    return folder
 
 
 @pytest.fixture(scope="session")

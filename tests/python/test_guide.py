@@ -28,7 +28,7 @@ def folder(root, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def environment(root, tmp_path_factory):
+def environment(package, tmp_path_factory):
     """The reader's shell: `pneutherm` and `python` on the PATH."""
     program = PROGRAM.resolve()
     tools = tmp_path_factory.mktemp("bin")
@@ -36,9 +36,9 @@ def environment(root, tmp_path_factory):
     # A symbolic link to a virtual environment's interpreter would lose the environment.
     (tools / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
     (tools / "python").chmod(0o755)
-    # `pip install .` would put the module there too; without it the sources are taken, with the program under test.
-    paths = {"PATH": os.pathsep.join([str(tools), os.environ["PATH"]]), "PYTHONPATH": str(root / "python")}
-    return {**os.environ, **paths, "PNEUTHERM": str(program)}
+    # `pip install .` would put the module there too.
+    paths = {"PATH": os.pathsep.join([str(tools), os.environ["PATH"]]), "PYTHONPATH": str(package)}
+    return {**os.environ, **paths}
 
 
 @pytest.mark.parametrize("name", PAGES)

@@ -1,0 +1,64 @@
+//! Columns for Python in the Arrow PyCapsule interface: pyarrow, polars, pandas and DuckDB read them where they lie.
+//!
+//! Interface: <https://arrow.apache.org/docs/format/CDataInterface/PyCapsuleInterface.html>.
+
+use arrow::array::{ArrayRef, Float64Array, RecordBatch, RecordBatchIterator};
+use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use arrow::ffi_stream::FFI_ArrowArrayStream;
+use chamber::simulate::Sample;
+use pneutherm::simulation::COLUMNS;
+use pyo3::prelude::*;
+use pyo3::types::{PyAny, PyCapsule};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A result with rows and columns. `pyarrow.table(it)` makes a table of it without a copy.
+#[pyclass(frozen, module = "pneutherm._native")]
+pub struct Table {
+    schema: SchemaRef,
+    batches: Vec<RecordBatch>,
+}
+
+impl Table {
+    /// Of batches with the same columns; `None` where there is no batch.
+    pub fn new(batches: Vec<RecordBatch>) -> Option<Self> {
+        let schema = batches.first()?.schema();
+        Some(Self { schema, batches })
+    }
+
+    /// Of a simulation: a row a sample.
+    pub fn of_samples(samples: &[Sample]) -> anyhow::Result<Self> {
+        let fields = COLUMNS.iter().map(|column| {
+            let metadata = [("unit", column.unit), ("description", column.doc)];
+            let metadata: HashMap<_, _> = metadata.map(|(key, value)| (key.to_owned(), value.to_owned())).into();
+            Field::new(column.name, DataType::Float64, false).with_metadata(metadata)
+        });
+        let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
+        let array =
+            |of: fn(&Sample) -> f64| Arc::new(Float64Array::from_iter_values(samples.iter().map(of))) as ArrayRef;
+        let columns = COLUMNS.iter().map(|column| array(column.of)).collect();
+        let batch = RecordBatch::try_new(schema.clone(), columns)?;
+        Ok(Self { schema, batches: vec![batch] })
+    }
+}
+
+#[pymethods]
+impl Table {
+    /// The rows as an Arrow C stream, anew at each call.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // Whoever wants other types casts: the interface leaves it to us whether we can.
+        drop(requested_schema);
+        let rows = RecordBatchIterator::new(self.batches.clone().into_iter().map(Ok), self.schema.clone());
+        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(rows)), c"arrow_array_stream")
+    }
+
+    /// Number of rows.
+    fn __len__(&self) -> usize {
+        self.batches.iter().map(RecordBatch::num_rows).sum()
+    }
+}
