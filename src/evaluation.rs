@@ -68,8 +68,23 @@ fn identified_model(rig: &Rig, found: &Identification) -> Model {
     }
 }
 
+/// Writes the model of the known effects that come closest to a residual that they do not explain, if any do.
+///
+/// # Errors
+/// A file that cannot be read again or written.
+pub fn write_closest(rig: &Path, found: &Diagnosed, model: &Path) -> anyhow::Result<()> {
+    let Some((chamber, closest)) = found.closest_chamber().zip(found.diagnosis.closest.as_ref()) else { return Ok(()) };
+    let mut out = diagnosed_model(&Rig::read(rig)?, found);
+    out.chamber = chamber;
+    out.provenance.rmse_after_pa = Some(rmse(&closest.rmse_pa));
+    output::write(model, out.to_toml()?.as_bytes())
+}
+
+fn rmse(of: &diagnosis::Rmse) -> Rmse {
+    Rmse { fit: of.fit, held_out: of.held_out }
+}
+
 fn diagnosed_model(rig: &Rig, found: &Diagnosed) -> Model {
-    let rmse = |side: &diagnosis::Side| Rmse { fit: side.rmse_pa.fit, held_out: side.rmse_pa.held_out };
     Model {
         gas_name: rig.gas.name.clone(),
         chamber: found.chamber(),
@@ -77,8 +92,8 @@ fn diagnosed_model(rig: &Rig, found: &Diagnosed) -> Model {
         ambient_temperature_k: found.data.ambient_temperature_k,
         ambient_pressure_pa: rig.ambient.pressure_pa,
         provenance: Provenance {
-            rmse_before_pa: Some(rmse(&found.diagnosis.before)),
-            rmse_after_pa: Some(rmse(&found.diagnosis.after)),
+            rmse_before_pa: Some(rmse(&found.diagnosis.before.rmse_pa)),
+            rmse_after_pa: Some(rmse(&found.diagnosis.after.rmse_pa)),
             ..Provenance::of_rig(rig)
         },
     }

@@ -17,8 +17,10 @@ pub const SQUARES_DEVIATIONS: f64 = 4.5;
 /// A fit that leaves less than this share of the baseline's excess over noise has found what there was to find: what
 /// remains is the stroke's course between two rows and the like.
 pub const REMAINING_SHARE: f64 = 5e-4;
-/// Provided that what remains is not more than this many times the noise's own power.
+/// Provided that what remains is not more than this many times the noise's own power,
 pub const REMAINING_POWER: f64 = 1.0;
+/// and that the baseline's excess is so large, in units of the noise's power, that a share of it can be told from chance.
+pub const LARGE_EXCESS: f64 = 100.0;
 
 /// What the tests say.
 #[derive(Clone, Debug)]
@@ -56,11 +58,31 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
 impl Adequacy {
     /// Whether nothing worth a name remains of what `baseline` left: noise, or next to nothing beside it.
     pub fn settles(&self, baseline: &Adequacy) -> bool {
-        self.is_noise || (self.excess < REMAINING_POWER && self.excess < REMAINING_SHARE * baseline.excess)
+        let next_to_nothing = self.excess < REMAINING_POWER.min(REMAINING_SHARE * baseline.excess);
+        self.is_noise || (baseline.excess > LARGE_EXCESS && next_to_nothing)
     }
 }
 
 /// Probability that noise alone gives a family its gain.
 pub fn probability(m: &Missing) -> f64 {
     ChiSquared::new(m.rank as f64).map_or(1.0, |c| c.sf(m.gain))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(is_noise: bool, excess: f64) -> Adequacy {
+        Adequacy { is_noise, excess, squares_deviations: 0.0, family_probability: 1e-9, families: Vec::new() }
+    }
+
+    #[test]
+    fn more_than_noise_is_settled_only_beside_something_a_thousand_times_as_large() {
+        assert!(with(false, 0.4).settles(&with(false, 1e4)));
+        assert!(!with(false, 0.4).settles(&with(false, 100.0)));
+        assert!(!with(false, 3.0).settles(&with(false, 1e5)));
+        // A shape in the residual of a baseline whose squares are small by chance is still a shape.
+        let baseline = with(false, -0.02);
+        assert!(!baseline.settles(&baseline));
+    }
 }

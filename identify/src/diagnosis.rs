@@ -50,6 +50,24 @@ pub struct Tried {
     pub parameters: Estimates,
 }
 
+/// How close known effects come to a residual that they do not explain.
+#[derive(Clone, Debug, Serialize)]
+pub struct Closest {
+    /// The effects; each with decisive evidence, together with a lower error on held-out data.
+    pub effects: Vec<&'static str>,
+    /// Groups of effects that would come as close.
+    pub indistinguishable: Vec<Vec<String>>,
+    /// BIC of the baseline less that of this set.
+    pub delta_bic: f64,
+    /// Share of the residual's squares beyond the noise that they take away.
+    pub share: f64,
+    /// Their errors.
+    pub rmse_pa: Rmse,
+    /// All parameters.
+    #[serde(serialize_with = "as_map")]
+    pub parameters: Estimates,
+}
+
 /// A missing term without a name.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unnamed {
@@ -90,6 +108,8 @@ pub struct Diagnosis {
     pub before: Side,
     /// The explained model; the paper's where there is no effect.
     pub after: Side,
+    /// Where the verdict is unexplained: the known effects that come closest, if they come close.
+    pub closest: Option<Closest>,
     /// Everything tried, the best evidence first.
     pub candidates: Vec<Tried>,
     /// Number of independent samples.
@@ -127,6 +147,37 @@ impl Diagnosed {
     }
 }
 
+/// Known effects that leave more than noise are worth mention when they take away this share of what is beyond it …
+const CLOSE_SHARE: f64 = 0.8;
+/// … and bring the error on held-out data below this share of the baseline's.
+const CLOSE_HELD_OUT: f64 = 0.6;
+
+impl Diagnosed {
+    /// The chamber with the effects of [`Diagnosis::closest`], if there are any.
+    pub fn closest_chamber(&self) -> Option<Chamber> {
+        self.diagnosis.closest.as_ref().map(|_| self.trace.chosen.fit.chamber())
+    }
+}
+
+fn closest(data: &Data, trace: &Trace, before: &Side) -> Option<Closest> {
+    let c = &trace.chosen;
+    if trace.verdict != Verdict::Unexplained || c.effects.is_empty() {
+        return None;
+    }
+    let fit = evidence::rms(&evidence::residuals(data, &c.fit));
+    let beyond = |rms: f64| rms * rms - data.noise.sd_pa * data.noise.sd_pa;
+    let share = 1.0 - beyond(fit) / beyond(before.rmse_pa.fit);
+    let held_out = c.held_out_pa? / before.rmse_pa.held_out?;
+    (share > CLOSE_SHARE && held_out < CLOSE_HELD_OUT).then(|| Closest {
+        effects: by_evidence(trace, c.effects).into_iter().map(|e| CARDS[e].name).collect(),
+        indistinguishable: groups(c.effects, &trace.alike),
+        delta_bic: c.delta_bic,
+        share,
+        rmse_pa: Rmse { fit, held_out: c.held_out_pa },
+        parameters: parameters(data, &c.fit, false),
+    })
+}
+
 fn settled(trace: &Trace) -> &Candidate {
     if trace.verdict == Verdict::Explained { &trace.chosen } else { &trace.baseline }
 }
@@ -157,6 +208,7 @@ pub fn describe(data: Data, trace: Trace) -> Diagnosed {
         Verdict::Explained => strongest_balance(&trace, after.effects),
         Verdict::Unexplained => missing.first().map_or("none", |m| m.balance),
     };
+    let closest = closest(&data, &trace, &before);
     let candidates = trace.tried.iter().map(|c| tried(&data, c)).collect();
     let paths = Search::new(&data, &trace.baseline.fit).map(|s| s.paths().to_vec()).unwrap_or_default();
     let diagnosis = Diagnosis {
@@ -166,11 +218,16 @@ pub fn describe(data: Data, trace: Trace) -> Diagnosed {
             Verdict::Unexplained => "unexplained",
         },
         effects: by_evidence(&trace, after.effects).into_iter().map(|e| CARDS[e].name).collect(),
-        indistinguishable: groups(after.effects, &trace.alike),
+        indistinguishable: if trace.verdict == Verdict::Explained {
+            groups(after.effects, &trace.alike)
+        } else {
+            Vec::new()
+        },
         balance,
         noise_pa: data.noise.sd_pa,
         before,
         after: after_side,
+        closest,
         candidates,
         effective_samples: trace.samples,
         missing,

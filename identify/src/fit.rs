@@ -1,6 +1,6 @@
 //! All traces of a rig at once: weighted least squares by Levenberg–Marquardt with bounds.
 //!
-//! Minimises Σ ((block mean − model)/σ)². The normal equations are bordered: each trace's own numbers (initial pressure,
+//! Minimises Σ ((block mean − model)/σ)², what the blocks of a hold have in common taken out ([`crate::whiten`]). The normal equations are bordered: each trace's own numbers (initial pressure,
 //! initial temperature) appear in its rows only and are eliminated trace by trace (Schur complement), so that the system
 //! solved has the size of the globals. Sensitivities are exact (dual numbers). Traces are simulated in parallel and
 //! summed in order: the same data gives the same bits on any number of threads.
@@ -8,6 +8,7 @@
 use crate::forward::Run;
 use crate::hypothesis::{self, Hypothesis};
 use crate::prepare::{Data, Prepared};
+use crate::whiten::whiten;
 use chamber::Chamber;
 use chamber::dual::Dual;
 use chamber::integrate::IntegrationError;
@@ -23,7 +24,7 @@ const MOST_ITERATIONS: usize = 40;
 /// Which blocks take part: the number of leading blocks of each trace.
 pub type Selection = [usize];
 
-/// Residuals and sensitivities of one trace's blocks, each over the block's standard deviation.
+/// Residuals and sensitivities of one trace's blocks, whitened: each of standard deviation one, independent of the others.
 #[derive(Clone, Debug)]
 pub struct Linear {
     /// (mean − model)/σ.
@@ -206,23 +207,22 @@ fn trace_dual<const N: usize>(
     let run =
         Run { chamber: &chamber, set: h.effects, start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE };
     let shown = run.pressures(&times)?;
-    let mut out = Linear {
-        residual: Vec::with_capacity(count),
-        by_global: DMatrix::zeros(count, g),
-        by_local: DMatrix::zeros(count, l),
-    };
+    // Columns: residual, globals, locals.
+    let mut columns = DMatrix::zeros(count, 1 + g + l);
     let mut shown = shown.into_iter();
     for (row, block) in blocks.iter().enumerate() {
         let model = mean(block, &mut shown);
-        let weight = 1.0 / block.sd_pa;
-        out.residual.push((block.mean_pa - model.value) * weight);
-        for i in 0..g {
-            out.by_global[(row, i)] = model.tangent[i] * weight;
-        }
-        for i in 0..l {
-            out.by_local[(row, i)] = model.tangent[g + i] * weight;
+        columns[(row, 0)] = block.mean_pa - model.value;
+        for i in 0..g + l {
+            columns[(row, 1 + i)] = model.tangent[i];
         }
     }
+    whiten(blocks, &mut columns);
+    let out = Linear {
+        residual: columns.column(0).iter().copied().collect(),
+        by_global: columns.columns(1, g).into_owned(),
+        by_local: columns.columns(1 + g, l).into_owned(),
+    };
     if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
 }
 

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`motion`], [`noise`], [`checks`], [`prepare`] | from rows to blocks: moves, holds, noise, bad input |
 //! | [`forward`] | the model's pressure along a record, with exact sensitivities |
-//! | [`hypothesis`], [`fit`], [`uncertainty`] | what is free, the least squares over all traces, intervals |
+//! | [`hypothesis`], [`fit`], [`whiten`], [`uncertainty`] | what is free, the least squares over all traces, intervals |
 //! | [`candidates`], [`evidence`], [`held_out`] | fits with effects added, and how much they are worth |
 //! | [`missing`], [`adequacy`], [`sanity`] | what remains, whether it is noise, what has no physics behind it |
 //! | [`tracing`] | from the residual to the effect that explains it, or to the statement that none does |
@@ -38,6 +38,7 @@ pub mod separate;
 pub mod synthetic;
 pub mod tracing;
 pub mod uncertainty;
+pub mod whiten;
 
 pub use diagnosis::{Diagnosed, Diagnosis, diagnose};
 pub use error::Error;

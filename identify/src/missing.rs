@@ -13,6 +13,7 @@ use crate::hypothesis;
 use crate::motion::Phase;
 use crate::prepare::{Data, Prepared};
 use crate::uncertainty::project_out;
+use crate::whiten::whiten;
 use chamber::balance::MASS;
 use chamber::card::Balance;
 use chamber::dual::Dual;
@@ -375,9 +376,10 @@ impl<'a> Search<'a> {
         for (row, b) in blocks.iter().enumerate() {
             let mean = fit::mean(b, &mut shown);
             for j in 0..KNOTS {
-                out[(row, j)] = mean.tangent[j] / b.sd_pa;
+                out[(row, j)] = mean.tangent[j];
             }
         }
+        whiten(blocks, &mut out);
         Some(out)
     }
 

@@ -57,6 +57,30 @@ impl Spline {
         Self { time, value, slope }
     }
 
+    /// Standard deviation of the time by which the whole curve may be early or late, s: ∫ error dt over the way.
+    ///
+    /// The curve through every second knot misses the others by d; its integral's error is at least four times that of
+    /// the curve through all (a corner; sixteen times where the stroke is smooth). The knots' own noise comes on top.
+    fn open_shift(&self, noise: f64) -> f64 {
+        let n = self.time.len();
+        if n < 3 {
+            return 0.0;
+        }
+        let way = self.range().1 - self.range().0;
+        let row = (self.time[n - 1] - self.time[0]) / (n - 1) as f64;
+        let near = Cell::new(0);
+        let worst = (1..3)
+            .map(|first| {
+                let kept = |i: usize| i == 0 || i == n - 1 || i % 2 == first % 2;
+                let pick = |v: &[f64]| v.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, v)| *v).collect();
+                let half = Spline::through(pick(&self.time), pick(&self.value), [Some(0.0), Some(0.0)]);
+                let missed = (0..n).filter(|i| !kept(*i)).map(|i| self.value[i] - half.at(self.time[i], &near).0);
+                (missed.sum::<f64>() * row).abs()
+            })
+            .fold(0.0, f64::max);
+        (0.25 * worst).hypot(noise * row * (n as f64).sqrt()) / way.max(noise)
+    }
+
     /// Smallest and largest of its knots' values.
     pub fn range(&self) -> (f64, f64) {
         extent(&self.value)
@@ -121,6 +145,8 @@ pub struct Segment {
     pub to_s: f64,
     /// The stroke in it, m.
     pub stroke: Spline,
+    /// By how much the stroke may be early or late on the whole, s: what its rows leave open between them.
+    pub shift_s: f64,
 }
 
 /// The whole stroke of a record.
@@ -154,11 +180,12 @@ impl Motion {
             };
             let stroke =
                 if moves { Spline::default() } else { held(&time_s[first..end], &position_m[first..end], noise_m) };
-            segments.push(Segment { phase, first, end, from_s, to_s, stroke });
+            segments.push(Segment { phase, first, end, from_s, to_s, stroke, shift_s: 0.0 });
         }
         for k in 0..segments.len() {
             if segments[k].phase == Phase::Move {
                 segments[k].stroke = moved(k, &segments, time_s, position_m);
+                segments[k].shift_s = segments[k].stroke.open_shift(noise_m);
                 straighten(k, &mut segments, time_s, position_m, noise_m);
             }
         }
@@ -184,8 +211,11 @@ fn position_noise(position_m: &[f64]) -> f64 {
     let median = second.get(second.len() / 2).copied().unwrap_or(0.0);
     let step = position_m.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-12).fold(f64::INFINITY, f64::min);
     let quantisation = if step.is_finite() { step / 12.0f64.sqrt() } else { 0.0 };
+    // Readings of few steps have few different second differences: their mean square says more than their median.
+    let quiet = &second[..second.partition_point(|d| *d <= 4.5 * median)];
+    let square = quiet.iter().map(|d| d * d).sum::<f64>() / quiet.len().max(1) as f64;
     // A stroke that never rests has no small second differences; then the step alone is believed.
-    (median / (6.0f64.sqrt() * 0.6745)).max(quantisation.min(1e-4))
+    (square / 6.0).sqrt().max(quantisation.min(1e-4))
 }
 
 /// Rows within reach of a change of position larger than `threshold`.
@@ -280,6 +310,7 @@ fn straighten(k: usize, segments: &mut [Segment], time_s: &[f64], position_m: &[
     (before.to_s, segment.from_s) = (begin, begin);
     (segment.to_s, after.from_s) = (end, end);
     let speed = (to - from) / (end - begin);
+    segment.shift_s = noise_m / speed.abs() / ((segment.end - segment.first) as f64).sqrt();
     segment.stroke = Spline { time: vec![begin, end], value: vec![from, to], slope: vec![speed; 2] };
 }
 

@@ -1,6 +1,6 @@
 //! Noise of the pressure readings, from the quiet parts: late windows of rests and holds.
 //!
-//! Standard deviation about a parabola, and over how many rows a reading is correlated with its neighbours
+//! Standard deviation about a polynomial of the fourth degree (a fast relaxation still bends within a window), and over how many rows a reading is correlated with its neighbours
 //! (1 + 2 Σ ρ_k; white noise: 1). A sensor read out more slowly than the rows, or interpolated, has more than one.
 
 use crate::motion::{Motion, Phase};
@@ -22,6 +22,8 @@ pub struct Noise {
 
 /// Rows of a window.
 const WINDOW: usize = 40;
+/// Coefficients of the polynomial about which a window's readings scatter.
+const COEFFICIENTS: usize = 5;
 const LARGEST_LAG: usize = 12;
 
 impl Noise {
@@ -44,8 +46,9 @@ impl Noise {
                     continue;
                 }
                 for first in (from..=s.end - size).step_by(size) {
-                    let rest = parabola_residual(&time[first..first + size], &pressure[first..first + size]);
-                    let freedom = (size - 3) as f64;
+                    let rows = first..first + size;
+                    let rest = polynomial_residual::<COEFFICIENTS>(&time[rows.clone()], &pressure[rows]);
+                    let freedom = (size - COEFFICIENTS) as f64;
                     variances.push((rest.iter().map(|r| r * r).sum::<f64>() / freedom, freedom));
                     for (lag, product) in products.iter_mut().enumerate().take(size) {
                         *product += rest.iter().zip(&rest[lag..]).map(|(a, b)| a * b).sum::<f64>();
@@ -59,8 +62,8 @@ impl Noise {
         if products[0] > 0.0 {
             let significant = 3.0 / freedom.sqrt();
             for product in &products[1..] {
-                // Fitting the parabola takes three of a window's degrees of freedom, spread over the lags.
-                let rho = product / products[0] + 3.0 / WINDOW as f64 * 0.5;
+                // Fitting the polynomial takes some of a window's degrees of freedom, spread over the lags.
+                let rho = product / products[0] + COEFFICIENTS as f64 / WINDOW as f64 * 0.5;
                 if rho < significant + 0.05 {
                     break;
                 }
@@ -110,10 +113,6 @@ pub fn line_residual(t: &[f64], y: &[f64]) -> Vec<f64> {
     polynomial_residual::<2>(t, y)
 }
 
-fn parabola_residual(t: &[f64], y: &[f64]) -> Vec<f64> {
-    polynomial_residual::<3>(t, y)
-}
-
 /// Residual about a polynomial of K coefficients, by Gram–Schmidt on the powers of centred time.
 fn polynomial_residual<const K: usize>(t: &[f64], y: &[f64]) -> Vec<f64> {
     let n = t.len();
@@ -148,7 +147,7 @@ mod tests {
         let t: Vec<f64> = (0..40).map(|k| 5.0 + f64::from(k) * 0.01).collect();
         let parabola: Vec<f64> = t.iter().map(|t| 3e5 - 2e3 * t + 50.0 * t * t).collect();
         let cubic: Vec<f64> = t.iter().map(|t| 1e6 * (t - 5.2).powi(3)).collect();
-        assert!(parabola_residual(&t, &parabola).iter().all(|r| r.abs() < 1e-6));
-        assert!(parabola_residual(&t, &cubic).iter().any(|r| r.abs() > 100.0));
+        assert!(polynomial_residual::<3>(&t, &parabola).iter().all(|r| r.abs() < 1e-6));
+        assert!(polynomial_residual::<3>(&t, &cubic).iter().any(|r| r.abs() > 100.0));
     }
 }

@@ -6,7 +6,7 @@
 use crate::checks;
 use crate::error::Error;
 use crate::forward::Course;
-use crate::motion::{Motion, Phase, Spline};
+use crate::motion::{Motion, Phase, Spline, extent};
 use crate::noise::{Noise, line_residual};
 use chamber::Gas;
 use records::{Rig, Trace};
@@ -28,8 +28,11 @@ pub struct Block {
     pub points_s: [f64; 2],
     /// Mean of its pressures, Pa.
     pub mean_pa: f64,
-    /// Standard deviation of that mean, Pa.
+    /// Standard deviation of that mean, Pa, without what its segment has in common.
     pub sd_pa: f64,
+    /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, and
+    /// by the time at which the move before it really was over.
+    pub common_sd_pa: [f64; 2],
     /// What the piston does.
     pub phase: Phase,
     /// Segment of the motion it lies in.
@@ -253,6 +256,7 @@ fn blocks(
     const MOVE_PARTS: usize = 60;
     let least = noise.correlation_rows.ceil() as usize;
     let mut out = Vec::new();
+    let (low, high) = extent(position_m);
     for (segment, s) in motion.segments.iter().enumerate() {
         let rows = s.end - s.first;
         let mut first = s.first;
@@ -270,11 +274,12 @@ fn blocks(
             let mean = |v: &[f64]| v[first..end].iter().sum::<f64>() / n;
             let (t, p) = (mean(time_s), mean(pressure_pa));
             let spread = (time_s[first..end].iter().map(|x| (x - t).powi(2)).sum::<f64>() / n).sqrt();
-            let by_position = if s.phase == Phase::Move {
-                // Pressure answers a wrong position with γ P/V times the wrong volume.
-                gamma * p * motion.noise_m / mean(position_m).abs().max(motion.noise_m)
-            } else {
-                0.0
+            // Pressure answers a wrong position with P/V times the wrong volume, γ times that where it is sudden. The
+            // dead volume, not known yet, is taken for a tenth of the stroke at least.
+            let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
+            let (by_position, by_mean) = match s.phase {
+                Phase::Move => (gamma * per_metre * motion.noise_m, 0.0),
+                Phase::Rest | Phase::Hold => (0.0, per_metre * motion.noise_m / (rows as f64).sqrt()),
             };
             let variance = (noise.sd_pa.powi(2) + by_position.powi(2)) * noise.correlation_rows / n;
             out.push(Block {
@@ -283,13 +288,35 @@ fn blocks(
                 points_s: [t - spread, t + spread],
                 mean_pa: p,
                 sd_pa: variance.sqrt(),
+                common_sd_pa: [by_mean, 0.0],
                 phase: s.phase,
                 segment,
             });
             first = end;
         }
     }
+    shifted_holds(&mut out, motion);
     out
+}
+
+/// What a hold's blocks have in common since its move may have been over a little earlier or later: dP/dt times that.
+fn shifted_holds(blocks: &mut [Block], motion: &Motion) {
+    for (segment, pair) in motion.segments.windows(2).enumerate() {
+        let shift_s = pair[0].shift_s;
+        if pair[1].phase != Phase::Hold || shift_s == 0.0 {
+            continue;
+        }
+        let held: Vec<usize> = (0..blocks.len()).filter(|&i| blocks[i].segment == segment + 1).collect();
+        let rates: Vec<f64> = (0..held.len())
+            .map(|i| {
+                let (a, b) = (&blocks[held[i.saturating_sub(2)]], &blocks[held[(i + 2).min(held.len() - 1)]]);
+                (b.mean_pa - a.mean_pa) / (b.middle_s() - a.middle_s()).max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        for (i, rate) in held.into_iter().zip(rates) {
+            blocks[i].common_sd_pa[1] = rate * shift_s;
+        }
+    }
 }
 
 /// Σ squares about a straight line within each block, over σ², and the degrees of freedom.

@@ -35,13 +35,20 @@ struct Test {
 pub fn next(data: &Data, trace: &Trace) -> Vec<NextExperiment> {
     match trace.verdict {
         Verdict::Adequate => Vec::new(),
-        Verdict::Unexplained => vec![NextExperiment {
-            separates: ["unknown".to_owned(), "noise".to_owned()],
-            test: "no known effect fits: record the gas temperature or the wall's beside the pressure, repeat one test at \
-                   another speed and one with a hold five times as long, and see which balance the difference follows"
-                .to_owned(),
-            difference_over_noise: None,
-        }],
+        Verdict::Unexplained => {
+            let general = NextExperiment {
+                separates: ["unknown".to_owned(), "noise".to_owned()],
+                test: "no known effect fits: record the gas temperature or the wall's beside the pressure, repeat one \
+                       test at another speed and one with a hold five times as long, and see which balance the \
+                       difference follows"
+                    .to_owned(),
+                difference_over_noise: None,
+            };
+            let alike = trace.tried.iter().filter(|c| trace.alike.contains(&c.effects)).take(1);
+            let tests = tests(data);
+            let between = alike.filter_map(|c| separating(data, &tests, &trace.chosen, c));
+            std::iter::once(general).chain(between).collect()
+        }
         Verdict::Explained => {
             let same_size = trace.chosen.effects.iter().count();
             let alike = trace.tried.iter().filter(|c| trace.alike.contains(&c.effects));

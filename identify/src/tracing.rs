@@ -22,6 +22,8 @@ pub const DECISIVE: f64 = 10.0;
 pub const INDISTINGUISHABLE: f64 = 6.0;
 /// How many of the better single effects are tried in pairs.
 const PAIRED: usize = 6;
+/// How many of the better pairs are looked at more closely.
+const JUDGED_PAIRS: usize = 4;
 
 /// A set of effects that was fitted.
 #[derive(Clone, Debug)]
@@ -62,7 +64,7 @@ pub struct Trace {
     pub chosen: Candidate,
     /// Whether what that leaves is noise.
     pub chosen_adequacy: Adequacy,
-    /// Sets of the same size that the data cannot tell from the chosen one.
+    /// Sets of the same size that the data cannot tell from the chosen one, whatever the verdict.
     pub alike: Vec<EffectSet>,
     /// Number of independent samples in the best candidate's residual.
     pub samples: f64,
@@ -86,8 +88,7 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
     let all: Vec<EffectSet> = effects::all().map(|(i, _)| EffectSet::one(i)).collect();
     let singles = tracer.fit_all(&all, |_| &baseline);
     let best = singles.iter().chain([&baseline]).min_by(|a, b| a.chi2.total_cmp(&b.chi2)).unwrap_or(&baseline);
-    tracer.samples = evidence::effective_samples(&evidence::residuals(data, best), data.noise.correlation_rows);
-    tracer.baseline_bic = evidence::bic(data, &baseline, tracer.samples);
+    tracer.weigh_by(best, &baseline);
 
     progress("error on held-out data", 0.3);
     let baseline = tracer.judged(tracer.candidate(baseline));
@@ -102,12 +103,9 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
 
     if !chosen.effects.is_empty() && !chosen_adequacy.is_noise {
         progress("secondary parameters", 0.5);
-        if let Some(freed) = tracer.secondary(&chosen) {
-            let freed = tracer.judged(freed);
-            if tracer.enters(&freed, &chosen) {
-                chosen_adequacy = adequacy::test(data, &freed.fit);
-                chosen = freed;
-            }
+        if let Some(freed) = tracer.freed(&chosen) {
+            chosen = tracer.judged(freed);
+            chosen_adequacy = adequacy::test(data, &chosen.fit);
         }
     }
     if !chosen.effects.is_empty() || !chosen_adequacy.is_noise {
@@ -119,10 +117,23 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
             &lookup.iter().find(|c| set.contains(c.effects)).unwrap_or(&lookup[0]).fit
         };
         let mut found: Vec<Candidate> = tracer.fit_all(&pairs, part).into_iter().map(|f| tracer.candidate(f)).collect();
+        tracer.weigh_anew(&baseline, [&mut tried, &mut found], &mut chosen);
         sort(&mut found);
-        found =
-            found.into_par_iter().enumerate().map(|(rank, c)| if rank < 4 { tracer.judged(c) } else { c }).collect();
-        if let Some(second) = found.iter().find(|c| tracer.enters(c, &chosen)) {
+        // The better ones are judged by held-out data too, with all their parameters free where that is better.
+        let judged = |(rank, c): (usize, Candidate)| {
+            if rank < JUDGED_PAIRS { tracer.judged(tracer.freed(&c).unwrap_or(c)) } else { c }
+        };
+        found = found.into_par_iter().enumerate().map(judged).collect();
+        tracer.weigh_anew(&baseline, [&mut tried, &mut found], &mut chosen);
+        sort(&mut found);
+        // Each of the two must be worth its place beside the other, and one of them worth a place without it: two that
+        // do nothing alone and much together bend against each other.
+        let each_counts = |c: &&Candidate| {
+            let alone = tried.iter().filter(|single| c.effects.contains(single.effects)).map(|s| s.delta_bic);
+            let best = alone.fold(f64::NEG_INFINITY, f64::max);
+            best > DECISIVE && c.delta_bic - best > DECISIVE
+        };
+        if let Some(second) = found.iter().filter(each_counts).find(|c| tracer.enters(c, &chosen)) {
             chosen = second.clone();
             chosen_adequacy = adequacy::test(data, &chosen.fit);
         }
@@ -138,16 +149,13 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
     };
     let settled = if verdict == Verdict::Unexplained { &baseline } else { &chosen };
     sanity::dead_volume(data, &settled.fit)?;
-    let alike = if verdict == Verdict::Explained {
-        tried
-            .iter()
-            .filter(|c| c.effects != chosen.effects && c.effects.iter().count() == chosen.effects.iter().count())
-            .filter(|c| chosen.delta_bic - c.delta_bic < INDISTINGUISHABLE)
-            .map(|c| c.effects)
-            .collect()
-    } else {
-        Vec::new()
-    };
+    let alike = tried
+        .iter()
+        .filter(|c| !chosen.effects.is_empty() && c.effects != chosen.effects)
+        .filter(|c| c.effects.iter().count() == chosen.effects.iter().count())
+        .filter(|c| chosen.delta_bic - c.delta_bic < INDISTINGUISHABLE)
+        .map(|c| c.effects)
+        .collect();
     Ok(Trace { verdict, baseline, baseline_adequacy, tried, chosen, chosen_adequacy, alike, samples: tracer.samples })
 }
 
@@ -191,9 +199,29 @@ impl Tracer<'_> {
         sets.par_iter().filter_map(|set| fit_set(self.data, *set, part(*set), &self.sizes, &selection)).collect()
     }
 
+    /// Counts samples by what this fit leaves: a model that misses the data's shape makes them look dependent.
+    fn weigh_by(&mut self, best: &Fit, baseline: &Fit) {
+        self.samples =
+            evidence::effective_samples(&evidence::residuals(self.data, best), self.data.noise.correlation_rows);
+        self.baseline_bic = evidence::bic(self.data, baseline, self.samples);
+    }
+
+    /// The evidence of everything, with the samples that the best of it says there are.
+    fn weigh_anew(&mut self, baseline: &Candidate, lists: [&mut Vec<Candidate>; 2], chosen: &mut Candidate) {
+        let all = lists.iter().flat_map(|list| list.iter()).chain([&*chosen]);
+        let Some(best) = all.map(|c| &c.fit).min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return };
+        self.weigh_by(best, &baseline.fit);
+        for c in lists.into_iter().flatten().chain([chosen]) {
+            c.delta_bic = self.delta_bic(&c.fit);
+        }
+    }
+
+    fn delta_bic(&self, fit: &Fit) -> f64 {
+        self.baseline_bic - evidence::bic(self.data, fit, self.samples)
+    }
+
     fn candidate(&self, fit: Fit) -> Candidate {
-        let delta_bic = self.baseline_bic - evidence::bic(self.data, &fit, self.samples);
-        Candidate { effects: fit.hypothesis.effects, fit, delta_bic, held_out_pa: None }
+        Candidate { effects: fit.hypothesis.effects, delta_bic: self.delta_bic(&fit), fit, held_out_pa: None }
     }
 
     fn judged(&self, mut c: Candidate) -> Candidate {
@@ -211,16 +239,19 @@ impl Tracer<'_> {
         c.delta_bic - over.delta_bic > DECISIVE && lower
     }
 
-    /// The chosen set with its secondary parameters free.
-    fn secondary(&self, chosen: &Candidate) -> Option<Candidate> {
-        let base = chosen.fit.chamber();
-        let h = Hypothesis::with_secondary(self.data, chosen.effects, chosen.effects, &base, &self.sizes);
-        if h.axes.len() == chosen.fit.hypothesis.axes.len() {
+    /// The same set with its secondary parameters free, where that is decisively better.
+    fn freed(&self, c: &Candidate) -> Option<Candidate> {
+        let base = c.fit.chamber();
+        let h = Hypothesis::with_secondary(self.data, c.effects, c.effects, &base, &self.sizes);
+        if h.axes.len() == c.fit.hypothesis.axes.len() {
             return None;
         }
         let x = h.coordinates(&base);
-        let fit = fit::fit(self.data, &h, x, chosen.fit.locals.clone(), &fit::all_blocks(self.data)).ok()?;
-        Some(self.candidate(fit))
+        let fit = fit::fit(self.data, &h, x, c.fit.locals.clone(), &fit::all_blocks(self.data)).ok()?;
+        let left = evidence::residuals(self.data, &fit);
+        let samples = evidence::effective_samples(&left, self.data.noise.correlation_rows);
+        let better = evidence::bic(self.data, &c.fit, samples) - evidence::bic(self.data, &fit, samples);
+        (better > DECISIVE).then(|| self.candidate(fit))
     }
 
     /// Pairs to be tried: the chosen effect with every other; among the better single ones too where it is not enough.

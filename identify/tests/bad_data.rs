@@ -70,6 +70,8 @@ fn gauge_pressures_are_recognised_by_the_offset_they_ask_for() {
         .iter_mut()
         .flat_map(|e| &mut e.traces)
         .for_each(|t| pressures(t).iter_mut().for_each(|p| *p -= 101_300.0));
+    let traced = identify::diagnose(&rig, &|_, _| ()).err();
+    assert!(matches!(traced, Some(Error::Gauge { .. })), "{traced:?}");
     let error = refused(&rig);
     assert!(matches!(error, Error::Gauge { offset_pa, .. } if (offset_pa / 101_300.0 - 1.0).abs() < 0.1), "{error}");
 }

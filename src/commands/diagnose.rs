@@ -22,6 +22,9 @@ pub struct Args {
     /// Write the model to go on with to this file: with the effects found, the paper's where there are none
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
+    /// Where no known effects explain the residual: write the model of those that come closest, not the paper's
+    #[arg(long, requires = "output")]
+    closest: bool,
     /// Write the result as JSON to this file, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -39,6 +42,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     });
     bar.finish_and_clear();
     let found = found?;
+    if let Some(path) = args.output.as_ref().filter(|_| args.closest && found.diagnosis.closest.is_some()) {
+        evaluation::write_closest(&args.rig, &found, path)?;
+    }
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;
     }
@@ -63,17 +69,37 @@ fn table(d: &Diagnosis) -> String {
     let what = match d.verdict {
         "adequate" => "the paper's model leaves no more than noise".to_owned(),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
-        _ => format!("no known effect accounts for the residual; the evidence points to the {} balance", d.balance),
+        _ => format!(
+            "no known effect accounts for all of the residual; what is missing points to the {} balance",
+            d.balance
+        ),
     };
     let _ = writeln!(out, "{}: {what}\n", d.verdict);
-    let error = |side: &identify::diagnosis::Side| {
-        let held_out = side.rmse_pa.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
-        format!("{:>10.1} {held_out:>12}", side.rmse_pa.fit)
+    let error = |rmse: &identify::diagnosis::Rmse| {
+        let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
+        format!("{:>10.1} {held_out:>12}", rmse.fit)
     };
     let _ = writeln!(out, "error, Pa rms        fit     held out     (noise of the sensor {:.1})", d.noise_pa);
-    let _ = writeln!(out, "before       {}", error(&d.before));
-    let _ = writeln!(out, "after        {}\n", error(&d.after));
+    let _ = writeln!(out, "before       {}", error(&d.before.rmse_pa));
+    let _ = writeln!(out, "after        {}", error(&d.after.rmse_pa));
+    if let Some(c) = &d.closest {
+        let _ = writeln!(out, "closest      {}", error(&c.rmse_pa));
+    }
+    out.push('\n');
     estimates::parameters(&mut out, &d.after.parameters);
+    if let Some(c) = &d.closest {
+        let _ = writeln!(
+            out,
+            "\nclosest: {} take away {:.1} % of what is beyond noise (delta BIC {:.1}), but clearly more than noise remains:\na description of these traces, not yet a cause (--closest writes it as a model)",
+            c.effects.join(" + "),
+            100.0 * c.share,
+            c.delta_bic
+        );
+        for group in &c.indistinguishable {
+            let _ = writeln!(out, "as close would come, in its place: {}", group.join(", "));
+        }
+        estimates::parameters(&mut out, &c.parameters);
+    }
     let _ = writeln!(out, "\n{:<44} {:>12} {:>14}", "effects tried", "delta BIC", "held out Pa");
     for c in &d.candidates {
         let held_out = c.held_out_rmse_pa.map_or("-".to_owned(), |h| format!("{h:.1}"));

@@ -3,16 +3,18 @@
 mod page;
 mod svg;
 
-use crate::diagnosis::{Diagnosed, Diagnosis, Side, Unnamed};
+use crate::diagnosis::{Closest, Diagnosed, Diagnosis, Rmse, Unnamed};
 use crate::missing::Variable;
 use chamber::effects;
-use page::{number, row};
+use page::{chosen_row, number, row};
 use std::fmt::Write;
 use svg::{Chart, Curve, escape};
 
 const BEFORE: &str = "#c2410c";
 const AFTER: &str = "#1f5fa8";
 const MEASURED: &str = "#555555";
+/// Rows of the evidence that the page shows.
+const SHOWN: usize = 24;
 const WIDE: (f64, f64) = (640.0, 230.0);
 const SMALL: (f64, f64) = (420.0, 210.0);
 
@@ -22,6 +24,9 @@ pub fn html(rig: &records::Rig, found: &Diagnosed) -> String {
     let mut out = page::head(&format!("Diagnosis of {}", rig.path.display()));
     summary(&mut out, rig, d);
     parameters(&mut out, d);
+    if let Some(c) = &d.closest {
+        closest(&mut out, c);
+    }
     evidence(&mut out, d);
     if !d.missing.is_empty() {
         unnamed(&mut out, &d.missing);
@@ -52,8 +57,8 @@ fn summary(out: &mut String, rig: &records::Rig, d: &Diagnosis) {
             d.effects.iter().filter_map(|e| effects::find(e)).map(|(_, c)| lower(c.doc)).collect::<Vec<_>>().join("; ")
         ),
         _ => format!(
-            "The paper's chamber model is visibly wrong here, and <b>no known effect accounts for it</b>: with the best of them clearly more than noise remains. \
-             The evidence points to the <b>{}</b> balance. No effect is added to the model.",
+            "The paper's chamber model is visibly wrong here, and <b>no known effect accounts for all of it</b>: with the best of them clearly more than noise remains. \
+             What is missing points to the <b>{}</b> balance. No effect is added to the model.",
             d.balance
         ),
     };
@@ -61,13 +66,17 @@ fn summary(out: &mut String, rig: &records::Rig, d: &Diagnosis) {
     let _ = write!(
         out,
         "<table><tr><th>error, Pa rms</th><th>on the data fitted</th><th>on data left out of the fit</th></tr>{}{}{}</table>",
-        errors("before (the paper's model)", &d.before),
-        errors("after", &d.after),
+        errors("before (the paper's model)", &d.before.rmse_pa),
+        match (&d.closest, d.effects.is_empty()) {
+            (Some(c), _) => errors(&format!("with the closest known effects, {}", c.effects.join(" + ")), &c.rmse_pa),
+            (None, true) => String::new(),
+            (None, false) => errors("after", &d.after.rmse_pa),
+        },
         row(&["noise of the sensor", &number(d.noise_pa, 4), ""])
     );
     out.push_str(
         "<p class=\"small\">Left out: each repeat in turn, or, without repeats, the last third of each record, simulated on from its beginning. \
-         A record that was left out brings its own initial pressure, whose noise is in its error.</p>",
+         A repeat that was left out brings its own initial pressure: each half of its rows is judged with the one that the other half asks for.</p>",
     );
     for group in &d.indistinguishable {
         let _ = write!(
@@ -78,9 +87,30 @@ fn summary(out: &mut String, rig: &records::Rig, d: &Diagnosis) {
     }
 }
 
-fn errors(name: &str, side: &Side) -> String {
-    let held_out = side.rmse_pa.held_out.map_or("–".to_owned(), |h| number(h, 4));
-    row(&[name, &number(side.rmse_pa.fit, 4), &held_out])
+fn errors(name: &str, rmse: &Rmse) -> String {
+    let held_out = rmse.held_out.map_or("–".to_owned(), |h| number(h, 4));
+    row(&[name, &number(rmse.fit, 4), &held_out])
+}
+
+/// How close known effects come where they do not explain.
+fn closest(out: &mut String, c: &Closest) {
+    let _ = write!(
+        out,
+        "<h2>How close known effects come</h2><p><b>{}</b> take away {:.1} % of what is beyond noise (ΔBIC {:.0}) and bring the error on left-out data down as well, \
+         but clearly more than noise remains. Take them for a description of these traces, not for the cause; <code>diagnose --closest -o model.toml</code> writes them as a model.</p>",
+        c.effects.join("</b> and <b>"),
+        100.0 * c.share,
+        c.delta_bic
+    );
+    for group in &c.indistinguishable {
+        let _ = write!(out, "<p>As close would come, in its place: <b>{}</b>.</p>", group.join("</b>, <b>"));
+    }
+    out.push_str("<table><tr><th>parameter</th><th>value</th><th>95 % interval</th><th>unit</th></tr>");
+    for (name, e) in &c.parameters {
+        let interval = format!("{} … {}", number(e.ci95[0], 5), number(e.ci95[1], 5));
+        out.push_str(&row(&[name, &number(e.value, 5), &interval, &e.unit]));
+    }
+    out.push_str("</table>");
 }
 
 fn parameters(out: &mut String, d: &Diagnosis) {
@@ -121,7 +151,7 @@ fn evidence(out: &mut String, d: &Diagnosis) {
         number(d.effective_samples, 3)
     );
     let paper: Vec<&String> = d.before.parameters.iter().map(|(n, _)| n).collect();
-    for c in d.candidates.iter().take(24) {
+    for c in d.candidates.iter().take(SHOWN) {
         let own: Vec<String> = c
             .parameters
             .iter()
@@ -129,9 +159,19 @@ fn evidence(out: &mut String, d: &Diagnosis) {
             .map(|(n, e)| format!("{} = {}", n.split('.').next_back().unwrap_or(n), number(e.value, 4)))
             .collect();
         let held_out = c.held_out_rmse_pa.map_or("–".to_owned(), |h| number(h, 4));
+        let row = if is_chosen(&c.effect, d) { chosen_row } else { row };
         out.push_str(&row(&[&c.effect, &format!("{:.1}", c.delta_bic), &held_out, &own.join(", ")]));
     }
     out.push_str("</table>");
+    if d.candidates.len() > SHOWN {
+        let _ = write!(out, "<p class=\"small\">{} more are in the JSON.</p>", d.candidates.len() - SHOWN);
+    }
+}
+
+/// Whether a row of the evidence is the set that was chosen.
+fn is_chosen(row: &str, d: &Diagnosis) -> bool {
+    let names: Vec<&str> = row.split(" + ").collect();
+    names.len() == d.effects.len() && d.effects.iter().all(|e| names.contains(e))
 }
 
 fn unnamed(out: &mut String, missing: &[Unnamed]) {

@@ -8,7 +8,8 @@ table{border-collapse:collapse;margin:.8em 0}th,td{padding:.2em .8em;border-bott
 .verdict{padding:.7em 1em;border-left:5px solid #888;background:#f6f6f4}.explained{border-color:#1f5fa8}.adequate{border-color:#2e7d32}.unexplained{border-color:#c2410c}\
 .small,.source{color:#666;font-size:.88em}.charts{display:flex;flex-wrap:wrap;gap:10px}figure{margin:0;flex:1 1 400px;max-width:650px}\
 svg{width:100%;height:auto;font:11px system-ui,sans-serif}.grid{stroke:#e6e6e6}.band{fill:#ececec}.x{text-anchor:middle}.y{text-anchor:end}\
-.axis{text-anchor:middle;fill:#333}.title{font-weight:600}.legend{text-anchor:end}";
+.axis{text-anchor:middle;fill:#333}.title{font-weight:600}.legend{text-anchor:end}\
+.chosen td{font-weight:600}@media print{body{margin:0;max-width:none;font-size:11px}figure{break-inside:avoid}h2{break-after:avoid}a{color:inherit}}";
 
 /// Everything up to the body's first element.
 pub fn head(title: &str) -> String {
@@ -22,6 +23,11 @@ pub fn head(title: &str) -> String {
 pub fn row(cells: &[&str]) -> String {
     let cells: String = cells.iter().map(|c| format!("<td>{}</td>", escape(c))).collect();
     format!("<tr>{cells}</tr>")
+}
+
+/// A row that stands out.
+pub fn chosen_row(cells: &[&str]) -> String {
+    row(cells).replacen("<tr>", "<tr class=\"chosen\">", 1)
 }
 
 /// A number with that many significant digits.

@@ -29,7 +29,7 @@ pub struct Chart<'a> {
 }
 
 const LEFT: f64 = 62.0;
-const RIGHT: f64 = 10.0;
+const RIGHT: f64 = 20.0;
 const TOP: f64 = 24.0;
 const BOTTOM: f64 = 40.0;
 /// Points beyond this are thinned to the extremes of each column of pixels.
@@ -107,9 +107,9 @@ impl Chart<'_> {
             escape(self.title),
             LEFT + (width - LEFT - RIGHT) / 2.0,
             height - 6.0,
-            escape(self.x),
+            escape(&xs.axis(self.x)),
             TOP + (height - TOP - BOTTOM) / 2.0,
-            escape(self.y)
+            escape(&ys.axis(self.y))
         );
         out
     }
@@ -159,12 +159,31 @@ struct Ticks {
 }
 
 impl Ticks {
-    fn label(&self, value: f64) -> String {
+    /// The power of ten, in threes, that keeps labels short.
+    fn power(&self) -> i32 {
         let size = self.range[0].abs().max(self.range[1].abs());
-        if size >= 1e7 || (size > 0.0 && size < 1e-3) {
-            return format!("{value:.1e}");
+        if size > 0.0 && !(1e-2..1e4).contains(&size) { (size.log10() / 3.0).floor() as i32 * 3 } else { 0 }
+    }
+
+    fn label(&self, value: f64) -> String {
+        let scale = 10f64.powi(self.power());
+        let digits = (-(self.step / scale).log10() - 1e-9).ceil().max(0.0) as usize;
+        format!("{:.*}", digits, if value == 0.0 { 0.0 } else { value / scale })
+    }
+
+    /// The axis's text, its unit times the power of ten.
+    fn axis(&self, text: &str) -> String {
+        let superscript = |c: char| match c {
+            '-' => '⁻',
+            digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit.to_digit(10).unwrap_or(0) as usize],
+        };
+        let power: String = self.power().to_string().chars().map(superscript).collect();
+        match text.rsplit_once(", ") {
+            Some((name, unit)) if self.power() != 0 => {
+                format!("{name}, 10{power}{}", if unit == "1" { String::new() } else { format!(" {unit}") })
+            }
+            _ => text.to_owned(),
         }
-        format!("{:.*}", (-self.step.log10().floor()).max(0.0) as usize, if value == 0.0 { 0.0 } else { value })
     }
 }
 
@@ -198,6 +217,16 @@ mod tests {
                 t.at
             );
         }
+    }
+
+    #[test]
+    fn large_and_small_numbers_put_their_power_of_ten_into_the_unit() {
+        let t = ticks(-2.1e5, 4.3e5, 5);
+        assert_eq!((t.label(2e5).as_str(), t.axis("rate, Pa/s").as_str()), ("200", "rate, 10³ Pa/s"));
+        let t = ticks(0.0, 2.3e-3, 5);
+        assert_eq!((t.label(5e-4).as_str(), t.axis("share, 1").as_str()), ("0.5", "share, 10⁻³"));
+        let t = ticks(0.0, 900.0, 5);
+        assert_eq!((t.label(200.0).as_str(), t.axis("residual, Pa").as_str()), ("200", "residual, Pa"));
     }
 
     #[test]

@@ -1,0 +1,323 @@
+//! Rigs that do not exist, for tests and for the Monte Carlo study: known truth, the noise of a real bench.
+//!
+//! [`Recipe::from_seed`] is the bench of a textbook: five push-and-hold experiments, smooth moves, 100 Hz.
+//! [`Recipe::wide`] is anybody's bench: geometry, gas, sensor, logger, number and kind of experiments and the shape of
+//! every move are drawn from wide ranges. Besides the effects of the list there are [`Outside`] ones.
+
+pub mod outside;
+pub mod random;
+pub mod stroke;
+pub mod truth;
+
+pub use outside::Outside;
+pub use random::Random;
+pub use stroke::{Move, Shape, Stroke};
+
+use chamber::effects::{self, CARDS, PARAMETER_OFFSETS};
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+use rayon::prelude::*;
+use records::{Ambient, Cylinder, Experiment, NamedGas, Rig, Sensor, Trace};
+use truth::{STEP_S, Truth};
+
+/// One push-and-hold experiment: from rest at a pressure, moves with a hold after each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Test {
+    /// Its name.
+    pub name: String,
+    /// Pressure of the rest, Pa.
+    pub pressure_pa: f64,
+    /// Position of the rest, m.
+    pub from_m: f64,
+    /// For each move: to where, m, in what time, s, in what way, and how long the hold after it is, s.
+    pub moves: Vec<(f64, f64, Shape, f64)>,
+}
+
+/// A rig's truth.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// Everything random follows from it.
+    pub seed: u64,
+    /// The chamber, effects included.
+    pub chamber: Chamber,
+    /// Name of its gas.
+    pub gas: &'static str,
+    /// Temperature of the surroundings, K.
+    pub ambient_k: f64,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pa: f64,
+    /// What no card describes.
+    pub outside: Option<Outside>,
+    /// The experiments.
+    pub tests: Vec<Test>,
+    /// Time before each first move, s.
+    pub rest_s: f64,
+    /// Repeats of each experiment.
+    pub repeats: usize,
+    /// Noise of the pressure, Pa.
+    pub noise_pa: f64,
+    /// Step of the pressure, Pa.
+    pub quantisation_pa: f64,
+    /// Noise of the position, m.
+    pub position_noise_m: f64,
+    /// Step of the position, m.
+    pub position_step_m: f64,
+    /// Rows in a second.
+    pub rate_hz: f64,
+    /// Whether traces have a column of the ambient temperature.
+    pub ambient_column: bool,
+}
+
+impl Recipe {
+    /// A rig of the kinds a bench has, from a seed; without any effect.
+    pub fn from_seed(seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let bore = random.one_of(&[0.016, 0.020, 0.025, 0.032, 0.040]);
+        let long = 0.06 + 0.22 * random.uniform();
+        let short = long * (0.35 + 0.3 * random.uniform());
+        let area = std::f64::consts::FRAC_PI_4 * bore * bore;
+        let dead = area * long * (0.02 + 0.35 * random.uniform());
+        let lambda0 = 15.0 + 35.0 * random.uniform();
+        let geometry = Geometry::new(bore, 0.0, dead, AreaLaw::Total);
+        let mut recipe = Self {
+            seed,
+            chamber: Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(lambda0)),
+            gas: "air",
+            ambient_k: 290.0 + 12.0 * random.uniform(),
+            ambient_pa: 101_300.0,
+            outside: None,
+            tests: Vec::new(),
+            rest_s: 0.3,
+            repeats: 3,
+            noise_pa: 80.0 + 140.0 * random.uniform(),
+            quantisation_pa: 15.25,
+            position_noise_m: 1e-6 + 4e-6 * random.uniform(),
+            position_step_m: 1e-6,
+            rate_hz: 100.0,
+            ambient_column: true,
+        };
+        let middle = 0.5 * (long + short);
+        // Moves of a fifth of a second, holds of several relaxations; the last one is slow.
+        let kinds = [
+            ("compress-ambient", 1.013e5, [long, short], 0.2),
+            ("compress-3bar", 3.2e5, [long, short], 0.2),
+            ("expand-5bar", 5.0e5, [short, long], 0.25),
+            ("expand-ambient", 1.013e5, [short, long], 0.25),
+            ("compress-part", 2.0e5, [long, middle], 0.45),
+        ];
+        let (_, relaxation) = recipe.scales_at(short);
+        let hold = |pressure: f64| (4.0 + 6.0 * (pressure / 3.2e5f64).sqrt()) * relaxation.clamp(0.2, 2.0);
+        recipe.tests = kinds
+            .iter()
+            .map(|&(name, pressure_pa, [from_m, to], push_s)| Test {
+                name: name.to_owned(),
+                pressure_pa,
+                from_m,
+                moves: vec![(to, push_s, Shape::Quintic, hold(pressure_pa))],
+            })
+            .collect();
+        recipe
+    }
+
+    /// Anybody's rig, from a seed; without any effect.
+    pub fn wide(seed: u64) -> Self {
+        let mut r = Random::new(seed ^ 0x5eed);
+        let bore = r.log_uniform(0.010, 0.080);
+        let rod = if r.below(4) == 0 { bore * r.between(0.25, 0.5) } else { 0.0 };
+        let long = r.log_uniform(0.03, 0.4);
+        let short = long * r.between(0.25, 0.7);
+        let name = r.one_of(&["air", "air", "air", "nitrogen"]);
+        let mut geometry = Geometry::new(bore, rod, 0.0, AreaLaw::Total);
+        geometry.dead_volume = geometry.piston_area * short * r.log_uniform(0.01, 0.8);
+        let gas = Gas::named(name).unwrap_or(Gas::AIR);
+        let noise_pa = r.log_uniform(25.0, 600.0);
+        let rate_hz = r.one_of(&[50.0, 100.0, 100.0, 100.0, 200.0, 250.0, 500.0]);
+        let mut recipe = Self {
+            seed,
+            chamber: Chamber::new(gas, geometry, HeatTransfer::at_paper_reference(r.log_uniform(8.0, 80.0))),
+            gas: name,
+            ambient_k: r.between(278.0, 312.0),
+            ambient_pa: r.between(92_000.0, 103_000.0),
+            outside: None,
+            tests: Vec::new(),
+            rest_s: r.between(0.1, 0.7).max(8.0 / rate_hz),
+            repeats: 1 + r.below(4),
+            noise_pa,
+            quantisation_pa: noise_pa * r.log_uniform(0.02, 1.5),
+            position_noise_m: r.log_uniform(5e-7, 2e-5),
+            position_step_m: r.one_of(&[1e-7, 1e-6, 1e-6, 5e-6]),
+            rate_hz,
+            ambient_column: r.below(3) > 0,
+        };
+        // Not fewer than four rows in a move: who samples less does not see the push.
+        let shortest_push = 4.0 / rate_hz;
+        let shapes = r.one_of(&[&Shape::ALL[..], &[Shape::Ramp], &[Shape::Quintic], &[Shape::Cosine, Shape::Cubic]]);
+        let count = 2 + r.below(5);
+        for k in 0..count {
+            // Both ways in turn, at pressures all over a bench's range.
+            let other = short + (long - short) * r.one_of(&[0.0, 0.0, 0.0, 0.5]);
+            let [from_m, to] = if k % 2 == 0 { [long, other] } else { [other, long] };
+            let pressure_pa = if r.below(3) == 0 { recipe.ambient_pa } else { r.log_uniform(1.0e5, 6.0e5) };
+            let (_, relaxation) = recipe.scales_at(to);
+            let hold = |r: &mut Random| (relaxation * r.between(3.0, 10.0)).clamp(0.8, 15.0);
+            let push = |r: &mut Random| r.log_uniform(0.05, 0.8).max(shortest_push);
+            let mut moves = vec![(to, push(&mut r), r.one_of(shapes), hold(&mut r))];
+            if r.below(4) == 0 {
+                moves.push((from_m, push(&mut r), r.one_of(shapes), hold(&mut r)));
+            }
+            let way = if to < from_m { "compress" } else { "expand" };
+            recipe.tests.push(Test { name: format!("{way}-{}", k + 1), pressure_pa, from_m, moves });
+        }
+        recipe
+    }
+
+    /// The same with these values of an effect's parameters.
+    pub fn with(mut self, effect: &str, values: &[f64]) -> Self {
+        if let Some((e, _)) = effects::find(effect) {
+            let first = PARAMETER_OFFSETS[e];
+            self.chamber.effects.0[first..first + values.len()].copy_from_slice(values);
+        }
+        self
+    }
+
+    /// The same with something outside the list.
+    pub fn with_outside(self, outside: Outside) -> Self {
+        Self { outside: Some(outside), ..self }
+    }
+
+    /// The same with all noise and all steps of its readings so many times as large.
+    pub fn with_noise_times(mut self, factor: f64) -> Self {
+        self.noise_pa *= factor;
+        self.quantisation_pa *= factor;
+        self.position_noise_m *= factor;
+        self.position_step_m *= factor;
+        self
+    }
+
+    /// Smallest position of any test, m.
+    pub fn shortest_m(&self) -> f64 {
+        let ends = |t: &Test| t.moves.iter().map(|m| m.0).fold(t.from_m, f64::min);
+        self.tests.iter().map(ends).fold(f64::INFINITY, f64::min)
+    }
+
+    fn scales_at(&self, position: f64) -> (f64, f64) {
+        let volume = self.chamber.geometry.volume(position);
+        let capacity = 3e5 * volume / (self.chamber.gas.gas_constant * self.ambient_k) * self.chamber.gas.cv();
+        let lambda = self.chamber.heat_transfer.coefficient_at(3e5, self.ambient_k);
+        (capacity, capacity / (lambda * self.chamber.geometry.heat_transfer_area(volume)))
+    }
+
+    /// Heat capacity of the gas at 3 bar, J/K, and its relaxation time, s: scales for strengths.
+    pub fn scales(&self) -> (f64, f64) {
+        self.scales_at(self.shortest_m())
+    }
+
+    /// An effect of the list at a strength: 1 is about what a worn bench shows.
+    pub fn with_strength(self, effect: usize, strength: f64) -> Self {
+        let (capacity, relaxation) = self.scales();
+        let volume = self.chamber.geometry.volume(self.shortest_m());
+        let values: Vec<f64> = match CARDS[effect].name {
+            "leakage" => vec![1e-2 * volume / 1e5 / relaxation * strength],
+            "wall_heating" => vec![8.0 * capacity / strength, 0.3 * capacity / relaxation],
+            "pressure_exponent" => vec![0.5 - 0.15 * strength],
+            "natural_convection" => vec![0.15 * strength],
+            "forced_convection" => vec![1.5 * strength],
+            "gas_column_length" => vec![-0.3 * strength],
+            "gas_zones" => vec![(0.2 * strength).min(0.9), 0.3 * capacity / relaxation],
+            "tube_volume" => vec![0.03 * volume * strength],
+            "sensor_lag" | "record_delay" => vec![0.01 * strength],
+            "sensor_drift" => vec![-150.0 * strength],
+            _ => CARDS[effect].parameters.iter().map(|p| p.neutral + (p.typical - p.neutral) * strength).collect(),
+        };
+        self.with(CARDS[effect].name, &values)
+    }
+
+    /// The same with the signs, second parameters and proportions of its effects drawn from the seed.
+    pub fn varied(mut self) -> Self {
+        let mut r = Random::new(self.seed ^ 0x7a1e);
+        for e in self.chamber.active().iter() {
+            let values = self.chamber.effects.of_mut(e);
+            match CARDS[e].name {
+                "leakage" => values[1] = r.between(0.1, 0.55),
+                "wall_heating" => values[1] *= r.log_uniform(0.1, 5.0),
+                "pressure_exponent" if r.below(2) == 0 => values[0] = 1.0 - values[0],
+                "gas_zones" => values[1] *= r.log_uniform(0.2, 5.0),
+                "sensor_drift" if r.below(2) == 0 => values[0] = -values[0],
+                _ => {}
+            }
+        }
+        self
+    }
+
+    /// The rig with its simulated traces.
+    pub fn rig(&self) -> Rig {
+        let jobs: Vec<(usize, usize)> =
+            (0..self.tests.len()).flat_map(|k| (0..self.repeats).map(move |r| (k, r))).collect();
+        let traces: Vec<(usize, Trace)> = jobs.par_iter().map(|&(k, repeat)| (k, self.trace(k, repeat))).collect();
+        let experiments = self
+            .tests
+            .iter()
+            .enumerate()
+            .map(|(k, test)| Experiment {
+                name: test.name.clone(),
+                traces: traces.iter().filter(|(e, _)| *e == k).map(|(_, t)| t.clone()).collect(),
+            })
+            .collect();
+        let geometry = &self.chamber.geometry;
+        Rig {
+            path: format!("synthetic-{}", self.seed).into(),
+            cylinder: Cylinder {
+                bore_m: geometry.bore,
+                rod_through_m: 0.0,
+                piston_area_m2: geometry.piston_area,
+                stroke_m: None,
+            },
+            dead_volume: None,
+            ambient: Ambient { temperature_k: Some(self.ambient_k), pressure_pa: self.ambient_pa },
+            gas: NamedGas { name: Some(self.gas.to_owned()), gas: self.chamber.gas },
+            sensor: Sensor { noise_pa: None, sample_rate_hz: Some(self.rate_hz) },
+            experiments,
+        }
+    }
+
+    fn trace(&self, test: usize, repeat: usize) -> Trace {
+        let Test { name, pressure_pa, from_m, moves } = &self.tests[test];
+        let random = &mut Random::new(self.seed.wrapping_mul(1_000_003) + (test * 16 + repeat) as u64 + 1);
+        let on_grid = |t: f64| (t / STEP_S).round() * STEP_S;
+        let mut stroke = Stroke(Vec::new());
+        let (mut time, mut position) = (self.rest_s + random.uniform() / self.rate_hz, *from_m);
+        for &(to, push_s, shape, hold_s) in moves {
+            // A trapezoid's quarters lie on the grid too.
+            let length_s = 4.0 * on_grid(0.25 * push_s * (0.85 + 0.3 * random.uniform()));
+            stroke.0.push(Move { begin_s: on_grid(time), length_s, ends_m: [position, to], shape });
+            (time, position) = (time + length_s + hold_s, to);
+        }
+        let pressure = pressure_pa * (1.0 + 0.003 * random.normal());
+        let rows = (time * self.rate_hz) as usize;
+        let time_s: Vec<f64> = (0..rows).map(|i| i as f64 / self.rate_hz).collect();
+        let truth = Truth {
+            chamber: &self.chamber,
+            outside: self.outside,
+            ambient_k: self.ambient_k,
+            ambient_pa: self.ambient_pa,
+            stroke: &stroke,
+        };
+        let readings = truth.readings(&time_s, pressure);
+        let rounded = |value: f64, step: f64| (value / step).round() * step;
+        let mut noisy = |value: f64, sd: f64, step: f64| rounded(value + sd * random.normal(), step);
+        Trace {
+            path: format!("{name}-{}.csv", repeat + 1).into(),
+            sha256: String::new(),
+            pressure_pa: Some(readings.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect()),
+            position_m: time_s
+                .iter()
+                .map(|t| noisy(stroke.at(*t, *t).0, self.position_noise_m, self.position_step_m))
+                .collect(),
+            ambient_temperature_k: self
+                .ambient_column
+                .then(|| time_s.iter().map(|_| noisy(self.ambient_k, 0.02, 0.01)).collect()),
+            gas_temperature_k: None,
+            mass_flow_kg_per_s: None,
+            time_s,
+        }
+    }
+}

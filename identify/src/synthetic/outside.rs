@@ -1,0 +1,54 @@
+//! What no card describes: a diagnosis must not give it a name.
+
+/// An effect outside the list, with its strength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outside {
+    /// The wall is warmer than the surroundings by so many K.
+    WarmWall(f64),
+    /// λ is raised by this share after a move, fading with this time constant, s.
+    FadingTurbulence(f64, f64),
+    /// The volume grows with pressure: relative growth for each bar above ambient.
+    Compliance(f64),
+    /// The reading bends: relative error at 5 bar, growing with the square.
+    BentSensor(f64),
+    /// Laminar flow from a neighbour at 3 bar, kg/(s Pa).
+    NeighbourLeak(f64),
+    /// The reading hangs back by so many Pa in the direction of the pressure's change.
+    Hysteresis(f64),
+    /// λ is larger by this share while the gas is colder than the wall.
+    OneSided(f64),
+    /// Heat from friction: this share of the pressure's work on the moving piston goes into the gas, whatever the way.
+    FrictionHeat(f64),
+    /// A laminar leak to the surroundings, kg/(s Pa): close to an orifice's, but not one.
+    LaminarLeak(f64),
+}
+
+/// Their kinds at a strength (1 is well above the noise on most rigs).
+pub const KINDS: [fn(f64) -> Outside; 9] = [
+    |s| Outside::WarmWall(3.0 * s),
+    |s| Outside::FadingTurbulence(0.6 * s, 0.4),
+    |s| Outside::Compliance(0.004 * s),
+    |s| Outside::BentSensor(0.01 * s),
+    |s| Outside::NeighbourLeak(3e-13 * s),
+    |s| Outside::Hysteresis(600.0 * s),
+    |s| Outside::OneSided(0.3 * s),
+    |s| Outside::FrictionHeat(0.05 * s),
+    |s| Outside::LaminarLeak(5e-13 * s),
+];
+
+impl Outside {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outside::WarmWall(_) => "warm wall",
+            Outside::FadingTurbulence(..) => "fading turbulence",
+            Outside::Compliance(_) => "compliant volume",
+            Outside::BentSensor(_) => "bent sensor",
+            Outside::NeighbourLeak(_) => "leak from a neighbour",
+            Outside::Hysteresis(_) => "sensor hysteresis",
+            Outside::OneSided(_) => "one-sided coefficient",
+            Outside::FrictionHeat(_) => "friction heat",
+            Outside::LaminarLeak(_) => "laminar leak",
+        }
+    }
+}

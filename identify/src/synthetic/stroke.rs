@@ -1,0 +1,108 @@
+//! Strokes of synthetic rigs: analytic functions of time, in m and s.
+
+use std::f64::consts::PI;
+
+/// How a piston goes from one end of a move to the other; u is the share of the move's time, the value that of its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// u³ (10 − 15 u + 6 u²): no jump in speed or acceleration.
+    Quintic,
+    /// u² (3 − 2 u): jumps in acceleration.
+    Cubic,
+    /// (1 − cos π u)/2: a drive's sine move.
+    Cosine,
+    /// u: corners, anywhere between two rows.
+    Ramp,
+    /// A quarter of the time speeding up, half at constant speed, a quarter slowing down.
+    Trapezoid,
+}
+
+impl Shape {
+    /// All of them.
+    pub const ALL: [Shape; 5] = [Shape::Quintic, Shape::Cubic, Shape::Cosine, Shape::Ramp, Shape::Trapezoid];
+
+    /// Share of the way and its derivative by u.
+    fn at(self, u: f64) -> (f64, f64) {
+        match self {
+            Shape::Quintic => (u * u * u * (10.0 - 15.0 * u + 6.0 * u * u), 30.0 * u * u * (1.0 - u) * (1.0 - u)),
+            Shape::Cubic => (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u)),
+            Shape::Cosine => (0.5 * (1.0 - (PI * u).cos()), 0.5 * PI * (PI * u).sin()),
+            Shape::Ramp => (u, 1.0),
+            Shape::Trapezoid => {
+                const SPEED: f64 = 4.0 / 3.0;
+                if u < 0.25 {
+                    (2.0 * SPEED * u * u, 4.0 * SPEED * u)
+                } else if u > 0.75 {
+                    let v = 1.0 - u;
+                    (1.0 - 2.0 * SPEED * v * v, 4.0 * SPEED * v)
+                } else {
+                    (SPEED * (u - 0.125), SPEED)
+                }
+            }
+        }
+    }
+}
+
+/// One move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// When it begins, s.
+    pub begin_s: f64,
+    /// How long it takes, s.
+    pub length_s: f64,
+    /// From where to where, m.
+    pub ends_m: [f64; 2],
+    /// In what way.
+    pub shape: Shape,
+}
+
+/// Moves one after the other, with holds in between.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke(pub Vec<Move>);
+
+impl Stroke {
+    /// Position and speed at time `t`, in the part of the stroke that the time `inside` lies in: at a corner the two
+    /// sides have different speeds.
+    pub fn at(&self, t: f64, inside: f64) -> (f64, f64) {
+        let Some(first) = self.0.first() else { return (0.0, 0.0) };
+        if inside < first.begin_s {
+            return (first.ends_m[0], 0.0);
+        }
+        let m = self.0[self.0.partition_point(|m| m.begin_s <= inside) - 1];
+        if inside >= m.begin_s + m.length_s {
+            return (m.ends_m[1], 0.0);
+        }
+        let (way, rate) = m.shape.at(((t - m.begin_s) / m.length_s).clamp(0.0, 1.0));
+        let span = m.ends_m[1] - m.ends_m[0];
+        (m.ends_m[0] + span * way, span * rate / m.length_s)
+    }
+
+    /// Whether the stroke has a corner within `reach` of time `t`.
+    pub fn has_corner_near(&self, t: f64, reach: f64) -> bool {
+        self.0.iter().any(|m| (t - m.begin_s).abs() < reach || (t - m.begin_s - m.length_s).abs() < reach)
+    }
+
+    /// When the last move before `t` was half done, s.
+    pub fn moved_s(&self, t: f64) -> f64 {
+        let middle = |m: &Move| m.begin_s + 0.5 * m.length_s;
+        self.0.iter().map(middle).filter(|s| *s < t).fold(f64::INFINITY, |_, s| s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shape_goes_all_the_way_with_the_speed_that_it_says() {
+        for shape in Shape::ALL {
+            assert_eq!(shape.at(0.0).0, 0.0, "{shape:?}");
+            assert!((shape.at(1.0).0 - 1.0).abs() < 1e-15, "{shape:?}");
+            for k in 1..100 {
+                let u = f64::from(k) / 100.0;
+                let (a, b) = (shape.at(u - 1e-6).0, shape.at(u + 1e-6).0);
+                assert!(((b - a) / 2e-6 - shape.at(u).1).abs() < 1e-5, "{shape:?} at {u}");
+            }
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! The readings of a synthetic rig without noise.
+//!
+//! Deliberately not the forward model of the fits: the stroke is an analytic function of time, the integrator classical
+//! Runge–Kutta with a fixed step that ends at the stroke's corners, the sensor's lag a filter on that grid, its delay an
+//! interpolation.
+
+use super::outside::Outside;
+use super::stroke::Stroke;
+use crate::forward::{sensor_effects, without};
+use chamber::Chamber;
+use chamber::balance::{self, Boundary, ENERGY, MASS, STATES};
+use chamber::effects::{self, EffectSet};
+
+/// Step of the integration; moves begin and end at its multiples, s.
+pub const STEP_S: f64 = 2.5e-4;
+
+/// A chamber on a stroke.
+pub struct Truth<'a> {
+    /// The chamber, effects included.
+    pub chamber: &'a Chamber,
+    /// What no card describes.
+    pub outside: Option<Outside>,
+    /// Temperature of the surroundings, K.
+    pub ambient_k: f64,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pa: f64,
+    /// The stroke.
+    pub stroke: &'a Stroke,
+}
+
+impl Truth<'_> {
+    fn boundary(&self, t: f64, inside: f64) -> Boundary {
+        let (position, velocity) = self.stroke.at(t, inside);
+        Boundary { position, velocity, ..Boundary::closed(position, self.ambient_k, self.ambient_pa) }
+    }
+
+    /// The sensor's readings at these times (ascending, from 0 on), beginning at rest at `pressure`.
+    pub fn readings(&self, times: &[f64], pressure: f64) -> Vec<f64> {
+        let set = without(self.chamber.active(), sensor_effects());
+        let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, self.ambient_k);
+        let steps = (times.last().copied().unwrap_or(0.0) / STEP_S).ceil() as usize + 2;
+        let mut sensor = Sensor { lag: self.parameter("sensor_lag"), lagged: pressure, gas: pressure, hang: 0.0 };
+        let mut shown = Vec::with_capacity(steps + 1);
+        for i in 0..=steps {
+            let t = i as f64 * STEP_S;
+            let mut at = self.boundary(t, t);
+            at.position = self.true_position(at.position, &state);
+            let gas = balance::conditions(self.chamber, &at, state[MASS], state[ENERGY]).pressure;
+            shown.push(sensor.shows(gas, self.outside));
+            state = self.runge_kutta(set, &state, t);
+        }
+        let (delay, drift) = (self.parameter("record_delay"), self.parameter("sensor_drift"));
+        times
+            .iter()
+            .map(|t| {
+                let u = ((t - delay) / STEP_S).max(0.0);
+                let i = (u as usize).clamp(1, steps - 2);
+                let near = [shown[i - 1], shown[i], shown[i + 1], shown[i + 2]];
+                let corner = self.stroke.has_corner_near((i as f64 + 0.5) * STEP_S, 1.6 * STEP_S);
+                let reading =
+                    if corner { near[1] + (near[2] - near[1]) * (u - i as f64) } else { cubic(near, u - i as f64) };
+                reading + drift * t
+            })
+            .collect()
+    }
+
+    fn parameter(&self, effect: &str) -> f64 {
+        effects::find(effect).map_or(0.0, |(e, _)| self.chamber.effects.of(e)[0])
+    }
+
+    fn true_position(&self, position: f64, state: &[f64; STATES]) -> f64 {
+        match self.outside {
+            Some(Outside::Compliance(per_bar)) => {
+                let volume = self.chamber.geometry.volume(position);
+                let gauge = (self.chamber.gas.heat_capacity_ratio - 1.0) * state[ENERGY] / volume - self.ambient_pa;
+                position + volume * per_bar * gauge / 1e5 / self.chamber.geometry.piston_area
+            }
+            _ => position,
+        }
+    }
+
+    fn rates(&self, set: EffectSet, state: &[f64; STATES], t: f64, inside: f64) -> [f64; STATES] {
+        let mut at = self.boundary(t, inside);
+        at.position = self.true_position(at.position, state);
+        if let Some(Outside::Compliance(per_bar)) = self.outside {
+            // V = Vn (1 + c p/bar): its rate follows dP/dt, which follows its rate: solved by substitution.
+            let gamma = self.chamber.gas.heat_capacity_ratio;
+            let nominal = at.velocity;
+            let volume = self.chamber.geometry.volume(at.position);
+            for _ in 0..3 {
+                let energy_rate = balance::rates(set, self.chamber, &at, state)[ENERGY];
+                let volume_rate = self.chamber.geometry.piston_area * at.velocity;
+                let pressure_rate = (gamma - 1.0) * (energy_rate - state[ENERGY] * volume_rate / volume) / volume;
+                at.velocity = nominal + volume * per_bar * pressure_rate / 1e5 / self.chamber.geometry.piston_area;
+            }
+        }
+        let mut rates = balance::rates(set, self.chamber, &at, state);
+        let gas = balance::conditions(self.chamber, &at, state[MASS], state[ENERGY]);
+        let conductance = self.chamber.heat_transfer.coefficient_at(gas.pressure, gas.temperature)
+            * self.chamber.geometry.heat_transfer_area(gas.volume);
+        let colder = self.ambient_k - gas.temperature;
+        rates[ENERGY] += match self.outside {
+            Some(Outside::WarmWall(kelvin)) => conductance * kelvin,
+            Some(Outside::FadingTurbulence(share, fade_s)) => {
+                let since = inside - self.stroke.moved_s(inside);
+                if since > 0.0 { conductance * share * (-since / fade_s).exp() * colder } else { 0.0 }
+            }
+            Some(Outside::OneSided(share)) => conductance * share * colder.max(0.0),
+            Some(Outside::FrictionHeat(share)) => {
+                share * gas.pressure * self.chamber.geometry.piston_area * at.velocity.abs()
+            }
+            _ => 0.0,
+        };
+        let flow = match self.outside {
+            Some(Outside::NeighbourLeak(conductance)) => conductance * (3e5 - gas.pressure),
+            Some(Outside::LaminarLeak(conductance)) => conductance * (self.ambient_pa - gas.pressure),
+            _ => 0.0,
+        };
+        rates[MASS] += flow;
+        rates[ENERGY] += flow * gas.cp * if flow > 0.0 { self.ambient_k } else { gas.temperature };
+        rates
+    }
+
+    fn runge_kutta(&self, set: EffectSet, y: &[f64; STATES], t: f64) -> [f64; STATES] {
+        const H: f64 = STEP_S;
+        let inside = t + 0.5 * H;
+        let plus = |k: &[f64; STATES], share: f64| core::array::from_fn(|i| y[i] + share * H * k[i]);
+        let k1 = self.rates(set, y, t, inside);
+        let k2 = self.rates(set, &plus(&k1, 0.5), inside, inside);
+        let k3 = self.rates(set, &plus(&k2, 0.5), inside, inside);
+        let k4 = self.rates(set, &plus(&k3, 1.0), t + H, inside);
+        core::array::from_fn(|i| y[i] + H / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+    }
+}
+
+/// Lag and hysteresis, step by step.
+struct Sensor {
+    lag: f64,
+    lagged: f64,
+    gas: f64,
+    hang: f64,
+}
+
+impl Sensor {
+    fn shows(&mut self, gas: f64, outside: Option<Outside>) -> f64 {
+        let before = self.lagged;
+        if self.lag > 0.0 {
+            // τ y' = P − y with P linear over the step, exactly.
+            let (kept, slope) = ((-STEP_S / self.lag).exp(), (gas - self.gas) / STEP_S);
+            self.lagged = self.lagged * kept + self.gas * (1.0 - kept) + slope * (STEP_S - self.lag * (1.0 - kept));
+        } else {
+            self.lagged = gas;
+        }
+        self.gas = gas;
+        match outside {
+            Some(Outside::BentSensor(share)) => self.lagged * (1.0 + share * (self.lagged / 5e5)),
+            Some(Outside::Hysteresis(pa)) => {
+                // Follows the direction of the pressure over a change of a kilopascal.
+                self.hang = (self.hang + (self.lagged - before) / 1e3).clamp(-1.0, 1.0);
+                self.lagged - pa * self.hang
+            }
+            _ => self.lagged,
+        }
+    }
+}
+
+/// Cubic through four equally spaced values at −1, 0, 1, 2.
+fn cubic([a, b, c, d]: [f64; 4], u: f64) -> f64 {
+    let (p, q) = (0.5 * (c - a), 0.5 * (d - b));
+    let u2 = u * u;
+    b + u * p + u2 * (3.0 * (c - b) - 2.0 * p - q) + u2 * u * (2.0 * (b - c) + p + q)
+}

@@ -1,0 +1,109 @@
+//! The tracing on rigs that do not exist: other geometries and strengths than the labelled cases have.
+
+use chamber::effects;
+use chamber::simulate::Start;
+use identify::forward::Run;
+use identify::hypothesis::names;
+use identify::prepare::Data;
+use identify::synthetic::{Outside, Recipe, Shape};
+use identify::tracing::{self, Trace, Verdict};
+
+fn traced(recipe: &Recipe) -> Trace {
+    tracing::trace(&Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap()
+}
+
+#[test]
+fn each_effect_of_the_list_is_named_on_a_rig_of_its_own() {
+    for (e, card) in effects::all() {
+        let recipe = Recipe { repeats: 2, ..Recipe::from_seed(100 + e as u64) }.with_strength(e, 1.0);
+        let found = traced(&recipe);
+        assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec![card.name]));
+        let lambda0 = found.chosen.fit.chamber().heat_transfer.coefficient;
+        assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 0.03, "{}: {lambda0}", card.name);
+    }
+}
+
+#[test]
+fn two_effects_at_once_are_both_named() {
+    let (leak, _) = effects::find("leakage").unwrap();
+    let (lag, _) = effects::find("sensor_lag").unwrap();
+    let found =
+        traced(&Recipe { repeats: 2, ..Recipe::from_seed(31) }.with_strength(leak, 0.5).with_strength(lag, 0.5));
+    assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec!["leakage", "sensor_lag"]));
+}
+
+#[test]
+fn a_leak_of_another_critical_ratio_is_still_a_leak() {
+    let (leak, _) = effects::find("leakage").unwrap();
+    let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(33) }.with_strength(leak, 1.0);
+    recipe.chamber.effects.of_mut(leak)[1] = 0.05;
+    let found = traced(&recipe);
+    assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec!["leakage"]));
+    assert!((found.chosen.fit.chamber().effects.of(leak)[1] - 0.05).abs() < 0.05);
+}
+
+#[test]
+fn a_leak_of_another_critical_ratio_is_a_leak_beside_another_effect_too() {
+    let (leak, _) = effects::find("leakage").unwrap();
+    let (drift, _) = effects::find("sensor_drift").unwrap();
+    let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(34) }.with_strength(leak, 1.0).with_strength(drift, 1.0);
+    recipe.chamber.effects.of_mut(leak)[1] = 0.5;
+    let found = traced(&recipe);
+    assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec!["leakage", "sensor_drift"]));
+}
+
+#[test]
+fn a_push_of_six_rows_is_no_effect() {
+    // Between the rows of so fast a move its course is open: what that does to the hold after it must not get a name.
+    for shape in [Shape::Cosine, Shape::Quintic, Shape::Ramp] {
+        let mut recipe = Recipe::from_seed(51);
+        recipe.noise_pa = 20.0;
+        recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|m| (m.1, m.2) = (0.06, shape));
+        let found = traced(&recipe);
+        assert_eq!(found.verdict, Verdict::Adequate, "{shape:?}: {:?}", names(found.chosen.effects));
+    }
+}
+
+#[test]
+fn what_no_card_describes_stays_unnamed() {
+    for outside in [Outside::FadingTurbulence(0.6, 0.4), Outside::Compliance(0.004), Outside::Hysteresis(600.0)] {
+        let found = traced(&Recipe { repeats: 2, ..Recipe::from_seed(41) }.with_outside(outside));
+        assert_eq!(found.verdict, Verdict::Unexplained, "{}: {:?}", outside.name(), names(found.chosen.effects));
+    }
+}
+
+#[test]
+fn the_same_rig_gives_the_same_bits_on_one_thread() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+    let data = Data::prepare(&recipe.rig()).unwrap();
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let one = alone.install(|| tracing::baseline(&data).unwrap());
+    assert_eq!(tracing::baseline(&data).unwrap().globals, one.globals);
+}
+
+#[test]
+fn the_fit_s_forward_model_is_the_simulator_s() {
+    for (e, card) in effects::all() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(61) }.with_strength(e, 1.0);
+        let data = Data::prepare(&recipe.rig()).unwrap();
+        let t = &data.traces[1];
+        let start = Start { pressure: 3.2e5, temperature: data.ambient_temperature_k };
+        let set = recipe.chamber.active();
+        let run = Run { chamber: &recipe.chamber, set, start, course: &t.course, relative_tolerance: 1e-9 };
+        let ours = run.pressures(&t.time_s).unwrap();
+        // The simulator's stroke is straight between knots: give it the same one, in steps of a tenth of a row.
+        let near = Default::default();
+        let end = *t.time_s.last().unwrap();
+        let motion: Vec<(f64, f64)> = (0..(end * 2000.0) as usize)
+            .map(|k| {
+                let time = k as f64 / 2000.0;
+                let part = t.course.motion.segments.iter().find(|s| time <= s.to_s).unwrap();
+                (time, part.stroke.at(time, &near).0)
+            })
+            .collect();
+        let signals = chamber::signals::Signals::closed(&motion, data.ambient_temperature_k, data.ambient_pressure_pa);
+        let theirs = chamber::simulate::simulate(&recipe.chamber, set, start, &signals, &t.time_s, 1e-9).unwrap();
+        let worst = ours.iter().zip(&theirs).map(|(a, b)| (a - b.measured_pressure).abs()).fold(0.0, f64::max);
+        assert!(worst < 15.0, "{}: {worst} Pa", card.name);
+    }
+}

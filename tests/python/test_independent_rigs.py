@@ -1,0 +1,38 @@
+"""`diagnose` on rigs from a simulator that shares no code with it: the effect's name, its model on a motion never seen."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import rigs
+
+# Numbers of rigs: one without an effect, one of every balance and kind of sensor effect, some outside the list.
+NUMBERS = [0, 1, 2, 5, 7, 8, 9, 10, 13, 17, 25, 41]
+
+
+def column(path, name):
+    with open(path, newline="") as file:
+        return np.array([float(row[name]) for row in csv.DictReader(file)])
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_what_another_simulator_put_in_is_what_diagnose_finds(number, pneutherm, tmp_path):
+    answer = rigs.write(tmp_path, number)
+    pneutherm("diagnose", "rig.toml", "-o", "model.toml", "--json", "diagnosis.json", cwd=tmp_path)
+    found = json.loads((tmp_path / "diagnosis.json").read_text())
+    effect = answer["effect"]
+    if effect == "outside":
+        assert (found["verdict"], found["effects"]) == ("unexplained", [])
+        assert found["balance"] != "none"
+        return
+    expected = ("adequate", []) if effect == "none" else ("explained", [effect])
+    assert (found["verdict"], found["effects"]) == expected
+    parameters = found["after"]["parameters"]
+    assert parameters["lambda0_w_per_m2_k"]["value"] == pytest.approx(answer["lambda0_w_per_m2_k"], rel=0.01)
+    assert found["after"]["rmse_pa"]["held_out"] < 1.1 * found["noise_pa"]
+
+    pneutherm("simulate", "model.toml", "--motion", "validation.csv", "-o", "simulated.csv", cwd=tmp_path)
+    error = column(tmp_path / "simulated.csv", "pressure_pa") - column(tmp_path / "validation.csv", "pressure_pa")
+    assert np.sqrt(np.mean(error**2)) < 1.15 * found["noise_pa"]
