@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`motion`], [`noise`], [`checks`], [`prepare`] | from rows to blocks: moves, holds, noise, bad input |
+//! | [`motion`], [`spline`], [`noise`], [`checks`], [`prepare`] | from rows to blocks: moves, holds, noise, bad input |
 //! | [`forward`] | the model's pressure along a record, with exact sensitivities |
 //! | [`hypothesis`], [`fit`], [`whiten`], [`uncertainty`] | what is free, the least squares over all traces, intervals |
 //! | [`candidates`], [`evidence`], [`held_out`] | fits with effects added, and how much they are worth |
@@ -35,6 +35,7 @@ pub mod ramp;
 pub mod report;
 pub mod sanity;
 pub mod separate;
+pub mod spline;
 pub mod synthetic;
 pub mod tracing;
 pub mod uncertainty;

@@ -6,118 +6,8 @@
 //! ([`crate::ramp`]). Position in m, time in s from the record's start.
 
 use crate::ramp;
+pub use crate::spline::{Spline, extent};
 use std::cell::Cell;
-
-/// A piecewise cubic function of time with continuous slope; constant before its first and after its last knot.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spline {
-    time: Vec<f64>,
-    value: Vec<f64>,
-    slope: Vec<f64>,
-}
-
-impl Spline {
-    /// Through these points with these slopes (C2 inside, by the tridiagonal system of the second derivatives).
-    ///
-    /// `ends` are the slopes at the first and last point; `None` leaves the end free (no curvature).
-    pub fn through(time: Vec<f64>, value: Vec<f64>, ends: [Option<f64>; 2]) -> Self {
-        let n = time.len();
-        if n < 2 {
-            return Self { slope: vec![0.0; n], time, value };
-        }
-        // Unknown slopes s: s[i-1]/h[i-1] + 2 (1/h[i-1] + 1/h[i]) s[i] + s[i+1]/h[i] = 3 (d[i-1]/h[i-1] + d[i]/h[i]),
-        // d the chord slopes; Thomas algorithm.
-        let h: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
-        let d: Vec<f64> = value.windows(2).zip(&h).map(|(w, h)| (w[1] - w[0]) / h).collect();
-        let (mut upper, mut right) = (vec![0.0; n], vec![0.0; n]);
-        for i in 0..n {
-            let (low, diagonal, up, rhs) = if i == 0 {
-                match ends[0] {
-                    Some(slope) => (0.0, 1.0, 0.0, slope),
-                    None => (0.0, 2.0, 1.0, 3.0 * d[0]),
-                }
-            } else if i == n - 1 {
-                match ends[1] {
-                    Some(slope) => (0.0, 1.0, 0.0, slope),
-                    None => (1.0, 2.0, 0.0, 3.0 * d[n - 2]),
-                }
-            } else {
-                let (a, b) = (1.0 / h[i - 1], 1.0 / h[i]);
-                (a, 2.0 * (a + b), b, 3.0 * (d[i - 1] * a + d[i] * b))
-            };
-            let (before_upper, before_right) = if i == 0 { (0.0, 0.0) } else { (upper[i - 1], right[i - 1]) };
-            let pivot = diagonal - low * before_upper;
-            upper[i] = up / pivot;
-            right[i] = (rhs - low * before_right) / pivot;
-        }
-        let mut slope = right;
-        for i in (0..n - 1).rev() {
-            slope[i] -= upper[i] * slope[i + 1];
-        }
-        Self { time, value, slope }
-    }
-
-    /// Standard deviation of the time by which the whole curve may be early or late, s: ∫ error dt over the way.
-    ///
-    /// The curve through every second knot misses the others by d; its integral's error is at least four times that of
-    /// the curve through all (a corner; sixteen times where the stroke is smooth). The knots' own noise comes on top.
-    fn open_shift(&self, noise: f64) -> f64 {
-        let n = self.time.len();
-        if n < 3 {
-            return 0.0;
-        }
-        let way = self.range().1 - self.range().0;
-        let row = (self.time[n - 1] - self.time[0]) / (n - 1) as f64;
-        let near = Cell::new(0);
-        let worst = (1..3)
-            .map(|first| {
-                let kept = |i: usize| i == 0 || i == n - 1 || i % 2 == first % 2;
-                let pick = |v: &[f64]| v.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, v)| *v).collect();
-                let half = Spline::through(pick(&self.time), pick(&self.value), [Some(0.0), Some(0.0)]);
-                let missed = (0..n).filter(|i| !kept(*i)).map(|i| self.value[i] - half.at(self.time[i], &near).0);
-                (missed.sum::<f64>() * row).abs()
-            })
-            .fold(0.0, f64::max);
-        (0.25 * worst).hypot(noise * row * (n as f64).sqrt()) / way.max(noise)
-    }
-
-    /// Smallest and largest of its knots' values.
-    pub fn range(&self) -> (f64, f64) {
-        extent(&self.value)
-    }
-
-    /// Smallest of its knots' values.
-    pub fn lowest(&self) -> f64 {
-        extent(&self.value).0
-    }
-
-    /// Value and slope at time `t`; `near` remembers the last piece.
-    #[inline]
-    pub fn at(&self, t: f64, near: &Cell<usize>) -> (f64, f64) {
-        let last = self.time.len() - 1;
-        if t < self.time[0] || last == 0 {
-            return (self.value[0], 0.0);
-        }
-        if t > self.time[last] {
-            return (self.value[last], 0.0);
-        }
-        let mut i = near.get().min(last - 1);
-        if t < self.time[i] || t > self.time[i + 1] {
-            i = if i + 2 <= last && t >= self.time[i + 1] && t <= self.time[i + 2] {
-                i + 1
-            } else {
-                self.time.partition_point(|knot| *knot <= t).clamp(1, last) - 1
-            };
-            near.set(i);
-        }
-        let h = self.time[i + 1] - self.time[i];
-        let u = (t - self.time[i]) / h;
-        let (a, b) = (self.value[i], self.value[i + 1]);
-        let (p, q) = (self.slope[i] * h, self.slope[i + 1] * h);
-        let (c2, c3) = (3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q);
-        (a + u * (p + u * (c2 + u * c3)), (p + u * (2.0 * c2 + 3.0 * u * c3)) / h)
-    }
-}
 
 /// What the piston does in one part of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,7 +54,8 @@ impl Motion {
         let noise_m = position_noise(position_m);
         let (low, high) = extent(position_m);
         let threshold = (8.0 * noise_m).max(2e-4 * (high - low));
-        let moving = moving_rows(position_m, threshold);
+        let mut moving = moving_rows(position_m, threshold);
+        widen(&mut moving, position_m, noise_m);
         let ranges = ranges(&moving);
         let mut segments: Vec<Segment> = Vec::with_capacity(ranges.len());
         let n = time_s.len();
@@ -196,11 +87,6 @@ impl Motion {
     pub fn starts_at_rest(&self) -> bool {
         self.segments.first().is_some_and(|s| s.phase == Phase::Rest)
     }
-}
-
-/// Smallest and largest.
-pub fn extent(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)))
 }
 
 /// Standard deviation of the position from its second differences where they are small, with the recording's step as
@@ -239,6 +125,40 @@ fn moving_rows(position_m: &[f64], threshold: f64) -> Vec<bool> {
         start = end;
     }
     moving
+}
+
+/// Gives moves their gentle begins and ends, which single rows do not show in the position's noise: rows next to a move
+/// whose means over a window differ from where the piston is held, and one window more, in which a mean would not show
+/// them either. A piston that creeps all along is none of these.
+fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
+    const WINDOW: usize = 8;
+    const DEVIATIONS: f64 = 2.7;
+    let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len() as f64;
+    let parts = ranges(moving);
+    for (k, &(first, end, moves)) in parts.iter().enumerate() {
+        let half = (end - first) / 2;
+        if moves || half < 2 * WINDOW {
+            continue;
+        }
+        let limit = DEVIATIONS * noise_m * (1.0 / WINDOW as f64 + 1.0 / half as f64).sqrt();
+        let length = |k: usize| parts.get(k).map_or(0, |(first, end, _)| end - first);
+        if k > 0 {
+            let (level, most) = (mean(&position_m[first + half..end]), half.min(length(k - 1)));
+            let off = |i: &usize| (mean(&position_m[first + i..first + i + WINDOW]) - level).abs() > limit;
+            let rows = (0..most).take_while(off).count();
+            if rows < most {
+                moving[first..first + rows + WINDOW].fill(true);
+            }
+        }
+        if k + 1 < parts.len() {
+            let (level, most) = (mean(&position_m[first..end - half]), half.min(length(k + 1)));
+            let off = |i: &usize| (mean(&position_m[end - i - WINDOW..end - i]) - level).abs() > limit;
+            let rows = (0..most).take_while(off).count();
+            if rows < most {
+                moving[end - rows - WINDOW..end].fill(true);
+            }
+        }
+    }
 }
 
 fn ranges(moving: &[bool]) -> Vec<(usize, usize, bool)> {
@@ -311,7 +231,7 @@ fn straighten(k: usize, segments: &mut [Segment], time_s: &[f64], position_m: &[
     (segment.to_s, after.from_s) = (end, end);
     let speed = (to - from) / (end - begin);
     segment.shift_s = noise_m / speed.abs() / ((segment.end - segment.first) as f64).sqrt();
-    segment.stroke = Spline { time: vec![begin, end], value: vec![from, to], slope: vec![speed; 2] };
+    segment.stroke = Spline::line([begin, end], [from, to]);
 }
 
 #[cfg(test)]
@@ -337,7 +257,9 @@ mod tests {
         let (exact, _) = (record(|_| 0.0).1, ());
         let near = Cell::new(0);
         let push = &motion.segments[1];
-        assert!((push.from_s - 0.3).abs() < 0.045 && (push.to_s - 0.48).abs() < 0.045, "{} {}", push.from_s, push.to_s);
+        // The push, and no more than a dozen rows before and after it.
+        let (early, late) = (0.3 - push.from_s, push.to_s - 0.48);
+        assert!((0.0..0.135).contains(&early) && (0.0..0.135).contains(&late), "{} {}", push.from_s, push.to_s);
         for i in push.first..push.end {
             assert!((push.stroke.at(t[i], &near).0 - exact[i]).abs() < 5e-6);
             let between = push.stroke.at(t[i] + 0.005, &near).0;
@@ -349,6 +271,22 @@ mod tests {
     }
 
     #[test]
+    fn the_gentle_end_of_a_slow_push_belongs_to_it_though_noise_hides_it() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let push = |t: f64| 0.03 - 0.02 * smooth(((t - 0.3) / 0.6).clamp(0.0, 1.0));
+        let mut random = crate::synthetic::Random::new(3);
+        let (t, x): (Vec<f64>, Vec<f64>) =
+            (0..500).map(|i| f64::from(i) * 0.005).map(|t| (t, push(t) + 1.5e-5 * random.normal())).unzip();
+        let motion = Motion::detect(&t, &x);
+        assert_eq!(motion.segments.len(), 3);
+        let [_, moved, _] = &motion.segments[..] else { return };
+        // Within the position's noise over √8 of where it is held.
+        let off = |time: f64, held: f64| (push(time) - held).abs();
+        assert!(off(moved.to_s, 0.01) < 5e-6 && off(moved.from_s, 0.03) < 5e-6, "{} {}", moved.from_s, moved.to_s);
+        assert!(moved.to_s < 1.1 && moved.from_s > 0.1, "{} {}", moved.from_s, moved.to_s);
+    }
+
+    #[test]
     fn parts_follow_each_other_without_gaps() {
         let (t, x) = record(|_| 0.0);
         let motion = Motion::detect(&t, &x);
@@ -356,20 +294,6 @@ mod tests {
         assert_eq!(motion.segments.last().unwrap().to_s, *t.last().unwrap());
         for pair in motion.segments.windows(2) {
             assert_eq!((pair[0].to_s, pair[0].end), (pair[1].from_s, pair[1].first));
-        }
-    }
-
-    #[test]
-    fn a_spline_reproduces_a_cubic_with_its_end_slopes() {
-        let f = |t: f64| 1.0 + t - 2.0 * t * t + 0.5 * t * t * t;
-        let g = |t: f64| 1.0 - 4.0 * t + 1.5 * t * t;
-        let t: Vec<f64> = vec![0.0, 0.3, 1.0, 1.2, 2.0];
-        let s = Spline::through(t.clone(), t.iter().map(|t| f(*t)).collect(), [Some(g(0.0)), Some(g(2.0))]);
-        let near = Cell::new(0);
-        for k in 1..40 {
-            let t = f64::from(k) * 0.05;
-            let (value, slope) = s.at(t, &near);
-            assert!((value - f(t)).abs() < 1e-12 && (slope - g(t)).abs() < 1e-11, "{t}");
         }
     }
 }

@@ -214,34 +214,75 @@ def write(folder, number, truth=None):
     return answer
 
 
+def diagnosed(program, folder, answer):
+    """What the program says of a rig, beside the truth: a row of the table."""
+    begun = time.perf_counter()
+    command = [program, "diagnose", folder / "rig.toml", "--json", folder / "diagnosis.json", "-o", folder / "model.toml"]
+    run = subprocess.run(command, capture_output=True, text=True)
+    seconds = time.perf_counter() - begun
+    row = {"effect": answer["effect"], "strength": f"{answer['strength']:.2f}", "move": answer["shape"]}
+    if run.returncode:
+        return row | {"right": "no", "verdict": "refused: " + run.stderr.strip(), "found": "", "s": f"{seconds:.1f}"}
+    found = json.loads((folder / "diagnosis.json").read_text())
+    named = found["effects"]
+    right = {"none": found["verdict"] == "adequate", "outside": not named}.get(answer["effect"], named == [answer["effect"]])
+    if answer["effect"] == "outside":
+        row["effect"] = next(iter(answer["parameters"])) + " (outside)"
+    row |= {"right": "yes" if right else "no", "verdict": found["verdict"], "found": " + ".join(named)}
+    row["not told apart"] = "; ".join(", ".join(group) for group in found["indistinguishable"])
+    if found["verdict"] != "unexplained":
+        simulated = folder / "simulated.csv"
+        subprocess.run([program, "simulate", folder / "model.toml", "--motion", folder / "validation.csv", "-o", simulated], check=True)
+        columns = [np.genfromtxt(path, delimiter=",", names=True)["pressure_pa"] for path in (simulated, folder / "validation.csv")]
+        lambda0 = found["after"]["parameters"]["lambda0_w_per_m2_k"]
+        truth = answer["lambda0_w_per_m2_k"]
+        row["lambda0 off, %"] = f"{100 * (lambda0['value'] / truth - 1):+.2f}"
+        row["in interval"] = "yes" if lambda0["ci95"][0] <= truth <= lambda0["ci95"][1] else "no"
+        row["before / noise"] = f"{found['before']['rmse_pa']['held_out'] / found['noise_pa']:.2f}"
+        row["held out / noise"] = f"{found['after']['rmse_pa']['held_out'] / found['noise_pa']:.3f}"
+        row["validation / noise"] = f"{np.sqrt(np.mean((columns[0] - columns[1]) ** 2)) / found['noise_pa']:.3f}"
+    return row | {"s": f"{seconds:.1f}"}
+
+
+COLUMNS = ["rig", "effect", "strength", "move", "right", "verdict", "found", "not told apart", "lambda0 off, %", "in interval",
+           "before / noise", "held out / noise", "validation / noise", "s"]
+
+
+def page(rows, options):
+    """The table as a page."""
+    right = sum(row["right"] == "yes" for row in rows)
+    judged = [row for row in rows if "in interval" in row]
+    inside = sum(row["in interval"] == "yes" for row in judged)
+    lines = [
+        "# Rigs from another simulator", "",
+        f"Written by `python tests/python/rigs.py FOLDER {options.first} {options.last} --table results/diagnosis_independent.md`: random rigs from a simulator",
+        "that shares no code with the program (`tests/python/rigs.py`: scipy's DOP853 on pressure and mass), each with one effect, none, or one that is",
+        "not in the list. Strength 1: sizes in `effects()` there. Errors are rms over the noise that the program found; *before* is the paper's model on",
+        "held-out data, *validation* a motion that no experiment has, from the mean pressure before its first move.", "",
+        f"**{right} of {len(rows)} right; the interval of λ0 holds the truth in {inside} of {len(judged)}.**", "",
+        "| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS),
+    ]
+    lines += ["| " + " | ".join(str(row.get(name, "")) for name in COLUMNS) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("first", type=int)
     parser.add_argument("last", type=int)
     parser.add_argument("--program", default="target/release/pneutherm")
+    parser.add_argument("--table", type=pathlib.Path, help="write the rows to this page")
     options = parser.parse_args()
+    rows = []
     for number in range(options.first, options.last):
         folder = options.folder / f"rig{number:03}"
-        answer = write(folder, number) if not (folder / "answer.json").exists() else json.loads((folder / "answer.json").read_text())
-        begun = time.perf_counter()
-        run = subprocess.run(
-            [options.program, "diagnose", folder / "rig.toml", "--json", folder / "diagnosis.json", "-o", folder / "model.toml"], capture_output=True, text=True
-        )
-        seconds = time.perf_counter() - begun
-        if run.returncode:
-            print(number, answer["effect"], "refused:", run.stderr.strip(), flush=True)
-            continue
-        d = json.loads((folder / "diagnosis.json").read_text())
-        right = {"none": d["verdict"] == "adequate", "outside": not d["effects"]}.get(answer["effect"], d["effects"] == [answer["effect"]])
-        found = d["after"]["parameters"]["lambda0_w_per_m2_k"]
-        inside = found["ci95"][0] <= answer["lambda0_w_per_m2_k"] <= found["ci95"][1]
-        print(
-            f"{number:4} {'ok   ' if right else 'WRONG'} {answer['effect']:18} {answer['strength']:.2f} {answer['shape']:8} {d['verdict']:12} {'+'.join(d['effects']):24}"
-            f" alike {d['indistinguishable']} lambda0 {found['value'] / answer['lambda0_w_per_m2_k'] - 1:+.4f} inside {inside} held out/noise"
-            f" {d['after']['rmse_pa']['held_out'] / d['noise_pa']:.3f} before {d['before']['rmse_pa']['fit'] / d['noise_pa']:.3f} {seconds:.1f} s {answer['parameters']}",
-            flush=True,
-        )
+        saved = folder / "answer.json"
+        answer = json.loads(saved.read_text()) if saved.exists() else write(folder, number)
+        rows.append({"rig": number} | diagnosed(options.program, folder, answer))
+        print(" ".join(f"{key}={value}" for key, value in rows[-1].items()), flush=True)
+    if options.table:
+        options.table.write_text(page(rows, options))
 
 
 if __name__ == "__main__":

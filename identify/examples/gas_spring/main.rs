@@ -83,6 +83,9 @@ fn page(chambers: &[Chamber]) -> String {
     let [a, b, c] = squares.map(|s: f64| (s / count).sqrt());
     let _ = writeln!(out, "| all | rms over the {count} holds | | | **{a:.3}** | **{b:.3}** | **{c:.3}** |\n");
     for chamber in chambers {
+        carried_over(&mut out, chamber);
+    }
+    for chamber in chambers {
         for r in &chamber.records {
             let _ = writeln!(
                 out,
@@ -110,4 +113,54 @@ fn page(chambers: &[Chamber]) -> String {
         }
     }
     out
+}
+
+/// The set of effects that both records of a chamber speak for most, and which of its numbers they agree on.
+fn carried_over(out: &mut String, chamber: &Chamber) {
+    let [a, b] = chamber.records.as_slice() else { return };
+    let both = a.rows.iter().filter_map(|r| Some((r, b.rows.iter().find(|o| o.effects == r.effects)?)));
+    let best = both
+        .filter(|(r, _)| !r.effects.is_empty())
+        .max_by(|x, y| (x.0.delta_bic + x.1.delta_bic).total_cmp(&(y.0.delta_bic + y.1.delta_bic)));
+    let Some((on_a, on_b)) = best else { return };
+    let (paper_a, paper_b) = (&a.rows[0], &b.rows[0]);
+    let _ = writeln!(
+        out,
+        "## What carries over: {} chamber\n\nBoth records speak most for **{}** (ΔBIC {:.0} and {:.0}). Fitted on one record it leaves {:.3} and {:.3} psi (the paper's model {:.3} and {:.3}); \
+         the other record, predicted, {} and {} psi (the paper's model {} and {}).\n\n\
+         | parameter | on {} | on {} | ratio | 95 % intervals |\n|---|---|---|---|---|",
+        chamber.name,
+        on_a.effects.join(" + "),
+        on_a.delta_bic,
+        on_b.delta_bic,
+        on_a.fit_rms_psi,
+        on_b.fit_rms_psi,
+        paper_a.fit_rms_psi,
+        paper_b.fit_rms_psi,
+        psi(on_a.other_rms_psi),
+        psi(on_b.other_rms_psi),
+        psi(paper_a.other_rms_psi),
+        psi(paper_b.other_rms_psi),
+        a.fitted,
+        b.fitted
+    );
+    for ((name, x), (_, y)) in on_a.parameters.iter().zip(&on_b.parameters) {
+        let meet = x.ci95[0] <= y.ci95[1] && y.ci95[0] <= x.ci95[1];
+        let shown =
+            |e: &identify::uncertainty::Estimate| format!("{:.4e} ({:.3e} … {:.3e})", e.value, e.ci95[0], e.ci95[1]);
+        let _ = writeln!(
+            out,
+            "| `{name}`, {} | {} | {} | {:.3} | {} |",
+            x.unit,
+            shown(x),
+            shown(y),
+            y.value / x.value,
+            if meet { "meet" } else { "do not meet: does not carry over" }
+        );
+    }
+    out.push('\n');
+}
+
+fn psi(value: Option<f64>) -> String {
+    value.map_or("–".to_owned(), |v| format!("{v:.3}"))
 }
