@@ -68,15 +68,17 @@ fn identified_model(rig: &Rig, found: &Identification) -> Model {
     }
 }
 
-/// Writes the model of the known effects that come closest to a residual that they do not explain, if any do.
+/// Writes the model of the known effects that come closest to a residual that they do not explain; the diagnosed one where
+/// there are none.
 ///
 /// # Errors
 /// A file that cannot be read again or written.
 pub fn write_closest(rig: &Path, found: &Diagnosed, model: &Path) -> anyhow::Result<()> {
-    let Some((chamber, closest)) = found.closest_chamber().zip(found.diagnosis.closest.as_ref()) else { return Ok(()) };
     let mut out = diagnosed_model(&Rig::read(rig)?, found);
-    out.chamber = chamber;
-    out.provenance.rmse_after_pa = Some(rmse(&closest.rmse_pa));
+    if let Some((chamber, closest)) = found.closest_chamber().zip(found.diagnosis.closest.as_ref()) {
+        out.chamber = chamber;
+        out.provenance.rmse_after_pa = Some(rmse(&closest.rmse_pa));
+    }
     output::write(model, out.to_toml()?.as_bytes())
 }
 

@@ -36,13 +36,14 @@ pub struct Args {
 /// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let bar = progress_bar();
-    let found = evaluation::diagnose(&args.rig, args.output.as_deref(), args.report.as_deref(), &|what, share| {
+    let model = args.output.as_deref().filter(|_| !args.closest);
+    let found = evaluation::diagnose(&args.rig, model, args.report.as_deref(), &|what, share| {
         bar.set_message(what.to_owned());
         bar.set_position((share * 100.0) as u64);
     });
     bar.finish_and_clear();
     let found = found?;
-    if let Some(path) = args.output.as_ref().filter(|_| args.closest && found.diagnosis.closest.is_some()) {
+    if let Some(path) = args.output.as_ref().filter(|_| args.closest) {
         evaluation::write_closest(&args.rig, &found, path)?;
     }
     if let Some(path) = &args.json {
