@@ -136,6 +136,8 @@ pub struct Diagnosed {
     pub residuals_before: Vec<Vec<f64>>,
     /// Row residuals after, Pa.
     pub residuals_after: Vec<Vec<f64>>,
+    /// Row residuals with the known effects that come closest, Pa, where there are any.
+    pub residuals_closest: Option<Vec<Vec<f64>>>,
     /// The paper's model's variables along each record.
     pub paths: Vec<Path>,
 }
@@ -235,7 +237,8 @@ pub fn describe(data: Data, trace: Trace) -> Diagnosed {
         next_experiments: separate::next(&data, &trace),
         assumptions: assumptions(&data),
     };
-    Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, trace }
+    let residuals_closest = diagnosis.closest.as_ref().map(|_| evidence::residuals(&data, &trace.chosen.fit));
+    Diagnosed { diagnosis, data, residuals_before, residuals_after, residuals_closest, paths, trace }
 }
 
 /// Relative standard deviation that an assumed ambient temperature gives λ0: with pressures alone λ0 ∝ Tamb^1.5.

@@ -96,8 +96,8 @@ fn table(d: &Diagnosis) -> String {
             100.0 * c.share,
             c.delta_bic
         );
-        for group in &c.indistinguishable {
-            let _ = writeln!(out, "as close would come, in its place: {}", group.join(", "));
+        for (first, rest) in c.indistinguishable.iter().filter_map(|group| group.split_first()) {
+            let _ = writeln!(out, "as close would come {} in place of {first}", rest.join(" or "));
         }
         estimates::parameters(&mut out, &c.parameters);
     }

@@ -102,8 +102,8 @@ fn closest(out: &mut String, c: &Closest) {
         100.0 * c.share,
         c.delta_bic
     );
-    for group in &c.indistinguishable {
-        let _ = write!(out, "<p>As close would come, in its place: <b>{}</b>.</p>", group.join("</b>, <b>"));
+    for (first, rest) in c.indistinguishable.iter().filter_map(|group| group.split_first()) {
+        let _ = write!(out, "<p>As close would come <b>{}</b> in place of {first}.</p>", rest.join("</b> or <b>"));
     }
     out.push_str("<table><tr><th>parameter</th><th>value</th><th>95 % interval</th><th>unit</th></tr>");
     for (name, e) in &c.parameters {
@@ -198,15 +198,23 @@ fn unnamed(out: &mut String, missing: &[Unnamed]) {
     out.push_str("</div>");
 }
 
+/// What is drawn beside the paper's model, and its residuals: the explained model, or what comes closest.
+fn second(found: &Diagnosed) -> Option<(&'static str, &Vec<Vec<f64>>)> {
+    match &found.residuals_closest {
+        Some(residuals) => Some(("closest", residuals)),
+        None => (!found.diagnosis.effects.is_empty()).then_some(("after", &found.residuals_after)),
+    }
+}
+
 fn traces(out: &mut String, found: &Diagnosed) {
     out.push_str("<h2>Traces and residuals</h2><p>The first repeat of each experiment. Residual: measured less model; the grey band is twice the noise.</p>");
     let noise = found.diagnosis.noise_pa;
-    let changed = !found.diagnosis.effects.is_empty();
+    let second = second(found);
     for (k, t) in found.data.traces.iter().enumerate().filter(|(_, t)| t.repeat == 0) {
         let series = |values: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
             (0..t.time_s.len()).map(|i| (t.time_s[i], values(i))).collect()
         };
-        let (before, after) = (&found.residuals_before[k], &found.residuals_after[k]);
+        let before = &found.residuals_before[k];
         let mut pressures = vec![
             Curve { points: series(&|i| t.pressure_pa[i] / 1e5), colour: MEASURED, label: "measured", dots: true },
             Curve {
@@ -218,14 +226,15 @@ fn traces(out: &mut String, found: &Diagnosed) {
         ];
         let mut residuals =
             vec![Curve { points: series(&|i| before[i]), colour: BEFORE, label: "before", dots: false }];
-        if changed {
+        if let Some((label, after)) = second {
+            let after = &after[k];
             pressures.push(Curve {
                 points: series(&|i| (t.pressure_pa[i] - after[i]) / 1e5),
                 colour: AFTER,
-                label: "after",
+                label,
                 dots: false,
             });
-            residuals.push(Curve { points: series(&|i| after[i]), colour: AFTER, label: "after", dots: false });
+            residuals.push(Curve { points: series(&|i| after[i]), colour: AFTER, label, dots: false });
         }
         let title = found.data.experiments.get(t.experiment).map_or("", String::as_str);
         let pressure = Chart { title, x: "time, s", y: "pressure, bar", band: None, size: WIDE };
@@ -241,7 +250,6 @@ fn traces(out: &mut String, found: &Diagnosed) {
 
 fn against(out: &mut String, found: &Diagnosed) {
     out.push_str("<h2>Residual against what the gas does</h2><p>All records, means of blocks of rows. A flat cloud within the band is noise.</p><div class=\"charts\">");
-    let changed = !found.diagnosis.effects.is_empty();
     for variable in [
         Variable::Time,
         Variable::Pressure,
@@ -251,9 +259,8 @@ fn against(out: &mut String, found: &Diagnosed) {
         Variable::SinceMove,
     ] {
         let mut curves = Vec::new();
-        let sides: [(&Vec<Vec<f64>>, &str, &str); 2] =
-            [(&found.residuals_before, BEFORE, "before"), (&found.residuals_after, AFTER, "after")];
-        for (residuals, colour, label) in sides.into_iter().take(if changed { 2 } else { 1 }) {
+        let sides = [Some(("before", &found.residuals_before)), second(found)];
+        for ((label, residuals), colour) in sides.into_iter().flatten().zip([BEFORE, AFTER]) {
             let mut points = Vec::new();
             for ((t, path), r) in found.data.traces.iter().zip(&found.paths).zip(residuals) {
                 let values = path.variable(variable);
