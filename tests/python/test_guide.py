@@ -71,6 +71,21 @@ def test_the_diagnosed_model_predicts_the_validation_record_better(root, folder,
     assert after < before and after < 1.2 * 150.0, output
 
 
+def test_the_files_of_the_reference_page_are_accepted(root, pneutherm, tmp_path):
+    page = (root / "book/src/reference/files.md").read_text()
+    _, model, study = [text for language, _, text in blocks(page) if language == "toml"]
+    (tmp_path / "model.toml").write_text(model)
+    (tmp_path / "study.toml").write_text(study)
+    pneutherm("fmu", "model.toml", "-o", "Chamber.fmu", cwd=tmp_path)
+    assert "72 in 16 of 16 parts" in pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
+    # What stands there as a comment is a key too.
+    table = study.replace('"factorial"', '"table"').replace("parts = 16", "parts = 1").replace("# table", "table")
+    (tmp_path / "study.toml").write_text(table.replace("# columns", "columns").split("\n[vary]\n")[0])
+    (tmp_path / "points.csv").write_text("bore_m,dead_volume_m3\n0.02,1e-6\n0.03,1e-6\n")
+    said = pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
+    assert "2 in 1 of 1 parts" in said, said
+
+
 def test_every_page_of_the_summary_exists_and_every_link_leads_somewhere(root):
     source = root / "book/src"
     pages = [source / target for target in re.findall(r"\]\(([^)]+\.md)\)", (source / "SUMMARY.md").read_text())]
