@@ -68,6 +68,20 @@ fn a_range_that_cannot_be_is_named() {
 }
 
 #[test]
+fn a_study_beyond_all_measure_is_refused_before_it_takes_time_or_memory() {
+    for (design, expected) in [
+        ("design = \"sobol\"\nsamples = 4000000000000000", "more rows than a study may have (1099511627776)"),
+        ("design = \"saltelli\"\nsamples = 4000000000000000", "more rows than a study may have (1099511627776)"),
+        ("design = \"sobol\"\nsamples = 1000000000000\nparts = 100000000000", "1048576 files at most were expected"),
+    ] {
+        let message = refusal(&text(design, "bore_m = { from = 0.02, to = 0.03 }"));
+        assert!(message.contains(expected), "{message}");
+    }
+    let largest = text("design = \"sobol\"\nsamples = 1099511627776", "bore_m = { from = 0.02, to = 0.03 }");
+    assert_eq!(Study::about(&model(), &largest).unwrap().parts, 1 << 20);
+}
+
+#[test]
 fn a_number_of_the_test_that_cannot_be_is_named() {
     let whole = text("design = \"factorial\"", BORE);
     for (from, to, expected) in [

@@ -16,6 +16,10 @@ use std::path::PathBuf;
 
 /// Rows of a part at most, unless the study sets the number of parts.
 const ROWS_PER_PART: u64 = 1 << 20;
+/// Files that a folder can still be asked to hold.
+const MOST_PARTS: u64 = 1 << 20;
+/// Rows that so many parts hold: years of work.
+const MOST_ROWS: u64 = MOST_PARTS * ROWS_PER_PART;
 /// Parts of a study of many rows at least, so that shards have something to share.
 const PARTS_OF_A_LARGE_STUDY: u64 = 16;
 /// Rows below which a further part is not worth a file.

@@ -1,7 +1,7 @@
 //! Study files. Unknown keys and values out of range are refused with file, line and key.
 
 use super::section::{Entry, File, Section};
-use super::{SOLVERS, Study, TOLERANCES, Varied, hex};
+use super::{MOST_PARTS, MOST_ROWS, SOLVERS, Study, TOLERANCES, Varied, hex};
 use crate::axis::{Axis, Scale};
 use crate::columns;
 use crate::design::table::Table;
@@ -69,10 +69,14 @@ impl Study {
         let (design, varied, table_sha256) = design(&study, &vary, path, seed)?;
         study.finish()?;
         let base = base(&model, &test, &varied)?;
-        let rows = design.rows().filter(|&rows| rows <= 1 << 52).ok_or_else(|| {
-            Error::Option(format!("{}: the design has more rows than can be numbered; coarsen it", path.display()))
+        let rows = design.rows().filter(|&rows| rows <= MOST_ROWS).ok_or_else(|| {
+            let path = path.display();
+            Error::Option(format!("{path}: the design has more rows than a study may have ({MOST_ROWS}); coarsen it"))
         })?;
         let parts = match parts {
+            Some((entry, parts)) if parts > MOST_PARTS => {
+                return Err(entry.refuse(format!("is {parts}: {MOST_PARTS} files at most were expected")));
+            }
             Some((entry, parts)) if parts > rows => {
                 return Err(entry.refuse(format!("is {parts}, but the design has only {rows} rows")));
             }
