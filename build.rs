@@ -2,37 +2,48 @@
 //!
 //! A library must be a `cdylib` of its own, optimised as a whole; Cargo builds none for a dependency. So this runs Cargo
 //! once more, for `fmu/cdylib`, into a target folder of its own under `OUT_DIR`. Libraries for other platforms, and one
-//! for older glibc, are taken from `fmu/binaries/` where they lie ready: see the page there.
+//! for older glibc, are taken from `fmu/binaries/` where `release/libraries.py` has put them.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
+use std::{env, fs, io};
 
 /// FMI's names of platforms, and what their libraries end in.
 const PLATFORMS: [(&str, &str); 5] =
     [("linux64", "so"), ("win64", "dll"), ("darwin64", "dylib"), ("aarch64-linux", "so"), ("aarch64-darwin", "dylib")];
 
+/// What a library is made of; `release/libraries.py` has the same list.
+const SOURCES: [&str; 4] = ["chamber/src", "fmu/cdylib/src", "fmu/src", "modelDescription/guid.txt"];
+
 fn main() {
     let root = PathBuf::from(variable("CARGO_MANIFEST_DIR"));
-    for source in [
+    for source in SOURCES.iter().chain(&[
         "build.rs",
-        "fmu/src",
-        "fmu/cdylib",
+        "Cargo.toml",
         "fmu/binaries",
         "fmu/Cargo.toml",
-        "chamber/src",
+        "fmu/cdylib/Cargo.toml",
         "chamber/Cargo.toml",
-        "modelDescription/guid.txt",
-    ] {
+    ]) {
         println!("cargo::rerun-if-changed={source}");
     }
     let out = PathBuf::from(variable("OUT_DIR"));
+    let fingerprint = fingerprint(&root).expect("the sources can be read");
     let mut libraries = Vec::new();
     for (platform, extension) in PLATFORMS {
-        let ready = root.join("fmu/binaries").join(platform).join(format!("Chamber.{extension}"));
-        if ready.is_file() {
+        let folder = root.join("fmu/binaries").join(platform);
+        let ready = folder.join(format!("Chamber.{extension}"));
+        if !ready.is_file() {
+            continue;
+        }
+        if fs::read_to_string(folder.join("sources")).is_ok_and(|made_of| made_of.trim() == fingerprint) {
             libraries.push((platform, extension, ready));
+        } else {
+            println!(
+                "cargo::warning={} is not of the present sources and left out of the FMU: run release/libraries.py {platform}",
+                ready.display()
+            );
         }
     }
     if let Some((platform, extension)) = own_platform()
@@ -41,6 +52,28 @@ fn main() {
         libraries.push((platform, extension, build_library(&root, &out, extension)));
     }
     fs::write(out.join("libraries.rs"), table(&libraries)).expect("OUT_DIR can be written");
+}
+
+/// FNV-1a of names and contents of the sources, as `release/libraries.py` computes it.
+fn fingerprint(root: &Path) -> io::Result<String> {
+    fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+        if path.is_file() {
+            files.push(path.into());
+            return Ok(());
+        }
+        fs::read_dir(path)?.try_for_each(|entry| collect(&entry?.path(), files))
+    }
+    let mut files = Vec::new();
+    SOURCES.iter().try_for_each(|source| collect(&root.join(source), &mut files))?;
+    let name = |file: &PathBuf| file.strip_prefix(root).unwrap_or(file).to_string_lossy().replace('\\', "/");
+    files.sort_by_key(name);
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for file in &files {
+        for byte in [name(file).as_bytes(), b"\0", &fs::read(file)?, b"\0"].concat() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+    Ok(format!("{hash:016x}"))
 }
 
 /// The platform this program is built for, in FMI's terms.
@@ -61,9 +94,7 @@ fn build_library(root: &Path, out: &Path, extension: &str) -> PathBuf {
     let target_folder = out.join("fmu");
     let target = variable("TARGET");
     let status = Command::new(variable("CARGO"))
-        .args(["build", "--release", "--locked", "--package", "pneutherm-fmu-cdylib", "--target", &target])
-        .args(["--config", "profile.release.lto='fat'", "--config", "profile.release.codegen-units=1"])
-        .args(["--config", "profile.release.strip='symbols'"])
+        .args(["build", "--profile", "fmu", "--locked", "--package", "pneutherm-fmu-cdylib", "--target", &target])
         .arg("--manifest-path")
         .arg(root.join("Cargo.toml"))
         .arg("--target-dir")
@@ -76,7 +107,7 @@ fn build_library(root: &Path, out: &Path, extension: &str) -> PathBuf {
         .expect("Cargo can be run");
     assert!(status.success(), "the FMU's library could not be built: see Cargo's message above");
     let prefix = if extension == "dll" { "" } else { "lib" };
-    target_folder.join(target).join("release").join(format!("{prefix}Chamber.{extension}"))
+    target_folder.join(target).join("fmu").join(format!("{prefix}Chamber.{extension}"))
 }
 
 /// Source text of the table of libraries.

@@ -7,7 +7,7 @@
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
 use crate::block::{self, Block};
-use crate::host::{Callbacks, Host};
+use crate::host::{CEnum, Callbacks, Host};
 use crate::instance::Instance;
 use crate::refusal::{Category, Refusal, Status};
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
@@ -33,8 +33,8 @@ pub struct Component {
 type Result<T> = std::result::Result<T, Refusal>;
 
 /// Runs `call` on the component; logs a refusal; keeps a panic from the host.
-unsafe fn guarded(c: *mut c_void, function: &'static str, call: impl FnOnce(&mut Component) -> Result<()>) -> c_int {
-    let Some(component) = (unsafe { c.cast::<Component>().as_mut() }) else { return Status::Error as c_int };
+unsafe fn guarded(c: *mut c_void, function: &'static str, call: impl FnOnce(&mut Component) -> Result<()>) -> CEnum {
+    let Some(component) = (unsafe { c.cast::<Component>().as_mut() }) else { return Status::Error as CEnum };
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         let outcome = if component.broken { Err(Refusal::Broken) } else { call(component) };
         match outcome {
@@ -48,7 +48,7 @@ unsafe fn guarded(c: *mut c_void, function: &'static str, call: impl FnOnce(&mut
         let _ = catch_unwind(AssertUnwindSafe(|| component.host.broke_down(function, &*panic)));
         Status::Error
     });
-    status as c_int
+    status as CEnum
 }
 
 /// The `length` elements at `data`; none when the length is zero, whatever the pointer.
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     logging_on: c_int,
     n_categories: usize,
     categories: *const *const c_char,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2SetDebugLogging", |component| {
             let mut chosen = Vec::new();
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     instance_name: *const c_char,
-    fmu_type: c_int,
+    fmu_type: CEnum,
     guid: *const c_char,
     _resource_location: *const c_char,
     functions: *const Callbacks,
@@ -131,7 +131,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
         if name.is_none_or(|name| name.is_empty()) {
             return refuse("instanceName is NULL or empty");
         }
-        const CO_SIMULATION: c_int = 1;
+        const CO_SIMULATION: CEnum = 1;
         if fmu_type != CO_SIMULATION {
             return refuse("fmuType is not fmi2CoSimulation, the only one this FMU offers");
         }
@@ -173,7 +173,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     start_time: f64,
     stop_time_defined: c_int,
     stop_time: f64,
-) -> c_int {
+) -> CEnum {
     let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
     let stop = (stop_time_defined != FALSE).then_some(stop_time);
     unsafe {
@@ -183,25 +183,25 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 
 /// `fmi2EnterInitializationMode`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2EnterInitializationMode(c: *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2EnterInitializationMode(c: *mut c_void) -> CEnum {
     unsafe { guarded(c, "fmi2EnterInitializationMode", |component| component.instance.enter_initialization()) }
 }
 
 /// `fmi2ExitInitializationMode`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2ExitInitializationMode(c: *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2ExitInitializationMode(c: *mut c_void) -> CEnum {
     unsafe { guarded(c, "fmi2ExitInitializationMode", |component| component.instance.exit_initialization()) }
 }
 
 /// `fmi2Terminate`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Terminate(c: *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2Terminate(c: *mut c_void) -> CEnum {
     unsafe { guarded(c, "fmi2Terminate", |component| component.instance.terminate()) }
 }
 
 /// `fmi2Reset`: allowed always, also after a break-down.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Reset(c: *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2Reset(c: *mut c_void) -> CEnum {
     if let Some(component) = unsafe { c.cast::<Component>().as_mut() } {
         component.broken = false;
     }
@@ -215,7 +215,7 @@ pub unsafe extern "C" fn fmi2Reset(c: *mut c_void) -> c_int {
 
 /// `fmi2GetReal`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut f64) -> c_int {
+pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut f64) -> CEnum {
     unsafe {
         guarded(c, "fmi2GetReal", |component| {
             component.instance.get_real(elements(vr, nvr, "vr")?, elements_mut(value, nvr, "value")?)
@@ -225,7 +225,7 @@ pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, nvr: usi
 
 /// `fmi2GetInteger`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut c_int) -> c_int {
+pub unsafe extern "C" fn fmi2GetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut c_int) -> CEnum {
     unsafe {
         guarded(c, "fmi2GetInteger", |component| {
             component.instance.get_integer(elements(vr, nvr, "vr")?, elements_mut(value, nvr, "value")?)
@@ -235,7 +235,7 @@ pub unsafe extern "C" fn fmi2GetInteger(c: *mut c_void, vr: *const c_uint, nvr: 
 
 /// `fmi2GetBoolean`: there is no Boolean variable.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, _value: *mut c_int) -> c_int {
+pub unsafe extern "C" fn fmi2GetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, _value: *mut c_int) -> CEnum {
     unsafe {
         guarded(c, "fmi2GetBoolean", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "Boolean"))
     }
@@ -248,7 +248,7 @@ pub unsafe extern "C" fn fmi2GetString(
     vr: *const c_uint,
     nvr: usize,
     _value: *mut *const c_char,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2GetString", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "String"))
     }
@@ -256,7 +256,7 @@ pub unsafe extern "C" fn fmi2GetString(
 
 /// `fmi2SetReal`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const f64) -> c_int {
+pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const f64) -> CEnum {
     unsafe {
         guarded(c, "fmi2SetReal", |component| {
             component.instance.set_real(elements(vr, nvr, "vr")?, elements(value, nvr, "value")?)
@@ -266,7 +266,7 @@ pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, nvr: usi
 
 /// `fmi2SetInteger`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const c_int) -> c_int {
+pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const c_int) -> CEnum {
     unsafe {
         guarded(c, "fmi2SetInteger", |component| {
             component.instance.set_integer(elements(vr, nvr, "vr")?, elements(value, nvr, "value")?)
@@ -276,7 +276,7 @@ pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, nvr: 
 
 /// `fmi2SetBoolean`: there is no Boolean variable.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, _value: *const c_int) -> c_int {
+pub unsafe extern "C" fn fmi2SetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, _value: *const c_int) -> CEnum {
     unsafe {
         guarded(c, "fmi2SetBoolean", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "Boolean"))
     }
@@ -289,7 +289,7 @@ pub unsafe extern "C" fn fmi2SetString(
     vr: *const c_uint,
     nvr: usize,
     _value: *const *const c_char,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2SetString", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "String"))
     }
@@ -297,7 +297,7 @@ pub unsafe extern "C" fn fmi2SetString(
 
 /// `fmi2GetFMUstate`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
     unsafe {
         guarded(c, "fmi2GetFMUstate", |component| {
             let state = state.as_mut().ok_or(Refusal::Null { argument: "FMUstate" })?;
@@ -309,13 +309,13 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void
 
 /// `fmi2SetFMUstate`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(c: *mut c_void, state: *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2SetFMUstate(c: *mut c_void, state: *mut c_void) -> CEnum {
     unsafe { guarded(c, "fmi2SetFMUstate", |component| component.instance.restore(state.addr())) }
 }
 
 /// `fmi2FreeFMUstate`: nothing happens where there is no state.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
     unsafe {
         guarded(c, "fmi2FreeFMUstate", |component| {
             if let Some(state) = state.as_mut().filter(|state| !state.is_null()) {
@@ -329,7 +329,7 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_voi
 
 /// `fmi2SerializedFMUstateSize`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: *mut c_void, state: *mut c_void, size: *mut usize) -> c_int {
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: *mut c_void, state: *mut c_void, size: *mut usize) -> CEnum {
     unsafe {
         guarded(c, "fmi2SerializedFMUstateSize", |component| {
             let size = size.as_mut().ok_or(Refusal::Null { argument: "size" })?;
@@ -344,9 +344,9 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: *mut c_void, state: *mut 
 pub unsafe extern "C" fn fmi2SerializeFMUstate(
     c: *mut c_void,
     state: *mut c_void,
-    bytes: *mut u8,
+    bytes: *mut c_char,
     size: usize,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2SerializeFMUstate", |component| {
             let serialized = component.instance.serialize(state.addr())?;
@@ -356,7 +356,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
             if bytes.is_null() {
                 return Err(Refusal::Null { argument: "serializedState" });
             }
-            slice::from_raw_parts_mut(bytes, serialized.len()).copy_from_slice(&serialized);
+            slice::from_raw_parts_mut(bytes.cast::<u8>(), serialized.len()).copy_from_slice(&serialized);
             Ok(())
         })
     }
@@ -366,17 +366,17 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     c: *mut c_void,
-    bytes: *const u8,
+    bytes: *const c_char,
     size: usize,
     state: *mut *mut c_void,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2DeSerializeFMUstate", |component| {
             let state = state.as_mut().ok_or(Refusal::Null { argument: "FMUstate" })?;
             if bytes.is_null() || size > isize::MAX as usize {
                 return Err(Refusal::Null { argument: "serializedState" });
             }
-            *state = component.instance.deserialize(slice::from_raw_parts(bytes, size))? as *mut c_void;
+            *state = component.instance.deserialize(slice::from_raw_parts(bytes.cast::<u8>(), size))? as *mut c_void;
             Ok(())
         })
     }
@@ -392,7 +392,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     n_known: usize,
     direction: *const f64,
     value: *mut f64,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2GetDirectionalDerivative", |component| {
             component.instance.directional(
@@ -413,7 +413,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     nvr: usize,
     order: *const c_int,
     value: *const f64,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2SetRealInputDerivatives", |component| {
             component.instance.set_input_derivatives(
@@ -433,7 +433,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     nvr: usize,
     order: *const c_int,
     value: *mut f64,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2GetRealOutputDerivatives", |component| {
             component.instance.output_derivatives(
@@ -452,7 +452,7 @@ pub unsafe extern "C" fn fmi2DoStep(
     current_communication_point: f64,
     communication_step_size: f64,
     _no_set_fmu_state_prior_to_current_point: c_int,
-) -> c_int {
+) -> CEnum {
     unsafe {
         guarded(c, "fmi2DoStep", |component| {
             let taken_up = component.instance.do_step(current_communication_point, communication_step_size)?;
@@ -469,27 +469,27 @@ pub unsafe extern "C" fn fmi2DoStep(
 
 /// `fmi2CancelStep`: steps are never pending.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2CancelStep(c: *mut c_void) -> c_int {
+pub unsafe extern "C" fn fmi2CancelStep(c: *mut c_void) -> CEnum {
     let advice = "a step is done when fmi2DoStep returns, there is none to cancel";
     unsafe { guarded(c, "fmi2CancelStep", |_| Err(Refusal::OutOfOrder { phase: "while no step is pending", advice })) }
 }
 
 /// Steps are done when fmi2DoStep returns: of the status kinds only the times and the wish to end have an answer.
-unsafe fn no_status(c: *mut c_void, function: &'static str) -> c_int {
+unsafe fn no_status(c: *mut c_void, function: &'static str) -> CEnum {
     let what = "no step is pending; fmi2LastSuccessfulTime and fmi2Terminated can be asked for";
     unsafe { guarded(c, function, |_| Err(Refusal::NotOffered { what })) }
 }
 
 /// `fmi2GetStatus`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStatus(c: *mut c_void, _kind: c_int, _value: *mut c_int) -> c_int {
+pub unsafe extern "C" fn fmi2GetStatus(c: *mut c_void, _kind: CEnum, _value: *mut CEnum) -> CEnum {
     unsafe { no_status(c, "fmi2GetStatus") }
 }
 
 /// `fmi2GetRealStatus`: the last successful time.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: c_int, value: *mut f64) -> c_int {
-    const LAST_SUCCESSFUL_TIME: c_int = 2;
+pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: CEnum, value: *mut f64) -> CEnum {
+    const LAST_SUCCESSFUL_TIME: CEnum = 2;
     if kind != LAST_SUCCESSFUL_TIME {
         return unsafe { no_status(c, "fmi2GetRealStatus") };
     }
@@ -503,14 +503,14 @@ pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: c_int, value: *
 
 /// `fmi2GetIntegerStatus`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(c: *mut c_void, _kind: c_int, _value: *mut c_int) -> c_int {
+pub unsafe extern "C" fn fmi2GetIntegerStatus(c: *mut c_void, _kind: CEnum, _value: *mut c_int) -> CEnum {
     unsafe { no_status(c, "fmi2GetIntegerStatus") }
 }
 
 /// `fmi2GetBooleanStatus`: the FMU never wants to end the simulation.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: c_int, value: *mut c_int) -> c_int {
-    const TERMINATED: c_int = 3;
+pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: CEnum, value: *mut c_int) -> CEnum {
+    const TERMINATED: CEnum = 3;
     if kind != TERMINATED {
         return unsafe { no_status(c, "fmi2GetBooleanStatus") };
     }
@@ -524,7 +524,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: c_int, value
 
 /// `fmi2GetStringStatus`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStringStatus(c: *mut c_void, _kind: c_int, _value: *mut *const c_char) -> c_int {
+pub unsafe extern "C" fn fmi2GetStringStatus(c: *mut c_void, _kind: CEnum, _value: *mut *const c_char) -> CEnum {
     unsafe { no_status(c, "fmi2GetStringStatus") }
 }
 

@@ -6,10 +6,13 @@
 
 use crate::refusal::{Category, Refusal, Status};
 use std::any::Any;
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::{CString, c_char, c_uint, c_void};
+
+/// A C enumeration without negative members: `fmi2Status`, `fmi2Type`, `fmi2StatusKind`.
+pub type CEnum = c_uint;
 
 /// `fmi2CallbackLogger`.
-pub type Logger = Option<unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...)>;
+pub type Logger = Option<unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, ...)>;
 
 /// `fmi2CallbackFunctions`. Only the logger is used (`canNotUseMemoryManagementFunctions`).
 #[derive(Clone, Copy)]
@@ -22,7 +25,7 @@ pub struct Callbacks {
     /// Not used.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
     /// Not used: steps are done when fmi2DoStep returns.
-    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, CEnum)>,
     /// Handed to the logger.
     pub component_environment: *mut c_void,
 }
@@ -69,7 +72,7 @@ impl Host {
             logger(
                 self.callbacks.component_environment,
                 self.name.as_ptr(),
-                status as c_int,
+                status as CEnum,
                 category.as_ptr(),
                 c"%s".as_ptr(),
                 message.as_ptr(),

@@ -8,7 +8,7 @@
 //! | [`derivatives`] | exact directional and time derivatives |
 //! | [`state_bytes`] | saved states as checked bytes |
 //! | [`variables`], [`units`], [`structure`] | the one table of variables, its units and dependencies |
-//! | [`description`], [`documentation`], [`block`], [`package`] | the FMU as a file |
+//! | [`description`], [`documentation`], [`block`], [`mach_o`], [`package`] | the FMU as a file |
 
 pub mod abi;
 pub mod block;
@@ -19,6 +19,7 @@ pub mod host;
 pub mod inputs;
 pub mod instance;
 pub mod integration;
+pub mod mach_o;
 pub mod package;
 pub mod present;
 pub mod record;

@@ -1,9 +1,10 @@
 //! The FMU as a file: a zip of description, documentation, icon, licences and the library of each platform at hand.
 //! The same inputs give the same bytes.
 
-use crate::block::{Block, BlockError};
+use crate::block::{self, Block, BlockError};
 use crate::description::{self, MODEL_IDENTIFIER};
 use crate::documentation;
+use crate::mach_o::{self, SignatureError};
 use crate::variables::{Role, Starts, table};
 use std::io::{Cursor, Write};
 use thiserror::Error;
@@ -62,6 +63,14 @@ pub enum PackageError {
         /// Why.
         cause: BlockError,
     },
+    /// A library that cannot be signed anew.
+    #[error("the library for {platform}: {cause}")]
+    Signature {
+        /// Its platform.
+        platform: String,
+        /// Why.
+        cause: SignatureError,
+    },
     /// Writing the archive.
     #[error("the FMU's archive could not be written: {0}")]
     Archive(#[from] zip::result::ZipError),
@@ -98,8 +107,11 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
     }
     for library in contents.libraries {
         let mut bytes = library.bytes.to_vec();
-        let failed = |cause| PackageError::Library { platform: library.platform.into(), cause };
-        block.write_into(&mut bytes).map_err(failed)?;
+        let platform = || library.platform.to_owned();
+        let places =
+            block.write_into(&mut bytes).map_err(|cause| PackageError::Library { platform: platform(), cause })?;
+        let changed: Vec<_> = places.iter().map(|&at| at..at + block::LENGTH).collect();
+        mach_o::sign(&mut bytes, &changed).map_err(|cause| PackageError::Signature { platform: platform(), cause })?;
         add(&format!("binaries/{}/{MODEL_IDENTIFIER}.{}", library.platform, library.extension), &bytes, 0o755)?;
     }
     if let Some(model) = contents.model_file {

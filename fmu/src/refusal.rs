@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// `fmi2Status`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(i32)]
+#[repr(u32)]
 pub enum Status {
     /// All well.
     Ok = 0,

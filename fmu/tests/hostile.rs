@@ -6,6 +6,7 @@ mod common;
 
 use common::Host;
 use fmu::abi::*;
+use fmu::host::CEnum;
 use fmu::variables::table;
 use proptest::prelude::*;
 use std::ffi::{c_int, c_void};
@@ -32,7 +33,7 @@ enum Call {
     Restore(usize),
     Free(usize),
     Bytes { cut: usize, flip: usize },
-    Status(i32),
+    Status(u32),
     Logging(i32),
 }
 
@@ -101,7 +102,7 @@ fn reached(host: &Host) -> f64 {
 }
 
 /// Makes the call; its worst status.
-unsafe fn make(host: &Host, held: &mut Held, call: &Call) -> c_int {
+unsafe fn make(host: &Host, held: &mut Held, call: &Call) -> CEnum {
     let c = host.c;
     unsafe {
         match call {

@@ -4,12 +4,13 @@ mod common;
 
 use common::{Host, reference};
 use fmu::abi::*;
-use std::ffi::{CStr, c_int};
+use fmu::host::CEnum;
+use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
-const OK: c_int = 0;
-const DISCARD: c_int = 2;
-const ERROR: c_int = 3;
+const OK: CEnum = 0;
+const DISCARD: CEnum = 2;
+const ERROR: CEnum = 3;
 
 #[test]
 fn version_and_platform_are_those_of_the_standard() {
@@ -186,11 +187,11 @@ fn a_step_that_would_empty_the_chamber_is_discarded_and_the_last_good_state_kept
             "{message}"
         );
         assert_eq!((host.serialized(), host.get("pressure")), before);
-        let (mut reached, mut ended) = (0.0, 1);
+        let (mut reached, mut ended, mut status) = (0.0, 1, 0);
         unsafe {
             assert_eq!(fmi2GetRealStatus(host.c, 2, &mut reached), OK);
             assert_eq!(fmi2GetBooleanStatus(host.c, 3, &mut ended), OK);
-            assert_eq!(fmi2GetStatus(host.c, 0, &mut ended), DISCARD);
+            assert_eq!(fmi2GetStatus(host.c, 0, &mut status), DISCARD);
         }
         assert_eq!((reached, ended), (0.1, 0));
         host.messages();

@@ -111,7 +111,7 @@ fn a_state_of_another_fmu_or_none_at_all_is_refused() {
     assert!(host.message().contains("another guid"));
     let size = host.serialized().len();
     let (state, mut small) = (host.save(), vec![0; size]);
-    assert_eq!(unsafe { fmi2SerializeFMUstate(host.c, state, small.as_mut_ptr(), size - 1) }, 3);
+    assert_eq!(unsafe { fmi2SerializeFMUstate(host.c, state, small.as_mut_ptr().cast(), size - 1) }, 3);
     assert_eq!(unsafe { fmi2SerializeFMUstate(host.c, state, null_mut(), size) }, 3);
 }
 

@@ -4,7 +4,7 @@
 
 use fmu::abi::*;
 use fmu::block::REFERENCE_GUID;
-use fmu::host::{Callbacks, Logger};
+use fmu::host::{CEnum, Callbacks, Logger};
 use fmu::variables::table;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -13,7 +13,7 @@ use std::ptr::{null, null_mut};
 /// A message that the FMU logged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    pub status: c_int,
+    pub status: CEnum,
     pub category: String,
     pub text: String,
 }
@@ -25,7 +25,7 @@ type Log = RefCell<Vec<Message>>;
 unsafe extern "C" fn receive(
     environment: *mut c_void,
     _name: *const c_char,
-    status: c_int,
+    status: CEnum,
     category: *const c_char,
     format: *const c_char,
     text: *const c_char,
@@ -37,12 +37,12 @@ unsafe extern "C" fn receive(
 }
 
 pub fn logger() -> Logger {
-    type Fixed = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, *const c_char);
+    type Fixed = unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, *const c_char);
     let fixed: Fixed = receive;
     Some(unsafe {
         std::mem::transmute::<
             Fixed,
-            unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...),
+            unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, ...),
         >(fixed)
     })
 }
@@ -93,7 +93,7 @@ impl Host {
         assert_eq!(unsafe { fmi2ExitInitializationMode(self.c) }, 0, "{:?}", self.messages());
     }
 
-    pub fn try_set(&self, name: &str, value: f64) -> c_int {
+    pub fn try_set(&self, name: &str, value: f64) -> CEnum {
         let reference = reference(name);
         if name == "areaLaw" {
             return unsafe { fmi2SetInteger(self.c, &reference, 1, &(value as c_int)) };
@@ -122,7 +122,7 @@ impl Host {
         value
     }
 
-    pub fn try_step(&self, time: f64, h: f64) -> c_int {
+    pub fn try_step(&self, time: f64, h: f64) -> CEnum {
         unsafe { fmi2DoStep(self.c, time, h, 1) }
     }
 
@@ -155,16 +155,16 @@ impl Host {
         unsafe {
             assert_eq!(fmi2SerializedFMUstateSize(self.c, state, &mut size), 0);
             let mut bytes = vec![0; size];
-            assert_eq!(fmi2SerializeFMUstate(self.c, state, bytes.as_mut_ptr(), size), 0);
+            assert_eq!(fmi2SerializeFMUstate(self.c, state, bytes.as_mut_ptr().cast(), size), 0);
             assert_eq!(fmi2FreeFMUstate(self.c, &mut state), 0);
             bytes
         }
     }
 
     /// Restores serialized bytes; the status of the attempt.
-    pub fn deserialize(&self, bytes: &[u8]) -> c_int {
+    pub fn deserialize(&self, bytes: &[u8]) -> CEnum {
         let mut state = null_mut();
-        let status = unsafe { fmi2DeSerializeFMUstate(self.c, bytes.as_ptr(), bytes.len(), &mut state) };
+        let status = unsafe { fmi2DeSerializeFMUstate(self.c, bytes.as_ptr().cast(), bytes.len(), &mut state) };
         if status == 0 {
             self.restore(state);
             assert_eq!(unsafe { fmi2FreeFMUstate(self.c, &mut state) }, 0);
