@@ -78,7 +78,7 @@ fn call() -> impl Strategy<Value = Call> {
         2 => (0..4usize).prop_map(Call::Restore),
         1 => (0..4usize).prop_map(Call::Free),
         1 => (0..2000usize, 0..20_000usize).prop_map(|(cut, flip)| Call::Bytes { cut, flip }),
-        1 => (-1..6).prop_map(Call::Status),
+        1 => prop_oneof![0..6u32, Just(u32::MAX)].prop_map(Call::Status),
         1 => (-1..2).prop_map(Call::Logging),
     ]
 }

@@ -246,7 +246,7 @@ def test_ecos_gives_the_same_digits(fmu):
     steps, h = 50, 0.01
     structure = EcosSimulationStructure()
     structure.add_model("chamber", str(fmu))
-    simulation = EcosSimulation(structure, step_size=h)
+    simulation = EcosSimulation(step_size=h, structure=structure)
     simulation.init()
     expected = by_fmpy(fmu, steps, h)
     for k in range(steps):
