@@ -32,19 +32,18 @@ pub enum SignatureError {
     NotAdHoc,
 }
 
-/// Renews the hashes of the pages that hold the changed stretches, in every architecture of the library. A file that is
-/// no Mach-O library, or has no signature, stays as it is.
+/// Renews the hashes of the pages that hold a change of `length` bytes at each of the places, in every architecture of the
+/// library. A file that is no Mach-O library, or has no signature, stays as it is.
 ///
 /// # Errors
 /// A signature that is damaged or not of the linker's kind.
-pub fn sign(library: &mut [u8], changed: &[Range<usize>]) -> Result<(), SignatureError> {
+pub fn sign(library: &mut [u8], places: &[usize], length: usize) -> Result<(), SignatureError> {
     for slice in slices(library)? {
         let part = library.get_mut(slice.clone()).ok_or(SignatureError::Damaged)?;
         let Some(directory) = CodeDirectory::of(part)? else { continue };
-        for stretch in changed.iter().filter(|c| slice.start <= c.start && c.end <= slice.end && !c.is_empty()) {
-            let pages =
-                (stretch.start - slice.start) / directory.page..=(stretch.end - 1 - slice.start) / directory.page;
-            for page in pages {
+        for place in places.iter().filter(|&&place| slice.start <= place && place + length <= slice.end) {
+            let begin = place - slice.start;
+            for page in begin / directory.page..(begin + length).div_ceil(directory.page) {
                 directory.renew(part, page)?;
             }
         }
@@ -58,7 +57,7 @@ fn slices(file: &[u8]) -> Result<Vec<Range<usize>>, SignatureError> {
         return Ok(Vec::new());
     }
     if little(file, 0)? == LIBRARY_64 {
-        return Ok(vec![0..file.len()]);
+        return Ok(std::iter::once(0..file.len()).collect());
     }
     if big(file, 0)? != UNIVERSAL {
         return Ok(Vec::new());
@@ -183,7 +182,7 @@ mod tests {
         // Over a page's end, and in the last page, which is not whole.
         for change in [PAGE - 3..PAGE + 3, 3 * PAGE + 90..3 * PAGE + 100] {
             library[change.clone()].fill(1);
-            sign(&mut library, &[change]).unwrap();
+            sign(&mut library, &[change.start], change.len()).unwrap();
         }
         for (page, content) in library[..3 * PAGE + 100].chunks(PAGE).enumerate() {
             let place = hashes + page * HASH_LENGTH;
@@ -212,12 +211,12 @@ mod tests {
             file.resize(at, 0);
             file.extend(&part);
             file[at + PAGE] ^= 1;
-            changed.push(at + PAGE..at + PAGE + 1);
+            changed.push(at + PAGE);
             part[PAGE] ^= 1;
-            sign(&mut part, &[PAGE..PAGE + 1]).unwrap();
+            sign(&mut part, &[PAGE], 1).unwrap();
             expected.push((at, part));
         }
-        sign(&mut file, &changed).unwrap();
+        sign(&mut file, &changed, 1).unwrap();
         for (at, part) in expected {
             assert_eq!(file[at..at + part.len()], part);
         }
@@ -229,7 +228,7 @@ mod tests {
         unsigned[32] = 0x19;
         for mut file in [b"\x7fELF and more than a header's length of it".to_vec(), vec![], unsigned] {
             let before = file.clone();
-            sign(&mut file, &[0..1]).unwrap();
+            sign(&mut file, &[0], 1).unwrap();
             assert_eq!(file, before);
         }
     }
@@ -238,10 +237,10 @@ mod tests {
     fn a_damaged_signature_is_refused() {
         let whole = signed(2 * PAGE);
         for length in [40, 2 * PAGE + 10, 2 * PAGE + 60, whole.len() - 1] {
-            assert_eq!(sign(&mut whole[..length].to_vec(), &[50..60]), Err(SignatureError::Damaged), "{length}");
+            assert_eq!(sign(&mut whole[..length].to_vec(), &[50], 10), Err(SignatureError::Damaged), "{length}");
         }
         let mut other = whole;
         other[2 * PAGE + 20 + 37] = 1;
-        assert_eq!(sign(&mut other, &[50..60]), Err(SignatureError::NotAdHoc));
+        assert_eq!(sign(&mut other, &[50], 10), Err(SignatureError::NotAdHoc));
     }
 }

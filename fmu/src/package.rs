@@ -110,8 +110,8 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
         let platform = || library.platform.to_owned();
         let places =
             block.write_into(&mut bytes).map_err(|cause| PackageError::Library { platform: platform(), cause })?;
-        let changed: Vec<_> = places.iter().map(|&at| at..at + block::LENGTH).collect();
-        mach_o::sign(&mut bytes, &changed).map_err(|cause| PackageError::Signature { platform: platform(), cause })?;
+        mach_o::sign(&mut bytes, &places, block::LENGTH)
+            .map_err(|cause| PackageError::Signature { platform: platform(), cause })?;
         add(&format!("binaries/{}/{MODEL_IDENTIFIER}.{}", library.platform, library.extension), &bytes, 0o755)?;
     }
     if let Some(model) = contents.model_file {

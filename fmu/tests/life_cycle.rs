@@ -1,5 +1,7 @@
 //! What a host may and may not do: order of calls, refused values by name, whole batches, discarded steps, reset, logging.
 
+#![cfg_attr(miri, feature(c_variadic))]
+
 mod common;
 
 use common::{Host, reference};

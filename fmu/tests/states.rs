@@ -1,5 +1,7 @@
 //! Saved states: rollback, serialization into a new process, and bytes that are no state.
 
+#![cfg_attr(miri, feature(c_variadic))]
+
 mod common;
 
 use common::Host;

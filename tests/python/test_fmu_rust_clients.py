@@ -17,7 +17,7 @@ def libclang():
     if "LIBCLANG_PATH" in os.environ:
         return True
     places = ["/usr/lib/llvm-*/lib", "/usr/lib/*-linux-gnu", "/usr/lib64", "/usr/local/lib", "/opt/homebrew/opt/llvm/lib"]
-    return any(glob.glob(f"{place}/libclang*.{kind}*") for place in places for kind in ("so", "dylib"))
+    return any(glob.glob(f"{place}/libclang[-.][0-9sd]*") for place in places)
 
 
 def bits(value):
