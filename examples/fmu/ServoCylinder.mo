@@ -22,11 +22,11 @@ protected
     input Real upstream;
     input Real downstream;
     input Real conductance;
-    output Real flow;
+    output Real massFlow;
   protected
     Real ratio = downstream/upstream;
   algorithm
-    flow := if ratio >= 1 then 0 else opening*conductance*upstream*1.185*(
+    massFlow := if ratio >= 1 then 0 else opening*conductance*upstream*1.185*(
       if ratio <= 0.3 then 1 else sqrt(max(0, 1 - ((ratio - 0.3)/0.7)^2)));
   end orifice;
 equation

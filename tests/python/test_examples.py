@@ -42,3 +42,14 @@ def test_the_servo_cylinder_of_two_chambers_reaches_its_place(fmu, root, tmp_pat
     # The way there is one that air allows: neither vacuum nor more than the supply.
     pressures = [float(p) for line in re.findall(r"p = *([\d. |]+) bar", said) for p in line.split("|")]
     assert len(pressures) == 20 and all(0.9 < p < 7.1 for p in pressures), said
+
+
+def test_the_modelica_example_is_modelica(root):
+    parser = pytest.importorskip("pymoca.parser", reason="pymoca, which parses Modelica, is not installed")
+    text = (root / "examples/fmu/ServoCylinder.mo").read_text()
+    cylinder = parser.parse(text).classes["ServoCylinder"]
+    # All that an imported chamber asks its host for is connected, on both sides.
+    set_by_equations = {str(equation.left) for equation in cylinder.equations}
+    assert len(cylinder.equations) == len(set_by_equations) == 16
+    with pytest.raises(parser.ModelicaSyntaxError):
+        parser.parse(text.replace("der(x) = v;", "der(x) = = v;"))
