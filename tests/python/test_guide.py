@@ -71,6 +71,15 @@ def test_the_diagnosed_model_predicts_the_validation_record_better(root, folder,
     assert after < before and after < 1.2 * 150.0, output
 
 
+def test_the_commands_of_the_readme_work_as_written(root, environment, tmp_path):
+    for folder in ("examples", "results"):
+        shutil.copytree(root / folder, tmp_path / folder)
+    commands = re.findall(r"^pneutherm .*$", (root / "README.md").read_text(), flags=re.M)
+    assert len(commands) >= 4
+    for command in commands:
+        run(command, tmp_path, environment)
+
+
 def test_the_files_of_the_reference_page_are_accepted(root, pneutherm, tmp_path):
     page = (root / "book/src/reference/files.md").read_text()
     _, model, study = [text for language, _, text in blocks(page) if language == "toml"]
