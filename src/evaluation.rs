@@ -38,7 +38,7 @@ pub fn identify(rig: &Path, method: Method, model: Option<&Path>) -> anyhow::Res
 /// and which share of it.
 ///
 /// # Errors
-/// As [`identify`].
+/// As [`identify()`].
 pub fn diagnose(
     rig: &Path,
     model: Option<&Path>,

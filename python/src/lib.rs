@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `run` | the program's exit code |
 //! | `identify`, `diagnose` | what `--json` writes, as text |
-//! | `simulate`, `sweep` | a [`Table`] in the Arrow C stream interface: Python reads the memory that Rust filled |
+//! | `simulate`, `sweep` | a `Table` in the Arrow C stream interface: Python reads the memory that Rust filled |
 //!
 //! All of them let other Python threads run meanwhile. What is wrong is raised as `pneutherm.Error`, whose text is the
 //! program's sentence. The package's own files, `pneutherm/*.py`, make dataclasses and pyarrow tables of it.
