@@ -11,6 +11,7 @@ import runpy
 import shutil
 import struct
 import subprocess
+import sys
 import zipfile
 
 import pytest
@@ -133,3 +134,15 @@ def test_a_host_in_c_reads_the_same_numbers_on_every_platform(fmu, library, root
     for k, (found, fmpy) in enumerate(zip(rows, expected, strict=True)):
         # The same code with another C library's exp and pow.
         assert found == pytest.approx(fmpy, rel=1e-12, abs=1e-9), k
+
+
+def test_what_cannot_be_built_is_left_out_with_a_reason(root):
+    def libraries(*names):
+        command = [sys.executable, root / "release" / "libraries.py", *names]
+        return subprocess.run(command, env={"PATH": "/nowhere"}, capture_output=True, text=True)
+
+    run = libraries("aarch64-darwin")
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.startswith("aarch64-darwin: left out. Rust: rustc cannot be run (No such file or directory)\n")
+    run = libraries("solaris")
+    assert run.returncode == 2 and "no such platform: solaris; there are linux64, win64" in run.stderr
