@@ -209,7 +209,8 @@ def write(folder, number, truth=None):
     moves = [(0.3, 0.4, far, middle, "cosine"), (1.2, 0.2, middle, near, "quintic"), (2.5, 0.6, near, far, "cosine")]
     save(folder / "validation.csv", trace(r, moves, 2.5e5, 3.1 + hold))
     answer = dict(effect=r["truth"], strength=r["strength"], parameters=r["parameters"], lambda0_w_per_m2_k=chamber.lambda0,
-                  dead_volume_m3=chamber.dead_volume, noise_pa=r["logger"]["noise"], shape=r["shape"])
+                  dead_volume_m3=chamber.dead_volume, noise_pa=r["logger"]["noise"],
+                  position_noise_m=r["logger"]["position"], shape=r["shape"])
     (folder / "answer.json").write_text(json.dumps(answer, indent=1))
     return answer
 
