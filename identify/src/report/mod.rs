@@ -241,7 +241,7 @@ fn traces(out: &mut String, found: &Diagnosed) {
         let residual = Chart { title: "", x: "time, s", y: "residual, Pa", band: Some(2.0 * noise), size: WIDE };
         let _ = write!(
             out,
-            "<div class=\"charts\"><figure>{}</figure><figure>{}</figure></div>",
+            "<div class=\"charts pair\"><figure>{}</figure><figure>{}</figure></div>",
             pressure.draw(&pressures),
             residual.draw(&residuals)
         );
