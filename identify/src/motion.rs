@@ -137,7 +137,7 @@ fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
     let parts = ranges(moving);
     for (k, &(first, end, moves)) in parts.iter().enumerate() {
         let half = (end - first) / 2;
-        if moves || half < 2 * WINDOW {
+        if moves || half < WINDOW {
             continue;
         }
         let limit = DEVIATIONS * noise_m * (1.0 / WINDOW as f64 + 1.0 / half as f64).sqrt();

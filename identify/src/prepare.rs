@@ -254,6 +254,8 @@ fn blocks(
     const HOLD_PARTS: usize = 20;
     const REST_PARTS: usize = 6;
     const MOVE_PARTS: usize = 60;
+    // Somewhere in these rows of a move it begins or ends: a mean over a corner would not be that of two points.
+    const CORNER_ROWS: usize = 20;
     let least = noise.correlation_rows.ceil() as usize;
     let mut out = Vec::new();
     let (low, high) = extent(position_m);
@@ -263,7 +265,8 @@ fn blocks(
         while first < s.end {
             let wanted = match s.phase {
                 Phase::Rest => rows.div_ceil(REST_PARTS),
-                Phase::Move => rows / MOVE_PARTS,
+                Phase::Move if first < s.first + CORNER_ROWS || first + CORNER_ROWS >= s.end => 1,
+                Phase::Move => (rows / MOVE_PARTS).min(s.end - CORNER_ROWS - first),
                 Phase::Hold => ((first - s.first) / 10).min(rows.div_ceil(HOLD_PARTS)),
             };
             let mut end = first + wanted.max(least).max(1);
@@ -281,7 +284,8 @@ fn blocks(
                 Phase::Move => (gamma * per_metre * motion.noise_m, 0.0),
                 Phase::Rest | Phase::Hold => (0.0, per_metre * motion.noise_m / (rows as f64).sqrt()),
             };
-            let variance = (noise.sd_pa.powi(2) + by_position.powi(2)) * noise.correlation_rows / n;
+            // The model of the mean is that of two points, which have two positions' noise however many rows there are.
+            let variance = noise.sd_pa.powi(2) * noise.correlation_rows / n + by_position.powi(2) / n.min(2.0);
             out.push(Block {
                 first,
                 end,
