@@ -11,7 +11,7 @@ use crate::evidence;
 use crate::fit::{self, Fit};
 use crate::held_out;
 use crate::hypothesis::{Sizes, names};
-use crate::motion::Phase;
+use crate::motion::{Phase, extent};
 use crate::prepare::{Data, Prepared};
 use crate::tracing::{self, Candidate};
 use chamber::effects::{self, EffectSet};
@@ -124,10 +124,29 @@ fn row(own: &Data, other: &Data, c: &Candidate) -> Row {
     }
 }
 
+/// When the piston stops for the last time, s: from then on it stays within a five-thousandth of the record's stroke, or its
+/// position's noise, over seven rows. `None` where the record does not end in a hold.
+fn stop(t: &Prepared) -> Option<f64> {
+    const REACH: usize = 3;
+    const SHARE: f64 = 2e-4;
+    let segments = &t.course.motion.segments;
+    segments.last().filter(|s| s.phase == Phase::Hold)?;
+    let near = std::cell::Cell::new(0);
+    let position: Vec<f64> =
+        segments.iter().flat_map(|s| t.time_s[s.first..s.end].iter().map(|time| s.stroke.at(*time, &near).0)).collect();
+    let (low, high) = extent(&position);
+    let most = (SHARE * (high - low)).max(8.0 * t.course.motion.noise_m);
+    let moves = |i: &usize| {
+        let (low, high) = extent(&position[i.saturating_sub(REACH)..(i + REACH + 1).min(position.len())]);
+        high - low > most
+    };
+    (0..position.len()).rev().find(moves).and_then(|last| t.time_s.get(last + 1).copied())
+}
+
 /// The final hold of a record: its first half forecasts its second. `None` where the record does not end in a hold.
 pub fn forecast(t: &Prepared) -> Option<Forecast> {
-    let hold = t.course.motion.segments.last().filter(|s| s.phase == Phase::Hold)?;
-    let rows: Vec<usize> = (hold.first..hold.end).filter(|&i| t.time_s[i] >= hold.from_s + AFTER_STOP_S).collect();
+    let stop = stop(t)?;
+    let rows: Vec<usize> = (0..t.time_s.len()).filter(|&i| t.time_s[i] >= stop + AFTER_STOP_S).collect();
     let (begin, end) = (t.time_s[*rows.first()?], t.time_s[*rows.last()?]);
     let middle = 0.5 * (begin + end);
     let points = |first: bool| -> Vec<(f64, f64)> {
