@@ -154,7 +154,10 @@ fn coverage(out: &mut String, lines: &[Line]) {
     for name in names {
         let _ = writeln!(out, "| `{name}` | {} | {} |", cells(name, false), cells(name, true));
     }
-    out.push('\n');
+    out.push_str(
+        "\nA leak's conductance is that of a critical pressure ratio of 0.3 unless the data speak decisively for another; on wide rigs the true ratio is \
+         0.1–0.55, which its interval does not know.\n\n",
+    );
 }
 
 fn rates(out: &mut String, lines: &[Line]) -> Vec<(&'static str, figure::Curve)> {
