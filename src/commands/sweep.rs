@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
 use sweep::study::SOLVERS;
-use sweep::{Report, Shard, Study};
+use sweep::{Report, Shard, Study, traces};
 
 /// Run a parameter study of the push-and-hold test into a folder of Parquet files
 ///
@@ -20,7 +20,8 @@ use sweep::{Report, Shard, Study};
 Examples:
   pneutherm sweep study.toml -o out --dry-run
   pneutherm sweep study.toml -o out
-  pneutherm sweep study.toml -o out --shard 3/16 --jobs 8")]
+  pneutherm sweep study.toml -o out --shard 3/16 --jobs 8
+  pneutherm sweep study.toml -o out --traces 0,17,100-119")]
 pub struct Args {
     /// The study file (TOML)
     study: PathBuf,
@@ -42,6 +43,13 @@ pub struct Args {
     /// Relative tolerance of the integration; in place of the study's `tolerance`
     #[arg(long, value_name = "RTOL")]
     tolerance: Option<f64>,
+    /// Also write the courses of these rows, sampled, into _traces.parquet: numbers and ranges such as 0,17,100-119. Of
+    /// several shards the first one does
+    #[arg(long, value_name = "ROWS")]
+    traces: Option<traces::Rows>,
+    /// Samples per second of these traces, Hz
+    #[arg(long, value_name = "HZ", default_value_t = traces::RATE_HZ)]
+    trace_rate: f64,
 }
 
 /// Carries out the study.
@@ -63,7 +71,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let begun = Instant::now();
     let report = pool.install(|| sweep::run(&study, &args.output, args.shard, &|rows| bar.inc(rows)))?;
     bar.finish_and_clear();
-    output::print(told(args, &study, &report, begun.elapsed()).as_bytes())
+    let mut text = told(args, &study, &report, begun.elapsed());
+    if let Some(rows) = args.traces.as_ref().filter(|_| args.shard.index == 0) {
+        text += &traced(&pool.install(|| traces::write(&study, &args.output, rows, args.trace_rate))?);
+    }
+    output::print(text.as_bytes())
 }
 
 /// Rows of a shard.
@@ -131,5 +143,13 @@ fn told(args: &Args, study: &Study, report: &Report, elapsed: Duration) -> Strin
         true => writeln!(text, "all {} parts are there: manifest.json is written", study.parts),
         false => writeln!(text, "parts of other shards are still missing: manifest.json is not written yet"),
     };
+    text
+}
+
+fn traced(report: &traces::Report) -> String {
+    let mut text = format!("{}: {} samples of {} rows\n", traces::FILE, report.samples, report.rows);
+    for (row, reason) in &report.without {
+        let _ = writeln!(text, "row {row} has no trace: {reason}");
+    }
     text
 }

@@ -3,7 +3,7 @@
 use super::{MADE, table};
 use crate::simulation;
 use records::layout::Quantity;
-use sweep::{columns::OUTPUTS, quantity};
+use sweep::{columns::OUTPUTS, quantity, traces};
 
 fn page() -> String {
     let code = |name: &str| format!("`{name}`");
@@ -26,6 +26,11 @@ fn page() -> String {
         }),
     );
     page += "\nand `status`: `ok`, `not_settled` (the test ends before), or `failed: ` and the reason.\n";
+    page += "\n## What `sweep --traces` writes\n\n`row`, then\n\n";
+    page += &table(
+        ["column", "unit", ""],
+        traces::COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]),
+    );
     page += "\n## What a study can vary\n\nBy the dotted name, or its last part where that is unambiguous.\n\n";
     page += &table(
         ["quantity", "unit", "values", ""],

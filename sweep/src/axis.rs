@@ -55,7 +55,7 @@ impl Axis {
                 } else if level >= last {
                     to
                 } else {
-                    between(from, to, scale, level as f64 / last as f64)
+                    between(from, to, scale)(level as f64 / last as f64)
                 }
             }
         }
@@ -65,7 +65,15 @@ impl Axis {
     pub fn at(&self, u: f64) -> f64 {
         match *self {
             Axis::Values { ref values } => values[((u * values.len() as f64) as usize).min(values.len() - 1)],
-            Axis::Range { from, to, scale, .. } => between(from, to, scale, u),
+            Axis::Range { from, to, scale, .. } => between(from, to, scale)(u),
+        }
+    }
+
+    /// Adds the values at some shares to a column.
+    pub fn fill(&self, shares: impl Iterator<Item = f64>, column: &mut Vec<f64>) {
+        match *self {
+            Axis::Values { .. } => column.extend(shares.map(|u| self.at(u))),
+            Axis::Range { from, to, scale, .. } => column.extend(shares.map(between(from, to, scale))),
         }
     }
 
@@ -75,12 +83,16 @@ impl Axis {
     }
 }
 
-fn between(from: f64, to: f64, scale: Scale, share: f64) -> f64 {
-    let value = match scale {
-        Scale::Linear => from + (to - from) * share,
-        Scale::Log => (from.ln() + (to.ln() - from.ln()) * share).exp(),
+/// From a share of a range to its value.
+fn between(from: f64, to: f64, scale: Scale) -> impl Fn(f64) -> f64 {
+    let (begin, end) = match scale {
+        Scale::Linear => (from, to),
+        Scale::Log => (from.ln(), to.ln()),
     };
-    value.clamp(from, to)
+    move |share| {
+        let value = begin + (end - begin) * share;
+        (if scale == Scale::Log { value.exp() } else { value }).clamp(from, to)
+    }
 }
 
 #[cfg(test)]

@@ -2,9 +2,10 @@
 
 use crate::error::Error;
 use crate::quantity;
-use crate::row::Outputs;
+use crate::row::{Outputs, Status};
 use crate::study::Study;
-use arrow::array::{ArrayRef, Float64Array, Int64Array, StringDictionaryBuilder};
+use arrow::array::{ArrayRef, DictionaryArray, Float64Array, Int32Array, Int64Array, StringArray};
+use arrow::buffer::NullBuffer;
 use arrow::datatypes::{DataType, Field, Int32Type, Schema, SchemaRef};
 use arrow::record_batch::RecordBatch;
 use parquet::basic::{Compression, Encoding, ZstdLevel};
@@ -85,22 +86,40 @@ pub fn batch(
     study: &Study,
     schema: &SchemaRef,
     first: u64,
-    points: &[Vec<f64>],
+    points: Vec<Vec<f64>>,
     rows: &[Outputs],
 ) -> Result<RecordBatch, Error> {
     let numbers = Int64Array::from_iter_values((0..rows.len() as u64).map(|i| (first + i) as i64));
     let mut columns: Vec<ArrayRef> = vec![Arc::new(numbers)];
-    columns.extend(points.iter().map(|column| Arc::new(Float64Array::from(column.clone())) as ArrayRef));
+    columns.extend(points.into_iter().map(|column| Arc::new(Float64Array::from(column)) as ArrayRef));
     for output in outputs(study) {
-        let values = rows.iter().map(|row| Some((output.value)(row)).filter(|value| value.is_finite()));
-        columns.push(Arc::new(Float64Array::from_iter(values)));
+        let values: Vec<f64> = rows.iter().map(output.value).collect();
+        columns.push(Arc::new(finite_or_null(values)));
     }
-    let mut status = StringDictionaryBuilder::<Int32Type>::new();
-    for row in rows {
-        status.append_value(row.status.text());
-    }
-    columns.push(Arc::new(status.finish()));
+    columns.push(Arc::new(statuses(rows)));
     RecordBatch::try_new(schema.clone(), columns).map_err(|error| Error::arrow(&study.path, error))
+}
+
+/// Numbers, those that are none as nulls.
+fn finite_or_null(values: Vec<f64>) -> Float64Array {
+    let all = values.iter().all(|value| value.is_finite());
+    let valid = (!all).then(|| values.iter().map(|value| value.is_finite()).collect::<NullBuffer>());
+    Float64Array::new(values.into(), valid)
+}
+
+/// The status column: each status once, in the order in which they come up.
+fn statuses(rows: &[Outputs]) -> DictionaryArray<Int32Type> {
+    let mut met: Vec<Status> = Vec::new();
+    let key = |row: &Outputs| {
+        let place = met.iter().position(|status| *status == row.status).unwrap_or_else(|| {
+            met.push(row.status);
+            met.len() - 1
+        });
+        place as i32
+    };
+    let keys = Int32Array::from_iter_values(rows.iter().map(key));
+    let texts = StringArray::from_iter_values(met.iter().map(|status| status.text()));
+    DictionaryArray::new(keys, Arc::new(texts))
 }
 
 /// How a part is encoded, with the study in its key-value metadata.

@@ -2,8 +2,10 @@
 
 use crate::columns;
 use crate::error::Error;
-use crate::part::{StatusCounts, TEMPORARY};
+use crate::new_file::TEMPORARY;
+use crate::part::StatusCounts;
 use crate::study::Study;
+use crate::traces;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::{Value, json};
 use std::fs::File;
@@ -42,6 +44,11 @@ impl<'a> Folder<'a> {
         Ok(folder)
     }
 
+    /// Path of the table of traces.
+    pub fn traces_path(&self) -> PathBuf {
+        self.path.join(traces::FILE)
+    }
+
     /// Path of a part.
     pub fn part_path(&self, part: u64) -> PathBuf {
         self.path.join(self.study.part_name(part))
@@ -67,7 +74,7 @@ impl<'a> Folder<'a> {
             }
         }
         for name in self.names()?.iter().filter(|name| name.starts_with(PART) || name.ends_with(".parquet")) {
-            if !self.is_part(name) {
+            if !self.is_part(name) && name != traces::FILE {
                 return other(format!("{name} is none of its {} parts", self.study.parts));
             }
             match Footer::read(&self.path.join(name)) {
@@ -115,10 +122,13 @@ impl<'a> Folder<'a> {
     /// # Errors
     /// The folder cannot be read.
     pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
-        let prefixes: Vec<String> = (0..self.study.parts)
+        let mut prefixes: Vec<String> = (0..self.study.parts)
             .filter(|part| mine(*part))
             .map(|part| format!(".{}.", self.study.part_name(part)))
             .collect();
+        if mine(0) {
+            prefixes.push(format!(".{}.", traces::FILE));
+        }
         for name in self.names()? {
             if name.ends_with(TEMPORARY) && prefixes.iter().any(|prefix| name.starts_with(prefix.as_str())) {
                 let path = self.path.join(&name);

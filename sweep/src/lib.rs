@@ -14,7 +14,8 @@
 //! | [`row`] | from a point to a scenario, and what comes out of it |
 //! | [`solve`] | rows through the batch kernel of `chamber` |
 //! | [`columns`] | the table: names, units, encoding |
-//! | [`part`], [`folder`] | one Parquet file; a study's folder and its manifest |
+//! | [`part`], [`new_file`], [`folder`] | one Parquet file, whole or not there; a study's folder and its manifest |
+//! | [`traces`] | the courses of some rows, as a second table |
 //! | [`run`](mod@run) | a study carried out: a shard into a folder, all into a file or memory |
 //! | [`sensitivity`] | first- and total-order indices of a Saltelli study |
 //! | [`estimate`] | time and bytes of a study, from a short calibration |
@@ -27,6 +28,7 @@ pub mod design;
 pub mod error;
 pub mod estimate;
 pub mod folder;
+pub mod new_file;
 pub mod part;
 pub mod quantity;
 pub mod row;
@@ -34,6 +36,7 @@ pub mod run;
 pub mod sensitivity;
 pub mod solve;
 pub mod study;
+pub mod traces;
 
 pub use error::Error;
 pub use run::{Report, Shard, run, run_in_memory, run_to_file};

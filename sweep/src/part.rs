@@ -1,25 +1,22 @@
-//! One Parquet file: rows computed chunk by chunk and written as they come, under a temporary name until it is whole.
-//!
-//! A temporary file is locked while its writer lives. One that is not locked was left by a run that was killed.
+//! One part: rows computed chunk by chunk and written as they come.
 
 use crate::columns;
 use crate::error::Error;
+use crate::new_file::NewFile;
 use crate::row::{Outputs, Status};
 use crate::solve;
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
-use parquet::arrow::ArrowWriter;
-use parquet::file::metadata::KeyValue;
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
-use std::io::BufWriter;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Rows that are computed in one go.
+/// Rows of one Arrow batch.
 pub const CHUNK: u64 = 1 << 13;
+/// Rows that are simulated in one go: what they need stays in a core's cache and comes from memory already at hand.
+const PIECE: usize = 1 << 8;
 /// Chunks of one file that are in memory for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
 
@@ -31,16 +28,25 @@ pub type OnRows<'a> = &'a (dyn Fn(u64) + Sync);
 
 /// Points and results of some rows, without Arrow around them.
 pub fn compute(study: &Study, rows: Range<u64>) -> Result<(Vec<Vec<f64>>, Vec<Outputs>), Error> {
-    let mut points = vec![Vec::with_capacity((rows.end - rows.start) as usize); study.varied.len()];
+    let count = (rows.end - rows.start) as usize;
+    let mut points = vec![Vec::with_capacity(count); study.varied.len()];
     study.design.fill(rows, &mut points)?;
-    let outputs = solve::rows(study, &points);
+    let mut outputs = Vec::with_capacity(count);
+    let mut piece = vec![Vec::with_capacity(PIECE); study.varied.len()];
+    for start in (0..count).step_by(PIECE) {
+        for (piece, column) in piece.iter_mut().zip(&points) {
+            piece.clear();
+            piece.extend_from_slice(&column[start..count.min(start + PIECE)]);
+        }
+        outputs.extend(solve::rows(study, &piece));
+    }
     Ok((points, outputs))
 }
 
 /// Some rows of a study as Arrow.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
     let (points, outputs) = compute(study, rows.clone())?;
-    columns::batch(study, &columns::schema(study), rows.start, &points, &outputs)
+    columns::batch(study, &columns::schema(study), rows.start, points, &outputs)
 }
 
 /// Cuts rows into chunks. Chunks are counted from row zero of the study, so that they do not depend on the parts.
@@ -49,23 +55,6 @@ fn chunks(rows: Range<u64>) -> Vec<Range<u64>> {
     let last = rows.end.div_ceil(CHUNK);
     (first..last).map(|i| rows.start.max(i * CHUNK)..rows.end.min((i + 1) * CHUNK)).filter(|r| !r.is_empty()).collect()
 }
-
-/// A file under its temporary name; removed when dropped, unless it got its own.
-struct Temporary {
-    path: PathBuf,
-    finished: bool,
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        if !self.finished {
-            let _ = std::fs::remove_file(&self.path);
-        }
-    }
-}
-
-/// Ending of temporary files; they begin with a dot and the name they are meant to have.
-pub const TEMPORARY: &str = ".tmp";
 
 /// How the rows of one file are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,15 +77,8 @@ pub fn write(
     workers: Workers,
     on_rows: OnRows<'_>,
 ) -> Result<StatusCounts, Error> {
-    let failed = |source| Error::Write { path: path.to_owned(), source };
-    let parquet = |error| Error::writing(path, error);
-    let mut temporary = Temporary { path: temporary_beside(path), finished: false };
-    let file = File::create_new(&temporary.path).map_err(failed)?;
-    file.lock().map_err(failed)?;
     let schema = columns::schema(study);
-    let properties = columns::properties(study, &schema, extra);
-    let mut writer = ArrowWriter::try_new(BufWriter::with_capacity(1 << 20, file), schema.clone(), Some(properties))
-        .map_err(parquet)?;
+    let mut file = NewFile::create(path, schema.clone(), columns::properties(study, &schema, extra))?;
     let mut counts: HashMap<Status, u64> = HashMap::new();
     let chunks = chunks(rows);
     let wave = if workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
@@ -108,39 +90,18 @@ pub fn write(
         };
         for (rows, computed) in wave.iter().zip(computed) {
             let (points, outputs) = computed?;
-            for row in &outputs {
-                *counts.entry(row.status).or_default() += 1;
+            for alike in outputs.chunk_by(|a, b| a.status == b.status) {
+                *counts.entry(alike[0].status).or_default() += alike.len() as u64;
             }
-            let batch = columns::batch(study, &schema, rows.start, &points, &outputs)?;
-            writer.write(&batch).map_err(parquet)?;
+            let batch = columns::batch(study, &schema, rows.start, points, &outputs)?;
+            file.write(&batch)?;
             on_rows(rows.end - rows.start);
         }
     }
     let counts: StatusCounts = counts.into_iter().map(|(status, count)| (status.text().into_owned(), count)).collect();
-    writer.append_key_value_metadata(KeyValue::new("status_counts".to_owned(), json!(counts).to_string()));
-    let file = writer.into_inner().map_err(parquet)?.into_inner().map_err(|e| failed(e.into_error()))?;
-    file.sync_all().map_err(failed)?;
-    std::fs::rename(&temporary.path, path).map_err(failed)?;
-    temporary.finished = true;
-    sync_folder_of(path).map_err(failed)?;
+    file.note("status_counts", json!(counts).to_string());
+    file.finish()?;
     Ok(counts)
-}
-
-/// Makes a new name in a folder last; a system whose folders cannot be synced needs no such thing.
-fn sync_folder_of(path: &Path) -> std::io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
-}
-
-/// A name that no other file has, in the folder of `path`.
-fn temporary_beside(path: &Path) -> PathBuf {
-    use std::sync::atomic::{AtomicU64, Ordering};
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    // The clock tells apart processes of the same number on different machines.
-    let clock = std::time::UNIX_EPOCH.elapsed().map_or(0, |since| since.subsec_nanos());
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    path.with_file_name(format!(".{name}.{}-{clock:x}-{count}{TEMPORARY}", std::process::id()))
 }
 
 #[cfg(test)]

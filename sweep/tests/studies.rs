@@ -2,6 +2,7 @@
 
 mod common;
 
+use arrow::array::Int64Array;
 use common::{model, read, statuses, study, text, values};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -202,4 +203,48 @@ fn a_table_of_ones_own_is_a_design() {
     let again = text(&format!("{head}\"points.parquet\"\ncolumns = [\"chamber.bore_m\", \"initial_pressure_pa\"]"), "");
     let again = Study::from_toml(&again, &folder.path().join("s.toml")).unwrap();
     assert_eq!(run_in_memory(&again).unwrap()[0].columns(), from_csv[0].columns());
+}
+
+#[test]
+fn the_traces_of_a_study_end_where_its_rows_do_and_reach_their_peaks() {
+    let study = study(
+        "design = \"latin-hypercube\"\nsamples = 300\nseed = 5\nfit = false",
+        "bore_m = { from = 0.016, to = 0.063 }
+push_time_s = { from = 0.05, to = 0.5 }
+initial_pressure_pa = { from = 1e5, to = 7e5 }
+mass_flow_in_kg_per_s = { from = 0.0, to = 1e-6 }
+\"effect.leakage.conductance_m3_per_s_pa\" = { from = 1e-13, to = 1e-11 }
+\"effect.record_delay.delay_s\" = { from = 0.0, to = 0.03 }",
+    );
+    let folder = tempfile::tempdir().unwrap();
+    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let asked = "290-299,0,17".parse().unwrap();
+    let report = sweep::traces::write(&study, folder.path(), &asked, 1000.0).unwrap();
+    assert_eq!((report.rows, report.samples), (12, 12 * 5001));
+    let traces = read(&folder.path().join(sweep::traces::FILE));
+    let rows = read(&folder.path().join("part-00000-of-00001.parquet"));
+    let numbers: &Int64Array = traces.column(0).as_any().downcast_ref().unwrap();
+    let (time, pressure) = (values(&traces, "time_s"), values(&traces, "pressure_pa"));
+    let (gas, mass) = (values(&traces, "gas_pressure_pa"), values(&traces, "mass_kg"));
+    for row in asked.iter().map(|row| row as usize) {
+        let mine: Vec<usize> = (0..traces.num_rows()).filter(|i| numbers.value(*i) == row as i64).collect();
+        let (first, last) = (mine[0], mine[mine.len() - 1]);
+        assert_eq!((time[first], time[last]), (0.0, 5.0));
+        let close = |a: f64, b: f64, tolerance: f64| assert!((a / b - 1.0).abs() < tolerance, "row {row}: {a} {b}");
+        close(gas[first], values(&rows, "initial_pressure_pa")[row], 1e-12);
+        close(pressure[last], values(&rows, "pressure_final_pa")[row], 1e-8);
+        // Between samples of 1 kHz the pressure changes by little.
+        let push = values(&rows, "push_time_s")[row];
+        let peak = mine.iter().filter(|i| time[**i] >= push).map(|i| pressure[*i]).fold(0.0, f64::max);
+        close(peak, values(&rows, "pressure_peak_pa")[row], 1e-2);
+        // Perfect gas: P V = m R T in each sample.
+        let (volume, temperature) = (values(&traces, "volume_m3")[last], values(&traces, "temperature_k")[last]);
+        close(gas[last] * volume, mass[last] * 287.0 * temperature, 1e-12);
+        assert!(mass[last] != mass[first]);
+    }
+    // The folder is still the study's, and the table of traces is replaced by another one.
+    assert!(run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap().complete);
+    assert_eq!(sweep::traces::write(&study, folder.path(), &"3".parse().unwrap(), 10.0).unwrap().samples, 51);
+    let refused = sweep::traces::write(&study, folder.path(), &"300".parse().unwrap(), 10.0).unwrap_err().to_string();
+    assert!(refused.contains("row 300") && refused.contains("0 to 299"), "{refused}");
 }

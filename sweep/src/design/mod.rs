@@ -7,7 +7,7 @@ pub mod table;
 
 use crate::axis::Axis;
 use crate::error::Error;
-use random::{Permutation, mix, unit};
+use random::{Permutation, Stream, mix, unit};
 use sobol::Sobol;
 use std::ops::Range;
 use table::Table;
@@ -32,7 +32,7 @@ pub enum Design {
 pub struct LatinHypercube {
     axes: Vec<Axis>,
     samples: u64,
-    columns: Vec<(Permutation, u64)>,
+    columns: Vec<(Permutation, Stream)>,
 }
 
 /// Names of the designs in study files.
@@ -42,7 +42,8 @@ impl Design {
     /// A Latin hypercube of that many rows.
     pub fn latin_hypercube(axes: Vec<Axis>, samples: u64, seed: u64) -> Self {
         let keys = (0..axes.len() as u64).map(|d| (mix(seed, 2 * d), mix(seed, 2 * d + 1)));
-        let columns = keys.map(|(permutation, place)| (Permutation::new(samples, permutation), place)).collect();
+        let columns =
+            keys.map(|(permutation, place)| (Permutation::new(samples, permutation), Stream::new(place))).collect();
         Design::LatinHypercube(LatinHypercube { axes, samples, columns })
     }
 
@@ -107,24 +108,26 @@ impl Design {
                 }
             }
             Design::LatinHypercube(cube) => {
+                let mut slices = Vec::with_capacity((rows.end - rows.start) as usize);
                 for ((axis, (permutation, place)), column) in cube.axes.iter().zip(&cube.columns).zip(columns) {
-                    let share = |row| (permutation.of(row) as f64 + unit(mix(*place, row))) / cube.samples as f64;
-                    column.extend(rows.clone().map(|row| axis.at(share(row))));
+                    permutation.fill(rows.clone(), &mut slices);
+                    let share = |(row, slice): (u64, &u64)| (*slice as f64 + unit(place.at(row))) / cube.samples as f64;
+                    axis.fill(rows.clone().zip(&slices).map(share), column);
                 }
             }
             Design::Sobol(axes, _, points) => {
                 for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
-                    column.extend(rows.clone().map(|row| axis.at(points.coordinate(row, dimension))));
+                    axis.fill(rows.clone().map(|row| points.coordinate(row, dimension)), column);
                 }
             }
             Design::Saltelli(axes, _, points) => {
                 let block = axes.len() as u64 + 2;
                 for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
-                    column.extend(rows.clone().map(|row| {
+                    let share = |row| {
                         let of_b = row % block == dimension as u64 + 1 || row % block == block - 1;
-                        let dimension = if of_b { axes.len() + dimension } else { dimension };
-                        axis.at(points.coordinate(row / block, dimension))
-                    }));
+                        points.coordinate(row / block, if of_b { axes.len() + dimension } else { dimension })
+                    };
+                    axis.fill(rows.clone().map(share), column);
                 }
             }
             Design::Table(table) => table.fill(rows, columns)?,

@@ -2,10 +2,30 @@
 //!
 //! The mixing is SplitMix64's (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
 
+use std::ops::Range;
+
 /// A 64-bit number from a key and a counter.
 #[inline]
 pub fn mix(key: u64, counter: u64) -> u64 {
-    finish(finish(key ^ 0x6a09_e667_f3bc_c908).wrapping_add(counter.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
+    Stream::new(key).at(counter)
+}
+
+/// The numbers of one key.
+#[derive(Clone, Copy, Debug)]
+pub struct Stream(u64);
+
+impl Stream {
+    /// The stream that belongs to a key.
+    #[inline]
+    pub fn new(key: u64) -> Self {
+        Self(finish(key ^ 0x6a09_e667_f3bc_c908))
+    }
+
+    /// Its number at a counter.
+    #[inline]
+    pub fn at(self, counter: u64) -> u64 {
+        finish(self.0.wrapping_add(counter.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
+    }
 }
 
 #[inline]
@@ -30,33 +50,62 @@ pub fn unit(bits: u64) -> f64 {
 pub struct Permutation {
     size: u64,
     half_bits: u32,
-    keys: [u64; 4],
+    rounds: [Stream; 4],
 }
 
 impl Permutation {
     /// The permutation of 0..size that belongs to a key.
     pub fn new(size: u64, key: u64) -> Self {
         let bits = 64 - size.saturating_sub(1).leading_zeros();
-        Self { size, half_bits: bits.div_ceil(2).max(1), keys: [0, 1, 2, 3].map(|round| mix(key, round)) }
+        Self {
+            size,
+            half_bits: bits.div_ceil(2).max(1),
+            rounds: [0, 1, 2, 3].map(|round| Stream::new(mix(key, round))),
+        }
     }
 
     /// Where `index` goes.
     pub fn of(&self, index: u64) -> u64 {
-        debug_assert!(index < self.size);
-        let mut at = index;
-        loop {
-            at = self.round_trip(at);
-            if at < self.size {
-                return at;
+        let mut found = Vec::with_capacity(1);
+        self.fill(index..index + 1, &mut found);
+        found[0]
+    }
+
+    /// Where some indices go, in place of what `out` holds. All take a step along their cycles before any takes the
+    /// next: whether one has to go on is a coin that a processor cannot guess.
+    pub fn fill(&self, indices: Range<u64>, out: &mut Vec<u64>) {
+        debug_assert!(indices.end <= self.size);
+        out.clear();
+        out.extend(indices.map(|index| self.round_trip(index)));
+        let mut outside: Vec<u32> = (0..out.len() as u32).collect();
+        let mut count = self.keep_outside(out, &mut outside);
+        while count > 0 {
+            for place in &outside[..count] {
+                let at = &mut out[*place as usize];
+                *at = self.round_trip(*at);
             }
+            outside.truncate(count);
+            count = self.keep_outside(out, &mut outside);
         }
     }
 
+    /// Moves those of the places whose element is outside 0..size to the front, and says how many they are.
+    fn keep_outside(&self, elements: &[u64], places: &mut [u32]) -> usize {
+        let mut count = 0;
+        for i in 0..places.len() {
+            let place = places[i];
+            places[count] = place;
+            count += usize::from(elements[place as usize] >= self.size);
+        }
+        count
+    }
+
+    #[inline]
     fn round_trip(&self, value: u64) -> u64 {
         let mask = (1u64 << self.half_bits) - 1;
         let (mut left, mut right) = (value >> self.half_bits, value & mask);
-        for key in self.keys {
-            (left, right) = (right, left ^ (mix(key, right) & mask));
+        for round in self.rounds {
+            (left, right) = (right, left ^ (round.at(right) & mask));
         }
         left << self.half_bits | right
     }

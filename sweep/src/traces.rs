@@ -1,0 +1,358 @@
+//! The courses of some rows of a study, sampled at a fixed rate: a second table beside the parts.
+//!
+//! The integration is that of `chamber::simulate`, apart from the batches'; what is sampled is the same: the gas, and
+//! what the sensor shows of it. As many samples are in memory as [`TOGETHER`] says, or one row's.
+
+use crate::columns;
+use crate::error::Error;
+use crate::folder::Folder;
+use crate::new_file::NewFile;
+use crate::row;
+use crate::study::Study;
+use arrow::array::{ArrayRef, Float64Array, Int64Array};
+use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use arrow::record_batch::RecordBatch;
+use chamber::balance::{self, Boundary, ENERGY, MASS, OWN, STATES};
+use chamber::batch::{Hold, Scenario};
+use chamber::effects::{self, EffectSet};
+use chamber::integrate::{IntegrationError, Integrator};
+use chamber::simulate::{Sample, tolerance};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Name of the table. Readers of folders (Arrow, Spark) pass over names that begin with an underscore, so that it does
+/// not mix with the rows.
+pub const FILE: &str = "_traces.parquet";
+/// Samples per second unless told otherwise, Hz: the paper's record.
+pub const RATE_HZ: f64 = 100.0;
+/// Most samples of one row.
+const MOST: f64 = 1e7;
+/// Samples that are computed together, over all threads.
+const TOGETHER: usize = 1 << 19;
+
+/// Rows whose traces are wanted, in order and each once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rows(Vec<Range<u64>>);
+
+impl Rows {
+    /// Their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
+        self.0.iter().cloned().flatten()
+    }
+
+    /// One past the last.
+    fn end(&self) -> u64 {
+        self.0.last().map_or(0, |range| range.end)
+    }
+}
+
+impl std::str::FromStr for Rows {
+    type Err = String;
+
+    /// `0,17,100-119`: numbers and ranges, both ends included.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let refused = || format!("`{text}` are no rows: numbers and ranges such as 0,17,100-119 were expected");
+        let mut ranges = Vec::new();
+        for piece in text.split(',') {
+            let (first, last) = piece.split_once('-').unwrap_or((piece, piece));
+            let number = |text: &str| text.trim().parse::<u64>().ok().filter(|n| *n < u64::MAX);
+            match (number(first), number(last)) {
+                (Some(first), Some(last)) if first <= last => ranges.push(first..last + 1),
+                _ => return Err(refused()),
+            }
+        }
+        ranges.sort_by_key(|range| range.start);
+        let mut rows: Vec<Range<u64>> = Vec::with_capacity(ranges.len());
+        for range in ranges {
+            match rows.last_mut() {
+                Some(last) if range.start <= last.end => last.end = last.end.max(range.end),
+                _ => rows.push(range),
+            }
+        }
+        Ok(Self(rows))
+    }
+}
+
+/// What was written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Rows with a trace.
+    pub rows: u64,
+    /// Samples of all of them.
+    pub samples: u64,
+    /// Rows without one, and why.
+    pub without: Vec<(u64, String)>,
+}
+
+/// A column of the table.
+pub struct Column {
+    /// Its name, with the unit's suffix.
+    pub name: &'static str,
+    /// The unit as people write it.
+    pub unit: &'static str,
+    /// One line for people.
+    pub doc: &'static str,
+    value: fn(&Sample, f64) -> f64,
+}
+
+/// Every column after the row's number, in order. Values of a sample and of the piston's position, m.
+#[rustfmt::skip]
+pub const COLUMNS: [Column; 8] = [
+    Column { name: "time_s", unit: "s", doc: "Time from the start of the push", value: |s, _| s.time },
+    Column { name: "position_m", unit: "m", doc: "Distance of the piston face from the chamber's end", value: |_, x| x },
+    Column { name: "pressure_pa", unit: "Pa", doc: "What the sensor would show, sensor effects included", value: |s, _| s.measured_pressure },
+    Column { name: "gas_pressure_pa", unit: "Pa", doc: "Pressure of the gas", value: |s, _| s.gas_pressure },
+    Column { name: "temperature_k", unit: "K", doc: "Mean temperature of the gas", value: |s, _| s.temperature },
+    Column { name: "mass_kg", unit: "kg", doc: "Mass of the gas", value: |s, _| s.mass },
+    Column { name: "volume_m3", unit: "m3", doc: "Volume of the gas", value: |s, _| s.volume },
+    Column { name: "heat_flow_w", unit: "W", doc: "Heat flow into the gas", value: |s, _| s.heat_flow },
+];
+
+/// Writes the traces of some rows beside the study's parts. The file appears when it is whole, in place of an earlier one.
+///
+/// # Errors
+/// A row that the study does not have, a rate that is none, a folder that is another study's or cannot be written.
+pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
+    if rows.end() > study.rows {
+        let last = study.rows.saturating_sub(1);
+        return Err(Error::Option(format!(
+            "a trace of row {} is asked for; the study's rows are 0 to {last}",
+            rows.end() - 1
+        )));
+    }
+    if !(rate_hz.is_finite() && rate_hz > 0.0) {
+        return Err(Error::Option(format!("a trace rate of {rate_hz} Hz: a positive number was expected")));
+    }
+    let folder = Folder::open(study, folder)?;
+    let path = folder.traces_path();
+    let schema = schema();
+    let rate = [("sample_rate_hz", rate_hz.to_string())];
+    let mut file = NewFile::create(&path, schema.clone(), columns::properties(study, &schema, &rate))?;
+    let mut report = Report::default();
+    let mut wave: Vec<(u64, Scenario, usize)> = Vec::new();
+    let mut waiting = 0;
+    for row in rows.iter() {
+        match scenario(study, row)? {
+            Ok(scenario) => {
+                let samples = samples_of(row, &scenario, rate_hz)?;
+                wave.push((row, scenario, samples));
+                waiting += samples;
+            }
+            Err(failure) => report.without.push((row, failure.to_string())),
+        }
+        if waiting >= TOGETHER {
+            flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
+            waiting = 0;
+        }
+    }
+    flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
+    file.finish()?;
+    report.without.sort();
+    Ok(report)
+}
+
+/// The test of a row, or why there is none.
+fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, row::Failure>, Error> {
+    let mut values = vec![Vec::with_capacity(1); study.varied.len()];
+    study.design.fill(row..row + 1, &mut values)?;
+    let mut point = study.base;
+    for (varied, value) in study.varied.iter().zip(&values) {
+        point.0[varied.quantity] = value[0];
+    }
+    Ok(row::scenario(study, &point))
+}
+
+/// Length of a test, s.
+fn duration(scenario: &Scenario) -> f64 {
+    match scenario.hold {
+        Hold::Duration(duration) => duration,
+        Hold::TimeConstants(n) => scenario.push_time_s + n * row::final_time_constant(scenario),
+    }
+}
+
+/// How many samples a row's trace has.
+fn samples_of(row: u64, scenario: &Scenario, rate_hz: f64) -> Result<usize, Error> {
+    let samples = duration(scenario) * rate_hz + 2.0;
+    if samples > MOST {
+        let message =
+            format!("the trace of row {row} would have {samples:.0} samples, more than {MOST}: ask for a lower rate");
+        return Err(Error::Option(message));
+    }
+    Ok(samples as usize)
+}
+
+/// Computes the rows that wait and writes them in order.
+fn flush(
+    study: &Study,
+    schema: &SchemaRef,
+    rate_hz: f64,
+    wave: &mut Vec<(u64, Scenario, usize)>,
+    file: &mut NewFile,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let one = |(row, scenario, _): &(u64, Scenario, usize)| (*row, trace(scenario, rate_hz, study.tolerance));
+    let traces: Vec<_> = wave.par_iter().map(one).collect();
+    for ((row, samples), (_, scenario, _)) in traces.into_iter().zip(wave.iter()) {
+        match samples {
+            Ok(samples) => {
+                file.write(&batch(study, schema, row, scenario, &samples)?)?;
+                report.rows += 1;
+                report.samples += samples.len() as u64;
+            }
+            Err(error) => report.without.push((row, error.to_string())),
+        }
+    }
+    wave.clear();
+    Ok(())
+}
+
+fn schema() -> SchemaRef {
+    let field = |name: &str, kind: DataType, unit: &str, doc: &str| {
+        let metadata = [("unit", unit), ("description", doc)].map(|(key, value)| (key.to_owned(), value.to_owned()));
+        Field::new(name, kind, false).with_metadata(HashMap::from(metadata))
+    };
+    let mut fields = vec![field("row", DataType::Int64, "1", "Number of the row in the design, from zero")];
+    fields.extend(COLUMNS.iter().map(|c| field(c.name, DataType::Float64, c.unit, c.doc)));
+    Arc::new(Schema::new(fields))
+}
+
+fn batch(
+    study: &Study,
+    schema: &SchemaRef,
+    row: u64,
+    scenario: &Scenario,
+    samples: &[Sample],
+) -> Result<RecordBatch, Error> {
+    let positions: Vec<f64> = samples.iter().map(|s| Motion { scenario }.boundary(s.time).position).collect();
+    let mut arrays: Vec<ArrayRef> = vec![Arc::new(Int64Array::from_value(row as i64, samples.len()))];
+    for column in &COLUMNS {
+        let values = samples.iter().zip(&positions).map(|(sample, position)| (column.value)(sample, *position));
+        arrays.push(Arc::new(Float64Array::from_iter_values(values)));
+    }
+    RecordBatch::try_new(schema.clone(), arrays).map_err(|error| Error::arrow(&study.path, error))
+}
+
+/// What the test imposes on the chamber.
+#[derive(Clone, Copy)]
+struct Motion<'a> {
+    scenario: &'a Scenario,
+}
+
+impl Motion<'_> {
+    /// At a time, s; the end of the push belongs to the hold.
+    fn boundary(self, time: f64) -> Boundary {
+        self.on(time < self.scenario.push_time_s, time)
+    }
+
+    /// On the push, or on the hold.
+    fn on(self, push: bool, time: f64) -> Boundary {
+        let s = self.scenario;
+        let velocity = (s.final_position_m - s.initial_position_m) / s.push_time_s;
+        Boundary {
+            position: if push { s.initial_position_m + velocity * time } else { s.final_position_m },
+            velocity: if push { velocity } else { 0.0 },
+            mass_flow_in: s.mass_flow_in_kg_per_s,
+            temperature_in: s.temperature_in_k,
+            mass_flow_out: s.mass_flow_out_kg_per_s,
+            ambient_temperature: s.ambient_temperature_k,
+            ambient_pressure: s.ambient_pressure_pa,
+        }
+    }
+}
+
+/// The course of a test: samples at multiples of 1/rate from the start of the push, and one at the end.
+///
+/// # Errors
+/// The equations cannot be followed to the end.
+pub fn trace(scenario: &Scenario, rate_hz: f64, relative_tolerance: f64) -> Result<Vec<Sample>, IntegrationError> {
+    let (chamber, motion, end) = (&scenario.chamber, Motion { scenario }, duration(scenario));
+    let set = chamber.active();
+    let count = (end * rate_hz * (1.0 - 1e-12)) as usize;
+    let times: Vec<f64> = (0..=count).map(|k| k as f64 / rate_hz).chain([end]).collect();
+    let start = motion.on(true, 0.0);
+    let initial = balance::state_at(chamber, &start, scenario.initial_pressure_pa, scenario.initial_temperature_k);
+    let delay = effects::delay(set, &chamber.effects);
+    let mut recorder = Recorder { scenario, set, delay, times: &times, readings: Vec::new(), samples: Vec::new() };
+    recorder.record(0.0, true, |_| initial);
+    let mut integrator = Integrator::new(0.0, initial, tolerance(relative_tolerance, &initial));
+    for (push, end) in [(true, scenario.push_time_s.min(end)), (false, end)] {
+        let system = |t: f64, state: &[f64; STATES]| balance::rates(set, chamber, &motion.on(push, t), state);
+        integrator.advance(&system, end, |step| {
+            if recorder.is_due(step.from + step.length) {
+                let dense = step.dense();
+                recorder.record(step.from + step.length, push, |t| dense.at(t));
+            }
+        })?;
+    }
+    Ok(recorder.samples)
+}
+
+/// Takes samples while the integration passes by: the gas at each time, the sensor's reading of a delay earlier.
+struct Recorder<'a> {
+    scenario: &'a Scenario,
+    set: EffectSet,
+    delay: f64,
+    times: &'a [f64],
+    readings: Vec<f64>,
+    samples: Vec<Sample>,
+}
+
+impl Recorder<'_> {
+    /// The moment whose gas the next reading shows, s: not before the test begins.
+    fn next_reading(&self) -> Option<f64> {
+        self.times.get(self.readings.len()).map(|time| (time - self.delay).max(0.0))
+    }
+
+    fn next_sample(&self) -> Option<f64> {
+        self.times.get(self.samples.len()).copied()
+    }
+
+    /// Whether something is to be taken until a time, s.
+    fn is_due(&self, until: f64) -> bool {
+        // A reading is due no later than its sample.
+        self.next_reading().is_some_and(|time| time <= until * (1.0 + 1e-12))
+            || self.next_sample().is_some_and(|time| time <= until * (1.0 + 1e-12))
+    }
+
+    fn record(&mut self, until: f64, push: bool, states: impl Fn(f64) -> [f64; STATES]) {
+        let (chamber, reach) = (&self.scenario.chamber, until * (1.0 + 1e-12));
+        let motion = Motion { scenario: self.scenario };
+        while let Some(shown) = self.next_reading().filter(|time| *time <= reach) {
+            let state = states(shown);
+            let own = core::array::from_fn(|i| state[OWN + i]);
+            let at = balance::conditions(chamber, &motion.on(push, shown), state[MASS], state[ENERGY]);
+            let elapsed = self.times[self.readings.len()];
+            self.readings.push(effects::reading(self.set, &chamber.effects, &own, at.pressure, elapsed));
+        }
+        while let Some(time) = self.next_sample().filter(|time| *time <= reach) {
+            let (at, rates, _) = balance::evaluate(self.set, chamber, &motion.on(push, time), &states(time));
+            self.samples.push(Sample {
+                time,
+                measured_pressure: self.readings[self.samples.len()],
+                gas_pressure: at.pressure,
+                temperature: at.temperature,
+                mass: at.mass,
+                volume: at.volume,
+                heat_flow: rates.heat_flow,
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_read_as_numbers_and_ranges_in_order_and_once() {
+        let rows = |text: &str| text.parse::<Rows>().map(|rows| rows.iter().collect::<Vec<_>>());
+        assert_eq!(rows("7"), Ok(vec![7]));
+        assert_eq!(rows("5-7, 1,6-8"), Ok(vec![1, 5, 6, 7, 8]));
+        for wrong in ["", "a", "3-1", "1,,2", "-1", "18446744073709551615"] {
+            assert!(rows(wrong).unwrap_err().contains("0,17,100-119"), "{wrong}");
+        }
+    }
+}
