@@ -101,7 +101,10 @@ pub fn write(files: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
     coverage(&mut out, &lines);
     let curves = rates(&mut out, &of("effects"));
     std::fs::write("results/diagnosis_rates.svg", figure::rates(&curves))?;
-    pairs(&mut out, &of("pairs"));
+    let both = of("pairs");
+    if !both.is_empty() {
+        pairs(&mut out, &both);
+    }
     outside(&mut out, &of("outside"));
     std::fs::write(Path::new("results/diagnosis.md"), out)?;
     println!("results/diagnosis.md, results/diagnosis_rates.svg");
