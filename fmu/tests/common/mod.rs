@@ -46,7 +46,7 @@ unsafe extern "C" fn receive_any(
     format: *const c_char,
     mut arguments: ...
 ) {
-    unsafe { receive(environment, name, status, category, format, arguments.arg::<*const c_char>()) }
+    unsafe { receive(environment, name, status, category, format, arguments.next_arg::<*const c_char>()) }
 }
 
 #[cfg(miri)]
