@@ -69,7 +69,7 @@ pub fn logger() -> Logger {
 /// One instance and its log.
 pub struct Host {
     pub c: *mut c_void,
-    log: Box<Log>,
+    log: *mut Log,
 }
 
 /// Value reference of a variable.
@@ -80,17 +80,17 @@ pub fn reference(name: &str) -> u32 {
 impl Host {
     /// A fresh instance.
     pub fn new() -> Self {
-        let log: Box<Log> = Box::default();
+        let log: *mut Log = Box::into_raw(Box::default());
         let callbacks = Callbacks {
             logger: logger(),
             allocate_memory: None,
             free_memory: None,
             step_finished: None,
-            component_environment: std::ptr::from_ref(&*log) as *mut c_void,
+            component_environment: log.cast(),
         };
         let (name, guid) = (c"test", CString::new(REFERENCE_GUID).unwrap());
         let c = unsafe { fmi2Instantiate(name.as_ptr(), 1, guid.as_ptr(), null(), &callbacks, 0, 0) };
-        assert!(!c.is_null(), "{:?}", log.borrow());
+        assert!(!c.is_null(), "{:?}", unsafe { &*log }.borrow());
         Self { c, log }
     }
 
@@ -193,7 +193,7 @@ impl Host {
 
     /// What was logged since the last call.
     pub fn messages(&self) -> Vec<Message> {
-        self.log.take()
+        unsafe { &*self.log }.take()
     }
 
     /// The one message since the last call.
@@ -206,6 +206,9 @@ impl Host {
 
 impl Drop for Host {
     fn drop(&mut self) {
-        unsafe { fmi2FreeInstance(self.c) };
+        unsafe {
+            fmi2FreeInstance(self.c);
+            drop(Box::from_raw(self.log));
+        }
     }
 }
