@@ -85,7 +85,7 @@ pub fn run(
                                 push_end: scenario.push_time_s,
                                 duration,
                                 delay: 0.0,
-                                expands: test.volume_rate > 0.0,
+                                expands: test.root_rate > 0.0,
                                 before: [scenario.initial_pressure_pa, 0.0],
                                 guess: Some(1.0 / test.rate),
                             },

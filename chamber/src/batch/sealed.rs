@@ -3,8 +3,13 @@
 //!
 //! dT/dt = T (c (a1 V + a0)/√V (Tw − T) − (γ − 1) V̇/V),  c = λ0 √(m R/(P0 T0))/(m cv),  Aq = a1 V + a0
 //!
-//! one division and one square root an evaluation while the piston moves; while it rests, V and all that follows from
-//! it alone is constant. T in K, V in m³.
+//! While the piston moves, V grows by V̇ t and the root u = √V serves as the clock: with s from 0 to the push's duration
+//! and u linear in s, dt/ds = 2u/(u0 + u1), so that
+//!
+//! dT/ds = T (2c (a1 u² + a0)/(u0 + u1) (Tw − T) − 2 (γ − 1) u̇/u)
+//!
+//! takes one division an evaluation and no root. While the piston rests, V and all that follows from it alone is
+//! constant. T in K, V in m³.
 
 use super::advance::Loadable;
 use super::record::Observe;
@@ -18,13 +23,13 @@ use core::f64::consts::PI;
 /// One test, reduced to the numbers its equation needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Test {
-    /// Volume at the begin of the push, m³.
-    pub volume: f64,
-    /// Rate of the volume in the push, m³/s.
-    pub volume_rate: f64,
+    /// √V at the begin of the push, m^1.5.
+    pub root: f64,
+    /// Its rate in the push's clock, m^1.5/s.
+    pub root_rate: f64,
     /// Volume of the hold, m³.
     pub held_volume: f64,
-    /// c a1 and c a0.
+    /// 2 c a1/(u0 + u1) and 2 c a0/(u0 + u1).
     pub exchange: [f64; 2],
     /// γ − 1.
     pub expansion: f64,
@@ -54,17 +59,18 @@ impl Test {
             AreaLaw::Swept => g.dead_volume,
         };
         let faces = g.bore * g.bore * (PI / 2.0) - unwetted * lateral;
-        let exchange = [per_area * lateral, per_area * faces];
         let wall = s.ambient_temperature_k;
+        let (root, held_root) = (volume.sqrt(), held_volume.sqrt());
+        let stretch = 2.0 * per_area / (root + held_root);
         Self {
-            volume,
-            volume_rate: (held_volume - volume) / s.push_time_s,
+            root,
+            root_rate: (held_root - root) / s.push_time_s,
             held_volume,
-            exchange,
+            exchange: [stretch * lateral, stretch * faces],
             expansion,
             wall,
             mass_gas_constant,
-            rate: (exchange[0] * held_volume + exchange[1]) / held_volume.sqrt() * wall,
+            rate: per_area * (lateral * held_volume + faces) / held_root * wall,
         }
     }
 }
@@ -73,8 +79,8 @@ impl Test {
 #[derive(Clone)]
 pub struct Moving<'a> {
     tests: &'a [Test],
-    volume: Lanes,
-    volume_rate: Lanes,
+    root: Lanes,
+    root_rate: Lanes,
     exchange: [Lanes; 2],
     expansion_rate: Lanes,
     wall: Lanes,
@@ -84,7 +90,7 @@ impl<'a> Moving<'a> {
     /// For these tests, none loaded yet.
     pub fn new(tests: &'a [Test]) -> Self {
         let zero = Lanes::ZERO;
-        Self { tests, volume: zero, volume_rate: zero, exchange: [zero; 2], expansion_rate: zero, wall: zero }
+        Self { tests, root: zero, root_rate: zero, exchange: [zero; 2], expansion_rate: zero, wall: zero }
     }
 }
 
@@ -92,11 +98,11 @@ impl Loadable for Moving<'_> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
         let test = &self.tests[index];
-        self.volume[lane] = test.volume;
-        self.volume_rate[lane] = test.volume_rate;
+        self.root[lane] = test.root;
+        self.root_rate[lane] = test.root_rate;
         self.exchange[0][lane] = test.exchange[0];
         self.exchange[1][lane] = test.exchange[1];
-        self.expansion_rate[lane] = test.expansion * test.volume_rate;
+        self.expansion_rate[lane] = 2.0 * test.expansion * test.root_rate;
         self.wall[lane] = test.wall;
     }
 }
@@ -106,10 +112,9 @@ impl LaneSystem<1> for Moving<'_> {
 
     #[inline(always)]
     fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
-        let volume = self.volume + self.volume_rate * t;
-        let per_volume = volume.recip();
-        let exchange = (self.exchange[0] * volume + self.exchange[1]) * per_volume.sqrt();
-        [y[0] * (exchange * (self.wall - y[0]) - self.expansion_rate * per_volume)]
+        let root = self.root + self.root_rate * t;
+        let exchange = self.exchange[0] * (root * root) + self.exchange[1];
+        [y[0] * (exchange * (self.wall - y[0]) - self.expansion_rate / root)]
     }
 }
 
