@@ -1,10 +1,11 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
-use super::advance::{Loadable, Log, Problem, Steps, advance};
+use super::advance::{Loadable, Log, Nobody, Problem, Steps, Tried, Watch, advance};
 use super::finish::{self, Relaxation};
-use super::fit;
+use super::fit::{self, Nodes};
+use super::glimpses::Glimpses;
 use super::outcome::{Failure, Outcome};
-use super::record::{Piece, Question, Record};
+use super::record::{self, Piece, Question};
 use super::scenario::{Options, Scenario};
 use super::sealed::{Held, Moving, Test};
 use crate::lanes::{Lanes, WIDTH};
@@ -17,7 +18,27 @@ pub struct Memory {
     problems: Vec<Problem<1>>,
     peaks: Vec<f64>,
     log: Log<1>,
-    pieces: Vec<Piece<1>>,
+    glimpses: Glimpses,
+    pieces: Vec<Piece>,
+    nodes: Nodes,
+}
+
+/// Keeps the steps and glimpses of them.
+struct Both<'a> {
+    log: &'a mut Log<1>,
+    glimpses: &'a mut Glimpses,
+}
+
+impl Watch<1, Held<'_>> for Both<'_> {
+    #[inline(always)]
+    fn see<const FUSED: bool>(&mut self, group: usize, system: &Held, tried: Tried<1>) {
+        self.glimpses.see::<FUSED>(group, system, tried);
+        Watch::<1, Held>::see::<FUSED>(self.log, group, system, tried);
+    }
+    #[inline(always)]
+    fn kept(&self, group: usize) -> usize {
+        self.log[group].len()
+    }
 }
 
 /// Runs tests that [`sealed`](super::sealed) covers and whose numbers are checked; `durations` in s.
@@ -29,7 +50,7 @@ pub fn run(
     options: &Options,
     out: &mut [Outcome],
 ) {
-    let Memory { tests, problems, peaks, log, pieces } = memory;
+    let Memory { tests, problems, peaks, log, glimpses, pieces, nodes } = memory;
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
@@ -46,13 +67,19 @@ pub fn run(
             failure: None,
         });
     }
-    advance::<1, false, _>(arch, &Moving::new(tests), problems, relative, log);
+    advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
     peaks.clear();
     for (problem, (_, duration)) in problems.iter_mut().zip(rows) {
         peaks.push(problem.state[0]);
         problem.length = duration - problem.length;
     }
-    advance::<1, true, _>(arch, &Held::new(tests), problems, relative, log);
+    if options.fit {
+        glimpses.clear();
+        glimpses.awake = true;
+        advance(arch, &Held::new(tests), problems, relative, &mut Both { log, glimpses });
+    } else {
+        advance(arch, &Held::new(tests), problems, relative, log);
+    }
 
     for (group, rows) in rows.chunks(WIDTH).enumerate() {
         let base = group * WIDTH;
@@ -77,19 +104,18 @@ pub fn run(
                     let scenario = &scenarios[row as usize];
                     let mut regression = None;
                     if options.fit && end > 0.0 {
-                        let mut record = Record::new(system.clone(), pieces, 0.0);
-                        record.add(arch, log, problem.steps, at(lane), scenario.push_time_s);
-                        regression = record.answer(
-                            arch,
-                            &Question {
-                                push_end: scenario.push_time_s,
-                                duration,
-                                delay: 0.0,
-                                expands: test.root_rate > 0.0,
-                                before: [scenario.initial_pressure_pa, 0.0],
-                                guess: Some(1.0 / test.rate),
-                            },
-                        );
+                        pieces.clear();
+                        glimpses.pieces(problem.steps, scenario.push_time_s, pieces);
+                        let question = Question {
+                            push_end: scenario.push_time_s,
+                            duration,
+                            delay: 0.0,
+                            expands: test.root_rate > 0.0,
+                            before: [scenario.initial_pressure_pa, 0.0],
+                            single_samples: 0,
+                            guess: Some(1.0 / test.rate),
+                        };
+                        regression = record::answer(arch, pieces, &question, nodes);
                     }
                     let fit = regression.and_then(|a| a.regression).and_then(|regression| {
                         let positions = [scenario.initial_position_m, scenario.final_position_m];

@@ -44,16 +44,16 @@ pub struct Problem<const N: usize> {
     pub absolute: [f64; N],
     /// What the steps miss of the states' changes, relative to the states, by the pair's own estimate, added up.
     pub gap: f64,
-    /// Where its steps stand in the log.
+    /// Where the watch has kept its steps.
     pub steps: Steps,
     /// Why it was given up.
     pub failure: Option<Failure>,
 }
 
-/// A problem's place in the log: one lane of one group's consecutive entries.
+/// Where a watch has kept a problem's steps: one lane of consecutive steps of a group.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Steps {
-    /// First entry.
+    /// First step.
     pub from: u32,
     /// One past the last.
     pub to: u32,
@@ -63,9 +63,9 @@ pub struct Steps {
     pub lane: u16,
 }
 
-/// Every attempted step of eight lanes, to look into accepted ones.
+/// An attempted step of eight lanes, with what is needed to look into it.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry<const N: usize> {
+pub struct Tried<const N: usize> {
     /// Begin, s from the stretch's begin.
     pub from: Lanes,
     /// Length, s.
@@ -97,8 +97,39 @@ fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -
     out
 }
 
-/// Inside of all steps, by group.
-pub type Log<const N: usize> = [Vec<Entry<N>>; GROUPS];
+/// Sees every attempted step while the constants of its lanes are at hand.
+pub trait Watch<const N: usize, S> {
+    /// A step of a group of lanes. `FUSED` as in [`attempt`].
+    fn see<const FUSED: bool>(&mut self, group: usize, system: &S, tried: Tried<N>);
+    /// How many steps of a group it has kept: the places that [`Steps`] tells.
+    fn kept(&self, group: usize) -> usize;
+}
+
+/// For solutions of which only the end counts.
+pub struct Nobody;
+
+impl<const N: usize, S> Watch<N, S> for Nobody {
+    #[inline(always)]
+    fn see<const FUSED: bool>(&mut self, _: usize, _: &S, _: Tried<N>) {}
+    #[inline(always)]
+    fn kept(&self, _: usize) -> usize {
+        0
+    }
+}
+
+/// Keeps every step of every group, to look into some of them later.
+pub type Log<const N: usize> = [Vec<Tried<N>>; GROUPS];
+
+impl<const N: usize, S> Watch<N, S> for Log<N> {
+    #[inline(always)]
+    fn see<const FUSED: bool>(&mut self, group: usize, _: &S, tried: Tried<N>) {
+        self[group].push(tried);
+    }
+    #[inline(always)]
+    fn kept(&self, group: usize) -> usize {
+        self[group].len()
+    }
+}
 
 const IDLE: usize = usize::MAX;
 
@@ -122,44 +153,44 @@ struct Group<const N: usize, S> {
     gap: Lanes,
 }
 
-/// Solves each problem that has not failed, on the machine's widest instructions. `LOG` keeps the inside of every step.
-pub fn advance<const N: usize, const LOG: bool, S: LaneSystem<N> + Loadable + Clone>(
+/// Solves each problem that has not failed, on the machine's widest instructions, under the eyes of `watch`.
+pub fn advance<const N: usize, S: LaneSystem<N> + Loadable + Clone>(
     arch: Arch,
     system: &S,
     problems: &mut [Problem<N>],
     relative: f64,
-    log: &mut Log<N>,
+    watch: &mut impl Watch<N, S>,
 ) {
-    arch.dispatch(Advance::<N, LOG, S> { system, problems, relative, log });
+    arch.dispatch(Advance { system, problems, relative, watch });
 }
 
-struct Advance<'a, const N: usize, const LOG: bool, S> {
+struct Advance<'a, const N: usize, S, W> {
     system: &'a S,
     problems: &'a mut [Problem<N>],
     relative: f64,
-    log: &'a mut Log<N>,
+    watch: &'a mut W,
 }
 
-impl<const N: usize, const LOG: bool, S: LaneSystem<N> + Loadable + Clone> WithSimd for Advance<'_, N, LOG, S> {
+impl<const N: usize, S: LaneSystem<N> + Loadable + Clone, W: Watch<N, S>> WithSimd for Advance<'_, N, S, W> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) {
         // Every instruction set beyond plain SSE2 that pulp knows of fuses multiplication and addition.
         if I::IS_SCALAR {
-            run::<N, false, LOG, S>(self.system, self.problems, self.relative, self.log);
+            run::<N, false, S, W>(self.system, self.problems, self.relative, self.watch);
         } else {
-            run::<N, true, LOG, S>(self.system, self.problems, self.relative, self.log);
+            run::<N, true, S, W>(self.system, self.problems, self.relative, self.watch);
         }
     }
 }
 
 #[inline(always)]
-fn run<const N: usize, const FUSED: bool, const LOG: bool, S: LaneSystem<N> + Loadable + Clone>(
+fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N, S>>(
     system: &S,
     problems: &mut [Problem<N>],
     relative: f64,
-    log: &mut Log<N>,
+    watch: &mut W,
 ) {
     let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
     let mut first: Group<N, S> = Group {
@@ -194,12 +225,12 @@ fn run<const N: usize, const FUSED: bool, const LOG: bool, S: LaneSystem<N> + Lo
             // What became of the group's step is looked at only after the other groups' steps are on their way.
             group.through_memory().halt(problems);
             if group.some_ended {
-                let fresh = group.refill(index, problems, &mut next, log[index].len() as u32);
+                let fresh = group.refill(index, problems, &mut next, watch.kept(index) as u32);
                 group.through_memory().begin(fresh, relative);
             }
             if group.idle < WIDTH {
                 running = true;
-                group.through_memory().step::<FUSED, LOG>(relative, &mut log[index]);
+                group.through_memory().step::<FUSED, W>(relative, index, watch);
             }
         }
     }
@@ -215,7 +246,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Stores the solutions of lanes that are done and gives them the next problems.
     #[inline(always)]
-    fn refill(&mut self, group: usize, problems: &mut [Problem<N>], next: &mut usize, entries: u32) -> Lanes {
+    fn refill(&mut self, group: usize, problems: &mut [Problem<N>], next: &mut usize, kept: u32) -> Lanes {
         let mut fresh = Lanes::ZERO;
         self.some_ended = false;
         for lane in 0..WIDTH {
@@ -224,7 +255,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
             }
             self.ended[lane] = false;
             if let Some(done) = problems.get_mut(self.owner[lane]) {
-                done.steps.to = entries;
+                done.steps.to = kept;
                 for i in 0..N {
                     done.state[i] = self.y[i][lane];
                 }
@@ -239,7 +270,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
                 (self.t[lane], self.length[lane], self.h[lane]) = (0.0, 0.0, 0.0);
                 continue;
             };
-            problem.steps = Steps { from: entries, to: 0, group: group as u16, lane: lane as u16 };
+            problem.steps = Steps { from: kept, to: 0, group: group as u16, lane: lane as u16 };
             self.system.load(lane, *next);
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];
@@ -288,7 +319,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Tries a step in every lane, and takes it where it is good.
     #[inline(always)]
-    fn step<const FUSED: bool, const LOG: bool>(&mut self, relative: f64, log: &mut Vec<Entry<N>>) {
+    fn step<const FUSED: bool, W: Watch<N, S>>(&mut self, relative: f64, group: usize, watch: &mut W) {
         let (t, h, length, y) = (self.t, self.h, self.length, self.y);
         let left = length - t;
         let last = h - left * (1.0 - 1e-12);
@@ -297,9 +328,8 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let step = attempt::<N, FUSED, S>(&self.system, t, tried, &y, &self.slope, (relative, &self.absolute));
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { 0.0 });
-        if LOG {
-            log.push(Entry { from: t, length: tried, begin: y, end: step.end, slopes: step.slopes, accepted: good });
-        }
+        let seen = Tried { from: t, length: tried, begin: y, end: step.end, slopes: step.slopes, accepted: good };
+        watch.see::<FUSED>(group, &self.system, seen);
         // error^(−1/8) from its square; a step that was NaN is cut to a tenth.
         let error = (step.error_squared + 1e-40).sqrt();
         let root = inverse_eighth_root(error) * SAFETY;

@@ -1,12 +1,13 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of each row's record.
 
-use super::advance::{Log, Problem, Steps, advance};
-use super::fit;
+use super::advance::{Problem, Steps, advance};
+use super::fit::{self, LAGGING, Nodes};
 use super::general::{General, Row, observe};
+use super::glimpses::Glimpses;
 use super::outcome::{Failure, Outcome};
 use super::plan::Plan;
-use super::record::{Piece, Question, Record};
+use super::record::{self, Piece, Question};
 use super::scenario::{Options, Scenario};
 use crate::balance::{self, ENERGY, MASS, STATES};
 use crate::effects::EffectSet;
@@ -57,7 +58,7 @@ pub fn run<const N: usize, const BITS: u32>(
     let Some(first) = courses.first() else { return };
     let area_law = first.scenario.chamber.geometry.area_law;
 
-    let mut log: Log<N> = Log::default();
+    let mut glimpses = Glimpses::default();
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0.. {
         let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
@@ -78,7 +79,8 @@ pub fn run<const N: usize, const BITS: u32>(
             });
         }
         let system = General::<N, BITS>::new(&systems, set, area_law);
-        advance::<N, true, _>(arch, &system, &mut problems, relative, &mut log);
+        glimpses.awake = courses.iter().any(|c| index >= seen_from(c.plan));
+        advance(arch, &system, &mut problems, relative, &mut glimpses);
         let mut solved = problems.iter();
         for c in courses.iter_mut().filter(|c| active(c)) {
             if let Some(problem) = solved.next() {
@@ -94,35 +96,34 @@ pub fn run<const N: usize, const BITS: u32>(
         }
     }
 
-    let mut pieces: Vec<Piece<N>> = Vec::new();
+    let (mut pieces, mut nodes) = (Vec::new(), Nodes::default());
     for c in &courses {
         out[c.row as usize] = match c.failure {
             Some(reason) => Outcome::failed(reason),
-            None => evaluate::<N, BITS>(arch, set, c, &log, options, &mut pieces),
+            None => evaluate(arch, set, c, &glimpses, options, &mut pieces, &mut nodes),
         };
     }
 }
 
+/// The first stretch of a row that is looked into.
+fn seen_from(plan: &Plan) -> usize {
+    plan.window[0].min(plan.hold)
+}
+
 /// Looks into a row's record.
-fn evaluate<const N: usize, const BITS: u32>(
+fn evaluate<const N: usize>(
     arch: Arch,
     set: EffectSet,
     c: &Course<N>,
-    log: &Log<N>,
+    glimpses: &Glimpses,
     options: &Options,
-    pieces: &mut Vec<Piece<N>>,
+    pieces: &mut Vec<Piece>,
+    nodes: &mut Nodes,
 ) -> Outcome {
     let (plan, chamber) = (c.plan, &c.scenario.chamber);
-    let systems: Vec<Row> = plan.stretches.iter().map(|s| (chamber, s)).collect();
-    let system = General::<N, BITS>::new(&systems, set, chamber.geometry.area_law);
-    let mut record = Record::new(system, pieces, plan.delay);
-    let seen = plan.window[0].min(plan.hold);
-    let mut begin = 0.0;
-    for (index, (stretch, steps)) in plan.stretches.iter().zip(&c.steps).enumerate() {
-        if index >= seen {
-            record.add(arch, log, *steps, index, begin);
-        }
-        begin += stretch.length;
+    pieces.clear();
+    for (stretch, steps) in plan.stretches.iter().zip(&c.steps).skip(seen_from(plan)) {
+        glimpses.pieces(*steps, stretch.elapsed - plan.delay, pieces);
     }
     let last = &plan.stretches[plan.stretches.len() - 1];
     let (first_position, last_position) = (plan.stretches[0].position, last.position + last.velocity * last.length);
@@ -131,18 +132,16 @@ fn evaluate<const N: usize, const BITS: u32>(
     let ambient = last.boundary(last.length).ambient_temperature;
     let at_rest = c.state[MASS] * chamber.gas.gas_constant * ambient / volume;
     let closed = Closed::filled(chamber, at_rest, ambient, volume, ambient);
-    let answer = record.answer(
-        arch,
-        &Question {
-            push_end: plan.push_end,
-            duration: plan.duration,
-            delay: plan.delay,
-            expands: plan.expands,
-            before: [shown(0.0), shown(1.0) - shown(0.0)],
-            guess: options.fit.then(|| 1.0 / closed.rate(volume)),
-        },
-    );
-    let Some(a) = answer else { return Outcome::failed(Failure::EndsInPush) };
+    let question = Question {
+        push_end: plan.push_end,
+        duration: plan.duration,
+        delay: plan.delay,
+        expands: plan.expands,
+        before: [shown(0.0), shown(1.0) - shown(0.0)],
+        single_samples: LAGGING,
+        guess: options.fit.then(|| 1.0 / closed.rate(volume)),
+    };
+    let Some(a) = record::answer(arch, pieces, &question, nodes) else { return Outcome::failed(Failure::EndsInPush) };
     let distance = (a.pressure_peak - a.pressure_final).abs();
     let gas_pressure = closed.pressure(a.temperature_final, volume);
     let unsettled = gas_pressure * (1.0 - ambient / a.temperature_final).abs();

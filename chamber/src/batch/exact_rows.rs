@@ -56,7 +56,7 @@ fn regression(arch: Arch, scenario: &Scenario, closed: &Closed, peak: f64, durat
     }
     let origin = first / SAMPLE_RATE_HZ;
     let pressure = |t: f64| closed.pressure(closed.held(peak, volume, origin - push + t), volume);
-    let sum = Samples::new(last - first);
+    let sum = Samples::new(last - first, 0);
     let mut nodes = Nodes::default();
     for (number, weight) in sum.single() {
         let t = number / SAMPLE_RATE_HZ;

@@ -1,8 +1,7 @@
 //! What is asked of a relaxation once it is integrated, eight at once, from the inside of the steps.
 
 use super::advance::{Log, Steps};
-use super::record::Dense;
-use super::step::{LaneSystem, within};
+use super::step::{LaneSystem, dense, within};
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
@@ -54,13 +53,27 @@ pub fn settling<const N: usize, S: LaneSystem<N>>(arch: Arch, r: &Relaxation<N>,
             }
         }
     }
-    let steps = Dense { system, from, length, begin: &begin, end: &end, slopes: &slopes };
-    arch.dispatch(Crossing { steps, state: r.state, end: r.end, band })
+    arch.dispatch(Crossing {
+        system,
+        from,
+        length,
+        begin_state: begin,
+        end_state: end,
+        slopes,
+        state: r.state,
+        end: r.end,
+        band,
+    })
 }
 
 /// Time at which a state comes within `band` of its end value, s from the begin of the steps' stretch.
 struct Crossing<'a, const N: usize, S> {
-    steps: Dense<'a, N, S>,
+    system: &'a S,
+    from: Lanes,
+    length: Lanes,
+    begin_state: [Lanes; N],
+    end_state: [Lanes; N],
+    slopes: [[Lanes; N]; 13],
     state: usize,
     end: Lanes,
     band: Lanes,
@@ -70,10 +83,13 @@ impl<const N: usize, S: LaneSystem<N>> WithSimd for Crossing<'_, N, S> {
     type Output = Lanes;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, simd: I) -> Lanes {
-        let Self { steps, state, end, band } = self;
-        let (from, length) = (steps.from, steps.length);
-        let all = steps.with_simd(simd);
+    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+        let Self { system, from, length, begin_state, end_state, slopes, state, end, band } = self;
+        let all = if I::IS_SCALAR {
+            dense::<N, false, S>(system, from, length, &begin_state, &end_state, &slopes)
+        } else {
+            dense::<N, true, S>(system, from, length, &begin_state, &end_state, &slopes)
+        };
         let mut terms = [Lanes::ZERO; 8];
         for (term, of_all) in terms.iter_mut().zip(&all) {
             *term = of_all[state];

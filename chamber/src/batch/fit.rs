@@ -15,9 +15,10 @@ use pulp::{Arch, Simd, WithSimd};
 /// Rate of the record that the regression is meant for, Hz.
 pub const SAMPLE_RATE_HZ: f64 = 100.0;
 const ITERATIONS: usize = 60;
-const CONVERGED: f64 = 1e-8;
-/// As many samples from the peak on are summed one by one: a lagging sensor moves fast there.
-const FIRST: usize = 16;
+/// Change of ln τ after which the next one would be some hundred times smaller still.
+const CONVERGED: f64 = 1e-6;
+/// As many samples from the peak on are summed one by one where a sensor may lag: it moves fast there.
+pub const LAGGING: usize = 16;
 /// A record of at most as many samples is summed one by one.
 const FEW: usize = 40;
 
@@ -37,8 +38,9 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// For samples numbered 0 to `last`.
-    pub fn new(last: f64) -> Self {
+    /// For samples numbered 0 to `last`, the first `one_by_one` of them (at most [`LAGGING`]) summed singly in any case.
+    pub fn new(last: f64, one_by_one: usize) -> Self {
+        let first = one_by_one.min(LAGGING);
         let mut single = [(0.0, 1.0); FEW];
         if last < FEW as f64 {
             let count = last as usize + 1;
@@ -47,16 +49,16 @@ impl Samples {
             }
             return Self { single, count, integral: None };
         }
-        for (k, s) in single.iter_mut().enumerate().take(FIRST) {
+        for (k, s) in single.iter_mut().enumerate().take(first) {
             s.0 = k as f64;
         }
         // Gregory: Σ f = ∫ f + (f0 + fN)/2 − (Δf0 − ∇fN)/12 + (Δ²f0 + ∇²fN)/24 − …
         let weights = [0.5 + 1.0 / 12.0 + 1.0 / 24.0, -1.0 / 12.0 - 2.0 / 24.0, 1.0 / 24.0];
         for (k, w) in weights.into_iter().enumerate() {
-            single[FIRST + k] = ((FIRST + k) as f64, w);
-            single[FIRST + 3 + k] = (last - k as f64, w);
+            single[first + k] = ((first + k) as f64, w);
+            single[first + 3 + k] = (last - k as f64, w);
         }
-        Self { single, count: FIRST + 6, integral: Some(FIRST as f64) }
+        Self { single, count: first + 6, integral: Some(first as f64) }
     }
 
     /// Numbers and weights of single samples.
@@ -79,7 +81,25 @@ pub struct Nodes {
 }
 
 impl Nodes {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.lanes.clear();
+        self.count = 0;
+    }
+
+    /// Adds eight, to a number of nodes that is a multiple of eight.
+    #[inline(always)]
+    pub fn push_lanes(&mut self, time: Lanes, pressure: Lanes, weight: Lanes) {
+        debug_assert_eq!(self.count % WIDTH, 0);
+        if self.count == 0 {
+            self.reference = pressure[0];
+        }
+        self.lanes.push([time, pressure - self.reference, weight]);
+        self.count += WIDTH;
+    }
+
     /// Adds one.
+    #[inline(always)]
     pub fn push(&mut self, time: f64, pressure: f64, weight: f64) {
         let lane = self.count % WIDTH;
         if lane == 0 {
@@ -100,9 +120,12 @@ impl Nodes {
     }
 }
 
-struct Exponential<'a> {
-    nodes: &'a Nodes,
-    guess: f64,
+/// The least squares themselves, to be run on the machine's widest instructions.
+pub struct Exponential<'a> {
+    /// The record.
+    pub nodes: &'a Nodes,
+    /// τ to start from, s.
+    pub guess: f64,
 }
 
 impl WithSimd for Exponential<'_> {

@@ -2,8 +2,8 @@
 //! balances of [`balance`] as they are.
 
 use super::advance::Loadable;
+use super::glimpses::Observe;
 use super::plan::Stretch;
-use super::record::Observe;
 use super::step::LaneSystem;
 use crate::balance::{self, ENERGY, MASS, OWN, STATES};
 use crate::effects::{self, EffectSet, OWN_STATES};
@@ -141,7 +141,7 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
 
 impl<const N: usize, const BITS: u32> Observe<N> for General<'_, N, BITS> {
     #[inline(always)]
-    fn observe(&self, t: Lanes, y: &[Lanes; N], elapsed: Lanes) -> [Lanes; 2] {
-        observe(self.set(), &self.chamber, &self.stretch, t, &Self::whole(y), elapsed)
+    fn observe(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; 2] {
+        observe(self.set(), &self.chamber, &self.stretch, t, &Self::whole(y), self.stretch.elapsed + t)
     }
 }

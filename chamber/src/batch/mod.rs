@@ -13,6 +13,7 @@ mod exact_rows;
 mod finish;
 mod fit;
 mod general;
+mod glimpses;
 mod outcome;
 #[cfg(test)]
 mod plain;

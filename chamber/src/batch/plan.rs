@@ -12,6 +12,8 @@ use crate::signals::Knot;
 /// A boundary linear in time, from its begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch<R = f64> {
+    /// Time since the start, s, that the record has reached when it shows the stretch's begin.
+    pub elapsed: R,
     /// Length, s.
     pub length: R,
     /// Position at its begin, m.
@@ -71,6 +73,7 @@ impl Stretch<Lanes> {
     /// Puts a stretch into a lane; [`Stretch::profiled`] is for all lanes alike.
     #[inline(always)]
     pub fn load(&mut self, lane: usize, from: &Stretch) {
+        self.elapsed[lane] = from.elapsed;
         self.length[lane] = from.length;
         self.position[lane] = from.position;
         self.velocity[lane] = from.velocity;
@@ -90,6 +93,7 @@ impl Stretch<f64> {
     /// The same stretch in every lane.
     pub fn lift(&self) -> Stretch<Lanes> {
         Stretch {
+            elapsed: self.elapsed.into(),
             length: self.length.into(),
             position: self.position.into(),
             velocity: self.velocity.into(),
@@ -155,6 +159,11 @@ impl Plan {
             split(&mut stretches, t);
         }
         let [from, to, hold] = moments.map(|t| split(&mut stretches, t));
+        let mut elapsed = delay;
+        for stretch in &mut stretches {
+            stretch.elapsed = elapsed;
+            elapsed += stretch.length;
+        }
         let last = stretches[stretches.len() - 1];
         let expands = last.position + last.velocity * last.length > stretches[0].position;
         Ok(Self { stretches, push_end, duration, delay, window: [from, to], hold, expands })
@@ -256,6 +265,7 @@ pub fn times(scenario: &Scenario) -> Result<(f64, f64), Failure> {
 
 fn still(s: &Scenario, position: f64, length: f64) -> Stretch {
     Stretch {
+        elapsed: 0.0,
         length,
         position,
         velocity: 0.0,

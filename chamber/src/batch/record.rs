@@ -1,39 +1,71 @@
-//! One row's record, looked into through the dense output of its steps: extremes, settling, samples for the regression.
+//! One row's record, piece by piece, and what is asked of it: extremes, settling, samples for the regression.
 
-use super::advance::{Loadable, Log, Steps};
-use super::fit::{self, SAMPLE_RATE_HZ};
-use super::step::{LaneSystem, dense, within};
+use super::fit::{self, Exponential, Nodes, SAMPLE_RATE_HZ, Samples};
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// What can be seen of a system.
-pub trait Observe<const N: usize>: LaneSystem<N> + Loadable {
-    /// What the record shows, Pa, and the gas's temperature, K, a time `t` into the stretch, `elapsed` since the start.
-    fn observe(&self, t: Lanes, y: &[Lanes; N], elapsed: Lanes) -> [Lanes; 2];
-}
+/// Even places of a piece at which it is known, its ends included.
+pub const NODES: usize = WIDTH;
+const INTERVALS: f64 = (NODES - 1) as f64;
 
-/// One accepted step.
+/// The record during one step of the integrator.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece<const N: usize> {
-    /// Which constants belong to it: see [`Loadable`].
-    system: usize,
-    /// Begin of its stretch, s of the gas.
-    stretch_begin: f64,
-    /// Its begin in the stretch, s.
-    from: f64,
+pub struct Piece {
+    /// Its begin, s of the gas.
+    pub begin: f64,
     /// Its length, s.
-    length: f64,
-    terms: [[f64; N]; 8],
+    pub length: f64,
+    /// What the record shows at the nodes, Pa.
+    pub pressure: Lanes,
+    /// Its forward differences from the first node on, Pa.
+    pub differences: Lanes,
+    /// Temperature of the gas at the nodes, K.
+    pub temperature: Lanes,
 }
 
-impl<const N: usize> Piece<N> {
-    fn begin(&self) -> f64 {
-        self.stretch_begin + self.from
-    }
+impl Piece {
+    #[inline(always)]
     fn end(&self) -> f64 {
-        self.stretch_begin + self.from + self.length
+        self.begin + self.length
     }
+    /// Time of a node, s of the gas.
+    #[inline(always)]
+    fn time(&self, node: usize) -> f64 {
+        self.begin + self.length * (node as f64 / INTERVALS)
+    }
+    /// Pressure at a time of the gas, s.
+    #[inline(always)]
+    fn pressure_at(&self, time: f64) -> f64 {
+        newton(&self.differences.0, (time - self.begin) / self.length)
+    }
+}
+
+/// Newton's forward polynomial at the share `x` of a piece.
+#[inline(always)]
+fn newton<R: Real>(differences: &[R; NODES], x: R) -> R {
+    let s = x * INTERVALS;
+    let mut sum = differences[NODES - 1];
+    for k in (0..NODES - 1).rev() {
+        sum = differences[k] + sum * ((s - k as f64) * (1.0 / (k + 1) as f64));
+    }
+    sum
+}
+
+/// Differences for [`newton`], the same in all lanes.
+#[inline(always)]
+fn differences(values: &Lanes) -> [Lanes; NODES] {
+    let mut d = values.0;
+    for order in 1..NODES {
+        for k in (order..NODES).rev() {
+            d[k] -= d[k - 1];
+        }
+    }
+    let mut out = [Lanes::ZERO; NODES];
+    for k in 0..NODES {
+        out[k] = d[k].into();
+    }
+    out
 }
 
 /// What a row's record is asked for. Times in s; of the record, which is `delay` behind the gas.
@@ -49,6 +81,8 @@ pub struct Question {
     pub expands: bool,
     /// What the record shows of the gas before the test, Pa, less any drift, and the drift, Pa/s.
     pub before: [f64; 2],
+    /// Samples from the peak on that are summed one by one: some where a lagging sensor moves fast.
+    pub single_samples: usize,
     /// τ to start the regression from, where it is asked for.
     pub guess: Option<f64>,
 }
@@ -70,349 +104,257 @@ pub struct Answer {
     pub regression: Option<[f64; 3]>,
 }
 
-/// A row's accepted steps, to be looked into.
-pub struct Record<'a, const N: usize, S> {
-    system: S,
-    loaded: [usize; WIDTH],
-    pieces: &'a mut Vec<Piece<N>>,
-    delay: f64,
+/// Answers from a row's pieces; they must cover the test from the end of the push on, and from the delay before it.
+/// `nodes` is memory to use.
+pub fn answer(arch: Arch, pieces: &[Piece], question: &Question, nodes: &mut Nodes) -> Option<Answer> {
+    arch.dispatch(Answering { pieces, q: question, nodes })
 }
 
-impl<'a, const N: usize, S: Observe<N>> Record<'a, N, S> {
-    /// Without steps yet; `pieces` is memory to use.
-    pub fn new(system: S, pieces: &'a mut Vec<Piece<N>>, delay: f64) -> Self {
-        pieces.clear();
-        Self { system, loaded: [usize::MAX; WIDTH], pieces, delay }
-    }
+struct Answering<'a> {
+    pieces: &'a [Piece],
+    q: &'a Question,
+    nodes: &'a mut Nodes,
+}
 
-    fn load(&mut self, lane: usize, system: usize) {
-        if self.loaded[lane] != system {
-            self.system.load(lane, system);
-            self.loaded[lane] = system;
-        }
-    }
+/// A largest value and the time of the gas at which it stands, s.
+#[derive(Clone, Copy)]
+struct Peak {
+    value: f64,
+    time: f64,
+}
 
-    /// Adds the accepted steps of a problem, the inside of eight at once.
-    pub fn add(&mut self, arch: Arch, log: &Log<N>, steps: Steps, constants: usize, stretch_begin: f64) {
-        for lane in 0..WIDTH {
-            self.load(lane, constants);
-        }
-        let column = steps.lane as usize;
-        let mut index = steps.from as usize;
-        let entries = &log[steps.group as usize];
-        while index < steps.to as usize {
-            let (mut from, mut length) = (Lanes::ZERO, Lanes::ZERO);
-            let (mut begin, mut end, mut slopes) = ([Lanes::ONE; N], [Lanes::ONE; N], [[Lanes::ZERO; N]; 13]);
-            let mut count = 0;
-            while index < steps.to as usize && count < WIDTH {
-                let entry = &entries[index];
-                index += 1;
-                if entry.accepted[column] <= 0.0 {
-                    continue;
-                }
-                from[count] = entry.from[column];
-                length[count] = entry.length[column];
-                for i in 0..N {
-                    begin[i][count] = entry.begin[i][column];
-                    end[i][count] = entry.end[i][column];
-                    for (slope, of_entry) in slopes.iter_mut().zip(&entry.slopes) {
-                        slope[i][count] = of_entry[i][column];
-                    }
-                }
-                count += 1;
-            }
-            let system = &self.system;
-            let terms = arch.dispatch(Dense { system, from, length, begin: &begin, end: &end, slopes: &slopes });
-            for lane in 0..count {
-                let mut piece = Piece {
-                    system: constants,
-                    stretch_begin,
-                    from: from[lane],
-                    length: length[lane],
-                    terms: [[0.0; N]; 8],
-                };
-                for (to, of_all) in piece.terms.iter_mut().zip(&terms) {
-                    for i in 0..N {
-                        to[i] = of_all[i][lane];
-                    }
-                }
-                self.pieces.push(piece);
-            }
-        }
-    }
+impl WithSimd for Answering<'_> {
+    type Output = Option<Answer>;
 
-    /// Record and gas temperature at up to eight places: (piece, share of its length).
-    fn look(&mut self, places: &[(usize, f64); WIDTH]) -> [Lanes; 2] {
-        let mut x = Lanes::ZERO;
-        let (mut t, mut elapsed) = (Lanes::ZERO, Lanes::ZERO);
-        let mut terms = [[Lanes::ZERO; 8]; N];
-        for lane in 0..WIDTH {
-            let (index, share) = places[lane];
-            let piece = self.pieces[index];
-            self.load(lane, piece.system);
-            x[lane] = share;
-            t[lane] = piece.from + share * piece.length;
-            elapsed[lane] = piece.stretch_begin + t[lane] + self.delay;
-            for (k, term) in piece.terms.iter().enumerate() {
-                for i in 0..N {
-                    terms[i][k][lane] = term[i];
-                }
-            }
-        }
-        let mut y = [Lanes::ZERO; N];
-        for i in 0..N {
-            y[i] = within(&terms[i], x);
-        }
-        self.system.observe(t, &y, elapsed)
-    }
-
-    /// The piece and share of a time of the gas, s.
-    fn place(&self, time: f64) -> (usize, f64) {
-        let index = self.pieces.partition_point(|p| p.end() < time).min(self.pieces.len() - 1);
-        let piece = &self.pieces[index];
-        (index, ((time - piece.begin()) / piece.length).clamp(0.0, 1.0))
-    }
-
-    /// Record and gas temperature at one place.
-    fn at(&mut self, place: (usize, f64)) -> [f64; 2] {
-        let [p, t] = self.look(&[place; WIDTH]);
-        [p[0], t[0]]
-    }
-
-    /// Answers; the pieces must cover the test from the end of the push on, and from `delay` before it.
-    pub fn answer(&mut self, arch: Arch, q: &Question) -> Option<Answer> {
-        let last = self.pieces.len().checked_sub(1)?;
+    #[inline(always)]
+    fn with_simd<I: Simd>(mut self, simd: I) -> Option<Answer> {
+        let q = self.q;
+        let last = self.pieces.last()?;
         let sign = if q.expands { -1.0 } else { 1.0 };
-        let shown_end = q.duration - q.delay;
-        // Samples at quarters of each step, and at the end.
-        let mut samples: Vec<([f64; 2], (usize, f64))> = Vec::with_capacity(4 * self.pieces.len() + 1);
-        for first in (0..self.pieces.len()).step_by(2) {
-            let place = |lane: usize| ((first + lane / 4).min(last), (lane % 4) as f64 * 0.25);
-            let places = core::array::from_fn(place);
-            let [p, t] = self.look(&places);
-            for (lane, place) in places.iter().enumerate().take(4 * (last + 1 - first)) {
-                samples.push(([p[lane], t[lane]], *place));
-            }
-        }
-        let end = self.at((last, 1.0));
-        samples.push((end, (last, 1.0)));
-        let time =
-            |place: (usize, f64), pieces: &[Piece<N>]| pieces[place.0].begin() + place.1 * pieces[place.0].length;
-
         let tiny = 1e-12 * q.duration;
-        let mut peaks = [f64::NEG_INFINITY; 2];
-        let mut peak_time = q.push_end;
-        for quantity in 0..2 {
-            let (from, to) = if quantity == 0 {
-                (q.push_end - q.delay - tiny, shown_end + tiny)
-            } else {
-                (q.push_end - tiny, f64::INFINITY)
-            };
-            let inside = |k: usize, pieces: &[Piece<N>]| {
-                samples.get(k).is_some_and(|s| (from..=to).contains(&time(s.1, pieces)))
-            };
-            let mut best = usize::MAX;
-            for (k, sample) in samples.iter().enumerate() {
-                if inside(k, self.pieces) && sign * sample.0[quantity] > peaks[quantity] {
-                    (peaks[quantity], best) = (sign * sample.0[quantity], k);
-                }
-            }
-            if best == usize::MAX {
-                continue;
-            }
-            let mut when = time(samples[best].1, self.pieces);
-            if best > 0 && inside(best - 1, self.pieces) && inside(best + 1, self.pieces) {
-                let bracket = [best - 1, best + 1].map(|k| time(samples[k].1, self.pieces));
-                let (top, at) = self.summit(bracket, quantity, sign);
-                if top > peaks[quantity] {
-                    (peaks[quantity], when) = (top, at);
-                }
-            }
-            if quantity == 0 {
-                peak_time = when + q.delay;
-            }
-        }
+        let shown_end = q.duration - q.delay;
+        let mut pressure = self.peak(|p| &p.pressure, sign, [q.push_end - q.delay - tiny, shown_end + tiny]);
+        pressure.time += q.delay;
         if q.push_end < q.delay {
             // The record still shows the gas before the test.
             let shown = sign * (q.before[0] + q.before[1] * q.push_end);
-            if shown > peaks[0] {
-                (peaks[0], peak_time) = (shown, q.push_end);
+            if shown > pressure.value {
+                pressure = Peak { value: shown, time: q.push_end };
             }
         }
+        let temperature = self.peak(|p| &p.temperature, sign, [q.push_end - tiny, f64::INFINITY]);
         let pressure_final = if shown_end > 0.0 {
-            let place = self.place(shown_end);
-            self.at(place)[0]
+            self.pieces[self.piece_at(shown_end)].pressure_at(shown_end.min(last.end()))
         } else {
             q.before[0] + q.before[1] * q.duration
         };
-        peaks[0] = peaks[0].max(sign * pressure_final);
-        let pressure_peak = sign * peaks[0];
-
-        let settling = self.settled_from(&samples, q, pressure_final, 0.01 * (pressure_peak - pressure_final).abs());
-        let regression = q.guess.and_then(|guess| self.regression(arch, q, sign, peak_time, guess));
+        let pressure_peak = sign * pressure.value.max(sign * pressure_final);
+        let band = 0.01 * (pressure_peak - pressure_final).abs();
+        let settling = self.settled_from(pressure_final, band) - q.push_end;
+        let regression = match q.guess {
+            Some(guess) => self.regression(simd, sign, pressure.time, guess),
+            None => None,
+        };
         Some(Answer {
             pressure_peak,
             pressure_final,
-            temperature_peak: sign * peaks[1],
-            temperature_final: end[1],
-            settling: (settling - q.push_end).max(0.0),
+            temperature_peak: sign * temperature.value,
+            temperature_final: last.temperature[NODES - 1],
+            settling: if settling > 0.0 { settling } else { 0.0 },
             regression,
         })
     }
+}
 
-    /// Largest `sign` × quantity between two times of the gas with one summit between them, and where: golden section.
-    fn summit(&mut self, bracket: [f64; 2], quantity: usize, sign: f64) -> (f64, f64) {
-        let [mut a, mut b] = bracket;
-        let mut best = (f64::NEG_INFINITY, a);
-        // Seven inner points a round leave a quarter of the bracket.
-        for _ in 0..14 {
-            let times: [f64; WIDTH] = core::array::from_fn(|k| a + (b - a) * (k as f64 + 0.5) / WIDTH as f64);
-            let places = times.map(|t| self.place(t));
-            let values = self.look(&places)[quantity];
-            let k = (0..WIDTH).fold(0, |k, j| if sign * values[j] > sign * values[k] { j } else { k });
-            if sign * values[k] > best.0 {
-                best = (sign * values[k], times[k]);
+impl Answering<'_> {
+    /// The piece that a time of the gas, s, falls into.
+    #[inline(always)]
+    fn piece_at(&self, time: f64) -> usize {
+        let mut index = 0;
+        while index + 1 < self.pieces.len() && self.pieces[index].end() < time {
+            index += 1;
+        }
+        index
+    }
+
+    /// Largest `sign` × quantity between two times of the gas: at a node, or at a summit beside the best one.
+    #[inline(always)]
+    fn peak(&self, quantity: impl Fn(&Piece) -> &Lanes, sign: f64, [from, to]: [f64; 2]) -> Peak {
+        let mut best = Peak { value: f64::NEG_INFINITY, time: self.q.push_end };
+        let (mut index, mut node) = (0, 0);
+        for (i, piece) in self.pieces.iter().enumerate() {
+            if piece.end() < from || piece.begin > to {
+                continue;
             }
-            let width = (b - a) / WIDTH as f64;
-            (a, b) = ((times[k] - width).max(a), (times[k] + width).min(b));
+            let values = quantity(piece);
+            for k in 0..NODES {
+                let time = piece.time(k);
+                if sign * values[k] > best.value && time >= from && time <= to {
+                    best = Peak { value: sign * values[k], time };
+                    (index, node) = (i, k);
+                }
+            }
+        }
+        // Within a piece the summit stands on either side of its node; at a seam, in the piece before or after.
+        let k = node as f64;
+        let beside = [
+            (Some(index), [(k - 1.0).max(0.0), (k + 1.0).min(INTERVALS)]),
+            (index.checked_sub(1).filter(|_| node == 0), [INTERVALS - 1.0, INTERVALS]),
+            (Some(index + 1).filter(|_| node == NODES - 1), [0.0, 1.0]),
+        ];
+        // A first sample that is followed by smaller ones is the peak: nothing before it counts.
+        let first = best.time - from <= 2e-12 * self.q.duration;
+        for (index, bracket) in beside {
+            let Some(piece) = index.and_then(|i| self.pieces.get(i)) else { continue };
+            let [begin, end] = bracket.map(|k| piece.begin + piece.length * k / INTERVALS);
+            if !first && begin >= from && end <= to {
+                let summit = summit(piece, quantity(piece), sign, bracket.map(|k| k / INTERVALS));
+                if summit.value > best.value {
+                    best = summit;
+                }
+            }
         }
         best
     }
 
     /// Time of the record from which it stays within `band` of the final pressure, s.
-    fn settled_from(
-        &mut self,
-        samples: &[([f64; 2], (usize, f64))],
-        q: &Question,
-        pressure_final: f64,
-        band: f64,
-    ) -> f64 {
-        let time =
-            |place: (usize, f64), pieces: &[Piece<N>]| pieces[place.0].begin() + place.1 * pieces[place.0].length;
+    #[inline(always)]
+    fn settled_from(&self, pressure_final: f64, band: f64) -> f64 {
+        let q = self.q;
         let (first, end) = (q.push_end - q.delay, q.duration - q.delay);
-        let mut later = end;
         let tiny = 1e-12 * q.duration;
-        let mut found = None;
-        for sample in samples.iter().rev() {
-            let t = time(sample.1, self.pieces);
-            if t > end {
-                continue;
-            }
-            if t < first - tiny {
-                break;
-            }
-            if (sample.0[0] - pressure_final).abs() > band {
-                found = Some(t);
-                break;
-            }
-            later = t;
-        }
-        let Some(mut outside) = found else { return q.push_end };
-        for _ in 0..18 {
-            let times: [f64; WIDTH] =
-                core::array::from_fn(|k| outside + (later - outside) * (k + 1) as f64 / (WIDTH + 1) as f64);
-            let places = times.map(|t| self.place(t));
-            let shown = self.look(&places)[0];
-            match (0..WIDTH).rev().find(|&k| (shown[k] - pressure_final).abs() > band) {
-                Some(k) => {
-                    if k + 1 < WIDTH {
-                        later = times[k + 1];
-                    }
-                    outside = times[k];
+        for piece in self.pieces.iter().rev() {
+            for node in (0..NODES).rev() {
+                let time = piece.time(node);
+                if time > end {
+                    continue;
                 }
-                None => later = times[0],
+                if time < first - tiny {
+                    return q.push_end;
+                }
+                if (piece.pressure[node] - pressure_final).abs() > band {
+                    let later = if node + 1 < NODES { piece.time(node + 1).min(end) } else { time };
+                    return leaves_band(piece, pressure_final, band, [time, later]) + q.delay;
+                }
             }
         }
-        0.5 * (outside + later) + q.delay
+        q.push_end
     }
 
     /// Step 1 of the paper on the record's samples from the peak on: Pf, ΔP, τ.
-    fn regression(&mut self, arch: Arch, q: &Question, sign: f64, peak_time: f64, guess: f64) -> Option<[f64; 3]> {
+    #[inline(always)]
+    fn regression<I: Simd>(&mut self, simd: I, sign: f64, peak_time: f64, guess: f64) -> Option<[f64; 3]> {
+        let q = self.q;
         let number = |time: f64| time * SAMPLE_RATE_HZ;
         let last = (number(q.duration) + 1e-9).floor();
         let after = (number(peak_time) - 1e-9).ceil().max((number(q.push_end) - 1e-9).ceil());
         let before = (after - 1.0).max((number(q.push_end) - 1e-9).ceil());
         let gas = |sample: f64| (sample / SAMPLE_RATE_HZ - q.delay).clamp(0.0, q.duration - q.delay);
-        let places: [_; WIDTH] = core::array::from_fn(|k| self.place(gas(if k == 0 { before } else { after })));
-        let shown = self.look(&places)[0];
+        let shown = [before, after].map(|sample| self.pieces[self.piece_at(gas(sample))].pressure_at(gas(sample)));
         let first = if sign * shown[0] > sign * shown[1] { before } else { after };
         if last - first < 4.0 {
             return None;
         }
-        let sum = fit::Samples::new(last - first);
-        let mut nodes = fit::Nodes::default();
-        // Single samples first: all of them, or those that the ends of the integral call for.
-        for chunk in sum.single().chunks(WIDTH) {
-            let place = |k: usize| self.place(gas(first + chunk[k.min(chunk.len() - 1)].0));
-            let places: [_; WIDTH] = core::array::from_fn(place);
-            let pressure = self.look(&places)[0];
-            for (lane, (number, weight)) in chunk.iter().enumerate() {
-                nodes.push(number / SAMPLE_RATE_HZ, pressure[lane], *weight);
-            }
-        }
+        let sum = Samples::new(last - first, q.single_samples);
+        self.nodes.clear();
         if let Some(begin) = sum.integral() {
-            let (origin, from, to) = (gas(first), gas(first + begin), gas(last));
-            let mut pending = [((0, 0.0), 0.0, 0.0); WIDTH];
-            let mut count = 0;
-            for index in 0..self.pieces.len() {
-                let piece = &self.pieces[index];
-                let (begin, length) = (piece.begin(), piece.length);
-                let (a, b) = (begin.max(from), piece.end().min(to));
-                if b <= a {
-                    continue;
-                }
-                for (node, weight) in fit::GAUSS {
+            self.integrate(gas(first), gas(first + begin), gas(last));
+        }
+        let mut index = 0;
+        for (number, weight) in sum.single() {
+            let time = gas(first + number);
+            while index + 1 < self.pieces.len() && self.pieces[index].end() < time {
+                index += 1;
+            }
+            self.nodes.push(number / SAMPLE_RATE_HZ, self.pieces[index].pressure_at(time), *weight);
+        }
+        Exponential { nodes: self.nodes, guess }.with_simd(simd)
+    }
+
+    /// Adds the quadrature of what the samples between two times of the gas sum up to, two pieces at once.
+    #[inline(always)]
+    fn integrate(&mut self, origin: f64, from: f64, to: f64) {
+        const HALF: usize = fit::GAUSS.len();
+        let mut half = 0;
+        let (mut time, mut weight) = (Lanes::ZERO, Lanes::ZERO);
+        let (mut share, mut values) = (Lanes::ZERO, [Lanes::ZERO; NODES]);
+        for (index, piece) in self.pieces.iter().enumerate() {
+            let (a, b) = (piece.begin.max(from), piece.end().min(to));
+            if b > a {
+                for (k, (node, of_node)) in fit::GAUSS.iter().enumerate() {
                     let t = 0.5 * (a + b) + 0.5 * (b - a) * node;
-                    pending[count] =
-                        ((index, (t - begin) / length), t - origin, 0.5 * (b - a) * weight * SAMPLE_RATE_HZ);
-                    count += 1;
-                    if count == WIDTH {
-                        self.take(&pending, count, &mut nodes);
-                        count = 0;
+                    let lane = half * HALF + k;
+                    time[lane] = t - origin;
+                    weight[lane] = 0.5 * (b - a) * of_node * SAMPLE_RATE_HZ;
+                    share[lane] = (t - piece.begin) / piece.length;
+                    for order in 0..NODES {
+                        values[order][lane] = piece.differences[order];
                     }
                 }
+                half += 1;
             }
-            self.take(&pending, count, &mut nodes);
-        }
-        nodes.exponential(arch, guess)
-    }
-
-    /// Adds looked-up pressures to the nodes.
-    fn take(&mut self, pending: &[((usize, f64), f64, f64); WIDTH], count: usize, nodes: &mut fit::Nodes) {
-        let places = pending.map(|p| p.0);
-        let pressure = self.look(&places)[0];
-        for (lane, (_, time, weight)) in pending.iter().enumerate().take(count) {
-            nodes.push(*time, pressure[lane], *weight);
+            if half == 2 || (half == 1 && index + 1 == self.pieces.len()) {
+                if half == 1 {
+                    for lane in HALF..WIDTH {
+                        (time[lane], weight[lane], share[lane]) = (time[0], 0.0, share[0]);
+                        for order in 0..NODES {
+                            values[order][lane] = piece.differences[order];
+                        }
+                    }
+                }
+                self.nodes.push_lanes(time, newton(&values, share), weight);
+                half = 0;
+            }
         }
     }
 }
 
-/// [`dense`] on the machine's widest instructions.
-pub struct Dense<'a, const N: usize, S> {
-    /// The eight systems.
-    pub system: &'a S,
-    /// Begin of each one's step, s.
-    pub from: Lanes,
-    /// Its length, s.
-    pub length: Lanes,
-    /// States at its begin.
-    pub begin: &'a [Lanes; N],
-    /// States at its end.
-    pub end: &'a [Lanes; N],
-    /// dy/dt of its stages.
-    pub slopes: &'a [[Lanes; N]; 13],
+/// Eight inner points of a bracket, which leave a quarter of it a round.
+const SUMMIT_ROUNDS: usize = 10;
+
+/// Largest `sign` × value in a part of a piece with one summit.
+#[inline(always)]
+fn summit(piece: &Piece, values: &Lanes, sign: f64, [mut a, mut b]: [f64; 2]) -> Peak {
+    let d = differences(values);
+    let mut best = Peak { value: f64::NEG_INFINITY, time: piece.begin };
+    for _ in 0..SUMMIT_ROUNDS {
+        let step = (b - a) / WIDTH as f64;
+        let x = Lanes::from_fn(|k| a + step * (k as f64 + 0.5));
+        let value = newton(&d, x) * sign;
+        let mut k = 0;
+        for j in 1..WIDTH {
+            if value[j] > value[k] {
+                k = j;
+            }
+        }
+        if value[k] > best.value {
+            best = Peak { value: value[k], time: piece.begin + piece.length * x[k] };
+        }
+        (a, b) = ((x[k] - step).max(a), (x[k] + step).min(b));
+    }
+    best
 }
 
-impl<const N: usize, S: LaneSystem<N>> WithSimd for Dense<'_, N, S> {
-    type Output = [[Lanes; N]; 8];
+/// Rounds of nine parts each.
+const BAND_ROUNDS: usize = 8;
 
-    #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Self::Output {
-        let Self { system, from, length, begin, end, slopes } = self;
-        if I::IS_SCALAR {
-            dense::<N, false, S>(system, from, length, begin, end, slopes)
-        } else {
-            dense::<N, true, S>(system, from, length, begin, end, slopes)
+/// When the pressure comes within the band for good, in a part of a piece at whose begin it is outside: time of the gas, s.
+#[inline(always)]
+fn leaves_band(piece: &Piece, pressure_final: f64, band: f64, [mut outside, mut later]: [f64; 2]) -> f64 {
+    let d = differences(&piece.pressure);
+    for _ in 0..BAND_ROUNDS {
+        let step = (later - outside) / (WIDTH + 1) as f64;
+        let times = Lanes::from_fn(|k| outside + step * (k + 1) as f64);
+        let away = (newton(&d, (times - piece.begin) * (1.0 / piece.length)) - pressure_final).abs();
+        let mut last_outside = outside;
+        let mut next = times[0];
+        for k in 0..WIDTH {
+            if away[k] > band {
+                last_outside = times[k];
+                next = if k + 1 < WIDTH { times[k + 1] } else { later };
+            }
         }
+        (outside, later) = (last_outside, next);
     }
+    0.5 * (outside + later)
 }

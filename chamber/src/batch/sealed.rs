@@ -12,7 +12,7 @@
 //! constant. T in K, V in m³.
 
 use super::advance::Loadable;
-use super::record::Observe;
+use super::glimpses::Observe;
 use super::scenario::Scenario;
 use super::step::LaneSystem;
 use crate::geometry::AreaLaw;
@@ -155,7 +155,7 @@ impl LaneSystem<1> for Held<'_> {
 
 impl Observe<1> for Held<'_> {
     #[inline(always)]
-    fn observe(&self, _: Lanes, y: &[Lanes; 1], _: Lanes) -> [Lanes; 2] {
+    fn observe(&self, _: Lanes, y: &[Lanes; 1]) -> [Lanes; 2] {
         [y[0] * self.pressure, y[0]]
     }
 }

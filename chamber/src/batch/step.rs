@@ -152,8 +152,23 @@ pub fn dense<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
 ) -> [[Lanes; N]; 8] {
     let mut k = [[Lanes::ZERO; N]; 16];
     k[..13].copy_from_slice(slopes);
-    for stage in 13..16 {
-        self::stage::<N, FUSED, S>(system, t, h, y, &mut k, stage);
+    if S::CHEAP {
+        macro_rules! stage {
+            ($s:literal; $($j:tt)*) => {{
+                let mut at = *y;
+                for i in 0..N {
+                    at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; $($j)*), h, y[i]);
+                }
+                k[$s] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[$s]), t), &at);
+            }};
+        }
+        stage!(13; 0 6 7 8 9 10 11 12);
+        stage!(14; 0 5 6 7 10 11 12 13);
+        stage!(15; 0 5 6 7 8 12 13 14);
+    } else {
+        for stage in 13..16 {
+            self::stage::<N, FUSED, S>(system, t, h, y, &mut k, stage);
+        }
     }
     let mut terms = [[Lanes::ZERO; N]; 8];
     for i in 0..N {
