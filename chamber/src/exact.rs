@@ -4,96 +4,126 @@
 //! (Bernoulli): du/dt + (b Tamb − (γ−1) V̇/V) u = b with b = c (4V/φ + π φ²/2)/√V, c = λ0 √(m R/(P0 T0))/(m cv).
 
 use crate::geometry::AreaLaw;
+use crate::lanes::Lanes;
 use crate::model::Chamber;
+use crate::real::Real;
 use core::f64::consts::PI;
+use core::hint::black_box;
 
 /// A closed chamber of the paper's model with a given mass of gas.
 #[derive(Clone, Copy, Debug)]
-pub struct Closed {
-    chamber: Chamber,
-    /// Mass of the gas, kg.
-    pub mass: f64,
+pub struct Closed<R = f64> {
+    /// m R, J/K.
+    pub mass_gas_constant: R,
+    /// c a1 and c a0, so that b = (c a1 V + c a0)/√V: Aq = a1 V + a0.
+    pub exchange: [R; 2],
+    /// γ − 1.
+    pub expansion: R,
     /// Wall temperature, K.
-    pub ambient_temperature: f64,
+    pub ambient_temperature: R,
 }
 
-impl Closed {
+impl<R: Real> Closed<R> {
     /// The chamber filled to a pressure, Pa, at a temperature, K, in that volume, m³. Effects are left out.
-    pub fn filled(chamber: &Chamber, pressure: f64, temperature: f64, volume: f64, ambient_temperature: f64) -> Self {
-        let mass = pressure * volume / (chamber.gas.gas_constant * temperature);
-        Self { chamber: *chamber, mass, ambient_temperature }
+    pub fn filled(chamber: &Chamber<R>, pressure: R, temperature: R, volume: R, ambient_temperature: R) -> Self {
+        let mass_gas_constant = pressure * volume / temperature;
+        let (h, g) = (&chamber.heat_transfer, &chamber.geometry);
+        let expansion = chamber.gas.heat_capacity_ratio - 1.0;
+        let c = h.coefficient * expansion / (mass_gas_constant * h.reference_pressure * h.reference_temperature).sqrt();
+        let lateral = R::from(4.0) / g.bore;
+        let unwetted = match g.area_law {
+            AreaLaw::Total => R::ZERO,
+            AreaLaw::Swept => g.dead_volume,
+        };
+        let faces = g.bore * g.bore * (PI / 2.0) - unwetted * lateral;
+        Self { mass_gas_constant, exchange: [c * lateral, c * faces], expansion, ambient_temperature }
     }
 
     /// Pressure at a temperature, K, and volume, m³; Pa.
-    pub fn pressure(&self, temperature: f64, volume: f64) -> f64 {
-        self.mass * self.chamber.gas.gas_constant * temperature / volume
-    }
-
-    /// c of the linear equation, so that b = c Aq/√V.
-    fn c(&self) -> f64 {
-        let h = &self.chamber.heat_transfer;
-        let gas = &self.chamber.gas;
-        h.coefficient * (self.mass * gas.gas_constant / (h.reference_pressure * h.reference_temperature)).sqrt()
-            / (self.mass * gas.cv())
-    }
-
-    /// b = c Aq/√V, 1/(s K).
-    fn b(&self, volume: f64) -> f64 {
-        self.c() * self.chamber.geometry.heat_transfer_area(volume) / volume.sqrt()
+    #[inline(always)]
+    pub fn pressure(&self, temperature: R, volume: R) -> R {
+        self.mass_gas_constant * temperature / volume
     }
 
     /// k = 1/τ_f, 1/s, with the piston held at that volume: the exact rate at which 1 − Pf/P decays.
-    pub fn rate(&self, volume: f64) -> f64 {
-        self.ambient_temperature * self.b(volume)
+    #[inline(always)]
+    pub fn rate(&self, volume: R) -> R {
+        self.ambient_temperature * ((self.exchange[0] * volume + self.exchange[1]) / volume.sqrt())
     }
 
     /// Temperature, K, a time `t`, s, after `temperature`, with the piston held.
-    pub fn held(&self, temperature: f64, volume: f64, t: f64) -> f64 {
-        let excess = 1.0 - self.ambient_temperature / temperature;
-        self.ambient_temperature / (1.0 - excess * (-self.rate(volume) * t).exp())
+    #[inline(always)]
+    pub fn held(&self, temperature: R, volume: R, t: R) -> R {
+        let excess = R::ONE - self.ambient_temperature / temperature;
+        self.ambient_temperature / (R::ONE - excess * (-self.rate(volume) * t).exp())
+    }
+
+    /// One of the equal parts, in √V, of a ramp: 1/T at its end.
+    ///
+    /// With q = √V as the variable, x from 0 to 1 and `dwell` = 2 (duration of the ramp)/(q0 + q1)/(number of parts),
+    /// b dt = dwell (c a1 q² + c a0) dx. 16-point Gauss–Legendre quadrature.
+    #[inline(always)]
+    fn part(&self, inverse: R, root: R, step: R, dwell: R) -> R {
+        let per_root = R::ONE / root;
+        // E(x) relative to the part's begin.
+        let growth = |x: R| {
+            let stretched = step * x;
+            let squares = root * root + root * stretched + stretched * stretched * (1.0 / 3.0);
+            let exchanged = dwell * x * (self.exchange[0] * squares + self.exchange[1]);
+            let expanded = self.expansion * (R::ONE + stretched * per_root).ln() * 2.0;
+            (self.ambient_temperature * exchanged - expanded).exp()
+        };
+        let mut integral = R::ZERO;
+        // A rule that the compiler knows too well it writes out in full, lane by lane.
+        let rule: &[(f64, f64)] = black_box(&GAUSS_16);
+        for (node, weight) in rule {
+            for side in black_box(&[-0.5, 0.5]) {
+                let x = 0.5 + side * node;
+                let q = root + step * x;
+                let value = (self.exchange[0] * (q * q) + self.exchange[1]) * growth(R::from(x)) * (0.5 * weight);
+                *black_box(&mut integral) += value;
+            }
+        }
+        (inverse + dwell * integral) / growth(R::ONE)
+    }
+}
+
+impl Closed<f64> {
+    /// In how many parts a ramp is integrated: none longer than 1.4 of the shortest time scale.
+    pub fn parts(&self, from_volume: f64, to_volume: f64, duration: f64) -> f64 {
+        let exchange = self.rate(from_volume).max(self.rate(to_volume)) * duration;
+        (0.7 * (exchange + (to_volume / from_volume).ln().abs())).ceil().clamp(1.0, 1e6)
     }
 
     /// Temperature, K, at the end of a linear ramp of the volume over `duration`, s.
-    ///
-    /// 16-point Gauss–Legendre quadrature on panels no longer than a quarter of the shortest time scale.
     pub fn ramp(&self, temperature: f64, from_volume: f64, to_volume: f64, duration: f64) -> f64 {
-        let speed = (to_volume - from_volume) / duration;
-        if speed == 0.0 {
-            return self.held(temperature, from_volume, duration);
-        }
-        let fastest =
-            self.rate(from_volume).max(self.rate(to_volume)) + (to_volume / from_volume).ln().abs() / duration;
-        let panels = (2.0 * fastest * duration).ceil().clamp(1.0, 1e6);
-        let length = duration / panels;
-        let mut u = 1.0 / temperature;
-        let mut volume = from_volume;
-        for panel in 1..=panels as usize {
-            let end = from_volume + speed * length * panel as f64;
-            // 1/E(V) relative to this panel's begin; u1 = (u0 + ∫ b E dt)/E(V1), all exponents small.
-            let growth = |v: f64| self.integrating_factor(volume, v, speed);
-            let mut integral = 0.0;
-            for (node, weight) in GAUSS_16 {
-                for sign in [-1.0, 1.0] {
-                    let v = volume + 0.5 * (end - volume) * (1.0 + sign * node);
-                    integral += weight * self.b(v) * growth(v);
-                }
-            }
-            u = (u + 0.5 * length * integral) / growth(end);
-            volume = end;
-        }
-        1.0 / u
+        self.ramp_in(self.parts(from_volume, to_volume, duration), temperature, from_volume, to_volume, duration)
     }
 
-    /// E(V) = (V/V0)^(−(γ−1)) exp(Tamb (B(V) − B(V0))).
-    fn integrating_factor(&self, from_volume: f64, volume: f64, speed: f64) -> f64 {
-        let g1 = self.chamber.gas.heat_capacity_ratio - 1.0;
-        let phi = self.chamber.geometry.bore;
-        let faces = match self.chamber.geometry.area_law {
-            AreaLaw::Total => PI * phi * phi / 2.0,
-            AreaLaw::Swept => PI * phi * phi / 2.0 - 4.0 * self.chamber.geometry.dead_volume / phi,
-        };
-        let b = |v: f64| self.c() / speed * (2.0 / 3.0 * (4.0 / phi) * v.powf(1.5) + 2.0 * faces * v.sqrt());
-        (-g1 * (volume / from_volume).ln() + self.ambient_temperature * (b(volume) - b(from_volume))).exp()
+    fn ramp_in(&self, parts: f64, temperature: f64, from_volume: f64, to_volume: f64, duration: f64) -> f64 {
+        let [begin, end] = [from_volume, to_volume].map(f64::sqrt);
+        let (step, dwell) = ((end - begin) / parts, 2.0 * duration / (begin + end) / parts);
+        let mut inverse = 1.0 / temperature;
+        for part in 0..parts as usize {
+            inverse = self.part(inverse, begin + step * part as f64, step, dwell);
+        }
+        1.0 / inverse
+    }
+}
+
+impl Closed<Lanes> {
+    /// Eight or more chambers at once, each as [`Closed::ramp`] does it in its own number of `parts`.
+    #[inline(always)]
+    pub fn ramp_in(&self, parts: Lanes, temperature: Lanes, from: Lanes, to: Lanes, duration: Lanes) -> Lanes {
+        let (begin, end) = (from.sqrt(), to.sqrt());
+        let (step, dwell) = ((end - begin) / parts, duration * 2.0 / (begin + end) / parts);
+        let mut inverse = temperature.recip();
+        let most = parts.0.iter().fold(1.0, |a: f64, b| a.max(*b));
+        for part in 0..most as usize {
+            let next = self.part(inverse, begin + step * part as f64, step, dwell);
+            inverse = (parts - part as f64).where_positive(next, inverse);
+        }
+        inverse.recip()
     }
 }
 
@@ -166,6 +196,18 @@ mod tests {
     }
 
     #[test]
+    fn a_ramp_does_not_depend_on_the_number_of_its_parts() {
+        for (from, to, push) in [(0.2, 0.02, 2.0), (0.02, 0.2, 0.02), (0.1, 0.1, 1.0), (0.4, 0.01, 10.0)] {
+            let chamber = section31(AreaLaw::Total);
+            let (v0, v1) = (chamber.geometry.volume(from), chamber.geometry.volume(to));
+            let closed = Closed::filled(&chamber, 3e5, 293.0, v0, 300.0);
+            let parts = closed.parts(v0, v1, push);
+            let [ours, finer] = [1.0, 5.0].map(|n| closed.ramp_in(parts * n, 293.0, v0, v1, push));
+            assert!((ours / finer - 1.0).abs() < 1e-14 * parts, "{ours} {finer}");
+        }
+    }
+
+    #[test]
     fn one_minus_pf_over_p_decays_with_the_rate_k() {
         let chamber = section31(AreaLaw::Total);
         let volume = chamber.geometry.volume(0.05);
@@ -173,6 +215,10 @@ mod tests {
         let decay = |t: f64| 1.0 - 293.0 / closed.held(370.0, volume, t);
         assert!((decay(0.7) / decay(0.0) - (-closed.rate(volume) * 0.7).exp()).abs() < 1e-14);
         let at_end = chamber.heat_transfer.coefficient_at(2e5, 293.0) * chamber.geometry.heat_transfer_area(volume);
-        assert!((closed.rate(volume) - at_end / (closed.mass * chamber.gas.cv())).abs() < 1e-12 * closed.rate(volume));
+        assert!(
+            (closed.rate(volume) - at_end / (closed.mass_gas_constant / chamber.gas.gas_constant * chamber.gas.cv()))
+                .abs()
+                < 1e-12 * closed.rate(volume)
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! Eight numbers side by side, in a form that the compiler turns into SIMD instructions of whatever width the
+//! Several numbers side by side, in a form that the compiler turns into SIMD instructions of whatever width the
 //! enclosing function may use (AVX-512, AVX2, NEON, SSE2).
 
 use crate::math;
@@ -6,7 +6,7 @@ use crate::real::Real;
 use core::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
 /// How many numbers stand side by side in [`Lanes`].
-pub const WIDTH: usize = 8;
+pub const WIDTH: usize = 16;
 
 /// [`WIDTH`] numbers that go through the same operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +33,22 @@ impl Lanes {
     #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
         each_lane!(i => f(i))
+    }
+
+    /// Sum of all, in an order that does not depend on the machine.
+    #[inline(always)]
+    pub fn total(self) -> f64 {
+        let mut sum = self.0;
+        let mut half = WIDTH / 2;
+        while half > 0 {
+            let mut i = 0;
+            while i < half {
+                sum[i] += sum[i + half];
+                i += 1;
+            }
+            half /= 2;
+        }
+        sum[0]
     }
 }
 
@@ -113,11 +129,11 @@ impl Real for Lanes {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        each_lane!(i => math::exp(self.0[i]))
+        math::exp(self)
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        each_lane!(i => math::ln(self.0[i]))
+        math::ln(self)
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -136,7 +152,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn each_lane_equals_the_plain_number(x in prop::array::uniform8(1e-3..1e3f64), y in 1e-3..1e3f64) {
+        fn each_lane_equals_the_plain_number(x in prop::array::uniform::<_, WIDTH>(1e-3..1e3f64), y in 1e-3..1e3f64) {
             let (a, b) = (Lanes(x), Lanes::from(y));
             let all = (a * b + a / b - a.sqrt()).max(b).where_positive(a.abs(), -b);
             for i in 0..WIDTH {

@@ -1,8 +1,11 @@
-//! e^x and ln x without branches, so that they vectorise; within about one unit in the last place.
+//! e^x and ln x in lanes, without branches; within about one unit in the last place.
 //!
 //! exp: x = k ln 2 + r, |r| ≤ ½ ln 2 (Cody and Waite, 1980), Taylor polynomial of degree 13 in r.
 //! ln: x = 2^k m, m in [√½, √2), the odd series in s = (m − 1)/(m + 1) (as in fdlibm, 1993, here with its exact
 //! coefficients 2/(2i + 1)).
+
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::real::Real;
 
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
@@ -10,13 +13,12 @@ const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an in
 
 /// e^x for x in [−708, 709]; outside, the value at the bound.
 #[inline(always)]
-pub fn exp(x: f64) -> f64 {
-    let x = if x > 709.0 { 709.0 } else { x };
-    let x = if x < -708.0 { -708.0 } else { x };
+pub fn exp(x: Lanes) -> Lanes {
+    let x = x.min(Lanes::from(709.0)).max(Lanes::from(-708.0));
     let shifted = x * core::f64::consts::LOG2_E + ROUND;
     let k = shifted - ROUND;
     let r = (x - k * LN2_HIGH) - k * LN2_LOW;
-    let mut p = 1.0 / 6_227_020_800.0;
+    let mut p = Lanes::from(1.0 / 6_227_020_800.0);
     p = p * r + 1.0 / 479_001_600.0;
     p = p * r + 1.0 / 39_916_800.0;
     p = p * r + 1.0 / 3_628_800.0;
@@ -28,25 +30,27 @@ pub fn exp(x: f64) -> f64 {
     p = p * r + 1.0 / 24.0;
     p = p * r + 1.0 / 6.0;
     p = p * r + 0.5;
-    let result = 1.0 + (r + r * r * p);
-    let exponent = shifted.to_bits().wrapping_sub(ROUND.to_bits()).wrapping_add(1023) << 52;
-    result * f64::from_bits(exponent)
+    let result = r + r * r * p + 1.0;
+    let power = each_lane!(i => f64::from_bits(shifted.0[i].to_bits().wrapping_sub(ROUND.to_bits() - 1023) << 52));
+    result * power
 }
 
 /// Natural logarithm of a positive, normal x; other x give an arbitrary number.
 #[inline(always)]
-pub fn ln(x: f64) -> f64 {
+pub fn ln(x: Lanes) -> Lanes {
     const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
-    let bits = x.to_bits();
-    let offset = bits.wrapping_sub(SQRT_HALF);
-    let m = f64::from_bits((offset & 0x000f_ffff_ffff_ffff).wrapping_add(SQRT_HALF));
+    let m = each_lane!(i => f64::from_bits(
+        (x.0[i].to_bits().wrapping_sub(SQRT_HALF) & 0x000f_ffff_ffff_ffff).wrapping_add(SQRT_HALF)
+    ));
     // The biased exponent as a number, through the bits of 2^52 + n (no integer conversion, which AVX2 lacks).
-    let biased = f64::from_bits((offset.wrapping_add(0x4000_0000_0000_0000) >> 52) | 0x4330_0000_0000_0000);
+    let biased = each_lane!(i => f64::from_bits(
+        (x.0[i].to_bits().wrapping_sub(SQRT_HALF).wrapping_add(0x4000_0000_0000_0000) >> 52) | 0x4330_0000_0000_0000
+    ));
     let k = biased - (4_503_599_627_370_496.0 + 1024.0);
     let f = m - 1.0;
     let s = f / (m + 1.0);
     let z = s * s;
-    let mut p = 2.0 / 23.0;
+    let mut p = Lanes::from(2.0 / 23.0);
     p = p * z + 2.0 / 21.0;
     p = p * z + 2.0 / 19.0;
     p = p * z + 2.0 / 17.0;
@@ -57,15 +61,22 @@ pub fn ln(x: f64) -> f64 {
     p = p * z + 2.0 / 7.0;
     p = p * z + 2.0 / 5.0;
     p = p * z + 2.0 / 3.0;
-    let half_square = 0.5 * f * f;
+    let half_square = f * f * 0.5;
     // ln m = f − (f²/2 − s (f²/2 + z p)), the form that keeps the leading term exact.
     k * LN2_HIGH - ((half_square - (s * (half_square + z * p) + k * LN2_LOW)) - f)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Lanes, exp as exp_lanes, ln as ln_lanes};
     use proptest::prelude::*;
+
+    fn exp(x: f64) -> f64 {
+        exp_lanes(Lanes::from(x))[3]
+    }
+    fn ln(x: f64) -> f64 {
+        ln_lanes(Lanes::from(x))[5]
+    }
 
     proptest! {
         #[test]

@@ -113,11 +113,11 @@ pub fn run(
                             expands: test.root_rate > 0.0,
                             before: [scenario.initial_pressure_pa, 0.0],
                             single_samples: 0,
-                            guess: Some(1.0 / test.rate),
+                            guess: Some(fit::time_constant(test.rate, 1.0 - test.wall / peak)),
                         };
-                        regression = record::answer(arch, pieces, &question, nodes);
+                        regression = record::regression(arch, pieces, &question, nodes);
                     }
-                    let fit = regression.and_then(|a| a.regression).and_then(|regression| {
+                    let fit = regression.and_then(|regression| {
                         let positions = [scenario.initial_position_m, scenario.final_position_m];
                         fit::steps(scenario, positions, scenario.initial_pressure_pa, regression)
                     });

@@ -23,7 +23,7 @@ const ERROR_AT_SCALE: f64 = 6.6e-7;
 /// Added to what is divided by (a choice between quotients would become branches).
 const TINY: f64 = 1e-300;
 /// Groups of lanes that advance in turn, so that one computes while another waits for its own results.
-pub const GROUPS: usize = 2;
+pub const GROUPS: usize = 1;
 /// A step shorter than this share of the stretch is no progress.
 const SMALLEST_SHARE: f64 = 1e-14;
 

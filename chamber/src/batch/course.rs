@@ -31,9 +31,18 @@ struct Course<'a, const N: usize> {
     failure: Option<Failure>,
 }
 
+/// Working memory, kept from one chunk to the next.
+#[derive(Default)]
+pub struct Memory {
+    glimpses: Glimpses,
+    pieces: Vec<Piece>,
+    nodes: Nodes,
+}
+
 /// Runs checked rows (number and plan) that have their area law, and whether they have a profile, in common.
 pub fn run<const N: usize, const BITS: u32>(
     arch: Arch,
+    memory: &mut Memory,
     set: EffectSet,
     rows: &[(u32, Plan)],
     scenarios: &[Scenario],
@@ -58,7 +67,8 @@ pub fn run<const N: usize, const BITS: u32>(
     let Some(first) = courses.first() else { return };
     let area_law = first.scenario.chamber.geometry.area_law;
 
-    let mut glimpses = Glimpses::default();
+    let Memory { glimpses, pieces, nodes } = memory;
+    glimpses.clear();
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0.. {
         let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
@@ -80,7 +90,7 @@ pub fn run<const N: usize, const BITS: u32>(
         }
         let system = General::<N, BITS>::new(&systems, set, area_law);
         glimpses.awake = courses.iter().any(|c| index >= seen_from(c.plan));
-        advance(arch, &system, &mut problems, relative, &mut glimpses);
+        advance(arch, &system, &mut problems, relative, glimpses);
         let mut solved = problems.iter();
         for c in courses.iter_mut().filter(|c| active(c)) {
             if let Some(problem) = solved.next() {
@@ -96,11 +106,10 @@ pub fn run<const N: usize, const BITS: u32>(
         }
     }
 
-    let (mut pieces, mut nodes) = (Vec::new(), Nodes::default());
     for c in &courses {
         out[c.row as usize] = match c.failure {
             Some(reason) => Outcome::failed(reason),
-            None => evaluate(arch, set, c, &glimpses, options, &mut pieces, &mut nodes),
+            None => evaluate(arch, set, c, glimpses, options, pieces, nodes),
         };
     }
 }

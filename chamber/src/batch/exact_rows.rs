@@ -1,34 +1,156 @@
-//! Sealed tests by the closed forms of [`exact`](crate::exact): no integration, no tolerance.
+//! Sealed tests by the closed forms of [`exact`](crate::exact), in lanes: no integration, no tolerance.
 
-use super::fit::{self, GAUSS, Nodes, SAMPLE_RATE_HZ, Samples};
-use super::outcome::{Failure, Fit, Outcome};
-use super::scenario::Scenario;
+use super::fit::{self, Exponential, GAUSS, Nodes, SAMPLE_RATE_HZ, Samples};
+use super::outcome::{Failure, Outcome};
+use super::scenario::{Options, Scenario};
 use crate::exact::Closed;
-use pulp::Arch;
+use crate::lanes::{Lanes, WIDTH};
+use crate::real::Real;
+use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Ends of the regression's quadrature panels, in time constants; the last goes to the end of the record.
 const PANELS: [f64; 8] = [0.0, 0.5, 1.0, 1.75, 2.75, 4.0, 6.0, 10.0];
 
-/// Solves a checked, sealed scenario of that duration, s.
-pub fn run(arch: Arch, scenario: &Scenario, duration: f64, fit: bool) -> Outcome {
-    let geometry = &scenario.chamber.geometry;
-    let [from, to] = [scenario.initial_position_m, scenario.final_position_m].map(|x| geometry.volume(x));
-    let (wall, start) = (scenario.ambient_temperature_k, scenario.initial_temperature_k);
-    let closed = Closed::filled(&scenario.chamber, scenario.initial_pressure_pa, start, from, wall);
-    let peak = closed.ramp(start, from, to, scenario.push_time_s);
-    let hold = duration - scenario.push_time_s;
-    let end = closed.held(peak, to, hold);
+/// Solves checked, sealed scenarios: numbers and durations, s. `nodes` is memory to use.
+pub fn run(
+    arch: Arch,
+    nodes: &mut Nodes,
+    rows: &[(u32, f64)],
+    scenarios: &[Scenario],
+    options: &Options,
+    out: &mut [Outcome],
+) {
+    for rows in rows.chunks(WIDTH) {
+        let mut tests = Tests::first(&scenarios[rows[0].0 as usize], rows[0].1);
+        for (lane, &(row, duration)) in rows.iter().enumerate().skip(1) {
+            tests.load(lane, &scenarios[row as usize], duration);
+        }
+        let ends = arch.dispatch(Solve(&tests));
+        for (lane, &(row, duration)) in rows.iter().enumerate() {
+            let scenario = &scenarios[row as usize];
+            out[row as usize] = outcome(arch, nodes, &tests, &ends, lane, scenario, duration, options.fit);
+        }
+    }
+}
+
+/// As many tests as there are lanes.
+struct Tests {
+    closed: Closed<Lanes>,
+    parts: Lanes,
+    start: Lanes,
+    from: Lanes,
+    to: Lanes,
+    push: Lanes,
+    hold: Lanes,
+}
+
+/// What becomes of them.
+struct Ends {
+    peak: Lanes,
+    end: Lanes,
+    rate: Lanes,
+    settling: Lanes,
+}
+
+impl Tests {
+    /// The same test in every lane.
+    fn first(scenario: &Scenario, duration: f64) -> Self {
+        let zero = Lanes::ZERO;
+        let mut tests = Self {
+            closed: Closed { mass_gas_constant: zero, exchange: [zero; 2], expansion: zero, ambient_temperature: zero },
+            parts: zero,
+            start: zero,
+            from: zero,
+            to: zero,
+            push: zero,
+            hold: zero,
+        };
+        for lane in 0..WIDTH {
+            tests.load(lane, scenario, duration);
+        }
+        tests
+    }
+
+    #[inline]
+    fn load(&mut self, lane: usize, s: &Scenario, duration: f64) {
+        let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+        let (start, wall) = (s.initial_temperature_k, s.ambient_temperature_k);
+        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, wall);
+        let all = &mut self.closed;
+        all.mass_gas_constant[lane] = closed.mass_gas_constant;
+        all.exchange[0][lane] = closed.exchange[0];
+        all.exchange[1][lane] = closed.exchange[1];
+        all.expansion[lane] = closed.expansion;
+        all.ambient_temperature[lane] = closed.ambient_temperature;
+        self.parts[lane] = closed.parts(from, to, s.push_time_s);
+        self.start[lane] = start;
+        self.from[lane] = from;
+        self.to[lane] = to;
+        self.push[lane] = s.push_time_s;
+        self.hold[lane] = duration - s.push_time_s;
+    }
+}
+
+struct Solve<'a>(&'a Tests);
+
+impl WithSimd for Solve<'_> {
+    type Output = Ends;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Ends {
+        let t = black_box(self.0);
+        let peak = t.closed.ramp_in(t.parts, t.start, t.from, t.to, t.push);
+        let end = t.closed.held(peak, t.to, t.hold);
+        let rate = t.closed.rate(t.to);
+        // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
+        let edge = end + (peak - end) * 0.01;
+        let excess = |temperature: Lanes| Lanes::ONE - t.closed.ambient_temperature / temperature;
+        let settling = (excess(peak) / excess(edge)).ln() / rate;
+        black_box(Ends { peak, end, rate, settling })
+    }
+}
+
+/// One lane's answers.
+#[allow(clippy::too_many_arguments)]
+fn outcome(
+    arch: Arch,
+    nodes: &mut Nodes,
+    tests: &Tests,
+    ends: &Ends,
+    lane: usize,
+    scenario: &Scenario,
+    duration: f64,
+    fit: bool,
+) -> Outcome {
+    let (peak, end, wall) = (ends.peak[lane], ends.end[lane], scenario.ambient_temperature_k);
     if !(peak > 0.0 && end > 0.0 && peak.is_finite() && end.is_finite()) {
         return Outcome::failed(Failure::StepTooSmall);
     }
     let settled = (end - wall).abs() <= 0.01 * (peak - end).abs() || peak == end;
+    let settling = if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 };
+    let per_temperature = tests.closed.mass_gas_constant[lane] / tests.to[lane];
+    let found = fit.then(|| {
+        arch.dispatch(Regression {
+            nodes,
+            push: scenario.push_time_s,
+            duration,
+            rate: ends.rate[lane],
+            excess: 1.0 - wall / peak,
+            pressure_at_rest: per_temperature * wall,
+        })
+    });
+    let fit = found.flatten().and_then(|found| {
+        let positions = [scenario.initial_position_m, scenario.final_position_m];
+        fit::steps(scenario, positions, scenario.initial_pressure_pa, found)
+    });
     Outcome {
-        pressure_peak_pa: closed.pressure(peak, to),
-        pressure_final_pa: closed.pressure(end, to),
+        pressure_peak_pa: peak * per_temperature,
+        pressure_final_pa: end * per_temperature,
         temperature_final_k: end,
         temperature_peak_k: peak,
-        fit: if fit { regression(arch, scenario, &closed, peak, duration) } else { None },
-        settling_time_s: settled.then(|| settling(&closed, peak, end, to)),
+        fit,
+        settling_time_s: settled.then_some(settling),
         energy_error: 0.0,
         duration_s: duration,
         exact: true,
@@ -36,48 +158,55 @@ pub fn run(arch: Arch, scenario: &Scenario, duration: f64, fit: bool) -> Outcome
     }
 }
 
-/// 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end, s.
-fn settling(closed: &Closed, peak: f64, end: f64, volume: f64) -> f64 {
-    let edge = end + 0.01 * (peak - end);
-    let excess = |temperature: f64| 1.0 - closed.ambient_temperature / temperature;
-    let ratio = excess(peak) / excess(edge);
-    let time = ratio.ln() / closed.rate(volume);
-    if time > 0.0 { time } else { 0.0 }
+/// Step 1 of the paper on the record from the end of the push on, P = Pf/(1 − ε e^(−k t)). Times in s.
+struct Regression<'a> {
+    nodes: &'a mut Nodes,
+    push: f64,
+    duration: f64,
+    /// k, 1/s.
+    rate: f64,
+    /// ε, at the end of the push.
+    excess: f64,
+    /// Pf, Pa.
+    pressure_at_rest: f64,
 }
 
-/// The paper's steps on the record from the end of the push on.
-fn regression(arch: Arch, scenario: &Scenario, closed: &Closed, peak: f64, duration: f64) -> Option<Fit> {
-    let volume = scenario.chamber.geometry.volume(scenario.final_position_m);
-    let push = scenario.push_time_s;
-    let first = (push * SAMPLE_RATE_HZ - 1e-9).ceil();
-    let last = (duration * SAMPLE_RATE_HZ + 1e-9).floor();
-    if last - first < 4.0 {
-        return None;
-    }
-    let origin = first / SAMPLE_RATE_HZ;
-    let pressure = |t: f64| closed.pressure(closed.held(peak, volume, origin - push + t), volume);
-    let sum = Samples::new(last - first, 0);
-    let mut nodes = Nodes::default();
-    for (number, weight) in sum.single() {
-        let t = number / SAMPLE_RATE_HZ;
-        nodes.push(t, pressure(t), *weight);
-    }
-    let tau = 1.0 / closed.rate(volume);
-    if let Some(begin) = sum.integral() {
-        let (from, to) = (begin / SAMPLE_RATE_HZ, (last - first) / SAMPLE_RATE_HZ);
-        for (k, panel) in PANELS.iter().enumerate() {
-            let a = from + panel * tau;
-            let b = PANELS.get(k + 1).map_or(to, |next| (from + next * tau).min(to));
-            if b <= a {
-                break;
-            }
-            for (node, weight) in GAUSS {
-                let t = 0.5 * (a + b) + 0.5 * (b - a) * node;
-                nodes.push(t, pressure(t), 0.5 * (b - a) * weight * SAMPLE_RATE_HZ);
+impl WithSimd for Regression<'_> {
+    type Output = Option<[f64; 3]>;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, simd: I) -> Self::Output {
+        let first = (self.push * SAMPLE_RATE_HZ - 1e-9).ceil();
+        let last = (self.duration * SAMPLE_RATE_HZ + 1e-9).floor();
+        if last - first < 4.0 {
+            return None;
+        }
+        let sum = Samples::new(last - first, 0);
+        self.nodes.clear();
+        for (number, weight) in sum.single() {
+            self.nodes.push(number / SAMPLE_RATE_HZ, 0.0, *weight);
+        }
+        let tau = 1.0 / self.rate;
+        if let Some(begin) = sum.integral() {
+            let (from, to) = (begin / SAMPLE_RATE_HZ, (last - first) / SAMPLE_RATE_HZ);
+            for (k, panel) in PANELS.iter().enumerate() {
+                let a = from + panel * tau;
+                let b = PANELS.get(k + 1).map_or(to, |next| (from + next * tau).min(to));
+                if b <= a {
+                    break;
+                }
+                for (node, weight) in GAUSS {
+                    let t = 0.5 * (a + b) + 0.5 * (b - a) * node;
+                    self.nodes.push(t, 0.0, 0.5 * (b - a) * weight * SAMPLE_RATE_HZ);
+                }
             }
         }
+        let origin = first / SAMPLE_RATE_HZ - self.push;
+        self.nodes.set_pressures(|t| {
+            let decayed = ((t + origin) * -self.rate).exp() * self.excess;
+            Lanes::from(self.pressure_at_rest) / (Lanes::ONE - decayed)
+        });
+        let guess = fit::time_constant(self.rate, self.excess);
+        Exponential { nodes: self.nodes, guess }.with_simd(simd)
     }
-    let found = nodes.exponential(arch, tau)?;
-    let positions = [scenario.initial_position_m, scenario.final_position_m];
-    fit::steps(scenario, positions, scenario.initial_pressure_pa, found)
 }

@@ -10,13 +10,14 @@ use crate::AreaLaw;
 use crate::Geometry;
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
-use pulp::{Arch, Simd, WithSimd};
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
 
 /// Rate of the record that the regression is meant for, Hz.
 pub const SAMPLE_RATE_HZ: f64 = 100.0;
 const ITERATIONS: usize = 60;
-/// Change of ln τ after which the next one would be some hundred times smaller still.
-const CONVERGED: f64 = 1e-6;
+/// Change of ln τ after which the next one would be some fifty times smaller still.
+const CONVERGED: f64 = 1e-5;
 /// As many samples from the peak on are summed one by one where a sensor may lag: it moves fast there.
 pub const LAGGING: usize = 16;
 /// A record of at most as many samples is summed one by one.
@@ -114,13 +115,28 @@ impl Nodes {
         self.count += 1;
     }
 
-    /// Least squares of P = Pf + ΔP e^(−t/τ): Pf, ΔP in Pa and τ in s; none where the record determines none.
-    pub fn exponential(&self, arch: Arch, guess: f64) -> Option<[f64; 3]> {
-        arch.dispatch(Exponential { nodes: self, guess })
+    /// Replaces all pressures, Pa, by those at the nodes' times, s.
+    #[inline(always)]
+    pub fn set_pressures(&mut self, pressure: impl Fn(Lanes) -> Lanes) {
+        for (index, [t, p, _]) in self.lanes.iter_mut().enumerate() {
+            let value = black_box(pressure(*black_box(&*t)));
+            if index == 0 {
+                self.reference = value[0];
+            }
+            *p = value - self.reference;
+        }
     }
 }
 
-/// The least squares themselves, to be run on the machine's widest instructions.
+/// τ, s, of the exponential that falls in one 1/k as a sealed relaxation does, whose ε = 1 − Pf/P decays with the
+/// rate k, 1/s, from `excess` on: near to what least squares find.
+pub fn time_constant(rate: f64, excess: f64) -> f64 {
+    let later = excess * (-1f64).exp();
+    1.0 / (rate * (1.0 + ((1.0 - later) / (1.0 - excess)).ln()))
+}
+
+/// Least squares of P = Pf + ΔP e^(−t/τ), to be dispatched: Pf, ΔP in Pa and τ in s; none where the record determines
+/// none.
 pub struct Exponential<'a> {
     /// The record.
     pub nodes: &'a Nodes,
@@ -140,6 +156,8 @@ impl WithSimd for Exponential<'_> {
             let per_tau = (-log_tau).exp();
             let mut sums = [Lanes::ZERO; 9];
             for [t, p, w] in &nodes.lanes {
+                // Keeps the compiler from adding lane by lane.
+                let sums = black_box(&mut sums);
                 let x = *t * per_tau;
                 let e = (-x).exp();
                 let g = x * e;
@@ -156,8 +174,7 @@ impl WithSimd for Exponential<'_> {
             }
             let mut total = [0.0; 9];
             for (total, sum) in total.iter_mut().zip(&sums) {
-                let s = &sum.0;
-                *total = ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+                *total = sum.total();
             }
             let [n, e, g, ee, eg, gg, p, pe, pg] = total;
             // Centred on the constant, then on e.

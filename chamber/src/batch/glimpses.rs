@@ -51,9 +51,9 @@ impl Glimpses {
             let mut piece = Piece {
                 begin: begin + glimpse.from[lane],
                 length: glimpse.length[lane],
-                pressure: Lanes::ZERO,
-                differences: Lanes::ZERO,
-                temperature: Lanes::ZERO,
+                pressure: [0.0; NODES],
+                differences: [0.0; NODES],
+                temperature: [0.0; NODES],
             };
             for node in 0..NODES {
                 piece.pressure[node] = glimpse.pressure[node][lane];

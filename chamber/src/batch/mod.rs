@@ -36,7 +36,7 @@ use crate::effects::{self, EffectSet};
 use plan::Plan;
 
 /// Scenarios that are solved together: as many as keep their working memory in a core's cache.
-const CHUNK: usize = 256;
+const CHUNK: usize = 512;
 
 /// Solves each scenario into the outcome of the same index. `set` must contain every effect that is active in any of
 /// them; a smaller set is faster.
@@ -47,12 +47,18 @@ pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut 
     assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
     let arch = pulp::Arch::new();
     let mut memory = adaptive::Memory::default();
+    let mut course_memory = course::Memory::default();
+    let mut nodes = fit::Nodes::default();
     let mut sorted = Sorted::default();
     for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-        sorted.fill(arch, set, scenarios, options, out);
-        adaptive::run(arch, &mut memory, &sorted.sealed, scenarios, options, out);
+        sorted.fill(set, scenarios, options, out);
+        if options.solver == Solver::Adaptive {
+            adaptive::run(arch, &mut memory, &sorted.sealed, scenarios, options, out);
+        } else {
+            exact_rows::run(arch, &mut nodes, &sorted.sealed, scenarios, options, out);
+        }
         for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
-            course(arch, set, rows, scenarios, options, out);
+            course(arch, &mut course_memory, set, rows, scenarios, options, out);
         }
     }
 }
@@ -68,14 +74,7 @@ struct Sorted {
 
 impl Sorted {
     /// Sorts a chunk; rows that cannot be solved are answered at once.
-    fn fill(
-        &mut self,
-        arch: pulp::Arch,
-        set: EffectSet,
-        scenarios: &[Scenario],
-        options: &Options,
-        out: &mut [Outcome],
-    ) {
+    fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         self.sealed.clear();
         self.others.iter_mut().for_each(Vec::clear);
         for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
@@ -88,9 +87,6 @@ impl Sorted {
             }
             if sealed && (set.is_empty() || options.solver != Solver::Adaptive) {
                 match plan::check(set, s).and_then(|()| plan::times(s)) {
-                    Ok((_, duration)) if options.solver != Solver::Adaptive => {
-                        *out = exact_rows::run(arch, s, duration, options.fit);
-                    }
                     Ok((_, duration)) => self.sealed.push((row, duration)),
                     Err(reason) => *out = Outcome::failed(reason),
                 }
@@ -128,6 +124,7 @@ const fn bit(name: &str) -> u32 {
 /// Rows of any kind, in code of its own for some sets; any other is asked at run time for what it has.
 fn course(
     arch: pulp::Arch,
+    memory: &mut course::Memory,
     set: EffectSet,
     rows: &[(u32, Plan)],
     scenarios: &[Scenario],
@@ -137,11 +134,11 @@ fn course(
     macro_rules! compiled {
         ($($name:literal)*) => {
             match set.bits() {
-                0 => course::run::<2, 0>(arch, set, rows, scenarios, options, out),
+                0 => course::run::<2, 0>(arch, memory, set, rows, scenarios, options, out),
                 $(bits if bits == const { bit($name) } => {
-                    course::run::<{ general::states(bit($name)) }, { bit($name) }>(arch, set, rows, scenarios, options, out)
+                    course::run::<{ general::states(bit($name)) }, { bit($name) }>(arch, memory, set, rows, scenarios, options, out)
                 })*
-                _ => course::run::<STATES, { general::AT_RUN_TIME }>(arch, set, rows, scenarios, options, out),
+                _ => course::run::<STATES, { general::AT_RUN_TIME }>(arch, memory, set, rows, scenarios, options, out),
             }
         };
     }

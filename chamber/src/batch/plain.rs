@@ -1,6 +1,6 @@
 //! One scenario after the other with the plain integrator: the reference that the lanes are held against.
 
-use super::fit::{self, Nodes, SAMPLE_RATE_HZ};
+use super::fit::{self, Exponential, Nodes, SAMPLE_RATE_HZ};
 use super::outcome::{Failure, Outcome};
 use super::plan::{Plan, Stretch};
 use super::scenario::{Options, Scenario};
@@ -191,6 +191,6 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<super::outcome:
         volume,
         scenario.ambient_temperature_k,
     );
-    let regression = nodes.exponential(pulp::Arch::new(), 1.0 / closed.rate(volume))?;
+    let regression = pulp::Arch::new().dispatch(Exponential { nodes: &nodes, guess: 1.0 / closed.rate(volume) })?;
     fit::steps(scenario, [plan.stretches[0].position, end], scenario.initial_pressure_pa, regression)
 }

@@ -6,7 +6,7 @@ use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Even places of a piece at which it is known, its ends included.
-pub const NODES: usize = WIDTH;
+pub const NODES: usize = 8;
 const INTERVALS: f64 = (NODES - 1) as f64;
 
 /// The record during one step of the integrator.
@@ -17,11 +17,11 @@ pub struct Piece {
     /// Its length, s.
     pub length: f64,
     /// What the record shows at the nodes, Pa.
-    pub pressure: Lanes,
+    pub pressure: [f64; NODES],
     /// Its forward differences from the first node on, Pa.
-    pub differences: Lanes,
+    pub differences: [f64; NODES],
     /// Temperature of the gas at the nodes, K.
-    pub temperature: Lanes,
+    pub temperature: [f64; NODES],
 }
 
 impl Piece {
@@ -37,7 +37,7 @@ impl Piece {
     /// Pressure at a time of the gas, s.
     #[inline(always)]
     fn pressure_at(&self, time: f64) -> f64 {
-        newton(&self.differences.0, (time - self.begin) / self.length)
+        newton(&self.differences, (time - self.begin) / self.length)
     }
 }
 
@@ -54,8 +54,8 @@ fn newton<R: Real>(differences: &[R; NODES], x: R) -> R {
 
 /// Differences for [`newton`], the same in all lanes.
 #[inline(always)]
-fn differences(values: &Lanes) -> [Lanes; NODES] {
-    let mut d = values.0;
+fn differences(values: &[f64; NODES]) -> [Lanes; NODES] {
+    let mut d = *values;
     for order in 1..NODES {
         for k in (order..NODES).rev() {
             d[k] -= d[k - 1];
@@ -110,10 +110,26 @@ pub fn answer(arch: Arch, pieces: &[Piece], question: &Question, nodes: &mut Nod
     arch.dispatch(Answering { pieces, q: question, nodes })
 }
 
+/// Step 1 of the paper alone, for a record whose peak is known to stand at the end of the push.
+pub fn regression(arch: Arch, pieces: &[Piece], question: &Question, nodes: &mut Nodes) -> Option<[f64; 3]> {
+    arch.dispatch(Regression(Answering { pieces, q: question, nodes }))
+}
+
 struct Answering<'a> {
     pieces: &'a [Piece],
     q: &'a Question,
     nodes: &'a mut Nodes,
+}
+
+struct Regression<'a>(Answering<'a>);
+
+impl WithSimd for Regression<'_> {
+    type Output = Option<[f64; 3]>;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(mut self, simd: I) -> Self::Output {
+        self.0.regression(simd, self.0.q.push_end)
+    }
 }
 
 /// A largest value and the time of the gas at which it stands, s.
@@ -152,7 +168,7 @@ impl WithSimd for Answering<'_> {
         let band = 0.01 * (pressure_peak - pressure_final).abs();
         let settling = self.settled_from(pressure_final, band) - q.push_end;
         let regression = match q.guess {
-            Some(guess) => self.regression(simd, sign, pressure.time, guess),
+            Some(_) => self.regression(simd, pressure.time),
             None => None,
         };
         Some(Answer {
@@ -179,7 +195,7 @@ impl Answering<'_> {
 
     /// Largest `sign` × quantity between two times of the gas: at a node, or at a summit beside the best one.
     #[inline(always)]
-    fn peak(&self, quantity: impl Fn(&Piece) -> &Lanes, sign: f64, [from, to]: [f64; 2]) -> Peak {
+    fn peak(&self, quantity: impl Fn(&Piece) -> &[f64; NODES], sign: f64, [from, to]: [f64; 2]) -> Peak {
         let mut best = Peak { value: f64::NEG_INFINITY, time: self.q.push_end };
         let (mut index, mut node) = (0, 0);
         for (i, piece) in self.pieces.iter().enumerate() {
@@ -243,8 +259,10 @@ impl Answering<'_> {
 
     /// Step 1 of the paper on the record's samples from the peak on: Pf, ΔP, τ.
     #[inline(always)]
-    fn regression<I: Simd>(&mut self, simd: I, sign: f64, peak_time: f64, guess: f64) -> Option<[f64; 3]> {
+    fn regression<I: Simd>(&mut self, simd: I, peak_time: f64) -> Option<[f64; 3]> {
         let q = self.q;
+        let guess = q.guess?;
+        let sign = if q.expands { -1.0 } else { 1.0 };
         let number = |time: f64| time * SAMPLE_RATE_HZ;
         let last = (number(q.duration) + 1e-9).floor();
         let after = (number(peak_time) - 1e-9).ceil().max((number(q.push_end) - 1e-9).ceil());
@@ -271,50 +289,49 @@ impl Answering<'_> {
         Exponential { nodes: self.nodes, guess }.with_simd(simd)
     }
 
-    /// Adds the quadrature of what the samples between two times of the gas sum up to, two pieces at once.
+    /// Adds the quadrature of what the samples between two times of the gas sum up to, several pieces at once.
     #[inline(always)]
     fn integrate(&mut self, origin: f64, from: f64, to: f64) {
-        const HALF: usize = fit::GAUSS.len();
-        let mut half = 0;
+        const EACH: usize = fit::GAUSS.len();
+        let mut lane = 0;
         let (mut time, mut weight) = (Lanes::ZERO, Lanes::ZERO);
         let (mut share, mut values) = (Lanes::ZERO, [Lanes::ZERO; NODES]);
         for (index, piece) in self.pieces.iter().enumerate() {
             let (a, b) = (piece.begin.max(from), piece.end().min(to));
             if b > a {
-                for (k, (node, of_node)) in fit::GAUSS.iter().enumerate() {
+                for (node, of_node) in fit::GAUSS {
                     let t = 0.5 * (a + b) + 0.5 * (b - a) * node;
-                    let lane = half * HALF + k;
                     time[lane] = t - origin;
                     weight[lane] = 0.5 * (b - a) * of_node * SAMPLE_RATE_HZ;
                     share[lane] = (t - piece.begin) / piece.length;
                     for order in 0..NODES {
                         values[order][lane] = piece.differences[order];
                     }
+                    lane += 1;
                 }
-                half += 1;
             }
-            if half == 2 || (half == 1 && index + 1 == self.pieces.len()) {
-                if half == 1 {
-                    for lane in HALF..WIDTH {
-                        (time[lane], weight[lane], share[lane]) = (time[0], 0.0, share[0]);
-                        for order in 0..NODES {
-                            values[order][lane] = piece.differences[order];
-                        }
+            let complete = lane + EACH > WIDTH;
+            if complete || (lane > 0 && index + 1 == self.pieces.len()) {
+                // Lanes left over count for nothing.
+                for rest in lane..WIDTH {
+                    (time[rest], weight[rest], share[rest]) = (time[0], 0.0, share[0]);
+                    for order in 0..NODES {
+                        values[order][rest] = values[order][0];
                     }
                 }
                 self.nodes.push_lanes(time, newton(&values, share), weight);
-                half = 0;
+                lane = 0;
             }
         }
     }
 }
 
-/// Eight inner points of a bracket, which leave a quarter of it a round.
+/// Each round looks at a lane's width of places in a bracket and keeps the two parts beside the best.
 const SUMMIT_ROUNDS: usize = 10;
 
 /// Largest `sign` × value in a part of a piece with one summit.
 #[inline(always)]
-fn summit(piece: &Piece, values: &Lanes, sign: f64, [mut a, mut b]: [f64; 2]) -> Peak {
+fn summit(piece: &Piece, values: &[f64; NODES], sign: f64, [mut a, mut b]: [f64; 2]) -> Peak {
     let d = differences(values);
     let mut best = Peak { value: f64::NEG_INFINITY, time: piece.begin };
     for _ in 0..SUMMIT_ROUNDS {
@@ -335,26 +352,33 @@ fn summit(piece: &Piece, values: &Lanes, sign: f64, [mut a, mut b]: [f64; 2]) ->
     best
 }
 
-/// Rounds of nine parts each.
-const BAND_ROUNDS: usize = 8;
+/// Rounds, each of which keeps one of nine parts or more, before the last bit is taken for straight.
+const BAND_ROUNDS: usize = 4;
 
 /// When the pressure comes within the band for good, in a part of a piece at whose begin it is outside: time of the gas, s.
 #[inline(always)]
 fn leaves_band(piece: &Piece, pressure_final: f64, band: f64, [mut outside, mut later]: [f64; 2]) -> f64 {
     let d = differences(&piece.pressure);
+    let beyond = |time: f64| (piece.pressure_at(time) - pressure_final).abs() - band;
+    let (mut at_outside, mut at_later) = (beyond(outside), beyond(later));
     for _ in 0..BAND_ROUNDS {
         let step = (later - outside) / (WIDTH + 1) as f64;
         let times = Lanes::from_fn(|k| outside + step * (k + 1) as f64);
-        let away = (newton(&d, (times - piece.begin) * (1.0 / piece.length)) - pressure_final).abs();
-        let mut last_outside = outside;
+        let x = (times - piece.begin) * (1.0 / piece.length);
+        let beyond = (newton(&d, x) - pressure_final).abs() - band;
+        // The last place outside, and the place after it.
+        let (mut last, mut values) = (outside, [at_outside, beyond[0]]);
         let mut next = times[0];
         for k in 0..WIDTH {
-            if away[k] > band {
-                last_outside = times[k];
-                next = if k + 1 < WIDTH { times[k + 1] } else { later };
+            if beyond[k] > 0.0 {
+                let end = k + 1 == WIDTH;
+                (last, next) = (times[k], if end { later } else { times[k + 1] });
+                values = [beyond[k], if end { at_later } else { beyond[k + 1] }];
             }
         }
-        (outside, later) = (last_outside, next);
+        (outside, later) = (last, next);
+        [at_outside, at_later] = values;
     }
-    0.5 * (outside + later)
+    let share = at_outside / (at_outside - at_later);
+    outside + (later - outside) * if (0.0..=1.0).contains(&share) { share } else { 0.5 }
 }

@@ -71,7 +71,8 @@ impl Effect for Leakage {
 #[inline(always)]
 fn flow_function<R: Real>(ratio: R, critical: R) -> R {
     let at_most = ratio.min(R::from(LINEAR_ABOVE));
-    let x = ((at_most - critical) / (R::ONE - critical)).max(R::ZERO);
+    // The quotient of constants stands by itself, so that a loop takes it once.
+    let x = ((at_most - critical) * (R::ONE / (R::ONE - critical))).max(R::ZERO);
     let psi = (R::ONE - x * x).sqrt();
     let fade = ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE);
     psi * fade
