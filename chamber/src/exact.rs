@@ -58,21 +58,22 @@ impl<R: Real> Closed<R> {
         self.ambient_temperature / (R::ONE - excess * (-self.rate(volume) * t).exp())
     }
 
+    /// E(x) relative to the begin of a part of a ramp: see [`part`](Self::part).
+    #[inline(always)]
+    fn growth(&self, root: R, step: R, dwell: R, x: f64) -> R {
+        let stretched = step * x;
+        let squares = root * root + root * stretched + stretched * stretched * (1.0 / 3.0);
+        let exchanged = dwell * x * (self.exchange[0] * squares + self.exchange[1]);
+        let expanded = self.expansion * (R::ONE + stretched / root).ln() * 2.0;
+        (self.ambient_temperature * exchanged - expanded).exp()
+    }
+
     /// One of the equal parts, in √V, of a ramp: 1/T at its end.
     ///
     /// With q = √V as the variable, x from 0 to 1 and `dwell` = 2 (duration of the ramp)/(q0 + q1)/(number of parts),
     /// b dt = dwell (c a1 q² + c a0) dx. 16-point Gauss–Legendre quadrature.
     #[inline(always)]
     fn part(&self, inverse: R, root: R, step: R, dwell: R) -> R {
-        let per_root = R::ONE / root;
-        // E(x) relative to the part's begin.
-        let growth = |x: R| {
-            let stretched = step * x;
-            let squares = root * root + root * stretched + stretched * stretched * (1.0 / 3.0);
-            let exchanged = dwell * x * (self.exchange[0] * squares + self.exchange[1]);
-            let expanded = self.expansion * (R::ONE + stretched * per_root).ln() * 2.0;
-            (self.ambient_temperature * exchanged - expanded).exp()
-        };
         let mut integral = R::ZERO;
         // A rule that the compiler knows too well it writes out in full, lane by lane.
         let rule: &[(f64, f64)] = black_box(&GAUSS_16);
@@ -80,11 +81,13 @@ impl<R: Real> Closed<R> {
             for side in black_box(&[-0.5, 0.5]) {
                 let x = 0.5 + side * node;
                 let q = root + step * x;
-                let value = (self.exchange[0] * (q * q) + self.exchange[1]) * growth(R::from(x)) * (0.5 * weight);
+                let value = (self.exchange[0] * (q * q) + self.exchange[1])
+                    * self.growth(root, step, dwell, x)
+                    * (0.5 * weight);
                 *black_box(&mut integral) += value;
             }
         }
-        (inverse + dwell * integral) / growth(R::ONE)
+        (inverse + dwell * integral) / self.growth(root, step, dwell, 1.0)
     }
 }
 

@@ -66,6 +66,12 @@ pub fn settling<const N: usize, S: LaneSystem<N>>(arch: Arch, r: &Relaxation<N>,
     })
 }
 
+/// How far a state is outside the band, at the share `x` of a step.
+#[inline(always)]
+fn beyond(terms: &[Lanes; 8], x: Lanes, end: Lanes, side: Lanes, band: Lanes) -> Lanes {
+    (within(terms, x) - end) * side - band
+}
+
 /// Time at which a state comes within `band` of its end value, s from the begin of the steps' stretch.
 struct Crossing<'a, const N: usize, S> {
     system: &'a S,
@@ -96,15 +102,14 @@ impl<const N: usize, S: LaneSystem<N>> WithSimd for Crossing<'_, N, S> {
         }
         // Illinois' regula falsi on the distance beyond the band: positive at x = 0, negative at x = 1.
         let side = (terms[0] - end).where_positive(Lanes::ONE, -Lanes::ONE);
-        let beyond = |x: Lanes| (within(&terms, x) - end) * side - band;
         let (mut low, mut high) = (Lanes::ZERO, Lanes::ONE);
-        let (mut at_low, mut at_high) = (beyond(low), beyond(high));
+        let (mut at_low, mut at_high) = (beyond(&terms, low, end, side, band), beyond(&terms, high, end, side, band));
         let mut x = Lanes::ZERO;
         for _ in 0..ROOT_STEPS {
             let span = at_low - at_high;
             let safe = span.where_positive(span, Lanes::ONE);
             x = low + (high - low) * (at_low / safe);
-            let value = beyond(x);
+            let value = beyond(&terms, x, end, side, band);
             // The end that is kept a second time loses half its value.
             low = value.where_positive(x, low);
             at_high = value.where_positive(at_high * 0.5, value);
