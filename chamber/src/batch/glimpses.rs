@@ -89,7 +89,7 @@ impl<const N: usize, S: Observe<N>> Watch<N, S> for Glimpses {
         let mut differences = pressure;
         for order in 1..NODES {
             for k in (order..NODES).rev() {
-                differences[k] = differences[k] - differences[k - 1];
+                differences[k] -= differences[k - 1];
             }
         }
         self.groups[group].push(Glimpse { from, length, accepted, pressure, differences, temperature });
