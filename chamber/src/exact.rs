@@ -115,7 +115,7 @@ impl Closed<f64> {
 }
 
 impl Closed<Lanes> {
-    /// Eight or more chambers at once, each as [`Closed::ramp`] does it in its own number of `parts`.
+    /// One chamber a lane, each as [`Closed::ramp`] does it in its own number of `parts`.
     #[inline(always)]
     pub fn ramp_in(&self, parts: Lanes, temperature: Lanes, from: Lanes, to: Lanes, duration: Lanes) -> Lanes {
         let (begin, end) = (from.sqrt(), to.sqrt());

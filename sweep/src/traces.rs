@@ -1,7 +1,7 @@
 //! The courses of some rows of a study, sampled at a fixed rate: a second table beside the parts.
 //!
 //! The integration is that of `chamber::simulate`, apart from the batches'; what is sampled is the same: the gas, and
-//! what the sensor shows of it. As many samples are in memory as [`TOGETHER`] says, or one row's.
+//! what the sensor shows of it. As many samples are in memory as `TOGETHER` says, or one row's.
 
 use crate::columns;
 use crate::error::Error;

@@ -1,6 +1,6 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
-use super::advance::{Loadable, Log, Nobody, Problem, Steps, Tried, Watch, advance};
+use super::advance::{Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
 use super::finish::{self, Relaxation};
 use super::fit::{self, Nodes};
 use super::glimpses::Glimpses;
@@ -17,7 +17,7 @@ pub struct Memory {
     tests: Vec<Test>,
     problems: Vec<Problem<1>>,
     peaks: Vec<f64>,
-    log: Log<1>,
+    log: Vec<Tried<1>>,
     glimpses: Glimpses,
     pieces: Vec<Piece>,
     nodes: Nodes,
@@ -25,19 +25,19 @@ pub struct Memory {
 
 /// Keeps the steps and glimpses of them.
 struct Both<'a> {
-    log: &'a mut Log<1>,
+    log: &'a mut Vec<Tried<1>>,
     glimpses: &'a mut Glimpses,
 }
 
 impl Watch<1, Held<'_>> for Both<'_> {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, group: usize, system: &Held, tried: Tried<1>) {
-        self.glimpses.see::<FUSED>(group, system, tried);
-        Watch::<1, Held>::see::<FUSED>(self.log, group, system, tried);
+    fn see<const FUSED: bool>(&mut self, system: &Held, tried: Tried<1>) {
+        self.glimpses.see::<FUSED>(system, tried);
+        self.log.see::<FUSED>(system, tried);
     }
     #[inline(always)]
-    fn kept(&self, group: usize) -> usize {
-        self.log[group].len()
+    fn kept(&self) -> usize {
+        self.log.len()
     }
 }
 
@@ -54,7 +54,7 @@ pub fn run(
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
-    log.iter_mut().for_each(Vec::clear);
+    log.clear();
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         tests.push(Test::new(s));

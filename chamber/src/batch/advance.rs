@@ -1,5 +1,5 @@
-//! Many initial value problems, each over one smooth stretch of time: eight at once, each with its own steps, and a
-//! lane that is done takes the next problem.
+//! Many initial value problems, each over one smooth stretch of time: one a lane, each with its own steps, and a lane
+//! that is done takes the next problem.
 
 use super::outcome::Failure;
 use super::step::{LaneSystem, attempt};
@@ -8,8 +8,9 @@ use crate::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Attempts after which a problem is given up.
-const MAX_ATTEMPTS: f64 = 1e5;
+/// Attempts after which a problem is given up; a push-and-hold test takes some twenty. What a watch keeps of them stays
+/// near 100 MB.
+const MAX_ATTEMPTS: f64 = 3e4;
 const SAFETY: f64 = 0.9;
 const GROW: f64 = 6.0;
 const SHRINK: f64 = 0.3;
@@ -22,8 +23,6 @@ const PROBE: f64 = 0.01;
 const ERROR_AT_SCALE: f64 = 6.6e-7;
 /// Added to what is divided by (a choice between quotients would become branches).
 const TINY: f64 = 1e-300;
-/// Groups of lanes that advance in turn, so that one computes while another waits for its own results.
-pub const GROUPS: usize = 1;
 /// A step shorter than this share of the stretch is no progress.
 const SMALLEST_SHARE: f64 = 1e-14;
 
@@ -50,20 +49,18 @@ pub struct Problem<const N: usize> {
     pub failure: Option<Failure>,
 }
 
-/// Where a watch has kept a problem's steps: one lane of consecutive steps of a group.
+/// Where a watch has kept a problem's steps: one lane of consecutive steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Steps {
     /// First step.
     pub from: u32,
     /// One past the last.
     pub to: u32,
-    /// Group.
-    pub group: u16,
     /// Lane.
-    pub lane: u16,
+    pub lane: u32,
 }
 
-/// An attempted step of eight lanes, with what is needed to look into it.
+/// An attempted step of all lanes, with what is needed to look into it.
 #[derive(Clone, Copy, Debug)]
 pub struct Tried<const N: usize> {
     /// Begin, s from the stretch's begin.
@@ -99,10 +96,10 @@ fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -
 
 /// Sees every attempted step while the constants of its lanes are at hand.
 pub trait Watch<const N: usize, S> {
-    /// A step of a group of lanes. `FUSED` as in [`attempt`].
-    fn see<const FUSED: bool>(&mut self, group: usize, system: &S, tried: Tried<N>);
-    /// How many steps of a group it has kept: the places that [`Steps`] tells.
-    fn kept(&self, group: usize) -> usize;
+    /// A step. `FUSED` as in [`attempt`].
+    fn see<const FUSED: bool>(&mut self, system: &S, tried: Tried<N>);
+    /// How many steps it has kept: the places that [`Steps`] tells.
+    fn kept(&self) -> usize;
 }
 
 /// For solutions of which only the end counts.
@@ -110,31 +107,28 @@ pub struct Nobody;
 
 impl<const N: usize, S> Watch<N, S> for Nobody {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, _: usize, _: &S, _: Tried<N>) {}
+    fn see<const FUSED: bool>(&mut self, _: &S, _: Tried<N>) {}
     #[inline(always)]
-    fn kept(&self, _: usize) -> usize {
+    fn kept(&self) -> usize {
         0
     }
 }
 
-/// Keeps every step of every group, to look into some of them later.
-pub type Log<const N: usize> = [Vec<Tried<N>>; GROUPS];
-
-impl<const N: usize, S> Watch<N, S> for Log<N> {
+/// Keeps every step, to look into some of them later.
+impl<const N: usize, S> Watch<N, S> for Vec<Tried<N>> {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, group: usize, _: &S, tried: Tried<N>) {
-        self[group].push(tried);
+    fn see<const FUSED: bool>(&mut self, _: &S, tried: Tried<N>) {
+        self.push(tried);
     }
     #[inline(always)]
-    fn kept(&self, group: usize) -> usize {
-        self[group].len()
+    fn kept(&self) -> usize {
+        self.len()
     }
 }
 
 const IDLE: usize = usize::MAX;
 
-/// Eight problems under way.
-#[derive(Clone)]
+/// Problems under way, one a lane.
 struct Group<const N: usize, S> {
     system: S,
     owner: [usize; WIDTH],
@@ -193,7 +187,7 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
     watch: &mut W,
 ) {
     let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
-    let mut first: Group<N, S> = Group {
+    let mut group: Group<N, S> = Group {
         system: system.clone(),
         owner: [IDLE; WIDTH],
         attempts: Lanes::ZERO,
@@ -211,28 +205,22 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
     };
     // Lanes without a problem of their own rest where this one begins.
     for lane in 0..WIDTH {
-        first.system.load(lane, any);
+        group.system.load(lane, any);
         for i in 0..N {
-            first.y[i][lane] = problems[any].state[i];
+            group.y[i][lane] = problems[any].state[i];
         }
     }
-    let mut groups: [Group<N, S>; GROUPS] = core::array::from_fn(|_| first.clone());
     let mut next = 0;
-    let mut running = true;
-    while running {
-        running = false;
-        for (index, group) in groups.iter_mut().enumerate() {
-            // What became of the group's step is looked at only after the other groups' steps are on their way.
-            group.through_memory().halt(problems);
-            if group.some_ended {
-                let fresh = group.refill(index, problems, &mut next, watch.kept(index) as u32);
-                group.through_memory().begin(fresh, relative);
-            }
-            if group.idle < WIDTH {
-                running = true;
-                group.through_memory().step::<FUSED, W>(relative, index, watch);
-            }
+    loop {
+        group.through_memory().halt(problems);
+        if group.some_ended {
+            let fresh = group.refill(problems, &mut next, watch.kept() as u32);
+            group.through_memory().begin(fresh, relative);
         }
+        if group.idle == WIDTH {
+            return;
+        }
+        group.through_memory().step::<FUSED, W>(relative, watch);
     }
 }
 
@@ -246,7 +234,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Stores the solutions of lanes that are done and gives them the next problems.
     #[inline(always)]
-    fn refill(&mut self, group: usize, problems: &mut [Problem<N>], next: &mut usize, kept: u32) -> Lanes {
+    fn refill(&mut self, problems: &mut [Problem<N>], next: &mut usize, kept: u32) -> Lanes {
         let mut fresh = Lanes::ZERO;
         self.some_ended = false;
         for lane in 0..WIDTH {
@@ -270,7 +258,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
                 (self.t[lane], self.length[lane], self.h[lane]) = (0.0, 0.0, 0.0);
                 continue;
             };
-            problem.steps = Steps { from: kept, to: 0, group: group as u16, lane: lane as u16 };
+            problem.steps = Steps { from: kept, to: 0, lane: lane as u32 };
             self.system.load(lane, *next);
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];
@@ -319,7 +307,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Tries a step in every lane, and takes it where it is good.
     #[inline(always)]
-    fn step<const FUSED: bool, W: Watch<N, S>>(&mut self, relative: f64, group: usize, watch: &mut W) {
+    fn step<const FUSED: bool, W: Watch<N, S>>(&mut self, relative: f64, watch: &mut W) {
         let (t, h, length, y) = (self.t, self.h, self.length, self.y);
         let left = length - t;
         let last = h - left * (1.0 - 1e-12);
@@ -329,7 +317,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { 0.0 });
         let seen = Tried { from: t, length: tried, begin: y, end: step.end, slopes: step.slopes, accepted: good };
-        watch.see::<FUSED>(group, &self.system, seen);
+        watch.see::<FUSED>(&self.system, seen);
         // error^(−1/8) from its square; a step that was NaN is cut to a tenth.
         let error = (step.error_squared + 1e-40).sqrt();
         let root = inverse_eighth_root(error) * SAFETY;

@@ -1,15 +1,15 @@
-//! What is asked of a relaxation once it is integrated, eight at once, from the inside of the steps.
+//! What is asked of a relaxation once it is integrated, all lanes at once, from the inside of the steps.
 
-use super::advance::{Log, Steps};
+use super::advance::{Steps, Tried};
 use super::step::{LaneSystem, dense, within};
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Eight relaxations of one state from its peak to its end.
+/// Relaxations of one state, one a lane, from its peak to its end.
 pub struct Relaxation<'a, const N: usize> {
     /// Steps of all.
-    pub log: &'a Log<N>,
+    pub log: &'a [Tried<N>],
     /// Where each one's steps stand.
     pub steps: [Steps; WIDTH],
     /// Which state.
@@ -26,7 +26,7 @@ pub const SETTLED: f64 = 0.01;
 const ROOT_STEPS: usize = 12;
 
 /// Time from the begin of the log until the state stays within 1 % of the peak-to-end distance of its end, s;
-/// `system` holds the eight problems' constants.
+/// `system` holds the problems' constants.
 pub fn settling<const N: usize, S: LaneSystem<N>>(arch: Arch, r: &Relaxation<N>, system: &S) -> Lanes {
     let band = (r.peak - r.end).abs() * SETTLED;
     // The last accepted step that begins outside the band leads into it.
@@ -38,7 +38,7 @@ pub fn settling<const N: usize, S: LaneSystem<N>>(arch: Arch, r: &Relaxation<N>,
         let mut index = steps.to as usize;
         while index > steps.from as usize {
             index -= 1;
-            let entry = &r.log[steps.group as usize][index];
+            let entry = &r.log[index];
             if entry.accepted[column] > 0.0 && (entry.begin[r.state][column] - r.end[lane]).abs() > band[lane] {
                 from[lane] = entry.from[column];
                 length[lane] = entry.length[column];

@@ -88,7 +88,7 @@ impl Nodes {
         self.count = 0;
     }
 
-    /// Adds eight, to a number of nodes that is a multiple of eight.
+    /// Adds a lane's width of them, to a number of nodes that is a multiple of that width.
     #[inline(always)]
     pub fn push_lanes(&mut self, time: Lanes, pressure: Lanes, weight: Lanes) {
         debug_assert_eq!(self.count % WIDTH, 0);

@@ -18,7 +18,7 @@ pub const AT_RUN_TIME: u32 = u32::MAX;
 /// One row's share of a system: its chamber and the stretch it is in.
 pub type Row<'a> = (&'a Chamber, &'a Stretch);
 
-/// Eight chambers with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
+/// Chambers, one a lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
 #[derive(Clone)]
 pub struct General<'a, const N: usize, const BITS: u32> {
     rows: &'a [Row<'a>],

@@ -1,7 +1,7 @@
 //! What the record shows within each step, looked at while the step is taken: eight even places of it, from its begin to
 //! its end, which determine a polynomial as good as the integrator's own of degree 7.
 
-use super::advance::{GROUPS, Loadable, Steps, Tried, Watch};
+use super::advance::{Loadable, Steps, Tried, Watch};
 use super::record::{NODES, Piece};
 use super::step::{LaneSystem, dense, within};
 use crate::lanes::Lanes;
@@ -13,7 +13,7 @@ pub trait Observe<const N: usize>: LaneSystem<N> + Loadable {
     fn observe(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; 2];
 }
 
-/// One step of eight lanes.
+/// One step of all lanes.
 #[derive(Clone, Copy, Debug)]
 struct Glimpse {
     from: Lanes,
@@ -27,10 +27,10 @@ struct Glimpse {
     temperature: [Lanes; NODES],
 }
 
-/// Glimpses of all steps, by group.
+/// Glimpses of all steps.
 #[derive(Debug, Default)]
 pub struct Glimpses {
-    groups: [Vec<Glimpse>; GROUPS],
+    steps: Vec<Glimpse>,
     /// Whether to look.
     pub awake: bool,
 }
@@ -38,13 +38,13 @@ pub struct Glimpses {
 impl Glimpses {
     /// Forgets all.
     pub fn clear(&mut self) {
-        self.groups.iter_mut().for_each(Vec::clear);
+        self.steps.clear();
     }
 
     /// Adds the accepted ones of a problem's steps to a row's pieces; its stretch began at `begin`, s.
     pub fn pieces(&self, steps: Steps, begin: f64, pieces: &mut Vec<Piece>) {
         let lane = steps.lane as usize;
-        for glimpse in &self.groups[steps.group as usize][steps.from as usize..steps.to as usize] {
+        for glimpse in &self.steps[steps.from as usize..steps.to as usize] {
             if glimpse.accepted[lane] <= 0.0 {
                 continue;
             }
@@ -67,7 +67,7 @@ impl Glimpses {
 
 impl<const N: usize, S: Observe<N>> Watch<N, S> for Glimpses {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, group: usize, system: &S, tried: Tried<N>) {
+    fn see<const FUSED: bool>(&mut self, system: &S, tried: Tried<N>) {
         if !self.awake {
             return;
         }
@@ -92,11 +92,11 @@ impl<const N: usize, S: Observe<N>> Watch<N, S> for Glimpses {
                 differences[k] -= differences[k - 1];
             }
         }
-        self.groups[group].push(Glimpse { from, length, accepted, pressure, differences, temperature });
+        self.steps.push(Glimpse { from, length, accepted, pressure, differences, temperature });
     }
 
     #[inline(always)]
-    fn kept(&self, group: usize) -> usize {
-        self.groups[group].len()
+    fn kept(&self) -> usize {
+        self.steps.len()
     }
 }

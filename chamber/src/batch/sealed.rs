@@ -75,7 +75,7 @@ impl Test {
     }
 }
 
-/// Eight tests while their pistons move.
+/// Tests, one a lane, while their pistons move.
 #[derive(Clone)]
 pub struct Moving<'a> {
     tests: &'a [Test],
@@ -118,7 +118,7 @@ impl LaneSystem<1> for Moving<'_> {
     }
 }
 
-/// Eight tests while their pistons rest.
+/// Tests, one a lane, while their pistons rest.
 #[derive(Clone)]
 pub struct Held<'a> {
     tests: &'a [Test],

@@ -4,7 +4,7 @@ use super::tableau::{A, C, D, E3, E5};
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::real::Real;
 
-/// Ordinary differential equations of N states, eight independent systems side by side.
+/// Ordinary differential equations of N states, independent systems side by side.
 pub trait LaneSystem<const N: usize> {
     /// Whether the rates are so cheap that each stage deserves code of its own.
     const CHEAP: bool;
