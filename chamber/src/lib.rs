@@ -12,13 +12,14 @@
 //! | [`integrate`] | adaptive Dormand–Prince 5(4) with dense output |
 //! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as a sensor sees it |
 //! | [`exact`] | closed forms of the closed chamber |
-//! | [`batch`] | many scenarios at once, for studies |
+//! | `batch` | many scenarios at once, for studies (feature `batch`) |
 //! | [`paper`] | numbers of Carneiro and Gomes de Almeida (2006) used as defaults |
 //!
 //! Source of the method: J. F. Carneiro and F. Gomes de Almeida, "Heat transfer evaluation of industrial pneumatic
 //! cylinders", Proc. IMechE Part I (2006), DOI 10.1243/09596518JSCE188, called "the paper" in these pages.
 
 pub mod balance;
+#[cfg(feature = "batch")]
 pub mod batch;
 pub mod card;
 pub mod dual;
