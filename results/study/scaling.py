@@ -75,7 +75,7 @@ def main():
     (HERE / "scaling.md").write_text(
         "# Time and memory against rows\n\n"
         f"`results/study/scaling.py`, {os.cpu_count()} processors ({platform.machine()}): sealed chamber, five quantities vary,\n"
-        "`fit = false`, the whole process with Parquet written and synced, on a machine that had other work too: rates of the\n"
+        "`fit = false`, the whole process with Parquet written and synced. Rates of the\n"
         "program alone are in `../benchmarks.md`.\n\n![scaling](scaling.svg)\n\n"
         "| rows | s | rows/s | largest memory, MiB | bytes/row |\n|---|---|---|---|---|\n" + "\n".join(lines) + "\n"
     )
