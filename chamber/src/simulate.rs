@@ -1,6 +1,6 @@
 //! A chamber along given signals, sampled where a record has its rows, as the gas is and as the sensor shows it.
 
-use crate::balance::{self, Boundary, ENERGY, MASS, OWN, STATES};
+use crate::balance::{self, Boundary, Conditions, ENERGY, MASS, OWN, Rates, STATES};
 use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
@@ -24,6 +24,22 @@ pub struct Sample<R = f64> {
     pub volume: R,
     /// Heat flow into the gas, W.
     pub heat_flow: R,
+}
+
+impl<R: Copy> Sample<R> {
+    /// The chamber in these conditions, with the sensor showing `measured_pressure`.
+    #[inline]
+    pub fn new(time: f64, measured_pressure: R, at: &Conditions<R>, rates: &Rates<R>) -> Self {
+        Self {
+            time,
+            measured_pressure,
+            gas_pressure: at.pressure,
+            temperature: at.temperature,
+            mass: at.mass,
+            volume: at.volume,
+            heat_flow: rates.heat_flow,
+        }
+    }
 }
 
 /// How a simulation begins: in equilibrium at this pressure and temperature.
@@ -143,15 +159,7 @@ impl<'a, R: Scalar> Recorder<'a, R> {
         while let Some(time) = self.next_sample().filter(|time| *time <= reach) {
             let boundary = self.boundary(index, R::from(time));
             let (at, rates, _) = balance::evaluate(self.set, self.chamber, &boundary, &states(R::from(time)));
-            self.samples.push(Sample {
-                time,
-                measured_pressure: self.readings[self.samples.len()],
-                gas_pressure: at.pressure,
-                temperature: at.temperature,
-                mass: at.mass,
-                volume: at.volume,
-                heat_flow: rates.heat_flow,
-            });
+            self.samples.push(Sample::new(time, self.readings[self.samples.len()], &at, &rates));
         }
     }
 

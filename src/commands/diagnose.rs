@@ -1,8 +1,9 @@
 //! `pneutherm diagnose`: closes the loop between measured traces and the model.
 
-use crate::commands::estimates::{self, significant};
+use crate::commands::estimates;
 use crate::{evaluation, output};
 use identify::Diagnosis;
+use identify::report::number;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -122,10 +123,10 @@ fn table(d: &Diagnosis) -> String {
             let _ = writeln!(
                 out,
                 "   at {:>11} {:<5} {:>11} ± {} {}",
-                significant(*at, 4),
+                number(*at, 4),
                 m.variable_unit,
-                significant(*value, 3),
-                significant(*sd, 2),
+                number(*value, 3),
+                number(*sd, 2),
                 m.unit
             );
         }

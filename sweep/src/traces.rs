@@ -329,15 +329,7 @@ impl Recorder<'_> {
         }
         while let Some(time) = self.next_sample().filter(|time| *time <= reach) {
             let (at, rates, _) = balance::evaluate(self.set, chamber, &motion.on(push, time), &states(time));
-            self.samples.push(Sample {
-                time,
-                measured_pressure: self.readings[self.samples.len()],
-                gas_pressure: at.pressure,
-                temperature: at.temperature,
-                mass: at.mass,
-                volume: at.volume,
-                heat_flow: rates.heat_flow,
-            });
+            self.samples.push(Sample::new(time, self.readings[self.samples.len()], &at, &rates));
         }
     }
 }

@@ -7,7 +7,7 @@ use super::glimpses::Glimpses;
 use super::outcome::{Failure, Outcome};
 use super::record::{self, Piece, Question};
 use super::scenario::{Options, Scenario};
-use super::sealed::{Held, Moving, Test};
+use super::sealed::{Ending, Held, Moving, Test};
 use crate::lanes::{Lanes, WIDTH};
 use pulp::Arch;
 
@@ -98,9 +98,7 @@ pub fn run(
             out[row as usize] = match problem.failure {
                 Some(reason) => Outcome::failed(reason),
                 None => {
-                    let per_temperature = test.mass_gas_constant / test.held_volume;
                     let (peak, end) = (peak[lane], end[lane]);
-                    let settled = (end - test.wall).abs() <= 0.01 * (peak - end).abs() || peak == end;
                     let scenario = &scenarios[row as usize];
                     let mut regression = None;
                     if options.fit && end > 0.0 {
@@ -113,25 +111,24 @@ pub fn run(
                             expands: test.root_rate > 0.0,
                             before: [scenario.initial_pressure_pa, 0.0],
                             single_samples: 0,
-                            guess: Some(fit::time_constant(test.rate, 1.0 - test.wall / peak)),
+                            guess: Some(fit::time_constant(test.rate, 1.0 - test.closed.ambient_temperature / peak)),
                         };
                         regression = record::regression(arch, pieces, &question, nodes);
                     }
-                    let fit = regression.and_then(|regression| {
-                        let positions = [scenario.initial_position_m, scenario.final_position_m];
-                        fit::steps(scenario, positions, scenario.initial_pressure_pa, regression)
-                    });
+                    let ending = Ending {
+                        scenario,
+                        duration,
+                        peak,
+                        end,
+                        pressure_per_temperature: test.closed.mass_gas_constant / test.held_volume,
+                        settling: settling[lane],
+                        regression,
+                    };
                     Outcome {
-                        pressure_peak_pa: peak * per_temperature,
-                        pressure_final_pa: end * per_temperature,
-                        temperature_final_k: end,
-                        temperature_peak_k: peak,
-                        fit,
-                        settling_time_s: settled.then(|| settling[lane]),
                         energy_error: problem.gap,
-                        duration_s: duration,
                         exact: false,
                         status: if end > 0.0 { Ok(()) } else { Err(Failure::Empty) },
+                        ..ending.outcome()
                     }
                 }
             };

@@ -1,8 +1,10 @@
 //! Sealed tests by the closed forms of [`exact`](crate::exact), in lanes: no integration, no tolerance.
 
+use super::finish::SETTLED;
 use super::fit::{self, Exponential, GAUSS, Nodes, SAMPLE_RATE_HZ, Samples};
 use super::outcome::{Failure, Outcome};
 use super::scenario::{Options, Scenario};
+use super::sealed::Ending;
 use crate::exact::Closed;
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
@@ -104,7 +106,7 @@ impl WithSimd for Solve<'_> {
         let end = t.closed.held(peak, t.to, t.hold);
         let rate = t.closed.rate(t.to);
         // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
-        let edge = end + (peak - end) * 0.01;
+        let edge = end + (peak - end) * SETTLED;
         let excess = |temperature: Lanes| Lanes::ONE - t.closed.ambient_temperature / temperature;
         let settling = (excess(peak) / excess(edge)).ln() / rate;
         black_box(Ends { peak, end, rate, settling })
@@ -127,35 +129,20 @@ fn outcome(
     if !(peak > 0.0 && end > 0.0 && peak.is_finite() && end.is_finite()) {
         return Outcome::failed(Failure::StepTooSmall);
     }
-    let settled = (end - wall).abs() <= 0.01 * (peak - end).abs() || peak == end;
     let settling = if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 };
-    let per_temperature = tests.closed.mass_gas_constant[lane] / tests.to[lane];
-    let found = fit.then(|| {
+    let pressure_per_temperature = tests.closed.mass_gas_constant[lane] / tests.to[lane];
+    let regression = fit.then(|| {
         arch.dispatch(Regression {
             nodes,
             push: scenario.push_time_s,
             duration,
             rate: ends.rate[lane],
             excess: 1.0 - wall / peak,
-            pressure_at_rest: per_temperature * wall,
+            pressure_at_rest: pressure_per_temperature * wall,
         })
     });
-    let fit = found.flatten().and_then(|found| {
-        let positions = [scenario.initial_position_m, scenario.final_position_m];
-        fit::steps(scenario, positions, scenario.initial_pressure_pa, found)
-    });
-    Outcome {
-        pressure_peak_pa: peak * per_temperature,
-        pressure_final_pa: end * per_temperature,
-        temperature_final_k: end,
-        temperature_peak_k: peak,
-        fit,
-        settling_time_s: settled.then_some(settling),
-        energy_error: 0.0,
-        duration_s: duration,
-        exact: true,
-        status: Ok(()),
-    }
+    Ending { scenario, duration, peak, end, pressure_per_temperature, settling, regression: regression.flatten() }
+        .outcome()
 }
 
 /// Step 1 of the paper on the record from the end of the push on, P = Pf/(1 − ε e^(−k t)). Times in s.

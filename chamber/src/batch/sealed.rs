@@ -12,31 +12,29 @@
 //! constant. T in K, V in m³.
 
 use super::advance::Loadable;
+use super::finish::SETTLED;
+use super::fit;
 use super::glimpses::Observe;
+use super::outcome::Outcome;
 use super::scenario::Scenario;
 use super::step::LaneSystem;
-use crate::geometry::AreaLaw;
+use crate::exact::Closed;
 use crate::lanes::Lanes;
 use crate::real::Real;
-use core::f64::consts::PI;
 
 /// One test, reduced to the numbers its equation needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Test {
+    /// c a1, c a0, γ − 1, Tw and m R.
+    pub closed: Closed,
     /// √V at the begin of the push, m^1.5.
     pub root: f64,
     /// Its rate in the push's clock, m^1.5/s.
     pub root_rate: f64,
     /// Volume of the hold, m³.
     pub held_volume: f64,
-    /// 2 c a1/(u0 + u1) and 2 c a0/(u0 + u1).
-    pub exchange: [f64; 2],
-    /// γ − 1.
-    pub expansion: f64,
-    /// Wall temperature, K.
-    pub wall: f64,
-    /// P V/T = m R, J/K.
-    pub mass_gas_constant: f64,
+    /// 2/(u0 + u1), m^-1.5.
+    pub dwell: f64,
     /// 1/τ_f, 1/s: c Aq/√V Tw in the hold.
     pub rate: f64,
 }
@@ -45,32 +43,58 @@ impl Test {
     /// From a checked scenario.
     #[inline]
     pub fn new(s: &Scenario) -> Self {
-        let (c, g) = (&s.chamber, &s.chamber.geometry);
-        let volume = g.volume(s.initial_position_m);
-        let held_volume = g.volume(s.final_position_m);
-        let mass_gas_constant = s.initial_pressure_pa * volume / s.initial_temperature_k;
-        let h = &c.heat_transfer;
-        let expansion = c.gas.heat_capacity_ratio - 1.0;
-        let per_area =
-            h.coefficient * expansion / (mass_gas_constant * h.reference_pressure * h.reference_temperature).sqrt();
-        let lateral = 4.0 / g.bore;
-        let unwetted = match g.area_law {
-            AreaLaw::Total => 0.0,
-            AreaLaw::Swept => g.dead_volume,
-        };
-        let faces = g.bore * g.bore * (PI / 2.0) - unwetted * lateral;
-        let wall = s.ambient_temperature_k;
+        let geometry = &s.chamber.geometry;
+        let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
+        let (pressure, start) = (s.initial_pressure_pa, s.initial_temperature_k);
+        let closed = Closed::filled(&s.chamber, pressure, start, volume, s.ambient_temperature_k);
         let (root, held_root) = (volume.sqrt(), held_volume.sqrt());
-        let stretch = 2.0 * per_area / (root + held_root);
         Self {
+            closed,
             root,
             root_rate: (held_root - root) / s.push_time_s,
             held_volume,
-            exchange: [stretch * lateral, stretch * faces],
-            expansion,
-            wall,
-            mass_gas_constant,
-            rate: per_area * (lateral * held_volume + faces) / held_root * wall,
+            dwell: 2.0 / (root + held_root),
+            rate: closed.rate(held_volume),
+        }
+    }
+}
+
+/// How a sealed test has ended.
+pub struct Ending<'a> {
+    /// The test.
+    pub scenario: &'a Scenario,
+    /// Its length, s.
+    pub duration: f64,
+    /// Temperature at the end of the push, K.
+    pub peak: f64,
+    /// Temperature at the end, K.
+    pub end: f64,
+    /// P/T in the hold, Pa/K.
+    pub pressure_per_temperature: f64,
+    /// From the end of the push until within 1 %, s.
+    pub settling: f64,
+    /// Pf, ΔP and τ.
+    pub regression: Option<[f64; 3]>,
+}
+
+impl Ending<'_> {
+    /// The outcome, of the exact solution.
+    #[inline]
+    pub fn outcome(&self) -> Outcome {
+        let (s, peak, end) = (self.scenario, self.peak, self.end);
+        let settled = (end - s.ambient_temperature_k).abs() <= SETTLED * (peak - end).abs() || peak == end;
+        let positions = [s.initial_position_m, s.final_position_m];
+        Outcome {
+            pressure_peak_pa: peak * self.pressure_per_temperature,
+            pressure_final_pa: end * self.pressure_per_temperature,
+            temperature_final_k: end,
+            temperature_peak_k: peak,
+            fit: self.regression.and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            settling_time_s: settled.then_some(self.settling),
+            energy_error: 0.0,
+            duration_s: self.duration,
+            exact: true,
+            status: Ok(()),
         }
     }
 }
@@ -81,6 +105,7 @@ pub struct Moving<'a> {
     tests: &'a [Test],
     root: Lanes,
     root_rate: Lanes,
+    /// c a1 and c a0, times the dwell.
     exchange: [Lanes; 2],
     expansion_rate: Lanes,
     wall: Lanes,
@@ -100,10 +125,10 @@ impl Loadable for Moving<'_> {
         let test = &self.tests[index];
         self.root[lane] = test.root;
         self.root_rate[lane] = test.root_rate;
-        self.exchange[0][lane] = test.exchange[0];
-        self.exchange[1][lane] = test.exchange[1];
-        self.expansion_rate[lane] = 2.0 * test.expansion * test.root_rate;
-        self.wall[lane] = test.wall;
+        self.exchange[0][lane] = test.closed.exchange[0] * test.dwell;
+        self.exchange[1][lane] = test.closed.exchange[1] * test.dwell;
+        self.expansion_rate[lane] = 2.0 * test.closed.expansion * test.root_rate;
+        self.wall[lane] = test.closed.ambient_temperature;
     }
 }
 
@@ -138,9 +163,9 @@ impl Loadable for Held<'_> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
         let test = &self.tests[index];
-        self.exchange[lane] = test.rate / test.wall;
-        self.pressure[lane] = test.mass_gas_constant / test.held_volume;
-        self.wall[lane] = test.wall;
+        self.exchange[lane] = test.rate / test.closed.ambient_temperature;
+        self.pressure[lane] = test.closed.mass_gas_constant / test.held_volume;
+        self.wall[lane] = test.closed.ambient_temperature;
     }
 }
 

@@ -32,6 +32,18 @@ macro_rules! weighted {
     }};
 }
 
+/// One stage of a step (system, time, length, states), from the listed earlier ones: the states it is taken at.
+macro_rules! stage_of {
+    ($fused:ident, ($system:ident, $t:ident, $h:ident, $y:ident), $slopes:ident, $s:literal; $($j:tt)*) => {{
+        let mut at = *$y;
+        for i in 0..N {
+            at[i] = multiply_add::<$fused>(weighted!($fused, $slopes, i, A[$s]; $($j)*), $h, $y[i]);
+        }
+        $slopes[$s] = $system.rates(multiply_add::<$fused>($h, Lanes::from(C[$s]), $t), &at);
+        at
+    }};
+}
+
 /// What an attempted step has found.
 pub struct Attempt<const N: usize> {
     /// States at its end.
@@ -54,14 +66,7 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     let mut k = [[Lanes::ZERO; N]; 13];
     k[0] = slopes[0];
     macro_rules! stage {
-        ($s:literal; $($j:tt)*) => {{
-            let mut at = *y;
-            for i in 0..N {
-                at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; $($j)*), h, y[i]);
-            }
-            k[$s] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[$s]), t), &at);
-            at
-        }};
+        ($s:literal; $($j:tt)*) => { stage_of!(FUSED, (system, t, h, y), k, $s; $($j)*) };
     }
     stage!(1; 0);
     stage!(2; 0 1);
@@ -153,18 +158,9 @@ pub fn dense<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     let mut k = [[Lanes::ZERO; N]; 16];
     k[..13].copy_from_slice(slopes);
     if S::CHEAP {
-        macro_rules! stage {
-            ($s:literal; $($j:tt)*) => {{
-                let mut at = *y;
-                for i in 0..N {
-                    at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; $($j)*), h, y[i]);
-                }
-                k[$s] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[$s]), t), &at);
-            }};
-        }
-        stage!(13; 0 6 7 8 9 10 11 12);
-        stage!(14; 0 5 6 7 10 11 12 13);
-        stage!(15; 0 5 6 7 8 12 13 14);
+        stage_of!(FUSED, (system, t, h, y), k, 13; 0 6 7 8 9 10 11 12);
+        stage_of!(FUSED, (system, t, h, y), k, 14; 0 5 6 7 10 11 12 13);
+        stage_of!(FUSED, (system, t, h, y), k, 15; 0 5 6 7 8 12 13 14);
     } else {
         for stage in 13..16 {
             self::stage::<N, FUSED, S>(system, t, h, y, &mut k, stage);

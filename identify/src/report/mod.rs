@@ -6,7 +6,8 @@ mod svg;
 use crate::diagnosis::{Closest, Diagnosed, Diagnosis, Rmse, Unnamed};
 use crate::missing::Variable;
 use chamber::effects;
-use page::{chosen_row, number, row};
+pub use page::number;
+use page::{chosen_row, row};
 use std::fmt::Write;
 use svg::{Chart, Curve, escape};
 

@@ -30,7 +30,7 @@ pub fn chosen_row(cells: &[&str]) -> String {
     row(cells).replacen("<tr>", "<tr class=\"chosen\">", 1)
 }
 
-/// A number with that many significant digits.
+/// A number with that many significant digits, in powers of ten only where it is very large or small.
 pub fn number(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
