@@ -169,6 +169,8 @@ def test_an_interrupt_is_heard_during_long_work(package, root, tmp_path):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        # A job in the background is started with interrupts ignored, and Python leaves them so.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert process.stdout.readline() == "begins\n"
     time.sleep(0.3)
