@@ -6,7 +6,7 @@
 
 use crate::effects::{self, EffectSet, OWN_STATES};
 use crate::model::Chamber;
-use crate::real::Real;
+use crate::real::{Real, reciprocals};
 
 /// Number of states: mass, internal energy and every effect's own.
 pub const STATES: usize = 2 + OWN_STATES;
@@ -139,28 +139,27 @@ pub struct Rates<R> {
     pub enthalpy_flow: R,
 }
 
+/// A chamber with what its balances would divide by and take roots of again and again worked out once.
+#[derive(Clone, Copy, Debug)]
+pub struct Balance<R = f64> {
+    /// The chamber.
+    pub chamber: Chamber<R>,
+    /// γ − 1.
+    pub expansion: R,
+    /// 1/cv, kg K/J.
+    pub per_cv: R,
+    /// cp, J/(kg K).
+    pub cp: R,
+    /// λ/√(P T), W/(m² K^1.5 Pa^0.5), before any effect.
+    pub heat_transfer_factor: R,
+    /// Lateral area of a volume, 1/m, and area of both ends, m².
+    pub area: [R; 2],
+}
+
 /// Conditions from the states, before any effect.
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
-    let volume = chamber.geometry.volume(boundary.position);
-    let temperature = energy / (mass * chamber.gas.cv());
-    Conditions {
-        mass,
-        volume,
-        pressure: (chamber.gas.heat_capacity_ratio - 1.0) * energy / volume,
-        temperature,
-        gas_temperature_at_wall: temperature,
-        wall_temperature: boundary.ambient_temperature,
-        piston_area: chamber.geometry.piston_area,
-        velocity: boundary.velocity,
-        ambient_temperature: boundary.ambient_temperature,
-        ambient_pressure: boundary.ambient_pressure,
-        gas_constant: chamber.gas.gas_constant,
-        heat_capacity_ratio: chamber.gas.heat_capacity_ratio,
-        cp: chamber.gas.cp(),
-        reference_pressure: chamber.heat_transfer.reference_pressure,
-        reference_temperature: chamber.heat_transfer.reference_temperature,
-    }
+    Balance::of(*chamber).conditions(boundary, mass, energy)
 }
 
 /// States of a chamber in equilibrium of its parts, at a pressure, Pa, and temperature, K.
@@ -177,8 +176,7 @@ pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure:
     state
 }
 
-/// Everything that is known of a chamber at one moment: conditions, rates, and the rates of the effects' own states.
-/// Only effects in `set` take part; `set` must contain every effect that is not neutral.
+/// [`Balance::evaluate`] once.
 #[inline(always)]
 pub fn evaluate<R: Real>(
     set: EffectSet,
@@ -186,46 +184,10 @@ pub fn evaluate<R: Real>(
     boundary: &Boundary<R>,
     state: &[R; STATES],
 ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
-    let mut own = [R::ZERO; OWN_STATES];
-    own.copy_from_slice(&state[OWN..]);
-    let mut at = conditions(chamber, boundary, state[MASS], state[ENERGY]);
-    effects::conditions(set, &chamber.effects, &own, &mut at);
-
-    let eichelberg = chamber.heat_transfer.coefficient_at(at.pressure, at.gas_temperature_at_wall);
-    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, eichelberg);
-    let area = chamber.geometry.heat_transfer_area(at.volume);
-    let heat_flow = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
-
-    let mut flows = Flows { inflow: R::ZERO, inflow_kelvin: R::ZERO, outflow: boundary.mass_flow_out };
-    flows.enter(boundary.mass_flow_in, boundary.temperature_in);
-    effects::flows(set, &chamber.effects, &at, &mut flows);
-
-    let volume_rate = at.piston_area * at.velocity;
-    let work = at.pressure * volume_rate;
-    let pressure_rate =
-        |enthalpy: R| ((at.heat_capacity_ratio - 1.0) * (heat_flow + enthalpy - work) - work) / at.volume;
-    let enthalpy = |flows: &Flows<R>| at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
-
-    let unstored = pressure_rate(enthalpy(&flows));
-    effects::storage(set, &chamber.effects, &at, unstored, |flow, temperature| {
-        flows.outflow += flow.where_positive(flow, R::ZERO);
-        flows.enter(flow.where_positive(R::ZERO, -flow), temperature);
-    });
-
-    let enthalpy_flow = enthalpy(&flows);
-    let rates = Rates {
-        mass: flows.inflow - flows.outflow,
-        energy: heat_flow + enthalpy_flow - work,
-        pressure: pressure_rate(enthalpy_flow),
-        heat_flow,
-        heat_transfer_coefficient: coefficient,
-        enthalpy_flow,
-    };
-    let own_rates = effects::own_rates(set, &chamber.effects, &own, &at, &flows, &rates);
-    (at, rates, own_rates)
+    Balance::of(*chamber).evaluate(set, boundary, state)
 }
 
-/// Rates of all states, per second: what an integrator needs.
+/// [`Balance::rates`] once.
 #[inline(always)]
 pub fn rates<R: Real>(
     set: EffectSet,
@@ -233,12 +195,108 @@ pub fn rates<R: Real>(
     boundary: &Boundary<R>,
     state: &[R; STATES],
 ) -> [R; STATES] {
-    let (_, rates, own) = evaluate(set, chamber, boundary, state);
-    let mut out = [R::ZERO; STATES];
-    out[MASS] = rates.mass;
-    out[ENERGY] = rates.energy;
-    out[OWN..].copy_from_slice(&own);
-    out
+    Balance::of(*chamber).rates(set, boundary, state)
+}
+
+impl<R: Real> Balance<R> {
+    /// Of that chamber.
+    #[inline(always)]
+    pub fn of(chamber: Chamber<R>) -> Self {
+        Self {
+            chamber,
+            expansion: chamber.gas.heat_capacity_ratio - 1.0,
+            per_cv: R::ONE / chamber.gas.cv(),
+            cp: chamber.gas.cp(),
+            heat_transfer_factor: chamber.heat_transfer.factor(),
+            area: chamber.geometry.area_constants(),
+        }
+    }
+
+    /// Conditions from the states, before any effect.
+    #[inline(always)]
+    pub fn conditions(&self, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
+        let chamber = &self.chamber;
+        let volume = chamber.geometry.volume(boundary.position);
+        let [per_mass, per_volume] = reciprocals([mass, volume]);
+        let temperature = energy * per_mass * self.per_cv;
+        Conditions {
+            mass,
+            volume,
+            pressure: self.expansion * energy * per_volume,
+            temperature,
+            gas_temperature_at_wall: temperature,
+            wall_temperature: boundary.ambient_temperature,
+            piston_area: chamber.geometry.piston_area,
+            velocity: boundary.velocity,
+            ambient_temperature: boundary.ambient_temperature,
+            ambient_pressure: boundary.ambient_pressure,
+            gas_constant: chamber.gas.gas_constant,
+            heat_capacity_ratio: chamber.gas.heat_capacity_ratio,
+            cp: self.cp,
+            reference_pressure: chamber.heat_transfer.reference_pressure,
+            reference_temperature: chamber.heat_transfer.reference_temperature,
+        }
+    }
+
+    /// Everything that is known of a chamber at one moment: conditions, rates, and the rates of the effects' own states.
+    /// Only effects in `set` take part; `set` must contain every effect that is not neutral.
+    #[inline(always)]
+    pub fn evaluate(
+        &self,
+        set: EffectSet,
+        boundary: &Boundary<R>,
+        state: &[R; STATES],
+    ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
+        let chamber = &self.chamber;
+        let mut own = [R::ZERO; OWN_STATES];
+        own.copy_from_slice(&state[OWN..]);
+        let mut at = self.conditions(boundary, state[MASS], state[ENERGY]);
+        effects::conditions(set, &chamber.effects, &own, &mut at);
+
+        let eichelberg = self.heat_transfer_factor * (at.pressure * at.gas_temperature_at_wall).sqrt();
+        let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, eichelberg);
+        let area = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
+        let heat_flow = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
+
+        let mut flows = Flows { inflow: R::ZERO, inflow_kelvin: R::ZERO, outflow: boundary.mass_flow_out };
+        flows.enter(boundary.mass_flow_in, boundary.temperature_in);
+        effects::flows(set, &chamber.effects, &at, &mut flows);
+
+        let volume_rate = at.piston_area * at.velocity;
+        let work = at.pressure * volume_rate;
+        let pressure_rate =
+            |enthalpy: R| ((at.heat_capacity_ratio - 1.0) * (heat_flow + enthalpy - work) - work) / at.volume;
+        let enthalpy = |flows: &Flows<R>| at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
+
+        let unstored = pressure_rate(enthalpy(&flows));
+        effects::storage(set, &chamber.effects, &at, unstored, |flow, temperature| {
+            flows.outflow += flow.where_positive(flow, R::ZERO);
+            flows.enter(flow.where_positive(R::ZERO, -flow), temperature);
+        });
+
+        let enthalpy_flow = enthalpy(&flows);
+        let rates = Rates {
+            mass: flows.inflow - flows.outflow,
+            energy: heat_flow + enthalpy_flow - work,
+            pressure: pressure_rate(enthalpy_flow),
+            heat_flow,
+            heat_transfer_coefficient: coefficient,
+            enthalpy_flow,
+        };
+        let own_rates = effects::own_rates(set, &chamber.effects, &own, &at, &flows, &rates);
+        (at, rates, own_rates)
+    }
+
+    /// Rates of all states, per second: what an integrator needs.
+    #[inline(always)]
+    pub fn rates(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; STATES]) -> [R; STATES] {
+        let (_, rates, own) = self.evaluate(set, boundary, state);
+        let mut out = [R::ZERO; STATES];
+        out[MASS] = rates.mass;
+        out[ENERGY] = rates.energy;
+        out[OWN..].copy_from_slice(&own);
+        out
+    }
 }
 
 /// dP/dt and dT/dt of the paper's equations (1) and (2), without effects, for states P, Pa, and T, K.

@@ -58,12 +58,23 @@ impl<R: Real> Geometry<R> {
     /// Heat transfer area Aq when the gas fills `volume`, m². Equation (27).
     #[inline(always)]
     pub fn heat_transfer_area(&self, volume: R) -> R {
-        let wetted = match self.area_law {
+        let [lateral, ends] = self.area_constants();
+        self.wetted_volume(volume) * lateral + ends
+    }
+
+    /// The gas's volume whose lateral area exchanges heat, m³.
+    #[inline(always)]
+    pub fn wetted_volume(&self, volume: R) -> R {
+        match self.area_law {
             AreaLaw::Total => volume,
             AreaLaw::Swept => volume - self.dead_volume,
-        };
-        // The quotient of constants stands by itself, so that a loop takes it once.
-        wetted * (R::from(4.0) / self.bore) + self.bore * self.bore * (PI / 2.0)
+        }
+    }
+
+    /// Constants of equation (27): lateral area of a volume, 4/φ, 1/m, and both ends' area, π φ²/2, m².
+    #[inline(always)]
+    pub fn area_constants(&self) -> [R; 2] {
+        [R::from(4.0) / self.bore, self.bore * self.bore * (PI / 2.0)]
     }
 
     /// The same geometry in another number type.

@@ -59,6 +59,23 @@ pub trait Real:
     }
 }
 
+/// The reciprocal of each number for the price of one division, which is what an evaluation of the balances is made of
+/// (Montgomery's trick, Math. Comp. 48 (1987) 243).
+#[inline(always)]
+pub fn reciprocals<R: Real, const N: usize>(numbers: [R; N]) -> [R; N] {
+    let mut products = numbers;
+    for i in 1..N {
+        products[i] = products[i - 1] * numbers[i];
+    }
+    let mut rest = products[N - 1].recip();
+    for i in (1..N).rev() {
+        products[i] = rest * products[i - 1];
+        rest = rest * numbers[i];
+    }
+    products[0] = rest;
+    products
+}
+
 /// A [`Real`] with a single value to decide by (step sizes, branches of a host): not for lanes.
 pub trait Scalar: Real {
     /// The number without its derivatives.

@@ -58,14 +58,7 @@ pub fn run(
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         tests.push(Test::new(s));
-        problems.push(Problem {
-            length: s.push_time_s,
-            state: [s.initial_temperature_k],
-            absolute: [0.0],
-            gap: 0.0,
-            steps: Steps::default(),
-            failure: None,
-        });
+        problems.push(Problem::new(s.push_time_s, [s.initial_temperature_k], [0.0]));
     }
     advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
     peaks.clear();

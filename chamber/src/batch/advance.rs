@@ -41,12 +41,23 @@ pub struct Problem<const N: usize> {
     pub state: [f64; N],
     /// Absolute tolerance of each state.
     pub absolute: [f64; N],
+    /// Its first rates.
+    slope: [f64; N],
+    /// Length of its first step, s.
+    first: f64,
     /// What the steps miss of the states' changes, relative to the states, by the pair's own estimate, added up.
     pub gap: f64,
     /// Where the watch has kept its steps.
     pub steps: Steps,
     /// Why it was given up.
     pub failure: Option<Failure>,
+}
+
+impl<const N: usize> Problem<N> {
+    /// To be solved over `length`, s, from `state`, with these absolute tolerances.
+    pub fn new(length: f64, state: [f64; N], absolute: [f64; N]) -> Self {
+        Self { length, state, absolute, slope: [0.0; N], first: 0.0, gap: 0.0, steps: Steps::default(), failure: None }
+    }
 }
 
 /// Where a watch has kept a problem's steps: one lane of consecutive steps.
@@ -187,6 +198,7 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
     watch: &mut W,
 ) {
     let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
+    begin::<N, S>(system, problems, relative);
     let mut group: Group<N, S> = Group {
         system: system.clone(),
         owner: [IDLE; WIDTH],
@@ -214,14 +226,75 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
     loop {
         group.through_memory().halt(problems);
         if group.some_ended {
-            let fresh = group.refill(problems, &mut next, watch.kept() as u32);
-            group.through_memory().begin(fresh, relative);
+            group.refill(problems, &mut next, watch.kept() as u32);
         }
         if group.idle == WIDTH {
             return;
         }
         group.through_memory().step::<FUSED, W>(relative, watch);
     }
+}
+
+/// First rates and step length of all problems: the length at which the error, growing with the eighth power, should
+/// meet the tolerance, from the time scale L = |dy/dt|/|d²y/dt²|.
+#[inline(always)]
+fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(system: &S, problems: &mut [Problem<N>], relative: f64) {
+    let mut system = system.clone();
+    let count = problems.len();
+    for base in (0..count).step_by(WIDTH) {
+        let (mut y, mut sizes, mut length) = ([Lanes::ZERO; N], [Lanes::ZERO; N], Lanes::ZERO);
+        for lane in 0..WIDTH {
+            let index = (base + lane).min(count - 1);
+            let problem = &problems[index];
+            system.load(lane, index);
+            length[lane] = problem.length;
+            for i in 0..N {
+                y[i][lane] = problem.state[i];
+                sizes[i][lane] = problem.absolute[i] * (1.0 / relative);
+            }
+        }
+        let (system, y, sizes) = (black_box(&mut system), black_box(&y), black_box(&sizes));
+        let (slope, first) = first_step(system, length, y, sizes, relative);
+        for (lane, problem) in problems[base..].iter_mut().take(WIDTH).enumerate() {
+            problem.first = first[lane];
+            for i in 0..N {
+                problem.slope[i] = slope[i][lane];
+            }
+        }
+    }
+}
+
+/// Rates at `y`, and the length of the step from there, s, of lanes whose states count as at least `sizes`.
+#[inline(always)]
+fn first_step<const N: usize, S: LaneSystem<N>>(
+    system: &S,
+    length: Lanes,
+    y: &[Lanes; N],
+    sizes: &[Lanes; N],
+    relative: f64,
+) -> ([Lanes; N], Lanes) {
+    let slope = system.rates(Lanes::ZERO, y);
+    let mut probe = length * PROBE;
+    for i in 0..N {
+        probe = probe.min((y[i].abs() + sizes[i]) * PROBE / (slope[i].abs() + TINY));
+    }
+    let mut ahead = *y;
+    for i in 0..N {
+        ahead[i] += slope[i] * probe;
+    }
+    let there = system.rates(probe, &ahead);
+    let mut first = length;
+    for i in 0..N {
+        let rate = slope[i].abs();
+        let bend = (there[i] - slope[i]).abs();
+        // At least the probe, where the rate happens to be nothing.
+        let scale = (rate + bend) * probe / (bend + TINY);
+        let size = (y[i].abs() + sizes[i]) * (relative / ERROR_AT_SCALE);
+        let share = inverse_eighth_root(rate * scale / size + 1e-30);
+        first = first.min(scale * (share * FIRST).min(Lanes::ONE));
+    }
+    // Something, should the rates vanish or not be numbers: the step's own error decides.
+    (slope, first.where_positive(first, length * PROBE))
 }
 
 impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
@@ -234,8 +307,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Stores the solutions of lanes that are done and gives them the next problems.
     #[inline(always)]
-    fn refill(&mut self, problems: &mut [Problem<N>], next: &mut usize, kept: u32) -> Lanes {
-        let mut fresh = Lanes::ZERO;
+    fn refill(&mut self, problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
         self.some_ended = false;
         for lane in 0..WIDTH {
             if !self.ended[lane] {
@@ -262,47 +334,15 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
             self.system.load(lane, *next);
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];
+                self.slope[i][lane] = problem.slope[i];
                 self.absolute[i][lane] = problem.absolute[i];
             }
             self.gap[lane] = 0.0;
-            (self.t[lane], self.length[lane], self.attempts[lane]) = (0.0, problem.length, 0.0);
+            (self.t[lane], self.h[lane], self.length[lane]) = (0.0, problem.first, problem.length);
+            self.attempts[lane] = 0.0;
             self.owner[lane] = *next;
-            fresh[lane] = 1.0;
             *next += 1;
         }
-        black_box(fresh)
-    }
-
-    /// First rates and step length of the fresh lanes: the length at which the error, growing with the eighth power,
-    /// should meet the tolerance, from the time scale L = |dy/dt|/|d²y/dt²|.
-    #[inline(always)]
-    fn begin(&mut self, fresh: Lanes, relative: f64) {
-        let rates = self.system.rates(self.t, &self.y);
-        self.slope = choose(fresh, &rates, &self.slope);
-        let mut probe = self.length * PROBE;
-        for i in 0..N {
-            let rate = self.slope[i].abs();
-            let size = self.y[i].abs() + self.absolute[i] * (1.0 / relative);
-            probe = probe.min(size * PROBE / (rate + TINY));
-        }
-        let mut ahead = self.y;
-        for i in 0..N {
-            ahead[i] += self.slope[i] * probe;
-        }
-        let there = self.system.rates(self.t + probe, &ahead);
-        let mut first = self.length;
-        for i in 0..N {
-            let rate = self.slope[i].abs();
-            let bend = (there[i] - self.slope[i]).abs();
-            // At least the probe, where the rate happens to be nothing.
-            let scale = (rate + bend) * probe / (bend + TINY);
-            let size = (self.y[i].abs() + self.absolute[i] * (1.0 / relative)) * (relative / ERROR_AT_SCALE);
-            let share = inverse_eighth_root(rate * scale / size + 1e-30);
-            first = first.min(scale * (share * FIRST).min(Lanes::ONE));
-        }
-        // Something, should the rates vanish or not be numbers: the step's own error decides.
-        let first = first.where_positive(first, self.length * PROBE);
-        self.h = fresh.where_positive(first, self.h);
     }
 
     /// Tries a step in every lane, and takes it where it is good.

@@ -9,7 +9,7 @@ use super::outcome::{Failure, Outcome};
 use super::plan::Plan;
 use super::record::{self, Piece, Question};
 use super::scenario::{Options, Scenario};
-use crate::balance::{self, ENERGY, MASS, STATES};
+use crate::balance::{self, Balance, ENERGY, MASS, STATES};
 use crate::effects::EffectSet;
 use crate::exact::Closed;
 use crate::simulate::tolerance;
@@ -23,6 +23,7 @@ struct Course<'a, const N: usize> {
     row: u32,
     scenario: &'a Scenario,
     plan: &'a Plan,
+    balance: Balance,
     initial: [f64; STATES],
     state: [f64; N],
     absolute: [f64; N],
@@ -62,7 +63,19 @@ pub fn run<const N: usize, const BITS: u32>(
             (state[i], absolute[i]) = (initial[places[i]], all[places[i]]);
         }
         let steps = Vec::with_capacity(plan.stretches.len());
-        courses.push(Course { row: *row, scenario, plan, initial, state, absolute, gap: 0.0, steps, failure: None });
+        let balance = Balance::of(scenario.chamber);
+        courses.push(Course {
+            row: *row,
+            scenario,
+            plan,
+            balance,
+            initial,
+            state,
+            absolute,
+            gap: 0.0,
+            steps,
+            failure: None,
+        });
     }
     let Some(first) = courses.first() else { return };
     let area_law = first.scenario.chamber.geometry.area_law;
@@ -73,20 +86,15 @@ pub fn run<const N: usize, const BITS: u32>(
     for index in 0.. {
         let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
         let systems: Vec<Row> =
-            courses.iter().filter(|c| active(c)).map(|c| (&c.scenario.chamber, &c.plan.stretches[index])).collect();
+            courses.iter().filter(|c| active(c)).map(|c| (&c.balance, &c.plan.stretches[index])).collect();
         if systems.is_empty() {
             break;
         }
         problems.clear();
         for c in courses.iter().filter(|c| active(c)) {
-            problems.push(Problem {
-                length: c.plan.stretches[index].length,
-                state: c.state,
-                absolute: c.absolute,
-                gap: c.gap,
-                steps: Steps::default(),
-                failure: None,
-            });
+            let mut problem = Problem::new(c.plan.stretches[index].length, c.state, c.absolute);
+            problem.gap = c.gap;
+            problems.push(problem);
         }
         let system = General::<N, BITS>::new(&systems, set, area_law);
         glimpses.awake = courses.iter().any(|c| index >= seen_from(c.plan));
@@ -137,7 +145,7 @@ fn evaluate<const N: usize>(
     let last = &plan.stretches[plan.stretches.len() - 1];
     let (first_position, last_position) = (plan.stretches[0].position, last.position + last.velocity * last.length);
     let volume = chamber.geometry.volume(last_position);
-    let shown = |elapsed| observe(set, chamber, &plan.stretches[0], 0.0, &c.initial, elapsed)[0];
+    let shown = |elapsed| observe(set, &c.balance, &plan.stretches[0], 0.0, &c.initial, elapsed)[0];
     let ambient = last.boundary(last.length).ambient_temperature;
     let at_rest = c.state[MASS] * chamber.gas.gas_constant * ambient / volume;
     let closed = Closed::filled(chamber, at_rest, ambient, volume, ambient);

@@ -5,25 +5,24 @@ use super::advance::Loadable;
 use super::glimpses::Observe;
 use super::plan::Stretch;
 use super::step::LaneSystem;
-use crate::balance::{self, ENERGY, MASS, OWN, STATES};
+use crate::balance::{Balance, ENERGY, MASS, OWN, STATES};
 use crate::effects::{self, EffectSet, OWN_STATES};
 use crate::geometry::AreaLaw;
 use crate::lanes::Lanes;
-use crate::model::Chamber;
 use crate::real::Real;
 
 /// In place of a set's bits: the set is known at run time only.
 pub const AT_RUN_TIME: u32 = u32::MAX;
 
-/// One row's share of a system: its chamber and the stretch it is in.
-pub type Row<'a> = (&'a Chamber, &'a Stretch);
+/// One row's share of a system: its chamber's balance and the stretch it is in.
+pub type Row<'a> = (&'a Balance, &'a Stretch);
 
 /// Chambers, one a lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
 #[derive(Clone)]
 pub struct General<'a, const N: usize, const BITS: u32> {
     rows: &'a [Row<'a>],
     set: EffectSet,
-    chamber: Chamber<Lanes>,
+    balance: Balance<Lanes>,
     stretch: Stretch<Lanes>,
 }
 
@@ -67,10 +66,10 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     /// For these rows, all of one area law; lanes are not loaded yet.
     pub fn new(rows: &'a [Row<'a>], set: EffectSet, area_law: AreaLaw) -> Self {
         const { assert!(N == states(BITS)) };
-        let (chamber, stretch) = rows[0];
-        let mut lifted: Chamber<Lanes> = chamber.lift();
-        lifted.geometry.area_law = area_law;
-        Self { rows, set, chamber: lifted, stretch: stretch.lift() }
+        let (balance, stretch) = rows[0];
+        let mut balance = Balance::of(balance.chamber.lift());
+        balance.chamber.geometry.area_law = area_law;
+        Self { rows, set, balance, stretch: stretch.lift() }
     }
 
     #[inline(always)]
@@ -93,23 +92,31 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
 #[inline(always)]
 pub fn observe<R: Real>(
     set: EffectSet,
-    chamber: &Chamber<R>,
+    balance: &Balance<R>,
     stretch: &Stretch<R>,
     t: R,
     state: &[R; STATES],
     elapsed: R,
 ) -> [R; 2] {
-    let at = balance::conditions(chamber, &stretch.boundary(t), state[MASS], state[ENERGY]);
+    let at = balance.conditions(&stretch.boundary(t), state[MASS], state[ENERGY]);
     let mut own = [R::ZERO; OWN_STATES];
     own.copy_from_slice(&state[OWN..]);
-    [effects::reading(set, &chamber.effects, &own, at.pressure, elapsed), at.temperature]
+    [effects::reading(set, &balance.chamber.effects, &own, at.pressure, elapsed), at.temperature]
 }
 
 impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
         let (from, stretch) = self.rows[index];
-        let to = &mut self.chamber;
+        let to = &mut self.balance;
+        to.expansion[lane] = from.expansion;
+        to.per_cv[lane] = from.per_cv;
+        to.cp[lane] = from.cp;
+        to.heat_transfer_factor[lane] = from.heat_transfer_factor;
+        for (to, from) in to.area.iter_mut().zip(from.area) {
+            to[lane] = from;
+        }
+        let (to, from) = (&mut to.chamber, &from.chamber);
         to.gas.gas_constant[lane] = from.gas.gas_constant;
         to.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
         to.geometry.bore[lane] = from.geometry.bore;
@@ -130,7 +137,7 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
 
     #[inline(always)]
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; N] {
-        let rates = balance::rates(self.set(), &self.chamber, &self.stretch.boundary(t), &Self::whole(y));
+        let rates = self.balance.rates(self.set(), &self.stretch.boundary(t), &Self::whole(y));
         let mut out = [Lanes::ZERO; N];
         for i in 0..N {
             out[i] = rates[Self::PLACES[i]];
@@ -142,6 +149,6 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
 impl<const N: usize, const BITS: u32> Observe<N> for General<'_, N, BITS> {
     #[inline(always)]
     fn observe(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; 2] {
-        observe(self.set(), &self.chamber, &self.stretch, t, &Self::whole(y), self.stretch.elapsed + t)
+        observe(self.set(), &self.balance, &self.stretch, t, &Self::whole(y), self.stretch.elapsed + t)
     }
 }

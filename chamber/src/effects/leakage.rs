@@ -8,7 +8,7 @@
 use super::Effect;
 use crate::balance::{Conditions, Flows};
 use crate::card::{Balance, Card, Parameter, Unit};
-use crate::real::Real;
+use crate::real::{Real, reciprocals};
 
 const REFERENCE_TEMPERATURE_K: f64 = 293.15;
 const REFERENCE_DENSITY_OF_AIR_KG_PER_M3: f64 = 1.185;
@@ -56,31 +56,32 @@ impl Effect for Leakage {
         let upstream = at.pressure.max(at.ambient_pressure);
         let downstream = at.pressure.min(at.ambient_pressure);
         let upstream_temperature = out.where_positive(at.temperature, at.ambient_temperature);
-        let density = R::from(REFERENCE_DENSITY_OF_AIR_KG_PER_M3 * GAS_CONSTANT_OF_AIR) / at.gas_constant;
-        let flow = conductance
-            * upstream
-            * density
-            * (R::from(REFERENCE_TEMPERATURE_K) / upstream_temperature).sqrt()
-            * flow_function(downstream / upstream, critical);
+        let [per_upstream, per_temperature, per_gas_constant, per_unchoked] =
+            reciprocals([upstream, upstream_temperature, at.gas_constant, R::ONE - critical]);
+        let [psi_squared, fade] = flow_function(downstream * per_upstream, critical, per_unchoked);
+        let density = per_gas_constant * (REFERENCE_DENSITY_OF_AIR_KG_PER_M3 * GAS_CONSTANT_OF_AIR);
+        let root = (per_temperature * REFERENCE_TEMPERATURE_K * psi_squared).sqrt();
+        let flow = conductance * upstream * density * root * fade;
         flows.outflow += out.where_positive(flow, R::ZERO);
         flows.enter(out.where_positive(R::ZERO, flow), at.ambient_temperature);
     }
 }
 
-/// ψ(r) of ISO 6358, continued linearly to zero at r = 1.
+/// ψ(r) of ISO 6358, continued linearly to zero at r = 1: its square without, and the factor with which it is continued.
+/// `per_unchoked` is 1/(1 − b).
 #[inline(always)]
-fn flow_function<R: Real>(ratio: R, critical: R) -> R {
-    let at_most = ratio.min(R::from(LINEAR_ABOVE));
-    // The quotient of constants stands by itself, so that a loop takes it once.
-    let x = ((at_most - critical) * (R::ONE / (R::ONE - critical))).max(R::ZERO);
-    let psi = (R::ONE - x * x).sqrt();
+fn flow_function<R: Real>(ratio: R, critical: R, per_unchoked: R) -> [R; 2] {
+    let x = ((ratio.min(R::from(LINEAR_ABOVE)) - critical) * per_unchoked).max(R::ZERO);
     let fade = ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE);
-    psi * fade
+    [R::ONE - x * x, fade]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    fn flow_function(ratio: f64, critical: f64) -> f64 {
+        let [squared, fade] = super::flow_function(ratio, critical, 1.0 / (1.0 - critical));
+        squared.sqrt() * fade
+    }
 
     #[test]
     fn a_choked_leak_does_not_depend_on_the_downstream_pressure() {
@@ -91,7 +92,7 @@ mod tests {
 
     #[test]
     fn the_flow_function_is_continuous_where_it_turns_linear_and_vanishes_at_equal_pressures() {
-        let (below, above): (f64, f64) = (flow_function(0.999 - 1e-12, 0.3), flow_function(0.999 + 1e-12, 0.3));
+        let (below, above) = (flow_function(0.999 - 1e-12, 0.3), flow_function(0.999 + 1e-12, 0.3));
         assert!((below - above).abs() < 1e-8);
         assert_eq!(flow_function(1.0, 0.3), 0.0);
     }
