@@ -1,6 +1,6 @@
 //! Many scenarios at once: the kernel behind parameter studies.
 //!
-//! [`run`] solves push-and-hold tests on one thread, each result a pure function of its scenario: the same bits
+//! A [`Kernel`] solves push-and-hold tests on one thread, each result a pure function of its scenario: the same bits
 //! whatever the others are and in whichever order they come. The caller spreads chunks over threads.
 
 // Several arrays of lanes side by side, by one index, read as the equations do.
@@ -36,29 +36,45 @@ use crate::effects::{self, EffectSet};
 use plan::Plan;
 
 /// Scenarios that are solved together: as many as keep their working memory in a core's cache.
-const CHUNK: usize = 512;
+pub const CHUNK: usize = 512;
 
-/// Solves each scenario into the outcome of the same index. `set` must contain every effect that is active in any of
-/// them; a smaller set is faster.
+/// Solves each scenario into the outcome of the same index: [`Kernel::run`], with memory for this once.
 ///
 /// # Panics
 /// Where the two slices differ in length.
 pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
-    assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
-    let arch = pulp::Arch::new();
-    let mut memory = adaptive::Memory::default();
-    let mut course_memory = course::Memory::default();
-    let mut nodes = fit::Nodes::default();
-    let mut sorted = Sorted::default();
-    for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-        sorted.fill(set, scenarios, options, out);
-        if options.solver == Solver::Adaptive {
-            adaptive::run(arch, &mut memory, &sorted.sealed, scenarios, options, out);
-        } else {
-            exact_rows::run(arch, &mut nodes, &sorted.sealed, scenarios, options, out);
-        }
-        for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
-            course(arch, &mut course_memory, set, rows, scenarios, options, out);
+    Kernel::default().run(set, scenarios, options, out);
+}
+
+/// Solves batches one after the other in memory that it keeps.
+#[derive(Default)]
+pub struct Kernel {
+    adaptive: adaptive::Memory,
+    course: course::Memory,
+    nodes: fit::Nodes,
+    sorted: Sorted,
+}
+
+impl Kernel {
+    /// Solves each scenario into the outcome of the same index. `set` must contain every effect that is active in any
+    /// of them; a smaller set is faster.
+    ///
+    /// # Panics
+    /// Where the two slices differ in length.
+    pub fn run(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
+        assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
+        let arch = pulp::Arch::new();
+        let Self { adaptive: memory, course: course_memory, nodes, sorted } = self;
+        for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
+            sorted.fill(set, scenarios, options, out);
+            if options.solver == Solver::Adaptive {
+                adaptive::run(arch, memory, &sorted.sealed, scenarios, options, out);
+            } else {
+                exact_rows::run(arch, nodes, &sorted.sealed, scenarios, options, out);
+            }
+            for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
+                course(arch, course_memory, set, rows, scenarios, options, out);
+            }
         }
     }
 }
