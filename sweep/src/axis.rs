@@ -1,5 +1,8 @@
 //! The values that one varied quantity takes: a list, or a range with a linear or logarithmic scale.
 
+use chamber::lanes::{Lanes, WIDTH};
+use chamber::real::Real;
+use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 
 /// How a range is divided.
@@ -55,25 +58,22 @@ impl Axis {
                 } else if level >= last {
                     to
                 } else {
-                    between(from, to, scale)(level as f64 / last as f64)
+                    Between::new(from, to, scale).value(level as f64 / last as f64)
                 }
             }
         }
     }
 
-    /// The value at a share `u` in [0, 1) of the axis: of a range's length, or of the values in equal shares.
-    pub fn at(&self, u: f64) -> f64 {
+    /// Puts values in place of shares in [0, 1) of the axis: of a range's length, or of the values in equal shares.
+    pub fn place(&self, shares: &mut [f64]) {
         match *self {
-            Axis::Values { ref values } => values[((u * values.len() as f64) as usize).min(values.len() - 1)],
-            Axis::Range { from, to, scale, .. } => between(from, to, scale)(u),
-        }
-    }
-
-    /// Adds the values at some shares to a column.
-    pub fn fill(&self, shares: impl Iterator<Item = f64>, column: &mut Vec<f64>) {
-        match *self {
-            Axis::Values { .. } => column.extend(shares.map(|u| self.at(u))),
-            Axis::Range { from, to, scale, .. } => column.extend(shares.map(between(from, to, scale))),
+            Axis::Values { ref values } => {
+                let value = |u: f64| values[((u * values.len() as f64) as usize).min(values.len() - 1)];
+                shares.iter_mut().for_each(|share| *share = value(*share));
+            }
+            Axis::Range { from, to, scale, .. } => {
+                Arch::new().dispatch(Place { between: Between::new(from, to, scale), shares });
+            }
         }
     }
 
@@ -84,14 +84,49 @@ impl Axis {
 }
 
 /// From a share of a range to its value.
-fn between(from: f64, to: f64, scale: Scale) -> impl Fn(f64) -> f64 {
-    let (begin, end) = match scale {
-        Scale::Linear => (from, to),
-        Scale::Log => (from.ln(), to.ln()),
-    };
-    move |share| {
-        let value = begin + (end - begin) * share;
-        (if scale == Scale::Log { value.exp() } else { value }).clamp(from, to)
+struct Between {
+    from: f64,
+    to: f64,
+    scale: Scale,
+    /// What the share is a share of: the values, or their logarithms.
+    begin: f64,
+    length: f64,
+}
+
+impl Between {
+    fn new(from: f64, to: f64, scale: Scale) -> Self {
+        let (begin, end) = match scale {
+            Scale::Linear => (from, to),
+            Scale::Log => (from.ln(), to.ln()),
+        };
+        Self { from, to, scale, begin, length: end - begin }
+    }
+
+    #[inline(always)]
+    fn value<R: Real>(&self, share: R) -> R {
+        let value = share * self.length + self.begin;
+        let value = if self.scale == Scale::Log { value.exp() } else { value };
+        value.max(R::from(self.from)).min(R::from(self.to))
+    }
+}
+
+/// Values in place of shares, several at a time.
+struct Place<'a> {
+    between: Between,
+    shares: &'a mut [f64],
+}
+
+impl WithSimd for Place<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let (whole, rest) = self.shares.as_chunks_mut::<WIDTH>();
+        for shares in whole {
+            *shares = self.between.value(Lanes(*shares)).0;
+        }
+        let last = self.between.value(Lanes::from_fn(|lane| rest.get(lane).copied().unwrap_or(0.0)));
+        rest.copy_from_slice(&last.0[..rest.len()]);
     }
 }
 
@@ -114,6 +149,22 @@ mod tests {
     #[test]
     fn shares_of_a_list_are_equal() {
         let axis = Axis::Values { values: vec![1.0, 2.0, 4.0] };
-        assert_eq!([0.0, 0.33, 0.34, 0.66, 0.67, 0.9999999].map(|u| axis.at(u)), [1.0, 1.0, 2.0, 2.0, 4.0, 4.0]);
+        let mut shares = [0.0, 0.33, 0.34, 0.66, 0.67, 0.9999999];
+        axis.place(&mut shares);
+        assert_eq!(shares, [1.0, 1.0, 2.0, 2.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn shares_of_a_range_are_within_it_and_as_far_along_as_they_say() {
+        let shares: Vec<f64> = (0..37).map(|i| f64::from(i) / 37.0).collect();
+        for (scale, expected) in [(Scale::Linear, 1.0 + 6.0 * 0.5), (Scale::Log, 7f64.sqrt())] {
+            let axis = Axis::Range { from: 1.0, to: 7.0, count: None, scale };
+            let mut values = shares.clone();
+            axis.place(&mut values);
+            assert!(values[0] == 1.0 && values.is_sorted() && values[36] < 7.0);
+            let mut middle = [0.5];
+            axis.place(&mut middle);
+            assert!((middle[0] / expected - 1.0).abs() < 1e-15);
+        }
     }
 }

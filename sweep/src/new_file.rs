@@ -15,7 +15,10 @@ use std::path::{Path, PathBuf};
 /// Ending of temporary files; they begin with a dot and the name they are meant to have.
 pub const TEMPORARY: &str = ".tmp";
 
-/// A file that is being written; removed when dropped before it got its own name.
+/// Bytes that are written together at least: pages are larger, and go to the file as they are.
+const BUFFER: usize = 1 << 16;
+
+/// A file that is being written; removed when dropped before its end.
 pub struct NewFile {
     path: PathBuf,
     temporary: Temporary,
@@ -45,7 +48,7 @@ impl NewFile {
         let temporary = Temporary { path: temporary_beside(path), finished: false };
         let file = File::create_new(&temporary.path).map_err(failed)?;
         file.lock().map_err(failed)?;
-        let buffer = BufWriter::with_capacity(1 << 20, file);
+        let buffer = BufWriter::with_capacity(BUFFER, file);
         let writer =
             ArrowWriter::try_new(buffer, schema, Some(properties)).map_err(|error| Error::writing(path, error))?;
         Ok(Self { path: path.to_owned(), temporary, writer })
@@ -64,15 +67,34 @@ impl NewFile {
         self.writer.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
     }
 
-    /// Makes the file last under its own name.
+    /// Ends the file's contents.
     ///
     /// # Errors
-    /// It cannot be written.
-    pub fn finish(mut self) -> Result<(), Error> {
+    /// They cannot be written.
+    pub fn end(self) -> Result<Ended, Error> {
         let failed = |source| Error::Write { path: self.path.clone(), source };
         let buffer = self.writer.into_inner().map_err(|error| Error::writing(&self.path, error))?;
         let file = buffer.into_inner().map_err(|e| failed(e.into_error()))?;
-        file.sync_all().map_err(failed)?;
+        Ok(Ended { path: self.path, temporary: self.temporary, file })
+    }
+}
+
+/// A file that has all its contents, but not yet its own name; removed when dropped before it got that.
+#[must_use]
+pub struct Ended {
+    path: PathBuf,
+    temporary: Temporary,
+    file: File,
+}
+
+impl Ended {
+    /// Makes the file last under its own name. Waits for the disk.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn publish(mut self) -> Result<(), Error> {
+        let failed = |source| Error::Write { path: self.path.clone(), source };
+        self.file.sync_all().map_err(failed)?;
         std::fs::rename(&self.temporary.path, &self.path).map_err(failed)?;
         self.temporary.finished = true;
         sync_folder_of(&self.path).map_err(failed)

@@ -1,22 +1,19 @@
 //! One part: rows computed chunk by chunk and written as they come.
 
-use crate::columns;
+use crate::columns::{self, Statuses};
 use crate::error::Error;
-use crate::new_file::NewFile;
-use crate::row::{Outputs, Status};
-use crate::solve;
+use crate::new_file::{Ended, NewFile};
+use crate::solve::Solver;
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
 use serde_json::json;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
 /// Rows of one Arrow batch.
 pub const CHUNK: u64 = 1 << 13;
-/// Rows that are simulated in one go: what they need stays in a core's cache and comes from memory already at hand.
-const PIECE: usize = 1 << 8;
 /// Chunks of one file that are in memory for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
 
@@ -26,27 +23,10 @@ pub type StatusCounts = BTreeMap<String, u64>;
 /// Told how many more rows are done, from any thread.
 pub type OnRows<'a> = &'a (dyn Fn(u64) + Sync);
 
-/// Points and results of some rows, without Arrow around them.
-pub fn compute(study: &Study, rows: Range<u64>) -> Result<(Vec<Vec<f64>>, Vec<Outputs>), Error> {
-    let count = (rows.end - rows.start) as usize;
-    let mut points = vec![Vec::with_capacity(count); study.varied.len()];
-    study.design.fill(rows, &mut points)?;
-    let mut outputs = Vec::with_capacity(count);
-    let mut piece = vec![Vec::with_capacity(PIECE); study.varied.len()];
-    for start in (0..count).step_by(PIECE) {
-        for (piece, column) in piece.iter_mut().zip(&points) {
-            piece.clear();
-            piece.extend_from_slice(&column[start..count.min(start + PIECE)]);
-        }
-        outputs.extend(solve::rows(study, &piece));
-    }
-    Ok((points, outputs))
-}
-
 /// Some rows of a study as Arrow.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
-    let (points, outputs) = compute(study, rows.clone())?;
-    columns::batch(study, &columns::schema(study), rows.start, points, &outputs)
+    let rows = Solver::new(study).rows(rows)?;
+    columns::batch(study, &columns::schema(study), rows, &mut Statuses::default())
 }
 
 /// Cuts rows into chunks. Chunks are counted from row zero of the study, so that they do not depend on the parts.
@@ -65,7 +45,7 @@ pub enum Workers {
     All,
 }
 
-/// Writes some rows of a study to `path`, which appears when it is whole; returns how many ended with each status.
+/// Writes some rows of a study to what will be `path` when it is published; tells how many ended with each status.
 ///
 /// # Errors
 /// The file cannot be written, or a table of points cannot be read; nothing remains then.
@@ -76,32 +56,29 @@ pub fn write(
     extra: &[(&str, String)],
     workers: Workers,
     on_rows: OnRows<'_>,
-) -> Result<StatusCounts, Error> {
+) -> Result<(Ended, StatusCounts), Error> {
     let schema = columns::schema(study);
     let mut file = NewFile::create(path, schema.clone(), columns::properties(study, &schema, extra))?;
-    let mut counts: HashMap<Status, u64> = HashMap::new();
+    let mut statuses = Statuses::default();
     let chunks = chunks(rows);
     let wave = if workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
+    let mut solver = Solver::new(study);
     for wave in chunks.chunks(wave) {
-        let one = |rows: &Range<u64>| compute(study, rows.clone());
         let computed: Vec<_> = match workers {
-            Workers::One => wave.iter().map(one).collect(),
-            Workers::All => wave.par_iter().map(one).collect(),
-        };
-        for (rows, computed) in wave.iter().zip(computed) {
-            let (points, outputs) = computed?;
-            for alike in outputs.chunk_by(|a, b| a.status == b.status) {
-                *counts.entry(alike[0].status).or_default() += alike.len() as u64;
+            Workers::One => wave.iter().map(|rows| solver.rows(rows.clone())).collect(),
+            Workers::All => {
+                wave.par_iter().map_init(|| Solver::new(study), |solver, rows| solver.rows(rows.clone())).collect()
             }
-            let batch = columns::batch(study, &schema, rows.start, points, &outputs)?;
+        };
+        for rows in computed {
+            let batch = columns::batch(study, &schema, rows?, &mut statuses)?;
             file.write(&batch)?;
-            on_rows(rows.end - rows.start);
+            on_rows(batch.num_rows() as u64);
         }
     }
-    let counts: StatusCounts = counts.into_iter().map(|(status, count)| (status.text().into_owned(), count)).collect();
+    let counts = statuses.counts();
     file.note("status_counts", json!(counts).to_string());
-    file.finish()?;
-    Ok(counts)
+    Ok((file.end()?, counts))
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use crate::quantity::{Base, Point};
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
 use chamber::batch::{self, Hold, Outcome, Scenario};
-use chamber::effects::{self, EffectSet, EffectValues};
-use chamber::{Chamber, Gas, Geometry, HeatTransfer};
+use chamber::effects::{self, EffectSet};
+use chamber::{Gas, Geometry, HeatTransfer};
 use std::borrow::Cow;
 use thiserror::Error;
 
@@ -117,41 +117,48 @@ impl Outputs {
 /// # Errors
 /// Why there is no such test.
 pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Failure> {
+    let mut scenario = Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN));
+    set_scenario(study, point, &mut scenario)?;
+    Ok(scenario)
+}
+
+/// The same in place of a scenario that is there already, which spares copies of it. What is left there is of no use
+/// where there is no such test.
+///
+/// # Errors
+/// Why there is no such test.
+pub fn set_scenario(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(), Failure> {
     let get = |base| point.get(base);
     let or_ambient = |value: f64| if value.is_nan() { get(Base::AmbientTemperature) } else { value };
-    let mut effects = EffectValues::NEUTRAL;
-    effects.0.copy_from_slice(point.effects());
-    let heat_transfer = HeatTransfer {
+    let chamber = &mut scenario.chamber;
+    chamber.effects.0.copy_from_slice(point.effects());
+    chamber.heat_transfer = HeatTransfer {
         coefficient: get(Base::Coefficient),
         reference_pressure: get(Base::ReferencePressure),
         reference_temperature: get(Base::ReferenceTemperature),
     };
-    let gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
-    let geometry = geometry(study, point)?;
-    let mut scenario = Scenario {
-        chamber: Chamber { gas, geometry, heat_transfer, effects },
-        initial_pressure_pa: get(Base::InitialPressure),
-        initial_position_m: get(Base::InitialStroke),
-        final_position_m: get(Base::FinalStroke),
-        push_time_s: get(Base::PushTime),
-        hold: Hold::Duration(get(Base::Duration)),
-        initial_temperature_k: or_ambient(get(Base::InitialTemperature)),
-        ambient_temperature_k: get(Base::AmbientTemperature),
-        ambient_pressure_pa: get(Base::AmbientPressure),
-        mass_flow_in_kg_per_s: get(Base::MassFlowIn),
-        temperature_in_k: or_ambient(get(Base::TemperatureIn)),
-        mass_flow_out_kg_per_s: get(Base::MassFlowOut),
-        profile: None,
-    };
+    chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
+    chamber.geometry = geometry(study, point)?;
+    scenario.initial_pressure_pa = get(Base::InitialPressure);
+    scenario.initial_position_m = get(Base::InitialStroke);
+    scenario.final_position_m = get(Base::FinalStroke);
+    scenario.push_time_s = get(Base::PushTime);
+    scenario.hold = Hold::Duration(get(Base::Duration));
+    scenario.initial_temperature_k = or_ambient(get(Base::InitialTemperature));
+    scenario.ambient_temperature_k = get(Base::AmbientTemperature);
+    scenario.ambient_pressure_pa = get(Base::AmbientPressure);
+    scenario.mass_flow_in_kg_per_s = get(Base::MassFlowIn);
+    scenario.temperature_in_k = or_ambient(get(Base::TemperatureIn));
+    scenario.mass_flow_out_kg_per_s = get(Base::MassFlowOut);
     let time_constants = get(Base::HoldTimeConstants);
     if !time_constants.is_nan() {
-        let hold = time_constants * final_time_constant(&scenario);
+        let hold = time_constants * final_time_constant(scenario);
         if !hold.is_finite() {
             return Err(Failure::NoTimeConstant);
         }
         scenario.hold = Hold::Duration(scenario.push_time_s + hold);
     }
-    Ok(scenario)
+    Ok(())
 }
 
 /// The chamber's shape, its bore solved for where the volume-to-area ratio is given.

@@ -2,12 +2,14 @@
 
 use crate::error::Error;
 use crate::folder::{Folder, Part};
+use crate::new_file::Ended;
 use crate::part::{self, OnRows, StatusCounts, Workers};
 use crate::sensitivity;
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
 use std::path::Path;
+use std::sync::mpsc::{SyncSender, sync_channel};
 
 /// Which of a study's parts a run writes: those whose number leaves `index` when divided by `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,12 +88,13 @@ pub fn run(study: &Study, folder: &Path, shard: Shard, on_rows: OnRows<'_>) -> R
     let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
     let one = |part: &u64| {
         let extra = [("shard", shard.to_string()), ("part", part.to_string())];
-        part::write(study, study.rows_of(*part), &folder.part_path(*part), &extra, workers, on_rows).map(drop)
+        let path = folder.part_path(*part);
+        part::write(study, study.rows_of(*part), &path, &extra, workers, on_rows).map(|(file, _)| file)
     };
-    match workers {
-        Workers::All => missing.iter().try_for_each(one)?,
-        Workers::One => missing.par_iter().with_max_len(1).try_for_each(one)?,
-    }
+    publishing(|publish| match workers {
+        Workers::All => missing.iter().try_for_each(|part| publish.send(one(part)?)),
+        Workers::One => missing.par_iter().with_max_len(1).try_for_each(|part| publish.send(one(part)?)),
+    })?;
     let parts: Vec<Part> = mine.iter().filter_map(|part| folder.finished(*part)).collect();
     let mut statuses = StatusCounts::new();
     for (status, count) in parts.iter().flat_map(|part| &part.statuses) {
@@ -114,13 +117,54 @@ pub fn run(study: &Study, folder: &Path, shard: Shard, on_rows: OnRows<'_>) -> R
     })
 }
 
+/// Where files go that have all their contents: a thread of its own publishes them, since a disk takes its time.
+struct Publisher(SyncSender<Ended>);
+
+/// Why no further file is to be made.
+enum Stop {
+    /// One could not be made.
+    Failed(Error),
+    /// One could not be published: the publisher knows why.
+    Unpublished,
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Self {
+        Stop::Failed(error)
+    }
+}
+
+impl Publisher {
+    fn send(&self, file: Ended) -> Result<(), Stop> {
+        self.0.send(file).map_err(|_| Stop::Unpublished)
+    }
+}
+
+/// Lets `make` make files, and returns when all of them are published or something went wrong.
+fn publishing(make: impl FnOnce(&Publisher) -> Result<(), Stop>) -> Result<(), Error> {
+    std::thread::scope(|scope| {
+        let (sender, files) = sync_channel::<Ended>(1);
+        let published = scope.spawn(|| files.into_iter().try_for_each(Ended::publish));
+        let publisher = Publisher(sender);
+        let made = make(&publisher);
+        drop(publisher);
+        published.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        match made {
+            Err(Stop::Failed(error)) => Err(error),
+            Ok(()) | Err(Stop::Unpublished) => Ok(()),
+        }
+    })
+}
+
 /// Carries out a whole study into one Parquet file, which appears when it is whole; returns its rows by status.
 ///
 /// # Errors
 /// The file cannot be written; nothing remains then.
 pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<StatusCounts, Error> {
     let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
-    part::write(study, 0..study.rows, path, &extra, Workers::All, on_rows)
+    let (file, counts) = part::write(study, 0..study.rows, path, &extra, Workers::All, on_rows)?;
+    file.publish()?;
+    Ok(counts)
 }
 
 /// Carries out a whole study in memory.

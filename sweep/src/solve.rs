@@ -1,34 +1,98 @@
 //! From points to results: rows become scenarios, the batch kernel of `chamber` simulates them.
 
-use crate::quantity;
-use crate::row::{self, Outputs};
+use crate::columns;
+use crate::error::Error;
+use crate::quantity::{self, Point};
+use crate::row::{self, Outputs, Status};
 use crate::study::Study;
-use chamber::batch::{self, Failure, Options, Outcome};
+use chamber::batch::{self, Hold, Kernel, Options, Outcome, Scenario};
 use chamber::effects::{self, EffectSet, EffectValues, PARAMETERS};
+use std::ops::Range;
 
-/// Simulates some rows, given by a column for each varied quantity.
-pub fn rows(study: &Study, points: &[Vec<f64>]) -> Vec<Outputs> {
-    let count = points.first().map_or(0, Vec::len);
-    let mut point = study.base;
-    let mut outputs = Vec::with_capacity(count);
-    let mut scenarios = Vec::with_capacity(count);
-    for row in 0..count {
-        for (varied, column) in study.varied.iter().zip(points) {
-            point.0[varied.quantity] = column[row];
-        }
-        match row::scenario(study, &point) {
-            Ok(scenario) => {
-                scenarios.push(scenario);
-                outputs.push(None);
-            }
-            Err(failure) => outputs.push(Some(Outputs::failed(failure))),
+/// Some rows of a study by column.
+pub struct Rows {
+    /// Number of the first.
+    pub first: u64,
+    /// The varied quantities.
+    pub points: Vec<Vec<f64>>,
+    /// The study's computed columns, NaN where there is no value.
+    pub outputs: Vec<Vec<f64>>,
+    /// How each row ended.
+    pub statuses: Vec<Status>,
+}
+
+/// Solves rows of a study on one thread, in memory that it keeps.
+pub struct Solver<'a> {
+    study: &'a Study,
+    effects: EffectSet,
+    options: Options,
+    kernel: Kernel,
+    point: Point,
+    scenarios: Vec<Scenario>,
+    outcomes: Vec<Outcome>,
+    outputs: Vec<Outputs>,
+}
+
+impl<'a> Solver<'a> {
+    /// For the rows of a study.
+    pub fn new(study: &'a Study) -> Self {
+        let empty = Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN));
+        Self {
+            study,
+            effects: effects_of(study),
+            options: Options { solver: study.solver, relative_tolerance: study.tolerance, fit: study.fit },
+            kernel: Kernel::default(),
+            point: study.base,
+            scenarios: vec![empty; batch::CHUNK],
+            outcomes: vec![Outcome::failed(batch::Failure::TooManySteps); batch::CHUNK],
+            outputs: Vec::with_capacity(batch::CHUNK),
         }
     }
-    let options = Options { solver: study.solver, relative_tolerance: study.tolerance, fit: study.fit };
-    let mut outcomes = vec![Outcome::failed(Failure::TooManySteps); scenarios.len()];
-    batch::run(effects_of(study), &scenarios, &options, &mut outcomes);
-    let mut simulated = scenarios.iter().zip(&outcomes).map(|(scenario, outcome)| Outputs::new(scenario, outcome));
-    outputs.into_iter().map_while(|failed| failed.or_else(|| simulated.next())).collect()
+
+    /// Solves some rows, as many at a time as stay in a core's cache.
+    ///
+    /// # Errors
+    /// A table of points cannot be read.
+    pub fn rows(&mut self, rows: Range<u64>) -> Result<Rows, Error> {
+        let count = (rows.end - rows.start) as usize;
+        let empty = || Vec::with_capacity(count);
+        let mut points: Vec<Vec<f64>> = self.study.varied.iter().map(|_| empty()).collect();
+        self.study.design.fill(rows.clone(), &mut points)?;
+        let mut outputs: Vec<Vec<f64>> = columns::outputs(self.study).map(|_| empty()).collect();
+        let mut statuses = Vec::with_capacity(count);
+        for start in (0..count).step_by(batch::CHUNK) {
+            self.solve(&points, start..count.min(start + batch::CHUNK));
+            for (output, column) in columns::outputs(self.study).zip(&mut outputs) {
+                (output.append)(&self.outputs, column);
+            }
+            statuses.extend(self.outputs.iter().map(|row| row.status));
+        }
+        Ok(Rows { first: rows.start, points, outputs, statuses })
+    }
+
+    /// Solves the points at some places of their columns into `outputs`.
+    fn solve(&mut self, points: &[Vec<f64>], places: Range<usize>) {
+        let count = places.len();
+        let mut impossible = Vec::new();
+        for (i, place) in places.enumerate() {
+            for (varied, column) in self.study.varied.iter().zip(points) {
+                self.point.0[varied.quantity] = column[place];
+            }
+            let scenario = &mut self.scenarios[i];
+            if let Err(failure) = row::set_scenario(self.study, &self.point, scenario) {
+                impossible.push((i, failure));
+                // What the kernel refuses at once.
+                scenario.initial_pressure_pa = f64::NAN;
+            }
+        }
+        let (scenarios, outcomes) = (&self.scenarios[..count], &mut self.outcomes[..count]);
+        self.kernel.run(self.effects, scenarios, &self.options, outcomes);
+        self.outputs.clear();
+        self.outputs.extend(scenarios.iter().zip(outcomes).map(|(scenario, outcome)| Outputs::new(scenario, outcome)));
+        for (i, failure) in impossible {
+            self.outputs[i] = Outputs::failed(failure);
+        }
+    }
 }
 
 /// Effects that are on in some row. The same for all rows, whatever the chunk, so that a row's bits are its own.

@@ -149,7 +149,7 @@ pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<
         }
     }
     flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
-    file.finish()?;
+    file.end()?.publish()?;
     report.without.sort();
     Ok(report)
 }

@@ -7,6 +7,7 @@ pub mod table;
 
 use crate::axis::Axis;
 use crate::error::Error;
+use pulp::{Arch, Simd, WithSimd};
 use random::{Permutation, Stream, mix, unit};
 use sobol::Sobol;
 use std::ops::Range;
@@ -107,17 +108,11 @@ impl Design {
                     repeats *= levels;
                 }
             }
-            Design::LatinHypercube(cube) => {
-                let mut slices = Vec::with_capacity((rows.end - rows.start) as usize);
-                for ((axis, (permutation, place)), column) in cube.axes.iter().zip(&cube.columns).zip(columns) {
-                    permutation.fill(rows.clone(), &mut slices);
-                    let share = |(row, slice): (u64, &u64)| (*slice as f64 + unit(place.at(row))) / cube.samples as f64;
-                    axis.fill(rows.clone().zip(&slices).map(share), column);
-                }
-            }
+            Design::LatinHypercube(cube) => cube.fill(rows, columns),
             Design::Sobol(axes, _, points) => {
                 for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
-                    axis.fill(rows.clone().map(|row| points.coordinate(row, dimension)), column);
+                    column.extend(rows.clone().map(|row| points.coordinate(row, dimension)));
+                    axis.place(column);
                 }
             }
             Design::Saltelli(axes, _, points) => {
@@ -127,12 +122,49 @@ impl Design {
                         let of_b = row % block == dimension as u64 + 1 || row % block == block - 1;
                         points.coordinate(row / block, if of_b { axes.len() + dimension } else { dimension })
                     };
-                    axis.fill(rows.clone().map(share), column);
+                    column.extend(rows.clone().map(share));
+                    axis.place(column);
                 }
             }
             Design::Table(table) => table.fill(rows, columns)?,
         }
         Ok(())
+    }
+}
+
+impl LatinHypercube {
+    fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) {
+        let mut slices = vec![0; (rows.end - rows.start) as usize];
+        for ((axis, (permutation, place)), column) in self.axes.iter().zip(&self.columns).zip(columns) {
+            permutation.fill(rows.start, &mut slices);
+            column.resize(slices.len(), 0.0);
+            let (first_row, samples) = (rows.start, self.samples as f64);
+            Arch::new().dispatch(Shares { slices: &slices, samples, place: *place, first_row, out: column });
+            axis.place(column);
+        }
+    }
+}
+
+/// Random places in slices of an axis, as shares of it.
+struct Shares<'a> {
+    slices: &'a [u64],
+    samples: f64,
+    place: Stream,
+    first_row: u64,
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Shares<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let mut i = 0;
+        while i < self.slices.len() && i < self.out.len() {
+            let within = unit(self.place.at(self.first_row + i as u64));
+            self.out[i] = (self.slices[i] as f64 + within) / self.samples;
+            i += 1;
+        }
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! The mixing is SplitMix64's (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
 
-use std::ops::Range;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Elements that are permuted together: their memory stays in a core's nearest cache.
+const BLOCK: usize = 1 << 11;
 
 /// A 64-bit number from a key and a counter.
 #[inline]
@@ -22,13 +25,13 @@ impl Stream {
     }
 
     /// Its number at a counter.
-    #[inline]
+    #[inline(always)]
     pub fn at(self, counter: u64) -> u64 {
         finish(self.0.wrapping_add(counter.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
     }
 }
 
-#[inline]
+#[inline(always)]
 fn finish(mut z: u64) -> u64 {
     z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -37,7 +40,7 @@ fn finish(mut z: u64) -> u64 {
 }
 
 /// A number in [0, 1) with 53 random bits.
-#[inline]
+#[inline(always)]
 pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
@@ -64,50 +67,65 @@ impl Permutation {
         }
     }
 
-    /// Where `index` goes.
-    pub fn of(&self, index: u64) -> u64 {
-        let mut found = Vec::with_capacity(1);
-        self.fill(index..index + 1, &mut found);
-        found[0]
+    /// Where some indices go, from `first` on.
+    pub fn fill(&self, first: u64, out: &mut [u64]) {
+        let arch = Arch::new();
+        let mut start = first;
+        for block in out.chunks_mut(BLOCK) {
+            self.fill_block(arch, start, block);
+            start += block.len() as u64;
+        }
     }
 
-    /// Where some indices go, in place of what `out` holds. All take a step along their cycles before any takes the
-    /// next: whether one has to go on is a coin that a processor cannot guess.
-    pub fn fill(&self, indices: Range<u64>, out: &mut Vec<u64>) {
-        debug_assert!(indices.end <= self.size);
-        out.clear();
-        out.extend(indices.map(|index| self.round_trip(index)));
-        let mut outside: Vec<u32> = (0..out.len() as u32).collect();
-        let mut count = self.keep_outside(out, &mut outside);
+    /// All elements of a block take a step along their cycles before any takes the next: whether one has to go on is
+    /// a coin that a processor cannot guess, and steps in a row are taken by its widest instructions.
+    fn fill_block(&self, arch: Arch, first: u64, out: &mut [u64]) {
+        debug_assert!(first + out.len() as u64 <= self.size);
+        let mut walking = [0; BLOCK];
+        let mut places = [0u16; BLOCK];
+        let mut count = out.len();
+        for i in 0..count {
+            (walking[i], places[i]) = (first + i as u64, i as u16);
+        }
         while count > 0 {
-            for place in &outside[..count] {
-                let at = &mut out[*place as usize];
-                *at = self.round_trip(*at);
+            arch.dispatch(Step { permutation: self, elements: &mut walking[..count] });
+            let mut outside = 0;
+            for i in 0..count {
+                let (element, place) = (walking[i], places[i]);
+                out[usize::from(place)] = element;
+                (walking[outside], places[outside]) = (element, place);
+                outside += usize::from(element >= self.size);
             }
-            outside.truncate(count);
-            count = self.keep_outside(out, &mut outside);
+            count = outside;
         }
     }
+}
 
-    /// Moves those of the places whose element is outside 0..size to the front, and says how many they are.
-    fn keep_outside(&self, elements: &[u64], places: &mut [u32]) -> usize {
-        let mut count = 0;
-        for i in 0..places.len() {
-            let place = places[i];
-            places[count] = place;
-            count += usize::from(elements[place as usize] >= self.size);
-        }
-        count
-    }
+/// A step of some elements along their cycles.
+struct Step<'a> {
+    permutation: &'a Permutation,
+    elements: &'a mut [u64],
+}
 
-    #[inline]
-    fn round_trip(&self, value: u64) -> u64 {
-        let mask = (1u64 << self.half_bits) - 1;
-        let (mut left, mut right) = (value >> self.half_bits, value & mask);
-        for round in self.rounds {
-            (left, right) = (right, left ^ (round.at(right) & mask));
+impl WithSimd for Step<'_> {
+    type Output = ();
+
+    // Loops by index: what iterators compile to is not inlined into a function with more instructions than the crate's.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Permutation { half_bits, rounds, .. } = *self.permutation;
+        let mask = (1u64 << half_bits) - 1;
+        let mut i = 0;
+        while i < self.elements.len() {
+            let (mut left, mut right) = (self.elements[i] >> half_bits, self.elements[i] & mask);
+            let mut round = 0;
+            while round < rounds.len() {
+                (left, right) = (right, left ^ (rounds[round].at(right) & mask));
+                round += 1;
+            }
+            self.elements[i] = left << half_bits | right;
+            i += 1;
         }
-        left << self.half_bits | right
     }
 }
 
@@ -115,15 +133,19 @@ impl Permutation {
 mod tests {
     use super::*;
 
+    fn all(permutation: &Permutation) -> Vec<u64> {
+        let mut out = vec![0; permutation.size as usize];
+        permutation.fill(0, &mut out);
+        out
+    }
+
     #[test]
     fn a_permutation_takes_every_value_once() {
         for size in [1, 2, 3, 5, 64, 1000, 4097] {
             for key in 0..4 {
-                let permutation = Permutation::new(size, key);
-                let mut seen = vec![false; size as usize];
-                for i in 0..size {
-                    assert!(!std::mem::replace(&mut seen[permutation.of(i) as usize], true), "{size} {key} {i}");
-                }
+                let mut seen = all(&Permutation::new(size, key));
+                seen.sort_unstable();
+                assert!(seen.into_iter().eq(0..size), "{size} {key}");
             }
         }
     }
@@ -131,8 +153,8 @@ mod tests {
     #[test]
     fn permutations_of_different_keys_are_not_correlated() {
         let n = 10_000;
-        let (a, b) = (Permutation::new(n, 1), Permutation::new(n, 2));
-        let centred = |p: &Permutation, i| p.of(i) as f64 / n as f64 - 0.5;
+        let (a, b) = (all(&Permutation::new(n, 1)), all(&Permutation::new(n, 2)));
+        let centred = |p: &[u64], i: u64| p[i as usize] as f64 / n as f64 - 0.5;
         let covariance = (0..n).map(|i| centred(&a, i) * centred(&b, i)).sum::<f64>() / n as f64;
         let with_index = (0..n).map(|i| centred(&a, i) * (i as f64 / n as f64 - 0.5)).sum::<f64>() / n as f64;
         // The standard deviation of a correlation of independent numbers is 1/√n; the variance of one is 1/12.
