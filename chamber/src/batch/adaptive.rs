@@ -2,13 +2,14 @@
 
 use super::advance::{Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
 use super::finish::{self, Relaxation};
-use super::fit::{self, Nodes};
-use super::glimpses::Glimpses;
+use super::fit;
 use super::outcome::{Failure, Outcome};
-use super::record::{self, Piece, Question};
+use super::regression::{Part, Records};
 use super::scenario::{Options, Scenario};
 use super::sealed::{Ending, Held, Moving, Test};
+use super::step::dense;
 use crate::lanes::{Lanes, WIDTH};
+use crate::real::Real;
 use pulp::Arch;
 
 /// Working memory of a chunk, kept from one to the next.
@@ -18,21 +19,24 @@ pub struct Memory {
     problems: Vec<Problem<1>>,
     peaks: Vec<f64>,
     log: Vec<Tried<1>>,
-    glimpses: Glimpses,
-    pieces: Vec<Piece>,
-    nodes: Nodes,
+    parts: Vec<Part<Lanes>>,
+    records: Records,
 }
 
-/// Keeps the steps and glimpses of them.
+/// Keeps the steps and the record within them.
 struct Both<'a> {
     log: &'a mut Vec<Tried<1>>,
-    glimpses: &'a mut Glimpses,
+    parts: &'a mut Vec<Part<Lanes>>,
 }
 
 impl Watch<1, Held<'_>> for Both<'_> {
     #[inline(always)]
     fn see<const FUSED: bool>(&mut self, system: &Held, tried: Tried<1>) {
-        self.glimpses.see::<FUSED>(system, tried);
+        let Tried { from, length, begin, end, slopes, accepted } = &tried;
+        let terms = dense::<1, FUSED, Held>(system, *from, *length, begin, end, slopes);
+        let mut part = system.part(&terms, *from, *length);
+        part.samples.count = accepted.where_positive(part.samples.count, Lanes::ZERO);
+        self.parts.push(part);
         self.log.see::<FUSED>(system, tried);
     }
     #[inline(always)]
@@ -50,11 +54,12 @@ pub fn run(
     options: &Options,
     out: &mut [Outcome],
 ) {
-    let Memory { tests, problems, peaks, log, glimpses, pieces, nodes } = memory;
+    let Memory { tests, problems, peaks, log, parts, records } = memory;
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
     log.clear();
+    parts.clear();
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         tests.push(Test::new(s));
@@ -67,9 +72,7 @@ pub fn run(
         problem.length = duration - problem.length;
     }
     if options.fit {
-        glimpses.clear();
-        glimpses.awake = true;
-        advance(arch, &Held::new(tests), problems, relative, &mut Both { log, glimpses });
+        advance(arch, &Held::new(tests), problems, relative, &mut Both { log, parts });
     } else {
         advance(arch, &Held::new(tests), problems, relative, log);
     }
@@ -86,36 +89,31 @@ pub fn run(
             system.load(lane, at(lane));
         }
         let settling = finish::settling(arch, &relaxation, &system);
+        let regression = options.fit.then(|| {
+            records.clear();
+            for lane in 0..rows.len() {
+                add_record(records, lane, parts, problems[at(lane)].steps);
+            }
+            let guess = |lane: usize| {
+                let test = &tests[at(lane)];
+                fit::time_constant(test.rate, 1.0 - test.closed.ambient_temperature / peak[lane])
+            };
+            records.fit(arch, Lanes::from_fn(guess))
+        });
         for (lane, &(row, duration)) in rows.iter().enumerate() {
             let (test, problem) = (&tests[at(lane)], &problems[at(lane)]);
+            let (peak, end) = (peak[lane], end[lane]);
             out[row as usize] = match problem.failure {
                 Some(reason) => Outcome::failed(reason),
                 None => {
-                    let (peak, end) = (peak[lane], end[lane]);
-                    let scenario = &scenarios[row as usize];
-                    let mut regression = None;
-                    if options.fit && end > 0.0 {
-                        pieces.clear();
-                        glimpses.pieces(problem.steps, scenario.push_time_s, pieces);
-                        let question = Question {
-                            push_end: scenario.push_time_s,
-                            duration,
-                            delay: 0.0,
-                            expands: test.root_rate > 0.0,
-                            before: [scenario.initial_pressure_pa, 0.0],
-                            single_samples: 0,
-                            guess: Some(fit::time_constant(test.rate, 1.0 - test.closed.ambient_temperature / peak)),
-                        };
-                        regression = record::regression(arch, pieces, &question, nodes);
-                    }
                     let ending = Ending {
-                        scenario,
+                        scenario: &scenarios[row as usize],
                         duration,
                         peak,
                         end,
                         pressure_per_temperature: test.closed.mass_gas_constant / test.held_volume,
                         settling: settling[lane],
-                        regression,
+                        regression: regression.as_ref().and_then(|found| found.lane(lane)),
                     };
                     Outcome {
                         energy_error: problem.gap,
@@ -125,6 +123,16 @@ pub fn run(
                     }
                 }
             };
+        }
+    }
+}
+
+/// Copies the parts of a problem's steps that have samples.
+fn add_record(records: &mut Records, lane: usize, parts: &[Part<Lanes>], steps: Steps) {
+    let column = steps.lane as usize;
+    for part in &parts[steps.from as usize..steps.to as usize] {
+        if part.samples.count[column] > 0.0 {
+            records.add(lane, part.lane(column));
         }
     }
 }

@@ -2,16 +2,18 @@
 //! of each row's record.
 
 use super::advance::{Problem, Steps, advance};
-use super::fit::{self, LAGGING, Nodes};
+use super::fit;
 use super::general::{General, Row, observe};
 use super::glimpses::Glimpses;
 use super::outcome::{Failure, Outcome};
 use super::plan::Plan;
-use super::record::{self, Piece, Question};
+use super::record::{self, Answer, Piece, Question};
+use super::regression::Records;
 use super::scenario::{Options, Scenario};
 use crate::balance::{self, Balance, ENERGY, MASS, STATES};
 use crate::effects::EffectSet;
 use crate::exact::Closed;
+use crate::lanes::{Lanes, WIDTH};
 use crate::simulate::tolerance;
 use pulp::Arch;
 
@@ -37,7 +39,7 @@ struct Course<'a, const N: usize> {
 pub struct Memory {
     glimpses: Glimpses,
     pieces: Vec<Piece>,
-    nodes: Nodes,
+    records: Records,
 }
 
 /// Runs checked rows (number and plan) that have their area law, and whether they have a profile, in common.
@@ -80,7 +82,7 @@ pub fn run<const N: usize, const BITS: u32>(
     let Some(first) = courses.first() else { return };
     let area_law = first.scenario.chamber.geometry.area_law;
 
-    let Memory { glimpses, pieces, nodes } = memory;
+    let Memory { glimpses, pieces, records } = memory;
     glimpses.clear();
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0.. {
@@ -114,11 +116,31 @@ pub fn run<const N: usize, const BITS: u32>(
         }
     }
 
-    for c in &courses {
-        out[c.row as usize] = match c.failure {
-            Some(reason) => Outcome::failed(reason),
-            None => evaluate(arch, set, c, glimpses, options, pieces, nodes),
-        };
+    for courses in courses.chunks(WIDTH) {
+        records.clear();
+        let mut guess = Lanes::from(1.0);
+        let mut answers = [None; WIDTH];
+        for (lane, c) in courses.iter().enumerate().filter(|(_, c)| c.failure.is_none()) {
+            let question = question(set, c);
+            pieces.clear();
+            for (stretch, steps) in c.plan.stretches.iter().zip(&c.steps).skip(seen_from(c.plan)) {
+                glimpses.pieces(*steps, stretch.elapsed - c.plan.delay, pieces);
+            }
+            answers[lane] = record::answer(arch, pieces, &question);
+            if let (true, Some(answer)) = (options.fit, &answers[lane]) {
+                record::add_to(records, lane, pieces, &question, answer.peak_time);
+                guess[lane] = 1.0 / c.at_rest().rate(c.end().volume);
+            }
+        }
+        let found = options.fit.then(|| records.fit(arch, guess));
+        for (lane, c) in courses.iter().enumerate() {
+            let regression = found.as_ref().and_then(|found| found.lane(lane));
+            out[c.row as usize] = match (c.failure, &answers[lane]) {
+                (Some(reason), _) => Outcome::failed(reason),
+                (None, None) => Outcome::failed(Failure::EndsInPush),
+                (None, Some(answer)) => outcome(c, answer, regression),
+            };
+        }
     }
 }
 
@@ -127,44 +149,52 @@ fn seen_from(plan: &Plan) -> usize {
     plan.window[0].min(plan.hold)
 }
 
-/// Looks into a row's record.
-fn evaluate<const N: usize>(
-    arch: Arch,
-    set: EffectSet,
-    c: &Course<N>,
-    glimpses: &Glimpses,
-    options: &Options,
-    pieces: &mut Vec<Piece>,
-    nodes: &mut Nodes,
-) -> Outcome {
-    let (plan, chamber) = (c.plan, &c.scenario.chamber);
-    pieces.clear();
-    for (stretch, steps) in plan.stretches.iter().zip(&c.steps).skip(seen_from(plan)) {
-        glimpses.pieces(*steps, stretch.elapsed - plan.delay, pieces);
+/// How a row's boundary ends.
+struct End {
+    position: f64,
+    volume: f64,
+    ambient_temperature: f64,
+}
+
+impl<const N: usize> Course<'_, N> {
+    fn end(&self) -> End {
+        let last = &self.plan.stretches[self.plan.stretches.len() - 1];
+        let boundary = last.boundary(last.length);
+        let (position, ambient_temperature) = (boundary.position, boundary.ambient_temperature);
+        End { position, volume: self.scenario.chamber.geometry.volume(position), ambient_temperature }
     }
-    let last = &plan.stretches[plan.stretches.len() - 1];
-    let (first_position, last_position) = (plan.stretches[0].position, last.position + last.velocity * last.length);
-    let volume = chamber.geometry.volume(last_position);
+
+    /// The chamber at its end once it has the temperature of its surroundings.
+    fn at_rest(&self) -> Closed {
+        let chamber = &self.scenario.chamber;
+        let End { volume, ambient_temperature: ambient, .. } = self.end();
+        let pressure = self.state[MASS] * chamber.gas.gas_constant * ambient / volume;
+        Closed::filled(chamber, pressure, ambient, volume, ambient)
+    }
+}
+
+/// What is asked of a row's record.
+fn question<const N: usize>(set: EffectSet, c: &Course<N>) -> Question {
+    let plan = c.plan;
     let shown = |elapsed| observe(set, &c.balance, &plan.stretches[0], 0.0, &c.initial, elapsed)[0];
-    let ambient = last.boundary(last.length).ambient_temperature;
-    let at_rest = c.state[MASS] * chamber.gas.gas_constant * ambient / volume;
-    let closed = Closed::filled(chamber, at_rest, ambient, volume, ambient);
-    let question = Question {
+    Question {
         push_end: plan.push_end,
         duration: plan.duration,
         delay: plan.delay,
         expands: plan.expands,
         before: [shown(0.0), shown(1.0) - shown(0.0)],
-        single_samples: LAGGING,
-        guess: options.fit.then(|| 1.0 / closed.rate(volume)),
-    };
-    let Some(a) = record::answer(arch, pieces, &question, nodes) else { return Outcome::failed(Failure::EndsInPush) };
+    }
+}
+
+/// A row's outcome from what its record has answered.
+fn outcome<const N: usize>(c: &Course<N>, a: &Answer, regression: Option<[f64; 3]>) -> Outcome {
+    let plan = c.plan;
+    let End { position, volume, ambient_temperature: ambient } = c.end();
     let distance = (a.pressure_peak - a.pressure_final).abs();
-    let gas_pressure = closed.pressure(a.temperature_final, volume);
+    let gas_pressure = c.at_rest().pressure(a.temperature_final, volume);
     let unsettled = gas_pressure * (1.0 - ambient / a.temperature_final).abs();
-    let fit = a.regression.and_then(|regression| {
-        fit::steps(c.scenario, [first_position, last_position], c.scenario.initial_pressure_pa, regression)
-    });
+    let positions = [plan.stretches[0].position, position];
+    let fit = regression.and_then(|found| fit::steps(c.scenario, positions, c.scenario.initial_pressure_pa, found));
     Outcome {
         pressure_peak_pa: a.pressure_peak,
         pressure_final_pa: a.pressure_final,

@@ -1,23 +1,25 @@
 //! Sealed tests by the closed forms of [`exact`](crate::exact), in lanes: no integration, no tolerance.
 
 use super::finish::SETTLED;
-use super::fit::{self, Exponential, GAUSS, Nodes, SAMPLE_RATE_HZ, Samples};
+use super::fit;
 use super::outcome::{Failure, Outcome};
+use super::regression::{Found, Part, Records};
+use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use super::scenario::{Options, Scenario};
 use super::sealed::Ending;
 use crate::exact::Closed;
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Ends of the regression's quadrature panels, in time constants; the last goes to the end of the record.
-const PANELS: [f64; 8] = [0.0, 0.5, 1.0, 1.75, 2.75, 4.0, 6.0, 10.0];
+/// Ends of the parts in which the regression's sums are taken, in 1/k after the push; the last ends with the record.
+const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
 
-/// Solves checked, sealed scenarios: numbers and durations, s. `nodes` is memory to use.
+/// Solves checked, sealed scenarios: numbers and durations, s. `records` is memory to use.
 pub fn run(
     arch: Arch,
-    nodes: &mut Nodes,
+    records: &mut Records,
     rows: &[(u32, f64)],
     scenarios: &[Scenario],
     options: &Options,
@@ -29,9 +31,13 @@ pub fn run(
             tests.load(lane, &scenarios[row as usize], duration);
         }
         let ends = arch.dispatch(Solve(&tests));
+        let found = options.fit.then(|| {
+            let guess = arch.dispatch(Record { tests: &tests, ends: &ends, records });
+            records.fit(arch, guess)
+        });
         for (lane, &(row, duration)) in rows.iter().enumerate() {
             let scenario = &scenarios[row as usize];
-            out[row as usize] = outcome(arch, nodes, &tests, &ends, lane, scenario, duration, options.fit);
+            out[row as usize] = outcome(&tests, &ends, lane, scenario, duration, found.as_ref());
         }
     }
 }
@@ -114,86 +120,58 @@ impl WithSimd for Solve<'_> {
 }
 
 /// One lane's answers.
-#[allow(clippy::too_many_arguments)]
 fn outcome(
-    arch: Arch,
-    nodes: &mut Nodes,
     tests: &Tests,
     ends: &Ends,
     lane: usize,
     scenario: &Scenario,
     duration: f64,
-    fit: bool,
+    found: Option<&Found>,
 ) -> Outcome {
-    let (peak, end, wall) = (ends.peak[lane], ends.end[lane], scenario.ambient_temperature_k);
+    let (peak, end) = (ends.peak[lane], ends.end[lane]);
     if !(peak > 0.0 && end > 0.0 && peak.is_finite() && end.is_finite()) {
         return Outcome::failed(Failure::StepTooSmall);
     }
     let settling = if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 };
     let pressure_per_temperature = tests.closed.mass_gas_constant[lane] / tests.to[lane];
-    let regression = fit.then(|| {
-        arch.dispatch(Regression {
-            nodes,
-            push: scenario.push_time_s,
-            duration,
-            rate: ends.rate[lane],
-            excess: 1.0 - wall / peak,
-            pressure_at_rest: pressure_per_temperature * wall,
-        })
-    });
-    Ending { scenario, duration, peak, end, pressure_per_temperature, settling, regression: regression.flatten() }
-        .outcome()
+    let regression = found.and_then(|found| found.lane(lane));
+    Ending { scenario, duration, peak, end, pressure_per_temperature, settling, regression }.outcome()
 }
 
-/// Step 1 of the paper on the record from the end of the push on, P = Pf/(1 − ε e^(−k t)). Times in s.
-struct Regression<'a> {
-    nodes: &'a mut Nodes,
-    push: f64,
-    duration: f64,
-    /// k, 1/s.
-    rate: f64,
-    /// ε, at the end of the push.
-    excess: f64,
-    /// Pf, Pa.
-    pressure_at_rest: f64,
+/// The records from the end of the push on, P = Pf/(1 − ε e^(−k t)); the answer is a guess of τ, s.
+struct Record<'a> {
+    tests: &'a Tests,
+    ends: &'a Ends,
+    records: &'a mut Records,
 }
 
-impl WithSimd for Regression<'_> {
-    type Output = Option<[f64; 3]>;
+impl WithSimd for Record<'_> {
+    type Output = Lanes;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, simd: I) -> Self::Output {
-        let first = (self.push * SAMPLE_RATE_HZ - 1e-9).ceil();
-        let last = (self.duration * SAMPLE_RATE_HZ + 1e-9).floor();
-        if last - first < 4.0 {
-            return None;
-        }
-        let sum = Samples::new(last - first, 0);
-        self.nodes.clear();
-        for (number, weight) in sum.single() {
-            self.nodes.push(number / SAMPLE_RATE_HZ, 0.0, *weight);
-        }
-        let tau = 1.0 / self.rate;
-        if let Some(begin) = sum.integral() {
-            let (from, to) = (begin / SAMPLE_RATE_HZ, (last - first) / SAMPLE_RATE_HZ);
-            for (k, panel) in PANELS.iter().enumerate() {
-                let a = from + panel * tau;
-                let b = PANELS.get(k + 1).map_or(to, |next| (from + next * tau).min(to));
-                if b <= a {
-                    break;
-                }
-                for (node, weight) in GAUSS {
-                    let t = 0.5 * (a + b) + 0.5 * (b - a) * node;
-                    self.nodes.push(t, 0.0, 0.5 * (b - a) * weight * SAMPLE_RATE_HZ);
-                }
+    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+        let Self { tests: t, ends, records } = self;
+        let wall = t.closed.ambient_temperature;
+        let excess = Lanes::ONE - wall / ends.peak;
+        let at_rest = t.closed.mass_gas_constant * wall / t.to;
+        let slowness = ends.rate.recip();
+        let duration = t.push + t.hold;
+        let mut first = each_lane!(i => samples::from(t.push.0[i]));
+        records.clear();
+        for end in black_box(&ENDS) {
+            let end = (t.push + slowness * *end).min(duration);
+            let next = each_lane!(i => samples::after(end.0[i]));
+            let samples = Samples { first, count: (next - first).max(Lanes::ZERO) };
+            let (numbers, _) = samples.nodes();
+            let mut pressure = [Lanes::ZERO; POINTS];
+            for k in 0..POINTS {
+                let since = numbers[k] * (1.0 / SAMPLE_RATE_HZ) - t.push;
+                let decayed = (since * -ends.rate).exp() * excess;
+                pressure[k] = at_rest / (Lanes::ONE - decayed);
             }
+            records.push(Part { samples, pressure });
+            first = first.max(next);
         }
-        let origin = first / SAMPLE_RATE_HZ - self.push;
-        self.nodes.set_pressures(|t| {
-            let decayed = ((t + origin) * -self.rate).exp() * self.excess;
-            Lanes::from(self.pressure_at_rest) / (Lanes::ONE - decayed)
-        });
-        let guess = fit::time_constant(self.rate, self.excess);
-        Exponential { nodes: self.nodes, guess }.with_simd(simd)
+        fit::time_constant(ends.rate, excess)
     }
 }

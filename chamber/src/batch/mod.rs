@@ -19,6 +19,8 @@ mod outcome;
 mod plain;
 mod plan;
 mod record;
+mod regression;
+mod samples;
 mod scenario;
 mod sealed;
 mod step;
@@ -26,8 +28,8 @@ mod tableau;
 #[cfg(test)]
 mod tests;
 
-pub use fit::SAMPLE_RATE_HZ;
 pub use outcome::{Failure, Fit, Outcome};
+pub use samples::SAMPLE_RATE_HZ;
 pub use scenario::{Hold, Options, Scenario, Solver};
 
 use crate::AreaLaw;
@@ -51,7 +53,7 @@ pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut 
 pub struct Kernel {
     adaptive: adaptive::Memory,
     course: course::Memory,
-    nodes: fit::Nodes,
+    records: regression::Records,
     sorted: Sorted,
 }
 
@@ -64,13 +66,13 @@ impl Kernel {
     pub fn run(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
         let arch = pulp::Arch::new();
-        let Self { adaptive: memory, course: course_memory, nodes, sorted } = self;
+        let Self { adaptive: memory, course: course_memory, records, sorted } = self;
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
             sorted.fill(set, scenarios, options, out);
             if options.solver == Solver::Adaptive {
                 adaptive::run(arch, memory, &sorted.sealed, scenarios, options, out);
             } else {
-                exact_rows::run(arch, nodes, &sorted.sealed, scenarios, options, out);
+                exact_rows::run(arch, records, &sorted.sealed, scenarios, options, out);
             }
             for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
                 course(arch, course_memory, set, rows, scenarios, options, out);

@@ -1,12 +1,15 @@
 //! One scenario after the other with the plain integrator: the reference that the lanes are held against.
 
-use super::fit::{self, Exponential, Nodes, SAMPLE_RATE_HZ};
+use super::fit;
 use super::outcome::{Failure, Outcome};
 use super::plan::{Plan, Stretch};
+use super::regression::{Part, Records};
+use super::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
 use super::scenario::{Options, Scenario};
 use crate::balance::{self, ENERGY, MASS, OWN, STATES};
 use crate::effects::{self, EffectSet};
 use crate::integrate::{Dense, IntegrationError, Integrator};
+use crate::lanes::Lanes;
 use crate::model::Chamber;
 use crate::simulate::tolerance;
 
@@ -177,10 +180,10 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<super::outcome:
     if record.len() < 4 {
         return None;
     }
-    let begin = record[0].0;
-    let mut nodes = Nodes::default();
+    let mut records = Records::default();
     for (time, pressure) in &record {
-        nodes.push(time - begin, *pressure, 1.0);
+        let samples = Samples { first: (time * SAMPLE_RATE_HZ).round(), count: 1.0 };
+        records.add(0, Part { samples, pressure: [*pressure; POINTS] });
     }
     let end = plan.stretches.last()?.boundary(0.0).position;
     let volume = scenario.chamber.geometry.volume(end);
@@ -191,6 +194,7 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<super::outcome:
         volume,
         scenario.ambient_temperature_k,
     );
-    let regression = pulp::Arch::new().dispatch(Exponential { nodes: &nodes, guess: 1.0 / closed.rate(volume) })?;
+    let guess = Lanes::from(1.0 / closed.rate(volume));
+    let regression = records.fit(pulp::Arch::new(), guess).lane(0)?;
     fit::steps(scenario, [plan.stretches[0].position, end], scenario.initial_pressure_pa, regression)
 }

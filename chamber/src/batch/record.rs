@@ -1,6 +1,7 @@
 //! One row's record, piece by piece, and what is asked of it: extremes, settling, samples for the regression.
 
-use super::fit::{self, Exponential, Nodes, SAMPLE_RATE_HZ, Samples};
+use super::regression::{Part, Records};
+use super::samples::{self, SAMPLE_RATE_HZ, Samples};
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
@@ -81,10 +82,6 @@ pub struct Question {
     pub expands: bool,
     /// What the record shows of the gas before the test, Pa, less any drift, and the drift, Pa/s.
     pub before: [f64; 2],
-    /// Samples from the peak on that are summed one by one: some where a lagging sensor moves fast.
-    pub single_samples: usize,
-    /// τ to start the regression from, where it is asked for.
-    pub guess: Option<f64>,
 }
 
 /// The answers. Pressures of the record, temperatures of the gas.
@@ -100,36 +97,45 @@ pub struct Answer {
     pub temperature_final: f64,
     /// From the end of the push until within 1 % for good, s.
     pub settling: f64,
-    /// Pf, ΔP and τ.
-    pub regression: Option<[f64; 3]>,
+    /// When it shows the peak, s.
+    pub peak_time: f64,
 }
 
 /// Answers from a row's pieces; they must cover the test from the end of the push on, and from the delay before it.
-/// `nodes` is memory to use.
-pub fn answer(arch: Arch, pieces: &[Piece], question: &Question, nodes: &mut Nodes) -> Option<Answer> {
-    arch.dispatch(Answering { pieces, q: question, nodes })
+pub fn answer(arch: Arch, pieces: &[Piece], question: &Question) -> Option<Answer> {
+    arch.dispatch(Answering { pieces, q: question })
 }
 
-/// Step 1 of the paper alone, for a record whose peak is known to stand at the end of the push.
-pub fn regression(arch: Arch, pieces: &[Piece], question: &Question, nodes: &mut Nodes) -> Option<[f64; 3]> {
-    arch.dispatch(Regression(Answering { pieces, q: question, nodes }))
+/// Adds what the regression needs of a row's record, from its peak on, to the records in a lane.
+pub fn add_to(records: &mut Records, lane: usize, pieces: &[Piece], question: &Question, peak_time: f64) {
+    let q = question;
+    let all = Answering { pieces, q };
+    let sign = if q.expands { -1.0 } else { 1.0 };
+    let after = samples::from(peak_time).max(samples::from(q.push_end));
+    let before = (after - 1.0).max(samples::from(q.push_end));
+    let gas = |sample: f64| (sample / SAMPLE_RATE_HZ - q.delay).clamp(0.0, q.duration - q.delay);
+    let shown = [before, after].map(|sample| pieces[all.piece_at(gas(sample))].pressure_at(gas(sample)));
+    let mut first = if sign * shown[0] > sign * shown[1] { before } else { after };
+    let end = samples::after(q.duration);
+    let mut add = |next: f64, pressure: &dyn Fn(f64) -> f64| {
+        let samples = Samples { first, count: next.min(end) - first };
+        if samples.count > 0.0 {
+            let pressure = samples.nodes().0.map(|number| pressure(number / SAMPLE_RATE_HZ - q.delay));
+            records.add(lane, Part { samples, pressure });
+            first = next;
+        }
+    };
+    // What the record shows before the pieces, if only at their begin.
+    let begin = pieces[0].begin;
+    add(samples::after(begin + q.delay), &|_| pieces[0].pressure_at(begin));
+    for piece in pieces {
+        add(samples::after(piece.end() + q.delay), &|time| piece.pressure_at(time));
+    }
 }
 
 struct Answering<'a> {
     pieces: &'a [Piece],
     q: &'a Question,
-    nodes: &'a mut Nodes,
-}
-
-struct Regression<'a>(Answering<'a>);
-
-impl WithSimd for Regression<'_> {
-    type Output = Option<[f64; 3]>;
-
-    #[inline(always)]
-    fn with_simd<I: Simd>(mut self, simd: I) -> Self::Output {
-        self.0.regression(simd, self.0.q.push_end)
-    }
 }
 
 /// A largest value and the time of the gas at which it stands, s.
@@ -143,7 +149,7 @@ impl WithSimd for Answering<'_> {
     type Output = Option<Answer>;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(mut self, simd: I) -> Option<Answer> {
+    fn with_simd<I: Simd>(self, _: I) -> Option<Answer> {
         let q = self.q;
         let last = self.pieces.last()?;
         let sign = if q.expands { -1.0 } else { 1.0 };
@@ -167,17 +173,13 @@ impl WithSimd for Answering<'_> {
         let pressure_peak = sign * pressure.value.max(sign * pressure_final);
         let band = 0.01 * (pressure_peak - pressure_final).abs();
         let settling = self.settled_from(pressure_final, band) - q.push_end;
-        let regression = match q.guess {
-            Some(_) => self.regression(simd, pressure.time),
-            None => None,
-        };
         Some(Answer {
             pressure_peak,
             pressure_final,
             temperature_peak: sign * temperature.value,
             temperature_final: last.temperature[NODES - 1],
             settling: if settling > 0.0 { settling } else { 0.0 },
-            regression,
+            peak_time: pressure.time,
         })
     }
 }
@@ -255,74 +257,6 @@ impl Answering<'_> {
             }
         }
         q.push_end
-    }
-
-    /// Step 1 of the paper on the record's samples from the peak on: Pf, ΔP, τ.
-    #[inline(always)]
-    fn regression<I: Simd>(&mut self, simd: I, peak_time: f64) -> Option<[f64; 3]> {
-        let q = self.q;
-        let guess = q.guess?;
-        let sign = if q.expands { -1.0 } else { 1.0 };
-        let number = |time: f64| time * SAMPLE_RATE_HZ;
-        let last = (number(q.duration) + 1e-9).floor();
-        let after = (number(peak_time) - 1e-9).ceil().max((number(q.push_end) - 1e-9).ceil());
-        let before = (after - 1.0).max((number(q.push_end) - 1e-9).ceil());
-        let gas = |sample: f64| (sample / SAMPLE_RATE_HZ - q.delay).clamp(0.0, q.duration - q.delay);
-        let shown = [before, after].map(|sample| self.pieces[self.piece_at(gas(sample))].pressure_at(gas(sample)));
-        let first = if sign * shown[0] > sign * shown[1] { before } else { after };
-        if last - first < 4.0 {
-            return None;
-        }
-        let sum = Samples::new(last - first, q.single_samples);
-        self.nodes.clear();
-        if let Some(begin) = sum.integral() {
-            self.integrate(gas(first), gas(first + begin), gas(last));
-        }
-        let mut index = 0;
-        for (number, weight) in sum.single() {
-            let time = gas(first + number);
-            while index + 1 < self.pieces.len() && self.pieces[index].end() < time {
-                index += 1;
-            }
-            self.nodes.push(number / SAMPLE_RATE_HZ, self.pieces[index].pressure_at(time), *weight);
-        }
-        Exponential { nodes: self.nodes, guess }.with_simd(simd)
-    }
-
-    /// Adds the quadrature of what the samples between two times of the gas sum up to, several pieces at once.
-    #[inline(always)]
-    fn integrate(&mut self, origin: f64, from: f64, to: f64) {
-        const EACH: usize = fit::GAUSS.len();
-        let mut lane = 0;
-        let (mut time, mut weight) = (Lanes::ZERO, Lanes::ZERO);
-        let (mut share, mut values) = (Lanes::ZERO, [Lanes::ZERO; NODES]);
-        for (index, piece) in self.pieces.iter().enumerate() {
-            let (a, b) = (piece.begin.max(from), piece.end().min(to));
-            if b > a {
-                for (node, of_node) in fit::GAUSS {
-                    let t = 0.5 * (a + b) + 0.5 * (b - a) * node;
-                    time[lane] = t - origin;
-                    weight[lane] = 0.5 * (b - a) * of_node * SAMPLE_RATE_HZ;
-                    share[lane] = (t - piece.begin) / piece.length;
-                    for order in 0..NODES {
-                        values[order][lane] = piece.differences[order];
-                    }
-                    lane += 1;
-                }
-            }
-            let complete = lane + EACH > WIDTH;
-            if complete || (lane > 0 && index + 1 == self.pieces.len()) {
-                // Lanes left over count for nothing.
-                for rest in lane..WIDTH {
-                    (time[rest], weight[rest], share[rest]) = (time[0], 0.0, share[0]);
-                    for order in 0..NODES {
-                        values[order][rest] = values[order][0];
-                    }
-                }
-                self.nodes.push_lanes(time, newton(&values, share), weight);
-                lane = 0;
-            }
-        }
     }
 }
 

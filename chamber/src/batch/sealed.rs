@@ -14,12 +14,13 @@
 use super::advance::Loadable;
 use super::finish::SETTLED;
 use super::fit;
-use super::glimpses::Observe;
 use super::outcome::Outcome;
+use super::regression::Part;
+use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use super::scenario::Scenario;
-use super::step::LaneSystem;
+use super::step::{LaneSystem, within};
 use crate::exact::Closed;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::real::Real;
 
 /// One test, reduced to the numbers its equation needs.
@@ -37,6 +38,8 @@ pub struct Test {
     pub dwell: f64,
     /// 1/τ_f, 1/s: c Aq/√V Tw in the hold.
     pub rate: f64,
+    /// Begin of the hold, s.
+    pub push_time: f64,
 }
 
 impl Test {
@@ -55,6 +58,7 @@ impl Test {
             held_volume,
             dwell: 2.0 / (root + held_root),
             rate: closed.rate(held_volume),
+            push_time: s.push_time_s,
         }
     }
 }
@@ -150,12 +154,36 @@ pub struct Held<'a> {
     exchange: Lanes,
     wall: Lanes,
     pressure: Lanes,
+    begin: Lanes,
 }
 
 impl<'a> Held<'a> {
     /// For these tests, none loaded yet.
     pub fn new(tests: &'a [Test]) -> Self {
-        Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO, pressure: Lanes::ZERO }
+        Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO, pressure: Lanes::ZERO, begin: Lanes::ZERO }
+    }
+
+    /// The record's samples in a step from a time in the hold, s, on, and its pressure at the nodes of their sum.
+    #[inline(always)]
+    pub fn part(&self, terms: &[[Lanes; 1]; 8], from: Lanes, length: Lanes) -> Part<Lanes> {
+        let (begin, end) = (self.begin + from, self.begin + (from + length));
+        // The record begins with the hold.
+        let first =
+            each_lane!(i => if from.0[i] > 0.0 { samples::after(begin.0[i]) } else { samples::from(begin.0[i]) });
+        let count = each_lane!(i => samples::after(end.0[i])) - first;
+        let samples = Samples { first, count };
+        let (numbers, _) = samples.nodes();
+        let mut of_state = [Lanes::ZERO; 8];
+        for k in 0..8 {
+            of_state[k] = terms[k][0];
+        }
+        let mut pressure = [Lanes::ZERO; POINTS];
+        let per_length = length.recip();
+        for k in 0..POINTS {
+            let share = (numbers[k] * (1.0 / SAMPLE_RATE_HZ) - begin) * per_length;
+            pressure[k] = within(&of_state, share) * self.pressure;
+        }
+        Part { samples, pressure }
     }
 }
 
@@ -166,6 +194,7 @@ impl Loadable for Held<'_> {
         self.exchange[lane] = test.rate / test.closed.ambient_temperature;
         self.pressure[lane] = test.closed.mass_gas_constant / test.held_volume;
         self.wall[lane] = test.closed.ambient_temperature;
+        self.begin[lane] = test.push_time;
     }
 }
 
@@ -175,12 +204,5 @@ impl LaneSystem<1> for Held<'_> {
     #[inline(always)]
     fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
         [y[0] * (self.exchange * (self.wall - y[0]))]
-    }
-}
-
-impl Observe<1> for Held<'_> {
-    #[inline(always)]
-    fn observe(&self, _: Lanes, y: &[Lanes; 1]) -> [Lanes; 2] {
-        [y[0] * self.pressure, y[0]]
     }
 }

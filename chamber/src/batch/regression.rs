@@ -1,0 +1,372 @@
+//! Step 1 of the paper, P = Pf + ΔP e^(−t/τ) by least squares over the samples, for as many records as there are lanes.
+//!
+//! A record stands in parts: samples in a row over which it is smooth, summed by the few nodes of [`samples`](super::samples).
+//! Pf and ΔP enter linearly and are eliminated (variable projection: G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10
+//! (1973) 413); what is left is Newton's method in ln τ. Pressures in Pa, times in s.
+
+use super::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
+use super::step::multiply_add;
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::real::Real;
+use core::f64::consts::{LN_2, LOG2_E};
+use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
+
+const ITERATIONS: usize = 60;
+/// Change of ln τ after which the next one would be its square or less.
+const CONVERGED: f64 = 2e-3;
+/// Least share of the Gauss–Newton curvature that Newton's must have to be believed.
+const CONVEX: f64 = 0.3;
+/// Farthest from the guess, in ln τ.
+const FARTHEST: f64 = 12.0;
+/// A record of fewer samples determines nothing.
+const FEWEST: f64 = 5.0;
+
+/// A record between two of its samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<R = f64> {
+    /// The samples.
+    pub samples: Samples<R>,
+    /// Pressure at the nodes of their sum.
+    pub pressure: [R; POINTS],
+}
+
+impl Part<Lanes> {
+    const NONE: Self =
+        Self { samples: Samples { first: Lanes::ZERO, count: Lanes::ZERO }, pressure: [Lanes::ZERO; POINTS] };
+
+    /// What stands in a lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Part {
+        let mut pressure = [0.0; POINTS];
+        for node in 0..POINTS {
+            pressure[node] = self.pressure[node][lane];
+        }
+        Part { samples: Samples { first: self.samples.first[lane], count: self.samples.count[lane] }, pressure }
+    }
+}
+
+/// A node of all records: time after the first sample, pressure less the first one, and how many samples it stands for.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    time: Lanes,
+    pressure: Lanes,
+    weight: Lanes,
+}
+
+/// Records, one a lane.
+#[derive(Debug, Default)]
+pub struct Records {
+    parts: Vec<Part<Lanes>>,
+    lengths: [usize; WIDTH],
+    nodes: Vec<Node>,
+}
+
+/// Pf and ΔP, Pa, and τ, s, by lane; NaN where the record determines none.
+#[derive(Clone, Copy, Debug)]
+pub struct Found([Lanes; 3]);
+
+impl Found {
+    /// Those of a lane.
+    pub fn lane(&self, lane: usize) -> Option<[f64; 3]> {
+        let found = [self.0[0][lane], self.0[1][lane], self.0[2][lane]];
+        found.iter().all(|v| v.is_finite()).then_some(found)
+    }
+}
+
+impl Records {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.parts.clear();
+        self.lengths = [0; WIDTH];
+    }
+
+    /// Appends a part to each record.
+    #[inline(always)]
+    pub fn push(&mut self, part: Part<Lanes>) {
+        self.parts.push(part);
+    }
+
+    /// Appends a part to one record.
+    #[inline(always)]
+    pub fn add(&mut self, lane: usize, part: Part) {
+        let index = self.lengths[lane];
+        if index == self.parts.len() {
+            self.parts.push(Part::NONE);
+        }
+        self.lengths[lane] += 1;
+        let to = &mut self.parts[index];
+        to.samples.first[lane] = part.samples.first;
+        to.samples.count[lane] = part.samples.count;
+        for node in 0..POINTS {
+            to.pressure[node][lane] = part.pressure[node];
+        }
+    }
+
+    /// Least squares from a guess of τ on.
+    pub fn fit(&mut self, arch: Arch, guess: Lanes) -> Found {
+        arch.dispatch(Fitting { records: self, guess })
+    }
+
+    /// Lays out the nodes of all parts; the pressure that theirs are less by.
+    #[inline(always)]
+    fn lay_out(&mut self) -> Lanes {
+        self.nodes.clear();
+        let Some(Part { samples, pressure: [reference, ..] }) = self.parts.first().copied() else { return Lanes::ZERO };
+        let origin = samples.first;
+        for part in &self.parts {
+            let (numbers, weights) = black_box(*part).samples.nodes();
+            for k in 0..POINTS {
+                // Nodes without weight may stand anywhere, but not where e^(−t/τ) has no value.
+                let time = ((numbers[k] - origin) * (1.0 / SAMPLE_RATE_HZ)).max(Lanes::ZERO);
+                self.nodes.push(Node { time, pressure: part.pressure[k] - reference, weight: weights[k] });
+            }
+        }
+        reference
+    }
+}
+
+struct Fitting<'a> {
+    records: &'a mut Records,
+    guess: Lanes,
+}
+
+impl WithSimd for Fitting<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Found {
+        let reference = self.records.lay_out();
+        if I::IS_SCALAR {
+            least_squares::<false>(&self.records.nodes, reference, self.guess)
+        } else {
+            least_squares::<true>(&self.records.nodes, reference, self.guess)
+        }
+    }
+}
+
+/// e^(−x) for x ≥ 0, within 1e-11: as [`exp`](crate::math::exp), with fewer terms.
+#[inline(always)]
+fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
+    const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
+    const TERMS: [f64; 9] =
+        [1.0 / 40_320.0, 1.0 / 5_040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 1.0 / 2.0, 1.0, 1.0];
+    let x = each_lane!(i => if x.0[i] < 700.0 { x.0[i] } else { 700.0 });
+    let shifted = multiply_add::<FUSED>(x, Lanes::from(-LOG2_E), Lanes::from(ROUND));
+    let k = shifted - ROUND;
+    let r = multiply_add::<FUSED>(k, Lanes::from(-LN_2), -x);
+    let mut p = Lanes::from(1.0 / 362_880.0);
+    for term in TERMS {
+        p = multiply_add::<FUSED>(p, r, Lanes::from(term));
+    }
+    let power = each_lane!(i => f64::from_bits(shifted.0[i].to_bits().wrapping_sub(ROUND.to_bits() - 1023) << 52));
+    p * power
+}
+
+/// Sums over a record's samples, with e = e^(−t/τ) and its derivatives by ln τ in parts: g = (t/τ) e, h = (t/τ) g.
+#[derive(Clone, Copy)]
+struct Sums {
+    e: Lanes,
+    g: Lanes,
+    h: Lanes,
+    ee: Lanes,
+    eg: Lanes,
+    gg: Lanes,
+    pe: Lanes,
+    pg: Lanes,
+    ph: Lanes,
+}
+
+impl Sums {
+    const NONE: Self = Self {
+        e: Lanes::ZERO,
+        g: Lanes::ZERO,
+        h: Lanes::ZERO,
+        ee: Lanes::ZERO,
+        eg: Lanes::ZERO,
+        gg: Lanes::ZERO,
+        pe: Lanes::ZERO,
+        pg: Lanes::ZERO,
+        ph: Lanes::ZERO,
+    };
+
+    #[inline(always)]
+    fn add<const FUSED: bool>(&mut self, node: &Node, rate: Lanes) {
+        let (p, w) = (node.pressure, node.weight);
+        let x = node.time * rate;
+        let e = decay::<FUSED>(x);
+        let g = x * e;
+        let (we, wg) = (w * e, w * g);
+        let wh = wg * x;
+        self.e += we;
+        self.g += wg;
+        self.h += wh;
+        self.ee = multiply_add::<FUSED>(we, e, self.ee);
+        self.eg = multiply_add::<FUSED>(we, g, self.eg);
+        self.gg = multiply_add::<FUSED>(wg, g, self.gg);
+        self.pe = multiply_add::<FUSED>(we, p, self.pe);
+        self.pg = multiply_add::<FUSED>(wg, p, self.pg);
+        self.ph = multiply_add::<FUSED>(wh, p, self.ph);
+    }
+}
+
+/// What the sums at one τ tell.
+struct Solution {
+    /// Newton's step of ln τ.
+    step: Lanes,
+    /// ΔP and Pf less the reference, after the step.
+    linear: [Lanes; 2],
+}
+
+/// Newton's step, from the sums of the weights and of the pressures beside.
+#[inline(always)]
+fn newton(s: &Sums, count: Lanes, pressure: Lanes) -> Solution {
+    let share = count.recip();
+    // Without the constant's part; Σ h e is Σ g².
+    let (mean_e, mean_g, mean_h) = (s.e * share, s.g * share, s.h * share);
+    let (ee, eg, gg, he) = (s.ee - mean_e * s.e, s.eg - mean_e * s.g, s.gg - mean_g * s.g, s.gg - mean_h * s.e);
+    let (pe, pg, ph) = (s.pe - mean_e * pressure, s.pg - mean_g * pressure, s.ph - mean_h * pressure);
+    let rise = pe / ee;
+    let per_rise = rise.recip();
+    // What the residuals, relative to ΔP, have in common with g and with dg/d ln τ = h − g.
+    let with_g = pg * per_rise - eg;
+    let with_bend = ph * per_rise - he - with_g;
+    let per_ee = ee.recip();
+    let gauss_newton = gg - eg * eg * per_ee;
+    let coupling = (eg - with_g) * per_ee;
+    let newton = gg - with_bend - (eg - with_g) * coupling;
+    let curvature = (newton - gauss_newton * CONVEX).where_positive(newton, gauss_newton);
+    let step = with_g / curvature;
+    let after = rise - rise * coupling * step;
+    Solution { step, linear: [after, (pressure - after * s.e - rise * step * s.g) * share] }
+}
+
+/// The least squares, lane by lane as if it were alone.
+#[inline(always)]
+fn least_squares<const FUSED: bool>(nodes: &[Node], reference: Lanes, guess: Lanes) -> Found {
+    let (mut count, mut pressure) = (Lanes::ZERO, Lanes::ZERO);
+    for node in nodes {
+        count += node.weight;
+        pressure = multiply_add::<FUSED>(node.weight, node.pressure, pressure);
+    }
+    let begin = guess.ln();
+    let mut log_tau = begin;
+    let mut found = [Lanes::from(f64::NAN); 3];
+    // Positive where the search goes on.
+    let mut open = black_box(count - (FEWEST - 0.5)).where_positive(Lanes::ONE, Lanes::ZERO);
+    for _ in 0..ITERATIONS {
+        let rate = black_box((-log_tau).exp());
+        let mut sums = Sums::NONE;
+        for node in nodes {
+            // Keeps the compiler from adding lane by lane.
+            black_box(&mut sums).add::<FUSED>(node, rate);
+        }
+        let Solution { step, linear: [rise, rest] } = newton(black_box(&sums), count, pressure);
+        let size = step.abs();
+        let there = open * each_lane!(i => if size.0[i] < CONVERGED { 1.0 } else { 0.0 });
+        found[0] = there.where_positive(reference + rest, found[0]);
+        found[1] = there.where_positive(rise, found[1]);
+        found[2] = there.where_positive(log_tau + step, found[2]);
+        log_tau += step.max(Lanes::from(-1.0)).min(Lanes::ONE);
+        // A step that is no number ends the search.
+        let away = (log_tau - begin).abs() + size * 0.0;
+        open = (open - there) * each_lane!(i => if away.0[i] < FARTHEST { 1.0 } else { 0.0 });
+        if black_box(open).total() == 0.0 {
+            break;
+        }
+    }
+    found[2] = black_box(found[2]).exp();
+    Found(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Samples one by one, each a part of its own.
+    fn sampled(records: &mut Records, lane: usize, pressures: &[f64]) {
+        for (k, p) in pressures.iter().enumerate() {
+            let samples = Samples { first: 40.0 + k as f64, count: 1.0 };
+            records.add(lane, Part { samples, pressure: [*p; POINTS] });
+        }
+    }
+
+    /// Σ of the squared residuals of the best Pf and ΔP at that τ, s.
+    fn residual(pressures: &[f64], tau: f64) -> f64 {
+        let n = pressures.len() as f64;
+        let e = |k: usize| (-(k as f64) / SAMPLE_RATE_HZ / tau).exp();
+        let mean = |f: &dyn Fn(usize) -> f64| (0..pressures.len()).map(f).sum::<f64>() / n;
+        let (mean_e, mean_p) = (mean(&e), mean(&|k| pressures[k]));
+        let slope = mean(&|k| (e(k) - mean_e) * (pressures[k] - mean_p)) / mean(&|k| (e(k) - mean_e).powi(2));
+        mean(&|k| (pressures[k] - mean_p - slope * (e(k) - mean_e)).powi(2))
+    }
+
+    /// τ of the least squares by golden section, s.
+    fn best(pressures: &[f64], near: f64) -> f64 {
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        let (mut a, mut b) = ((near / 2.0).ln(), (near * 2.0).ln());
+        for _ in 0..60 {
+            let (c, d) = (b - golden * (b - a), a + golden * (b - a));
+            if residual(pressures, c.exp()) < residual(pressures, d.exp()) { b = d } else { a = c }
+        }
+        (0.5 * (a + b)).exp()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn the_time_constant_is_that_of_the_least_squares_found_by_search(
+            tau in 0.05..2.0f64, excess in -0.5..0.5f64, off in 0.5..2.0f64, length in 3.0..12.0f64, lane in 0..WIDTH,
+        ) {
+            prop_assume!(excess.abs() > 0.01);
+            let count = (length * tau * SAMPLE_RATE_HZ) as usize;
+            let pressure = |k: usize| 3e5 / (1.0 - excess * (-(k as f64) / SAMPLE_RATE_HZ / tau).exp());
+            let pressures: Vec<f64> = (0..count).map(pressure).collect();
+            let mut records = Records::default();
+            sampled(&mut records, (lane + 3) % WIDTH, &pressures[..count / 2]);
+            sampled(&mut records, lane, &pressures);
+            let found = records.fit(Arch::new(), Lanes::from(tau * off)).lane(lane).unwrap();
+            let expected = best(&pressures, tau);
+            prop_assert!((found[2] / expected - 1.0).abs() < 2e-5, "{} {expected}", found[2]);
+        }
+
+        #[test]
+        fn an_exponential_is_found_as_it_is_however_its_samples_are_parted(
+            tau in 0.05..2.0f64, off in 0.3..3.0f64, parts in 1usize..40,
+        ) {
+            let mut records = Records::default();
+            let (mut first, end) = (12.0, 12.0 + (8.0 * tau * SAMPLE_RATE_HZ).ceil());
+            while first < end {
+                let count = (2.0 * parts as f64).min(end - first);
+                let samples = Samples { first, count };
+                let pressure = samples.nodes().0.map(|k| 2e5 + 7e4 * (-(k - 12.0) / SAMPLE_RATE_HZ / tau).exp());
+                records.add(4, Part { samples, pressure });
+                first += count;
+            }
+            let [pf, rise, found] = records.fit(Arch::new(), Lanes::from(tau * off)).lane(4).unwrap();
+            prop_assert!((found / tau - 1.0).abs() < 1e-5, "{found} {tau}");
+            prop_assert!((pf / 2e5 - 1.0).abs() < 1e-5 && (rise / 7e4 - 1.0).abs() < 1e-5, "{pf} {rise}");
+        }
+    }
+
+    #[test]
+    fn the_quick_exponential_is_good_to_eleven_digits() {
+        for k in 0..70_000 {
+            let x = f64::from(k) * 0.009_7;
+            assert!((decay::<false>(Lanes::from(x))[3] / (-x).exp() - 1.0).abs() < 1e-11, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_record_that_determines_nothing_gives_none() {
+        let mut records = Records::default();
+        sampled(&mut records, 0, &[1e5; 50]);
+        sampled(&mut records, 1, &[2e5, 1.5e5, 1.2e5, 1.1e5]);
+        sampled(&mut records, 3, &[2e5, 1.5e5, 1.25e5, 1.125e5, 1.0625e5, 1.031_25e5]);
+        let found = records.fit(Arch::new(), Lanes::from(0.02));
+        assert!([0, 1, 2].into_iter().all(|lane| found.lane(lane).is_none()));
+        let tau = found.lane(3).unwrap()[2];
+        assert!((tau - 0.01 / 2f64.ln()).abs() < 1e-9, "{tau}");
+    }
+}
