@@ -1,16 +1,18 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
-use super::advance::{Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
+use super::advance::{Loadable, Nobody, Problem, Steps, Tried, advance};
 use super::finish::{self, Relaxation};
 use super::fit;
+use super::hermite::Hermite;
 use super::outcome::{Failure, Outcome};
 use super::regression::{Part, Records};
+use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use super::scenario::{Options, Scenario};
 use super::sealed::{Ending, Held, Moving, Test};
-use super::step::dense;
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::real::Real;
-use pulp::Arch;
+use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Working memory of a chunk, kept from one to the next.
 #[derive(Default)]
@@ -19,30 +21,19 @@ pub struct Memory {
     problems: Vec<Problem<1>>,
     peaks: Vec<f64>,
     log: Vec<Tried<1>>,
-    parts: Vec<Part<Lanes>>,
+    knots: Vec<Knot>,
     records: Records,
 }
 
-/// Keeps the steps and the record within them.
-struct Both<'a> {
-    log: &'a mut Vec<Tried<1>>,
-    parts: &'a mut Vec<Part<Lanes>>,
+/// Ends of steps through the hold, one of each test: time in the hold, s, and temperature, K.
+#[derive(Clone, Copy)]
+struct Knot {
+    time: Lanes,
+    temperature: Lanes,
 }
 
-impl Watch<1, Held<'_>> for Both<'_> {
-    #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, system: &Held, tried: Tried<1>) {
-        let Tried { from, length, begin, end, slopes, accepted } = &tried;
-        let terms = dense::<1, FUSED, Held>(system, *from, *length, begin, end, slopes);
-        let mut part = system.part(&terms, *from, *length);
-        part.samples.count = accepted.where_positive(part.samples.count, Lanes::ZERO);
-        self.parts.push(part);
-        self.log.see::<FUSED>(system, tried);
-    }
-    #[inline(always)]
-    fn kept(&self) -> usize {
-        self.log.len()
-    }
+impl Knot {
+    const NONE: Self = Self { time: Lanes::ZERO, temperature: Lanes::ZERO };
 }
 
 /// Runs tests that [`sealed`](super::sealed) covers and whose numbers are checked; `durations` in s.
@@ -54,12 +45,11 @@ pub fn run(
     options: &Options,
     out: &mut [Outcome],
 ) {
-    let Memory { tests, problems, peaks, log, parts, records } = memory;
+    let Memory { tests, problems, peaks, log, knots, records } = memory;
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
     log.clear();
-    parts.clear();
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         tests.push(Test::new(s));
@@ -71,11 +61,7 @@ pub fn run(
         peaks.push(problem.state[0]);
         problem.length = duration - problem.length;
     }
-    if options.fit {
-        advance(arch, &Held::new(tests), problems, relative, &mut Both { log, parts });
-    } else {
-        advance(arch, &Held::new(tests), problems, relative, log);
-    }
+    advance(arch, &Held::new(tests), problems, relative, log);
 
     for (group, rows) in rows.chunks(WIDTH).enumerate() {
         let base = group * WIDTH;
@@ -90,10 +76,20 @@ pub fn run(
         }
         let settling = finish::settling(arch, &relaxation, &system);
         let regression = options.fit.then(|| {
-            records.clear();
-            for lane in 0..rows.len() {
-                add_record(records, lane, parts, problems[at(lane)].steps);
+            knots.clear();
+            knots.push(Knot { time: Lanes::ZERO, temperature: peak });
+            for (lane, steps) in steps.iter().enumerate() {
+                add_knots(knots, lane, log, *steps);
             }
+            let pressure = |lane: usize| tests[at(lane)].pressure_per_temperature();
+            let push = |lane: usize| scenarios[rows[lane.min(rows.len() - 1)].0 as usize].push_time_s;
+            arch.dispatch(Record {
+                system: &system,
+                knots,
+                begin: Lanes::from_fn(push),
+                pressure_per_temperature: Lanes::from_fn(pressure),
+                records,
+            });
             let guess = |lane: usize| {
                 let test = &tests[at(lane)];
                 fit::time_constant(test.rate, 1.0 - test.closed.ambient_temperature / peak[lane])
@@ -111,7 +107,7 @@ pub fn run(
                         duration,
                         peak,
                         end,
-                        pressure_per_temperature: test.closed.mass_gas_constant / test.held_volume,
+                        pressure_per_temperature: test.pressure_per_temperature(),
                         settling: settling[lane],
                         regression: regression.as_ref().and_then(|found| found.lane(lane)),
                     };
@@ -127,12 +123,66 @@ pub fn run(
     }
 }
 
-/// Copies the parts of a problem's steps that have samples.
-fn add_record(records: &mut Records, lane: usize, parts: &[Part<Lanes>], steps: Steps) {
+/// Copies the ends of a problem's accepted steps into a lane, after the first knot.
+fn add_knots(knots: &mut Vec<Knot>, lane: usize, log: &[Tried<1>], steps: Steps) {
     let column = steps.lane as usize;
-    for part in &parts[steps.from as usize..steps.to as usize] {
-        if part.samples.count[column] > 0.0 {
-            records.add(lane, part.lane(column));
+    let mut index = 1;
+    for step in &log[steps.from as usize..steps.to as usize] {
+        if step.accepted[column] > 0.0 {
+            if index == knots.len() {
+                knots.push(Knot::NONE);
+            }
+            knots[index].time[lane] = step.from[column] + step.length[column];
+            knots[index].temperature[lane] = step.end[0][column];
+            index += 1;
+        }
+    }
+}
+
+/// The records through the hold, a part for each step. Its polynomial comes from the equation at its ends: as good as the
+/// integrator's own of degree 7, at a fraction of its stages.
+struct Record<'a> {
+    system: &'a Held<'a>,
+    knots: &'a [Knot],
+    /// Begin of the hold, s.
+    begin: Lanes,
+    pressure_per_temperature: Lanes,
+    records: &'a mut Records,
+}
+
+impl WithSimd for Record<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        let Self { system, knots, begin, pressure_per_temperature, records } = self;
+        records.clear();
+        let mut from = knots[0];
+        let mut first = each_lane!(i => samples::from(begin.0[i]));
+        for to in &knots[1..] {
+            // Results pass through memory: else the compiler computes them lane by lane.
+            let to = black_box(to);
+            // A lane without further steps stays where it is.
+            let time = black_box(to.time.where_positive(to.time, from.time));
+            let temperature = black_box(to.time.where_positive(to.temperature, from.temperature));
+            let end = black_box(begin + time);
+            let next = black_box(each_lane!(i => samples::after(end.0[i])));
+            let samples = Samples { first, count: next - first };
+            let length = black_box(time - from.time);
+            let before = black_box(system.series(from.temperature, length));
+            let after = black_box(system.series(temperature, length));
+            let within = black_box(Hermite::new(before, after));
+            let (numbers, _) = black_box(samples.nodes());
+            let since = black_box(begin + from.time);
+            let per_length = black_box(length.where_positive(length, Lanes::ONE).recip());
+            let mut pressure = [Lanes::ZERO; POINTS];
+            for k in 0..POINTS {
+                let place = (numbers[k] * (1.0 / SAMPLE_RATE_HZ) - since) * per_length;
+                pressure[k] = black_box(within.at(place) * pressure_per_temperature);
+            }
+            records.push(Part { samples, pressure });
+            first = next;
+            from = Knot { time, temperature };
         }
     }
 }

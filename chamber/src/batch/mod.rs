@@ -14,6 +14,7 @@ mod finish;
 mod fit;
 mod general;
 mod glimpses;
+mod hermite;
 mod outcome;
 #[cfg(test)]
 mod plain;

@@ -15,12 +15,10 @@ use super::advance::Loadable;
 use super::finish::SETTLED;
 use super::fit;
 use super::outcome::Outcome;
-use super::regression::Part;
-use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use super::scenario::Scenario;
-use super::step::{LaneSystem, within};
+use super::step::LaneSystem;
 use crate::exact::Closed;
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::Lanes;
 use crate::real::Real;
 
 /// One test, reduced to the numbers its equation needs.
@@ -38,8 +36,6 @@ pub struct Test {
     pub dwell: f64,
     /// 1/τ_f, 1/s: c Aq/√V Tw in the hold.
     pub rate: f64,
-    /// Begin of the hold, s.
-    pub push_time: f64,
 }
 
 impl Test {
@@ -58,8 +54,13 @@ impl Test {
             held_volume,
             dwell: 2.0 / (root + held_root),
             rate: closed.rate(held_volume),
-            push_time: s.push_time_s,
         }
+    }
+
+    /// P/T in the hold, Pa/K.
+    #[inline]
+    pub fn pressure_per_temperature(&self) -> f64 {
+        self.closed.mass_gas_constant / self.held_volume
     }
 }
 
@@ -153,37 +154,23 @@ pub struct Held<'a> {
     tests: &'a [Test],
     exchange: Lanes,
     wall: Lanes,
-    pressure: Lanes,
-    begin: Lanes,
 }
 
 impl<'a> Held<'a> {
     /// For these tests, none loaded yet.
     pub fn new(tests: &'a [Test]) -> Self {
-        Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO, pressure: Lanes::ZERO, begin: Lanes::ZERO }
+        Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO }
     }
 
-    /// The record's samples in a step from a time in the hold, s, on, and its pressure at the nodes of their sum.
+    /// Taylor coefficients at a temperature, K, in powers of the time over `length`, s.
     #[inline(always)]
-    pub fn part(&self, terms: &[[Lanes; 1]; 8], from: Lanes, length: Lanes) -> Part<Lanes> {
-        let (begin, end) = (self.begin + from, self.begin + (from + length));
-        // The record begins with the hold.
-        let first =
-            each_lane!(i => if from.0[i] > 0.0 { samples::after(begin.0[i]) } else { samples::from(begin.0[i]) });
-        let count = each_lane!(i => samples::after(end.0[i])) - first;
-        let samples = Samples { first, count };
-        let (numbers, _) = samples.nodes();
-        let mut of_state = [Lanes::ZERO; 8];
-        for k in 0..8 {
-            of_state[k] = terms[k][0];
-        }
-        let mut pressure = [Lanes::ZERO; POINTS];
-        let per_length = length.recip();
-        for k in 0..POINTS {
-            let share = (numbers[k] * (1.0 / SAMPLE_RATE_HZ) - begin) * per_length;
-            pressure[k] = within(&of_state, share) * self.pressure;
-        }
-        Part { samples, pressure }
+    pub fn series(&self, temperature: Lanes, length: Lanes) -> [Lanes; 4] {
+        let exchange = self.exchange * length;
+        let first = temperature * (exchange * (self.wall - temperature));
+        let bend = exchange * (self.wall - temperature * 2.0);
+        let second = first * bend * 0.5;
+        let third = (second * bend - exchange * (first * first)) * (1.0 / 3.0);
+        [temperature, first, second, third]
     }
 }
 
@@ -192,9 +179,7 @@ impl Loadable for Held<'_> {
     fn load(&mut self, lane: usize, index: usize) {
         let test = &self.tests[index];
         self.exchange[lane] = test.rate / test.closed.ambient_temperature;
-        self.pressure[lane] = test.closed.mass_gas_constant / test.held_volume;
         self.wall[lane] = test.closed.ambient_temperature;
-        self.begin[lane] = test.push_time;
     }
 }
 
