@@ -1,7 +1,7 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
 use super::advance::{Loadable, Nobody, Problem, Steps, Tried, advance};
-use super::finish::{self, Relaxation};
+use super::finish;
 use super::fit;
 use super::hermite::Hermite;
 use super::outcome::{Failure, Outcome};
@@ -69,12 +69,11 @@ pub fn run(
         let peak = Lanes::from_fn(|lane| peaks[at(lane)]);
         let end = Lanes::from_fn(|lane| problems[at(lane)].state[0]);
         let steps: [Steps; WIDTH] = core::array::from_fn(|lane| problems[at(lane)].steps);
-        let relaxation = Relaxation { log, steps, state: 0, peak, end };
         let mut system = Held::new(tests);
         for lane in 0..WIDTH {
             system.load(lane, at(lane));
         }
-        let settling = finish::settling(arch, &relaxation, &system);
+        let settling = finish::settling(arch, &system, log, &steps, peak, end);
         let regression = options.fit.then(|| {
             knots.clear();
             knots.push(Knot { time: Lanes::ZERO, temperature: peak });

@@ -2,17 +2,21 @@
 //! balances of [`balance`] as they are.
 
 use super::advance::Loadable;
-use super::glimpses::Observe;
 use super::plan::Stretch;
 use super::step::LaneSystem;
 use crate::balance::{Balance, ENERGY, MASS, OWN, STATES};
 use crate::effects::{self, EffectSet, OWN_STATES};
-use crate::geometry::AreaLaw;
 use crate::lanes::Lanes;
 use crate::real::Real;
 
 /// In place of a set's bits: the set is known at run time only.
 pub const AT_RUN_TIME: u32 = u32::MAX;
+
+/// What can be seen of a system.
+pub trait Observe<const N: usize>: LaneSystem<N> + Loadable {
+    /// What the record shows, Pa, and the gas's temperature, K, a time `t` into the stretch.
+    fn observe(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; 2];
+}
 
 /// One row's share of a system: its chamber's balance and the stretch it is in.
 pub type Row<'a> = (&'a Balance, &'a Stretch);
@@ -64,12 +68,10 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     pub const PLACES: [usize; N] = places(BITS);
 
     /// For these rows, all of one area law; lanes are not loaded yet.
-    pub fn new(rows: &'a [Row<'a>], set: EffectSet, area_law: AreaLaw) -> Self {
+    pub fn new(rows: &'a [Row<'a>], set: EffectSet) -> Self {
         const { assert!(N == states(BITS)) };
         let (balance, stretch) = rows[0];
-        let mut balance = Balance::of(balance.chamber.lift());
-        balance.chamber.geometry.area_law = area_law;
-        Self { rows, set, balance, stretch: stretch.lift() }
+        Self { rows, set, balance: Balance::of(balance.chamber.lift()), stretch: stretch.lift() }
     }
 
     #[inline(always)]

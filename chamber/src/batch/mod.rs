@@ -13,13 +13,14 @@ mod exact_rows;
 mod finish;
 mod fit;
 mod general;
-mod glimpses;
 mod hermite;
+mod log;
+mod look;
 mod outcome;
 #[cfg(test)]
 mod plain;
 mod plan;
-mod record;
+mod reading;
 mod regression;
 mod samples;
 mod scenario;

@@ -34,16 +34,6 @@ pub struct Part<R = f64> {
 impl Part<Lanes> {
     const NONE: Self =
         Self { samples: Samples { first: Lanes::ZERO, count: Lanes::ZERO }, pressure: [Lanes::ZERO; POINTS] };
-
-    /// What stands in a lane.
-    #[inline(always)]
-    pub fn lane(&self, lane: usize) -> Part {
-        let mut pressure = [0.0; POINTS];
-        for node in 0..POINTS {
-            pressure[node] = self.pressure[node][lane];
-        }
-        Part { samples: Samples { first: self.samples.first[lane], count: self.samples.count[lane] }, pressure }
-    }
 }
 
 /// A node of all records: time after the first sample, pressure less the first one, and how many samples it stands for.

@@ -145,6 +145,9 @@ pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     Attempt { end, slopes: k, error_squared }
 }
 
+/// Stages of an accepted step that count inside it.
+pub const DENSE: [usize; 9] = [0, 5, 6, 7, 8, 9, 10, 11, 12];
+
 /// Terms of the states within an accepted step, to be evaluated by [`within`].
 #[inline(always)]
 pub fn dense<const N: usize, const FUSED: bool, S: LaneSystem<N>>(

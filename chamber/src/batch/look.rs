@@ -1,0 +1,169 @@
+//! Looks into steps of a batch once it is integrated, one step a lane: where its record turns round, when it crosses a
+//! value, what it shows at some places.
+
+use super::general::Observe;
+use super::log::Picked;
+use super::samples::POINTS;
+use super::step::{dense, within};
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::real::Real;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Rounds of a search for a root: the bracket of a smooth one shrinks to rounding in half as many.
+const ROUNDS: usize = 12;
+/// Share of a step to both sides of a place, to tell there whether the record rises.
+const BESIDE: f64 = 1e-5;
+
+/// A function of the share of a step.
+trait Curve {
+    fn at(&self, share: Lanes) -> Lanes;
+}
+
+/// A root between `low`, where the curve is positive, and `high`, where it is not: Illinois' regula falsi.
+#[inline(always)]
+fn root(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
+    let (mut at_low, mut at_high) = (curve.at(low), curve.at(high));
+    let mut x = low;
+    for _ in 0..ROUNDS {
+        let span = at_low - at_high;
+        let share = at_low / span.where_positive(span, Lanes::ONE);
+        let inside = each_lane!(i => if share.0[i] >= 0.0 && share.0[i] <= 1.0 { share.0[i] } else { 0.5 });
+        x = low + (high - low) * inside;
+        let value = curve.at(x);
+        // The end that is kept a second time loses half its value.
+        low = value.where_positive(x, low);
+        at_high = value.where_positive(at_high * 0.5, value);
+        at_low = value.where_positive(value, at_low * 0.5);
+        high = value.where_positive(high, x);
+    }
+    x
+}
+
+/// A step of every lane as a polynomial in the share of its length.
+struct Inside<'a, const N: usize, S> {
+    system: &'a S,
+    begin: Lanes,
+    length: Lanes,
+    terms: [[Lanes; N]; 8],
+}
+
+impl<'a, const N: usize, S: Observe<N>> Inside<'a, N, S> {
+    #[inline(always)]
+    fn of<I: Simd>(system: &'a S, steps: &Picked<N>) -> Self {
+        let Picked { begin, length, first, last, slopes } = steps;
+        let terms = if I::IS_SCALAR {
+            dense::<N, false, S>(system, *begin, *length, first, last, slopes)
+        } else {
+            dense::<N, true, S>(system, *begin, *length, first, last, slopes)
+        };
+        Self { system, begin: *begin, length: *length, terms }
+    }
+
+    /// Pressure of the record, Pa, and temperature of the gas, K.
+    #[inline(always)]
+    fn shown(&self, share: Lanes) -> [Lanes; 2] {
+        let mut y = [Lanes::ZERO; N];
+        for i in 0..N {
+            let mut of_state = [Lanes::ZERO; 8];
+            for k in 0..8 {
+                of_state[k] = self.terms[k][i];
+            }
+            y[i] = within(&of_state, share);
+        }
+        self.system.observe(self.begin + share * self.length, &y)
+    }
+}
+
+/// Where one of the two quantities turns round.
+struct Turning<'a, const N: usize, S> {
+    inside: Inside<'a, N, S>,
+    /// Positive where it is the temperature.
+    temperature: Lanes,
+    /// 1 for a summit, −1 for a bottom.
+    side: Lanes,
+}
+
+impl<const N: usize, S: Observe<N>> Turning<'_, N, S> {
+    #[inline(always)]
+    fn value(&self, share: Lanes) -> Lanes {
+        let [pressure, temperature] = self.inside.shown(share);
+        self.temperature.where_positive(temperature, pressure)
+    }
+}
+
+impl<const N: usize, S: Observe<N>> Curve for Turning<'_, N, S> {
+    #[inline(always)]
+    fn at(&self, share: Lanes) -> Lanes {
+        (self.value(share + BESIDE) - self.value(share - BESIDE)) * self.side
+    }
+}
+
+/// How far the record is from a value, beyond a band around it.
+struct Beyond<'a, const N: usize, S> {
+    inside: Inside<'a, N, S>,
+    value: Lanes,
+    band: Lanes,
+}
+
+impl<const N: usize, S: Observe<N>> Curve for Beyond<'_, N, S> {
+    #[inline(always)]
+    fn at(&self, share: Lanes) -> Lanes {
+        (self.inside.shown(share)[0] - self.value).abs() - self.band
+    }
+}
+
+/// What is looked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Question {
+    /// Share of the step at which the quantity turns round, and its value there: the temperature where positive, else
+    /// the record's pressure.
+    Turn(Lanes),
+    /// Share of the step, between two at the first of which it is outside, at which the record comes within a band
+    /// around a value.
+    Enter { between: [Lanes; 2], value: Lanes, band: Lanes },
+    /// Pressures of the record, Pa, at shares of the step.
+    Pressures([Lanes; POINTS]),
+}
+
+/// Answers a question about a step a lane; `system` holds their constants.
+pub fn look<const N: usize, S: Observe<N>>(
+    arch: Arch,
+    system: &S,
+    steps: &Picked<N>,
+    question: Question,
+) -> [Lanes; POINTS] {
+    arch.dispatch(Look { system, steps, question })
+}
+
+struct Look<'a, const N: usize, S> {
+    system: &'a S,
+    steps: &'a Picked<N>,
+    question: Question,
+}
+
+impl<const N: usize, S: Observe<N>> WithSimd for Look<'_, N, S> {
+    type Output = [Lanes; POINTS];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Self::Output {
+        let inside = Inside::of::<I>(self.system, self.steps);
+        let mut answer = [Lanes::ZERO; POINTS];
+        match self.question {
+            Question::Turn(temperature) => {
+                let mut turning = Turning { inside, temperature, side: Lanes::ONE };
+                turning.side = turning.at(Lanes::from(BESIDE)).where_positive(Lanes::ONE, -Lanes::ONE);
+                answer[0] = root(&turning, Lanes::from(BESIDE), Lanes::from(1.0 - BESIDE));
+                answer[1] = turning.value(answer[0]);
+            }
+            Question::Enter { between: [outside, later], value, band } => {
+                answer[0] = root(&Beyond { inside, value, band }, outside, later);
+            }
+            Question::Pressures(shares) => {
+                for k in 0..POINTS {
+                    answer[k] = inside.shown(shares[k])[0];
+                }
+            }
+        }
+        answer
+    }
+}
