@@ -25,20 +25,46 @@ pub fn run(
     options: &Options,
     out: &mut [Outcome],
 ) {
-    for rows in rows.chunks(WIDTH) {
-        let mut tests = Tests::first(&scenarios[rows[0].0 as usize], rows[0].1);
-        for (lane, &(row, duration)) in rows.iter().enumerate().skip(1) {
-            tests.load(lane, &scenarios[row as usize], duration);
-        }
+    let all: Vec<Test> =
+        rows.iter().map(|&(row, duration)| Test::new(row, &scenarios[row as usize], duration)).collect();
+    // Lanes that wait for one with more parts are few where neighbours have as many.
+    let mut order: Vec<u32> = (0..all.len() as u32).collect();
+    order.sort_unstable_by_key(|&test| all[test as usize].parts as u32);
+    for order in order.chunks(WIDTH) {
+        let tests = Tests::new(&all, order);
         let ends = arch.dispatch(Solve(&tests));
         let found = options.fit.then(|| {
             let guess = arch.dispatch(Record { tests: &tests, ends: &ends, records });
             records.fit(arch, guess)
         });
-        for (lane, &(row, duration)) in rows.iter().enumerate() {
+        for (lane, &test) in order.iter().enumerate() {
+            let Test { row, duration, .. } = all[test as usize];
             let scenario = &scenarios[row as usize];
             out[row as usize] = outcome(&tests, &ends, lane, scenario, duration, found.as_ref());
         }
+    }
+}
+
+/// One test, reduced to the numbers its solution needs.
+struct Test {
+    row: u32,
+    duration: f64,
+    closed: Closed,
+    parts: f64,
+    start: f64,
+    from: f64,
+    to: f64,
+    push: f64,
+}
+
+impl Test {
+    #[inline]
+    fn new(row: u32, s: &Scenario, duration: f64) -> Self {
+        let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+        let start = s.initial_temperature_k;
+        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
+        let parts = closed.parts(from, to, s.push_time_s);
+        Self { row, duration, closed, parts, start, from, to, push: s.push_time_s }
     }
 }
 
@@ -62,8 +88,8 @@ struct Ends {
 }
 
 impl Tests {
-    /// The same test in every lane.
-    fn first(scenario: &Scenario, duration: f64) -> Self {
+    /// One of `all` in each lane, the last again in those that are left over.
+    fn new(all: &[Test], order: &[u32]) -> Self {
         let zero = Lanes::ZERO;
         let mut tests = Self {
             closed: Closed { mass_gas_constant: zero, exchange: [zero; 2], expansion: zero, ambient_temperature: zero },
@@ -75,28 +101,21 @@ impl Tests {
             hold: zero,
         };
         for lane in 0..WIDTH {
-            tests.load(lane, scenario, duration);
+            let test = &all[order[lane.min(order.len() - 1)] as usize];
+            let closed = &mut tests.closed;
+            closed.mass_gas_constant[lane] = test.closed.mass_gas_constant;
+            closed.exchange[0][lane] = test.closed.exchange[0];
+            closed.exchange[1][lane] = test.closed.exchange[1];
+            closed.expansion[lane] = test.closed.expansion;
+            closed.ambient_temperature[lane] = test.closed.ambient_temperature;
+            tests.parts[lane] = test.parts;
+            tests.start[lane] = test.start;
+            tests.from[lane] = test.from;
+            tests.to[lane] = test.to;
+            tests.push[lane] = test.push;
+            tests.hold[lane] = test.duration - test.push;
         }
         tests
-    }
-
-    #[inline]
-    fn load(&mut self, lane: usize, s: &Scenario, duration: f64) {
-        let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let (start, wall) = (s.initial_temperature_k, s.ambient_temperature_k);
-        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, wall);
-        let all = &mut self.closed;
-        all.mass_gas_constant[lane] = closed.mass_gas_constant;
-        all.exchange[0][lane] = closed.exchange[0];
-        all.exchange[1][lane] = closed.exchange[1];
-        all.expansion[lane] = closed.expansion;
-        all.ambient_temperature[lane] = closed.ambient_temperature;
-        self.parts[lane] = closed.parts(from, to, s.push_time_s);
-        self.start[lane] = start;
-        self.from[lane] = from;
-        self.to[lane] = to;
-        self.push[lane] = s.push_time_s;
-        self.hold[lane] = duration - s.push_time_s;
     }
 }
 

@@ -170,38 +170,62 @@ impl Plan {
     }
 }
 
+/// Whether a scenario's numbers make sense.
 pub fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
+    const POSITIVE: [&str; 11] = [
+        "the bore",
+        "the piston area",
+        "the gas constant",
+        "the heat capacity ratio less one",
+        "the reference pressure",
+        "the reference temperature",
+        "the initial pressure",
+        "the initial temperature",
+        "the ambient temperature",
+        "the ambient pressure",
+        "the temperature of the inflow",
+    ];
+    const FINITE: [&str; 7] = [
+        "the dead volume",
+        "the heat transfer coefficient",
+        "the mass flow in (zero or more)",
+        "the mass flow out (zero or more)",
+        "an effect's parameter",
+        "the initial position",
+        "the final position",
+    ];
     let c = &s.chamber;
-    for (name, value) in [
-        ("the bore", c.geometry.bore),
-        ("the piston area", c.geometry.piston_area),
-        ("the gas constant", c.gas.gas_constant),
-        ("the heat capacity ratio less one", c.gas.heat_capacity_ratio - 1.0),
-        ("the reference pressure", c.heat_transfer.reference_pressure),
-        ("the reference temperature", c.heat_transfer.reference_temperature),
-        ("the initial pressure", s.initial_pressure_pa),
-        ("the initial temperature", s.initial_temperature_k),
-        ("the ambient temperature", s.ambient_temperature_k),
-        ("the ambient pressure", s.ambient_pressure_pa),
-        ("the temperature of the inflow", s.temperature_in_k),
-    ] {
-        if !(value > 0.0 && value < f64::INFINITY) {
-            return Err(Failure::NotPositive(name));
-        }
+    let values = [
+        c.geometry.bore,
+        c.geometry.piston_area,
+        c.gas.gas_constant,
+        c.gas.heat_capacity_ratio - 1.0,
+        c.heat_transfer.reference_pressure,
+        c.heat_transfer.reference_temperature,
+        s.initial_pressure_pa,
+        s.initial_temperature_k,
+        s.ambient_temperature_k,
+        s.ambient_pressure_pa,
+        s.temperature_in_k,
+    ];
+    // Bounds that are numbers: what `is_finite` and infinity come to here is many times as long.
+    let positive = |value: &f64| *value > 0.0 && *value <= f64::MAX;
+    let finite = |value: &f64| value.abs() <= f64::MAX;
+    if let Some(first) = values.iter().position(|value| !positive(value)) {
+        return Err(Failure::NotPositive(POSITIVE[first]));
     }
-    let at_least_zero = |value: f64| (0.0..f64::INFINITY).contains(&value);
-    for (name, fine) in [
-        ("the dead volume", c.geometry.dead_volume.is_finite()),
-        ("the heat transfer coefficient", at_least_zero(c.heat_transfer.coefficient)),
-        ("the mass flow in (zero or more)", at_least_zero(s.mass_flow_in_kg_per_s)),
-        ("the mass flow out (zero or more)", at_least_zero(s.mass_flow_out_kg_per_s)),
-        ("an effect's parameter", c.effects.0.iter().all(|v| v.is_finite())),
-        ("the initial position", s.profile.is_some() || s.initial_position_m.is_finite()),
-        ("the final position", s.profile.is_some() || s.final_position_m.is_finite()),
-    ] {
-        if !fine {
-            return Err(Failure::NotFinite(name));
-        }
+    let at_least_zero = |value: f64| (0.0..=f64::MAX).contains(&value);
+    let fine = [
+        finite(&c.geometry.dead_volume),
+        at_least_zero(c.heat_transfer.coefficient),
+        at_least_zero(s.mass_flow_in_kg_per_s),
+        at_least_zero(s.mass_flow_out_kg_per_s),
+        c.effects.0.iter().all(finite),
+        s.profile.is_some() || finite(&s.initial_position_m),
+        s.profile.is_some() || finite(&s.final_position_m),
+    ];
+    if let Some(first) = fine.iter().position(|fine| !fine) {
+        return Err(Failure::NotFinite(FINITE[first]));
     }
     if !set.contains(c.active()) {
         return Err(Failure::EffectNotInSet);

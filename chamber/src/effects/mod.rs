@@ -287,6 +287,9 @@ impl EffectValues<f64> {
     /// The effects whose parameters are not all neutral.
     pub fn active(&self) -> EffectSet {
         let mut set = EffectSet::NONE;
+        if self.0 == Self::NEUTRAL.0 {
+            return set;
+        }
         for (i, card) in all() {
             if card.parameters.iter().zip(self.of(i)).any(|(p, v)| p.neutral != *v) {
                 set = set.union(EffectSet::one(i));
