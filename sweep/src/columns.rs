@@ -12,7 +12,7 @@ use arrow::datatypes::{DataType, Field, Int32Type, Schema, SchemaRef};
 use arrow::record_batch::RecordBatch;
 use parquet::basic::{Compression, Encoding, ZstdLevel};
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use parquet::schema::types::ColumnPath;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap};
@@ -95,8 +95,9 @@ pub fn schema(study: &Study) -> SchemaRef {
 
 /// Rows as Arrow.
 pub fn batch(study: &Study, schema: &SchemaRef, rows: Rows, statuses: &mut Statuses) -> Result<RecordBatch, Error> {
-    let numbers = (0..rows.statuses.len() as u64).map(|i| (rows.first + i) as i64);
-    let mut columns: Vec<ArrayRef> = vec![Arc::new(Int64Array::from_iter_values(numbers))];
+    let first = rows.first as i64;
+    let numbers: Vec<i64> = (first..first + rows.statuses.len() as i64).collect();
+    let mut columns: Vec<ArrayRef> = vec![Arc::new(Int64Array::from(numbers))];
     columns.extend(rows.points.into_iter().map(|column| Arc::new(Float64Array::from(column)) as ArrayRef));
     columns.extend(rows.outputs.into_iter().map(|column| Arc::new(finite_or_null(column)) as ArrayRef));
     columns.push(Arc::new(statuses.column(&rows.statuses)));
@@ -126,7 +127,7 @@ impl Statuses {
             met[place].1 += 1;
             place as i32
         };
-        let keys = Int32Array::from_iter_values(rows.iter().map(key));
+        let keys = Int32Array::from(rows.iter().map(key).collect::<Vec<i32>>());
         let texts = StringArray::from_iter_values(met.iter().map(|(status, _)| status.text()));
         DictionaryArray::new(keys, Arc::new(texts))
     }
@@ -152,6 +153,7 @@ pub fn properties(study: &Study, schema: &SchemaRef, extra: &[(&str, String)]) -
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(ZSTD_LEVEL).unwrap_or_default()))
         .set_created_by(format!("pneutherm {}", env!("CARGO_PKG_VERSION")))
+        .set_writer_version(WriterVersion::PARQUET_2_0)
         .set_max_row_group_row_count(Some(ROW_GROUP))
         .set_data_page_row_count_limit(PAGE)
         .set_write_batch_size(part::CHUNK as usize)
@@ -165,6 +167,10 @@ pub fn properties(study: &Study, schema: &SchemaRef, extra: &[(&str, String)]) -
             DataType::Float64 if !is_discrete(study, field.name()) => {
                 properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT)
             }
+            // A dictionary says more than the first and the last of its words.
+            DataType::Dictionary(..) => properties
+                .set_column_statistics_enabled(path.clone(), EnabledStatistics::None)
+                .set_column_dictionary_enabled(path, true),
             _ => properties.set_column_dictionary_enabled(path, true),
         };
     }
