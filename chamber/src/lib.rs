@@ -10,6 +10,7 @@
 //! | [`effects`] | what the paper's model neglects: one effect, one file |
 //! | [`balance`] | equations (1) and (2) as balances of mass and energy |
 //! | [`integrate`] | adaptive Dormand–Prince 5(4) with dense output |
+//! | [`record`] | following a chamber along its inputs, and its sensor's readings |
 //! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as a sensor sees it |
 //! | [`exact`] | closed forms of the closed chamber |
 //! | `batch` | many scenarios at once, for studies (feature `batch`) |
@@ -33,6 +34,7 @@ pub mod lanes;
 pub mod math;
 pub mod paper;
 pub mod real;
+pub mod record;
 pub mod signals;
 pub mod simulate;
 

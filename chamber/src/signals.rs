@@ -1,6 +1,7 @@
 //! What a record or a plan imposes on the chamber, piecewise linear in time.
 
 use crate::balance::Boundary;
+use crate::record::Inputs;
 
 /// Inputs at one knot in time; linear in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,17 +32,6 @@ impl Signals {
         Self { knots: motion.iter().map(knot).collect(), ambient_pressure }
     }
 
-    /// The boundary at time `t` within the stretch that begins at knot `index`.
-    #[inline]
-    pub fn boundary(&self, index: usize, t: f64) -> Boundary {
-        let from = &self.knots[index];
-        let Some(to) = self.knots.get(index + 1) else {
-            return self.at(from, 0.0, from, 0.0);
-        };
-        let length = to.time - from.time;
-        self.at(from, (t - from.time) / length, to, (to.position - from.position) / length)
-    }
-
     fn at(&self, from: &Knot, share: f64, to: &Knot, velocity: f64) -> Boundary {
         let between = |a: f64, b: f64| a + (b - a) * share;
         let flow = between(from.mass_flow, to.mass_flow);
@@ -55,5 +45,33 @@ impl Signals {
             ambient_temperature,
             ambient_pressure: self.ambient_pressure,
         }
+    }
+}
+
+impl Inputs for Signals {
+    #[inline]
+    fn begin(&self) -> f64 {
+        self.knots[0].time
+    }
+
+    #[inline]
+    fn stretches(&self) -> usize {
+        self.knots.len()
+    }
+
+    #[inline]
+    fn end(&self, stretch: usize) -> f64 {
+        self.knots.get(stretch + 1).map_or(f64::INFINITY, |knot| knot.time)
+    }
+
+    /// Within the stretch that begins at the knot of that number; behind the last knot all stays as it is there.
+    #[inline]
+    fn boundary(&self, stretch: usize, time: f64) -> Boundary {
+        let from = &self.knots[stretch];
+        let Some(to) = self.knots.get(stretch + 1) else {
+            return self.at(from, 0.0, from, 0.0);
+        };
+        let length = to.time - from.time;
+        self.at(from, (time - from.time) / length, to, (to.position - from.position) / length)
     }
 }

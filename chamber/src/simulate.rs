@@ -1,11 +1,11 @@
-//! A chamber along given signals, sampled where a record has its rows, as the gas is and as the sensor shows it.
+//! A chamber along given inputs, sampled where a record has its rows, as the gas is and as the sensor shows it.
 
 use crate::balance::{self, Boundary, Conditions, ENERGY, MASS, OWN, Rates, STATES};
 use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
 use crate::real::Scalar;
-use crate::signals::Signals;
+use crate::record::{self, Inputs, Readings};
 
 /// One row of a simulation. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,11 +67,11 @@ pub fn tolerance<R: Scalar>(relative: f64, initial: &[R; STATES]) -> Tolerance<S
     Tolerance { relative, absolute }
 }
 
-/// Simulates from the first knot on; one sample for each of `times` (ascending, s, not before the first knot).
+/// Simulates from the begin of the inputs on; one sample for each of `times` (ascending, s, not before the begin).
 ///
-/// Knots of the signals are breakpoints of the integration; samples in between come from its dense output. With a
-/// `record_delay` the measured pressure of a sample is that of the earlier moment; before the first knot the chamber
-/// is at rest. After the last knot its inputs stay as they are.
+/// Ends of stretches are breakpoints of the integration; samples in between come from its dense output. With a
+/// `record_delay` the measured pressure of a sample is that of the earlier moment; before the begin the chamber is at
+/// rest.
 ///
 /// # Errors
 /// [`IntegrationError`] where the state leaves what the equations can follow (an emptied chamber, a volume not positive).
@@ -79,109 +79,65 @@ pub fn simulate<R: Scalar>(
     chamber: &Chamber<R>,
     set: EffectSet,
     start: Start<R>,
-    signals: &Signals,
+    inputs: &impl Inputs,
     times: &[f64],
     relative_tolerance: f64,
 ) -> Result<Vec<Sample<R>>, IntegrationError> {
-    let mut recorder = Recorder::new(chamber, set, signals, times);
-    recorder.run(start, relative_tolerance)?;
+    let Some(&last) = times.last() else { return Ok(Vec::new()) };
+    let begin = inputs.begin();
+    let initial = balance::state_at(chamber, &inputs.boundary(0, begin).lift(), start.pressure, start.temperature);
+    let readings = Readings::new(chamber, set, times, begin);
+    let mut recorder = Recorder { chamber, set, inputs, times, readings, samples: Vec::with_capacity(times.len()) };
+    recorder.record(0, begin, || |_| initial);
+    let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
+    let rates = |_: f64, boundary: Boundary, state: &[R; STATES]| balance::rates(set, chamber, &boundary.lift(), state);
+    record::follow(inputs, &mut integrator, last, rates, |stretch, until, step| {
+        recorder.record(stretch, until, || {
+            let dense = step.dense();
+            move |t| dense.at(t)
+        });
+    })?;
     Ok(recorder.samples)
 }
 
-/// Fills samples while the integration passes by: the gas at each row's time, the sensor's reading of a delay earlier.
-struct Recorder<'a, R> {
+/// Fills samples while the integration passes by: the gas at each row's time, beside the sensor's reading.
+struct Recorder<'a, R, I> {
     chamber: &'a Chamber<R>,
     set: EffectSet,
-    signals: &'a Signals,
+    inputs: &'a I,
     times: &'a [f64],
-    delay: R,
+    readings: Readings<'a, R>,
     samples: Vec<Sample<R>>,
-    readings: Vec<R>,
 }
 
-impl<'a, R: Scalar> Recorder<'a, R> {
-    fn new(chamber: &'a Chamber<R>, set: EffectSet, signals: &'a Signals, times: &'a [f64]) -> Self {
-        let delay = effects::delay(set, &chamber.effects);
-        Self {
-            chamber,
-            set,
-            signals,
-            times,
-            delay,
-            samples: Vec::with_capacity(times.len()),
-            readings: Vec::with_capacity(times.len()),
-        }
-    }
-
-    fn run(&mut self, start: Start<R>, relative_tolerance: f64) -> Result<(), IntegrationError> {
-        let Some(&last) = self.times.last() else { return Ok(()) };
-        let (chamber, set, signals) = (self.chamber, self.set, self.signals);
-        let begin = signals.knots[0].time;
-        let initial = balance::state_at(chamber, &signals.boundary(0, begin).lift(), start.pressure, start.temperature);
-        self.record(0, begin, || |_| initial);
-        let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-        for index in 0..signals.knots.len() {
-            let end = signals.knots.get(index + 1).map_or(last, |knot| knot.time.min(last));
-            let system =
-                |t: f64, state: &[R; STATES]| balance::rates(set, chamber, &signals.boundary(index, t).lift(), state);
-            integrator.advance(&system, end, |step| {
-                self.record(index, step.from + step.length, || {
-                    let dense = step.dense();
-                    move |t| dense.at(t)
-                });
-            })?;
-            if integrator.time >= last {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// Takes every sample and reading due until `until`, s, on the stretch from knot `index`, where `states` makes the
-    /// function that gives the states.
+impl<R: Scalar, I: Inputs> Recorder<'_, R, I> {
+    /// Takes every sample and reading due until `until`, s, on a stretch, where `states` makes the function that gives
+    /// the states.
     #[inline]
-    fn record<F: Fn(R) -> [R; STATES]>(&mut self, index: usize, until: f64, states: impl Fn() -> F) {
-        let reach = until + 1e-12 * until.abs();
-        if self.next_reading().is_none_or(|shown| shown.value() > reach)
-            && self.next_sample().is_none_or(|time| time > reach)
-        {
+    fn record<F: Fn(R) -> [R; STATES]>(&mut self, stretch: usize, until: f64, states: impl Fn() -> F) {
+        let reach = record::reach(until);
+        // The sensor shows the gas of a delay earlier, so each reading is due no later than its row's sample.
+        if !self.readings.is_due(reach) && self.next_sample().is_none_or(|time| time > reach) {
             return;
         }
         let states = states();
-        // The sensor shows the gas of a delay earlier, so each reading is due no later than its row's sample.
-        while let Some(shown) = self.next_reading().filter(|shown| shown.value() <= reach) {
+        let (chamber, inputs) = (self.chamber, self.inputs);
+        let boundary = |time: R| record::boundary_at(inputs, stretch, time);
+        self.readings.take(reach, |shown| {
             let state = states(shown);
-            let own = core::array::from_fn(|i| state[OWN + i]);
-            let at = balance::conditions(self.chamber, &self.boundary(index, shown), state[MASS], state[ENERGY]);
-            let elapsed = R::from(self.times[self.readings.len()] - self.signals.knots[0].time);
-            self.readings.push(effects::reading(self.set, &self.chamber.effects, &own, at.pressure, elapsed));
-        }
+            let at = balance::conditions(chamber, &boundary(shown), state[MASS], state[ENERGY]);
+            (at.pressure, core::array::from_fn(|i| state[OWN + i]))
+        });
         while let Some(time) = self.next_sample().filter(|time| *time <= reach) {
-            let boundary = self.boundary(index, R::from(time));
-            let (at, rates, _) = balance::evaluate(self.set, self.chamber, &boundary, &states(R::from(time)));
-            self.samples.push(Sample::new(time, self.readings[self.samples.len()], &at, &rates));
+            let moment = R::from(time);
+            let (at, rates, _) = balance::evaluate(self.set, chamber, &boundary(moment), &states(moment));
+            self.samples.push(Sample::new(time, self.readings.taken()[self.samples.len()], &at, &rates));
         }
-    }
-
-    /// The moment whose gas the next row shows: the delay earlier, but not before the first knot.
-    #[inline]
-    fn next_reading(&self) -> Option<R> {
-        let time = *self.times.get(self.readings.len())?;
-        Some((R::from(time) - self.delay).max(R::from(self.signals.knots[0].time)))
     }
 
     #[inline]
     fn next_sample(&self) -> Option<f64> {
         self.times.get(self.samples.len()).copied()
-    }
-
-    /// The boundary at `time`, whose derivatives (those of a delay) move the position on.
-    #[inline]
-    fn boundary(&self, index: usize, time: R) -> Boundary<R> {
-        let plain = self.signals.boundary(index, time.value());
-        let mut boundary: Boundary<R> = plain.lift();
-        boundary.position += (time - time.value()) * plain.velocity;
-        boundary
     }
 }
 
@@ -189,6 +145,7 @@ impl<'a, R: Scalar> Recorder<'a, R> {
 mod tests {
     use super::*;
     use crate::effects::{EffectValues, find};
+    use crate::signals::Signals;
     use crate::{AreaLaw, Gas, Geometry, HeatTransfer, dual::Dual};
 
     fn push() -> (Chamber, Signals, Vec<f64>) {

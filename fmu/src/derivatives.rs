@@ -66,7 +66,7 @@ impl Seed {
             let range = effects::PARAMETER_OFFSETS[index]..effects::PARAMETER_OFFSETS[index + 1];
             self.parameters[BASE..][range].iter().any(|d| *d != 0.0)
         };
-        (0..effects::COUNT).filter(changed).fold(EffectSet::NONE, |set, index| set.union(EffectSet::one(index)))
+        (0..effects::COUNT).filter(changed).collect()
     }
 }
 

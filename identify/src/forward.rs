@@ -7,10 +7,10 @@
 use crate::motion::{Motion, Spline};
 use chamber::Chamber;
 use chamber::balance::{self, Boundary, ENERGY, MASS, STATES};
-use chamber::card::Balance;
 use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
-use chamber::integrate::{Dense, IntegrationError, Integrator};
+use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
+use chamber::record::{self, Inputs, Readings};
 use chamber::simulate::{Start, tolerance};
 use std::cell::Cell;
 
@@ -27,13 +27,42 @@ pub struct Course {
     pub mass_flow: Option<Spline>,
 }
 
-impl Course {
-    /// The surroundings at time `t`, s, in segment `index`.
+/// A course on the way: with the places of its splines that were asked last.
+struct Passing<'a> {
+    course: &'a Course,
+    near: Cell<usize>,
+    near_flow: Cell<usize>,
+}
+
+impl<'a> Passing<'a> {
+    fn new(course: &'a Course) -> Self {
+        Self { course, near: Cell::new(0), near_flow: Cell::new(0) }
+    }
+}
+
+impl Inputs for Passing<'_> {
     #[inline]
-    fn boundary(&self, index: usize, t: f64, near: &Cell<usize>, near_flow: &Cell<usize>) -> Boundary {
-        let (position, velocity) = self.motion.segments[index].stroke.at(t, near);
-        let (ambient_temperature, _) = self.ambient_temperature.at(t, near_flow);
-        let flow = self.mass_flow.as_ref().map_or(0.0, |f| f.at(t, near_flow).0);
+    fn begin(&self) -> f64 {
+        self.course.motion.segments[0].from_s
+    }
+
+    #[inline]
+    fn stretches(&self) -> usize {
+        self.course.motion.segments.len()
+    }
+
+    #[inline]
+    fn end(&self, stretch: usize) -> f64 {
+        let segments = &self.course.motion.segments;
+        if stretch + 1 < segments.len() { segments[stretch].to_s } else { f64::INFINITY }
+    }
+
+    #[inline]
+    fn boundary(&self, stretch: usize, time: f64) -> Boundary {
+        let course = self.course;
+        let (position, velocity) = course.motion.segments[stretch].stroke.at(time, &self.near);
+        let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
+        let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
         Boundary {
             position,
             velocity,
@@ -41,8 +70,14 @@ impl Course {
             temperature_in: ambient_temperature,
             mass_flow_out: (-flow).max(0.0),
             ambient_temperature,
-            ambient_pressure: self.ambient_pressure,
+            ambient_pressure: course.ambient_pressure,
         }
+    }
+
+    /// A new part of the stroke begins: the step of the last one means nothing here.
+    #[inline]
+    fn first_step(&self, length: f64) -> f64 {
+        0.02 * length
     }
 }
 
@@ -65,18 +100,6 @@ impl<R: Scalar> Disturbance<R> for Undisturbed {
 
 /// Evaluations of the balances before a trial of a fit is given up as too stiff: so many, and so many for each row.
 const MOST_EVALUATIONS: (usize, usize) = (10_000, 60);
-
-/// Effects that belong to the sensor's chain.
-pub fn sensor_effects() -> EffectSet {
-    effects::all()
-        .filter(|(_, card)| card.balance == Balance::Sensor)
-        .fold(EffectSet::NONE, |set, (i, _)| set.union(EffectSet::one(i)))
-}
-
-/// The effects of `set` that are not in `other`.
-pub fn without(set: EffectSet, other: EffectSet) -> EffectSet {
-    set.iter().filter(|&i| !other.has(i)).fold(EffectSet::NONE, |s, i| s.union(EffectSet::one(i)))
-}
 
 /// One run of the model along a record.
 #[derive(Clone, Copy, Debug)]
@@ -114,40 +137,29 @@ impl<R: Scalar> Run<'_, R> {
     ) -> Result<Vec<R>, IntegrationError> {
         let Run { chamber, set, start, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Vec::new()) };
-        let gas_set = without(set, sensor_effects());
-        let (near, near_flow) = (Cell::new(0), Cell::new(0));
-        let begin = course.motion.segments[0].from_s;
-        let first = course.boundary(0, begin, &near, &near_flow);
+        let inputs = Passing::new(course);
+        let begin = inputs.begin();
+        let first = inputs.boundary(0, begin);
         let initial = balance::state_at(chamber, &first.lift(), start.pressure, start.temperature);
         on_step(begin, &initial);
-        let mut sensor = Sensor::new(chamber, set, course, times, begin, start.pressure);
+        let mut sensor = Sensor::new(chamber, set, course, times, start.pressure);
         let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
         let evaluations = Cell::new(0usize);
         let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
         let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
-        for index in 0..course.motion.segments.len() {
-            let end = course.motion.segments[index].to_s.min(last);
-            if end <= integrator.time {
-                continue;
+        let gas_set = set.without(effects::of_sensor());
+        let rates = |t: f64, boundary: Boundary, state: &[R; STATES]| -> [R; STATES] {
+            evaluations.set(evaluations.get() + 1);
+            if evaluations.get() > most_evaluations {
+                return [R::from(f64::NAN); STATES];
             }
-            // A new part of the stroke begins: the step of the last one means nothing here.
-            integrator.step = integrator.step.min(0.02 * (end - integrator.time));
-            let system = |t: f64, state: &[R; STATES]| -> [R; STATES] {
-                evaluations.set(evaluations.get() + 1);
-                if evaluations.get() > most_evaluations {
-                    return [R::from(f64::NAN); STATES];
-                }
-                let boundary = course.boundary(index, t, &near, &near_flow);
-                disturbed_rates(gas_set, chamber, &boundary.lift(), state, disturbance.at(t))
-            };
-            integrator.advance(&system, end, |step| {
-                let until = step.from + step.length;
-                sensor.pass(index, step.from, until, &step.dense(), disturbance);
-                on_step(until, &step.end());
-            })?;
-        }
-        sensor.finish();
-        Ok(sensor.readings)
+            disturbed_rates(gas_set, chamber, &boundary.lift(), state, disturbance.at(t))
+        };
+        record::follow(&inputs, &mut integrator, last, rates, |stretch, until, step| {
+            sensor.pass(stretch, until, step, disturbance);
+            on_step(until, &step.end());
+        })?;
+        Ok(sensor.readings.into_taken())
     }
 }
 
@@ -170,110 +182,65 @@ fn disturbed_rates<R: Scalar>(
     rates
 }
 
-/// The chain behind the gas: lag, delay, drift, in that order.
+/// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
 struct Sensor<'a, R> {
     chamber: &'a Chamber<R>,
-    set: EffectSet,
-    course: &'a Course,
-    times: &'a [f64],
-    begin: f64,
-    delay: R,
+    inputs: Passing<'a>,
     lag: Option<R>,
     lagged: R,
-    readings: Vec<R>,
-    near: Cell<usize>,
+    readings: Readings<'a, R>,
 }
 
 impl<'a, R: Scalar> Sensor<'a, R> {
-    fn new(
-        chamber: &'a Chamber<R>,
-        set: EffectSet,
-        course: &'a Course,
-        times: &'a [f64],
-        begin: f64,
-        pressure: R,
-    ) -> Self {
-        let lag = effects::find("sensor_lag")
-            .filter(|(index, _)| set.has(*index))
-            .map(|(index, _)| chamber.effects.of(index)[0])
-            .filter(|constant| constant.value() > 0.0);
-        let mut sensor = Self {
-            chamber,
-            set,
-            course,
-            times,
-            begin,
-            delay: effects::delay(set, &chamber.effects),
-            lag,
-            lagged: pressure,
-            readings: Vec::with_capacity(times.len()),
-            near: Cell::new(0),
-        };
-        // Before the record the chamber is at rest at its first pressure.
-        while sensor.next().is_some_and(|shown| shown.value() <= begin) {
-            sensor.push(pressure);
+    /// Before the record the chamber is at rest at its first pressure.
+    fn new(chamber: &'a Chamber<R>, set: EffectSet, course: &'a Course, times: &'a [f64], pressure: R) -> Self {
+        let inputs = Passing::new(course);
+        let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
+        let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
+        let behind_lag = set.without(sensor_lag.into_iter().collect());
+        let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin());
+        readings.take(inputs.begin(), |_| shown(pressure));
+        Self { chamber, inputs, lag, lagged: pressure, readings }
+    }
+
+    /// Takes every reading due in a step that ends at `until`, s.
+    fn pass(&mut self, stretch: usize, until: f64, step: &Step<R, STATES>, extra: &impl Disturbance<R>) {
+        let reach = record::reach(until);
+        if self.lag.is_none() && !self.readings.is_due(reach) {
+            return;
         }
-        sensor
-    }
-
-    fn next(&self) -> Option<R> {
-        self.times.get(self.readings.len()).map(|time| R::from(*time) - self.delay)
-    }
-
-    fn push(&mut self, shown: R) {
-        let elapsed = R::from(self.times[self.readings.len()] - self.begin);
-        let mut own = [R::ZERO; OWN_STATES];
-        if let (Some(_), Some((index, _))) = (self.lag, effects::find("sensor_lag")) {
-            own[effects::STATE_OFFSETS[index]] = shown;
-        }
-        self.readings.push(effects::reading(self.set, &self.chamber.effects, &own, shown, elapsed));
-    }
-
-    /// Takes every reading due while the gas goes from `from` to `until`, s.
-    fn pass(&mut self, index: usize, from: f64, until: f64, dense: &Dense<R, STATES>, extra: &impl Disturbance<R>) {
-        let reach = until + 1e-12 * until.abs();
-        let pressure = |near: &Cell<usize>, t: R| {
-            let at = t.value();
-            let (position, velocity) = self.course.motion.segments[index].stroke.at(at, near);
-            let [_, _, change, _] = extra.at(at);
-            let position = (t - at) * velocity + position;
+        let dense = step.dense();
+        let pressure = |t: R| {
+            let [_, _, change, _] = extra.at(t.value());
+            let position = record::boundary_at(&self.inputs, stretch, t).position;
             let volume = self.chamber.geometry.volume(position) + change;
             (self.chamber.gas.heat_capacity_ratio - 1.0) * dense.at(t)[ENERGY] / volume
         };
         let Some(constant) = self.lag else {
-            while let Some(shown) = self.next().filter(|shown| shown.value() <= reach) {
-                let value = pressure(&self.near, shown);
-                self.push(value);
-            }
+            self.readings.take(reach, |t| shown(pressure(t)));
             return;
         };
         const PIECES: usize = 4;
-        let length = (until - from) / PIECES as f64;
-        let mut at_begin = pressure(&self.near, R::from(from));
+        let length = (until - step.from) / PIECES as f64;
+        let mut at_begin = pressure(R::from(step.from));
         for piece in 0..PIECES {
-            let begin = from + length * piece as f64;
+            let begin = step.from + length * piece as f64;
             let end = if piece + 1 == PIECES { until } else { begin + length };
-            let middle = pressure(&self.near, R::from(0.5 * (begin + end)));
-            let at_end = pressure(&self.near, R::from(end));
+            let middle = pressure(R::from(0.5 * (begin + end)));
+            let at_end = pressure(R::from(end));
             let h = end - begin;
             let rise = at_end - at_begin;
             let bow = middle - at_begin;
             let parabola = [at_begin, (bow * 4.0 - rise) * (1.0 / h), (rise - bow * 2.0) * (2.0 / (h * h))];
-            let reach = if piece + 1 == PIECES { reach } else { end };
-            while let Some(shown) = self.next().filter(|shown| shown.value() <= reach) {
-                let value = sensor_lag::follow(constant, self.lagged, parabola, shown - begin);
-                self.push(value);
-            }
-            self.lagged = sensor_lag::follow(constant, self.lagged, parabola, R::from(h));
+            let after = |elapsed: R| sensor_lag::follow(constant, self.lagged, parabola, elapsed);
+            self.readings.take(if piece + 1 == PIECES { reach } else { end }, |t| shown(after(t - begin)));
+            self.lagged = after(R::from(h));
             at_begin = at_end;
         }
     }
+}
 
-    /// Rounding may leave the last reading just beyond the end: it is the last one again.
-    fn finish(&mut self) {
-        while self.readings.len() < self.times.len() {
-            let Some(&last) = self.readings.last() else { break };
-            self.readings.push(last);
-        }
-    }
+/// A pressure that the rest of the sensor's chain sees, without own states.
+fn shown<R: Scalar>(pressure: R) -> (R, [R; OWN_STATES]) {
+    (pressure, [R::ZERO; OWN_STATES])
 }

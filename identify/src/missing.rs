@@ -8,7 +8,7 @@
 //! than the named effects have), and what would it be.
 
 use crate::fit::{self, Fit, RELATIVE_TOLERANCE};
-use crate::forward::{Disturbance, Run, Undisturbed, sensor_effects, without};
+use crate::forward::{Disturbance, Run, Undisturbed};
 use crate::hypothesis;
 use crate::motion::Phase;
 use crate::prepare::{Data, Prepared};
@@ -17,6 +17,7 @@ use crate::whiten::whiten;
 use chamber::balance::MASS;
 use chamber::card::Balance;
 use chamber::dual::Dual;
+use chamber::effects;
 use chamber::real::Real;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
@@ -175,7 +176,7 @@ impl Path {
         let set = fit.hypothesis.effects;
         let start = hypothesis::start(t, local);
         let mut masses: Vec<(f64, f64)> = Vec::new();
-        let gas_only = without(set, sensor_effects());
+        let gas_only = set.without(effects::of_sensor());
         let run =
             Run { chamber: &chamber, set: gas_only, start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE };
         let pressure_pa =

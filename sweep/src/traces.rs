@@ -12,11 +12,11 @@ use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use arrow::record_batch::RecordBatch;
-use chamber::balance::{self, Boundary, ENERGY, MASS, OWN, STATES};
+use chamber::balance::Boundary;
 use chamber::batch::{Hold, Scenario};
-use chamber::effects::{self, EffectSet};
-use chamber::integrate::{IntegrationError, Integrator};
-use chamber::simulate::{Sample, tolerance};
+use chamber::integrate::IntegrationError;
+use chamber::record::Inputs;
+use chamber::simulate::{Sample, Start, simulate};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -226,7 +226,9 @@ fn batch(
     scenario: &Scenario,
     samples: &[Sample],
 ) -> Result<RecordBatch, Error> {
-    let positions: Vec<f64> = samples.iter().map(|s| Motion { scenario }.boundary(s.time).position).collect();
+    // The end of the push belongs to the hold.
+    let position = |time: f64| Motion(scenario).boundary(usize::from(time >= scenario.push_time_s), time).position;
+    let positions: Vec<f64> = samples.iter().map(|s| position(s.time)).collect();
     let mut arrays: Vec<ArrayRef> = vec![Arc::new(Int64Array::from_value(row as i64, samples.len()))];
     for column in &COLUMNS {
         let values = samples.iter().zip(&positions).map(|(sample, position)| (column.value)(sample, *position));
@@ -235,25 +237,30 @@ fn batch(
     RecordBatch::try_new(schema.clone(), arrays).map_err(|error| Error::arrow(&study.path, error))
 }
 
-/// What the test imposes on the chamber.
-#[derive(Clone, Copy)]
-struct Motion<'a> {
-    scenario: &'a Scenario,
-}
+/// What the test imposes on the chamber: the push, then the hold.
+struct Motion<'a>(&'a Scenario);
 
-impl Motion<'_> {
-    /// At a time, s; the end of the push belongs to the hold.
-    fn boundary(self, time: f64) -> Boundary {
-        self.on(time < self.scenario.push_time_s, time)
+impl Inputs for Motion<'_> {
+    fn begin(&self) -> f64 {
+        0.0
     }
 
-    /// On the push, or on the hold.
-    fn on(self, push: bool, time: f64) -> Boundary {
-        let s = self.scenario;
-        let velocity = (s.final_position_m - s.initial_position_m) / s.push_time_s;
+    fn stretches(&self) -> usize {
+        2
+    }
+
+    fn end(&self, stretch: usize) -> f64 {
+        if stretch == 0 { self.0.push_time_s } else { f64::INFINITY }
+    }
+
+    fn boundary(&self, stretch: usize, time: f64) -> Boundary {
+        let s = self.0;
+        let speed = (s.final_position_m - s.initial_position_m) / s.push_time_s;
+        let (position, velocity) =
+            if stretch == 0 { (s.initial_position_m + speed * time, speed) } else { (s.final_position_m, 0.0) };
         Boundary {
-            position: if push { s.initial_position_m + velocity * time } else { s.final_position_m },
-            velocity: if push { velocity } else { 0.0 },
+            position,
+            velocity,
             mass_flow_in: s.mass_flow_in_kg_per_s,
             temperature_in: s.temperature_in_k,
             mass_flow_out: s.mass_flow_out_kg_per_s,
@@ -268,70 +275,11 @@ impl Motion<'_> {
 /// # Errors
 /// The equations cannot be followed to the end.
 pub fn trace(scenario: &Scenario, rate_hz: f64, relative_tolerance: f64) -> Result<Vec<Sample>, IntegrationError> {
-    let (chamber, motion, end) = (&scenario.chamber, Motion { scenario }, duration(scenario));
-    let set = chamber.active();
+    let (chamber, end) = (&scenario.chamber, duration(scenario));
     let count = (end * rate_hz * (1.0 - 1e-12)) as usize;
     let times: Vec<f64> = (0..=count).map(|k| k as f64 / rate_hz).chain([end]).collect();
-    let start = motion.on(true, 0.0);
-    let initial = balance::state_at(chamber, &start, scenario.initial_pressure_pa, scenario.initial_temperature_k);
-    let delay = effects::delay(set, &chamber.effects);
-    let mut recorder = Recorder { scenario, set, delay, times: &times, readings: Vec::new(), samples: Vec::new() };
-    recorder.record(0.0, true, |_| initial);
-    let mut integrator = Integrator::new(0.0, initial, tolerance(relative_tolerance, &initial));
-    for (push, end) in [(true, scenario.push_time_s.min(end)), (false, end)] {
-        let system = |t: f64, state: &[f64; STATES]| balance::rates(set, chamber, &motion.on(push, t), state);
-        integrator.advance(&system, end, |step| {
-            if recorder.is_due(step.from + step.length) {
-                let dense = step.dense();
-                recorder.record(step.from + step.length, push, |t| dense.at(t));
-            }
-        })?;
-    }
-    Ok(recorder.samples)
-}
-
-/// Takes samples while the integration passes by: the gas at each time, the sensor's reading of a delay earlier.
-struct Recorder<'a> {
-    scenario: &'a Scenario,
-    set: EffectSet,
-    delay: f64,
-    times: &'a [f64],
-    readings: Vec<f64>,
-    samples: Vec<Sample>,
-}
-
-impl Recorder<'_> {
-    /// The moment whose gas the next reading shows, s: not before the test begins.
-    fn next_reading(&self) -> Option<f64> {
-        self.times.get(self.readings.len()).map(|time| (time - self.delay).max(0.0))
-    }
-
-    fn next_sample(&self) -> Option<f64> {
-        self.times.get(self.samples.len()).copied()
-    }
-
-    /// Whether something is to be taken until a time, s.
-    fn is_due(&self, until: f64) -> bool {
-        // A reading is due no later than its sample.
-        self.next_reading().is_some_and(|time| time <= until * (1.0 + 1e-12))
-            || self.next_sample().is_some_and(|time| time <= until * (1.0 + 1e-12))
-    }
-
-    fn record(&mut self, until: f64, push: bool, states: impl Fn(f64) -> [f64; STATES]) {
-        let (chamber, reach) = (&self.scenario.chamber, until * (1.0 + 1e-12));
-        let motion = Motion { scenario: self.scenario };
-        while let Some(shown) = self.next_reading().filter(|time| *time <= reach) {
-            let state = states(shown);
-            let own = core::array::from_fn(|i| state[OWN + i]);
-            let at = balance::conditions(chamber, &motion.on(push, shown), state[MASS], state[ENERGY]);
-            let elapsed = self.times[self.readings.len()];
-            self.readings.push(effects::reading(self.set, &chamber.effects, &own, at.pressure, elapsed));
-        }
-        while let Some(time) = self.next_sample().filter(|time| *time <= reach) {
-            let (at, rates, _) = balance::evaluate(self.set, chamber, &motion.on(push, time), &states(time));
-            self.samples.push(Sample::new(time, self.readings[self.samples.len()], &at, &rates));
-        }
-    }
+    let start = Start { pressure: scenario.initial_pressure_pa, temperature: scenario.initial_temperature_k };
+    simulate(chamber, chamber.active(), start, &Motion(scenario), &times, relative_tolerance)
 }
 
 #[cfg(test)]

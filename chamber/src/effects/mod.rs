@@ -4,7 +4,7 @@
 //! hooks of [`Effect`], each neutral by default. Hooks run in the order of the trait's methods, effects in the list's.
 
 use crate::balance::{Conditions, Flows, Rates};
-use crate::card::Card;
+use crate::card::{Balance, Card};
 use crate::real::Real;
 
 /// One physical effect. `p` are its parameters in the card's order, `own` its own states.
@@ -214,6 +214,11 @@ pub fn all() -> impl Iterator<Item = (usize, &'static Card)> {
     ALL.iter().enumerate()
 }
 
+/// The effects that act behind the gas, on what the sensor shows.
+pub fn of_sensor() -> EffectSet {
+    all().filter(|(_, card)| card.balance == Balance::Sensor).map(|(place, _)| place).collect()
+}
+
 /// The effect of that name: its place in the list and its declaration.
 pub fn find(name: &str) -> Option<(usize, &'static Card)> {
     all().find(|(_, card)| card.name == name)
@@ -250,6 +255,10 @@ impl EffectSet {
     pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
+    /// Effects of this set that are not in the other.
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
     /// Whether every effect of `other` is in this set.
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
@@ -261,6 +270,13 @@ impl EffectSet {
     /// Places of its effects, ascending.
     pub fn iter(self) -> impl Iterator<Item = usize> {
         (0..COUNT).filter(move |&i| self.has(i))
+    }
+}
+
+impl FromIterator<usize> for EffectSet {
+    /// The set of the effects at these places in the list.
+    fn from_iter<I: IntoIterator<Item = usize>>(places: I) -> Self {
+        places.into_iter().fold(Self::NONE, |set, place| set.union(Self::one(place)))
     }
 }
 

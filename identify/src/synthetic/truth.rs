@@ -6,7 +6,6 @@
 
 use super::outside::Outside;
 use super::stroke::Stroke;
-use crate::forward::{sensor_effects, without};
 use chamber::Chamber;
 use chamber::balance::{self, Boundary, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet};
@@ -36,7 +35,7 @@ impl Truth<'_> {
 
     /// The sensor's readings at these times (ascending, from 0 on), beginning at rest at `pressure`.
     pub fn readings(&self, times: &[f64], pressure: f64) -> Vec<f64> {
-        let set = without(self.chamber.active(), sensor_effects());
+        let set = self.chamber.active().without(effects::of_sensor());
         let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, self.ambient_k);
         let steps = (times.last().copied().unwrap_or(0.0) / STEP_S).ceil() as usize + 2;
         let mut sensor = Sensor { lag: self.parameter("sensor_lag"), lagged: pressure, gas: pressure, hang: 0.0 };
