@@ -1,6 +1,6 @@
 //! A chamber along given inputs, sampled where a record has its rows, as the gas is and as the sensor shows it.
 
-use crate::balance::{self, Boundary, Conditions, ENERGY, MASS, OWN, Rates, STATES};
+use crate::balance::{self, Balance, Boundary, Conditions, ENERGY, MASS, OWN, Rates, STATES};
 use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
@@ -87,10 +87,12 @@ pub fn simulate<R: Scalar>(
     let begin = inputs.begin();
     let initial = balance::state_at(chamber, &inputs.boundary(0, begin).lift(), start.pressure, start.temperature);
     let readings = Readings::new(chamber, set, times, begin);
-    let mut recorder = Recorder { chamber, set, inputs, times, readings, samples: Vec::with_capacity(times.len()) };
+    let balance = Balance::of(*chamber);
+    let samples = Vec::with_capacity(times.len());
+    let mut recorder = Recorder { balance: &balance, set, inputs, times, readings, samples };
     recorder.record(0, begin, || |_| initial);
     let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-    let rates = |_: f64, boundary: Boundary, state: &[R; STATES]| balance::rates(set, chamber, &boundary.lift(), state);
+    let rates = |_: f64, boundary: Boundary, state: &[R; STATES]| balance.rates(set, &boundary.lift(), state);
     record::follow(inputs, &mut integrator, last, rates, |stretch, until, step| {
         recorder.record(stretch, until, || {
             let dense = step.dense();
@@ -102,7 +104,7 @@ pub fn simulate<R: Scalar>(
 
 /// Fills samples while the integration passes by: the gas at each row's time, beside the sensor's reading.
 struct Recorder<'a, R, I> {
-    chamber: &'a Chamber<R>,
+    balance: &'a Balance<R>,
     set: EffectSet,
     inputs: &'a I,
     times: &'a [f64],
@@ -121,16 +123,16 @@ impl<R: Scalar, I: Inputs> Recorder<'_, R, I> {
             return;
         }
         let states = states();
-        let (chamber, inputs) = (self.chamber, self.inputs);
+        let (balance, inputs) = (self.balance, self.inputs);
         let boundary = |time: R| record::boundary_at(inputs, stretch, time);
         self.readings.take(reach, |shown| {
             let state = states(shown);
-            let at = balance::conditions(chamber, &boundary(shown), state[MASS], state[ENERGY]);
+            let at = balance.conditions(&boundary(shown), state[MASS], state[ENERGY]);
             (at.pressure, core::array::from_fn(|i| state[OWN + i]))
         });
         while let Some(time) = self.next_sample().filter(|time| *time <= reach) {
             let moment = R::from(time);
-            let (at, rates, _) = balance::evaluate(self.set, chamber, &boundary(moment), &states(moment));
+            let (at, rates, _) = balance.evaluate(self.set, &boundary(moment), &states(moment));
             self.samples.push(Sample::new(time, self.readings.taken()[self.samples.len()], &at, &rates));
         }
     }

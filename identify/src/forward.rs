@@ -6,7 +6,7 @@
 
 use crate::motion::{Motion, Spline};
 use chamber::Chamber;
-use chamber::balance::{self, Boundary, ENERGY, MASS, STATES};
+use chamber::balance::{self, Balance, Boundary, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
@@ -147,13 +147,13 @@ impl<R: Scalar> Run<'_, R> {
         let evaluations = Cell::new(0usize);
         let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
         let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
-        let gas_set = set.without(effects::of_sensor());
+        let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
         let rates = |t: f64, boundary: Boundary, state: &[R; STATES]| -> [R; STATES] {
             evaluations.set(evaluations.get() + 1);
             if evaluations.get() > most_evaluations {
                 return [R::from(f64::NAN); STATES];
             }
-            disturbed_rates(gas_set, chamber, &boundary.lift(), state, disturbance.at(t))
+            disturbed_rates(gas_set, &balance, &boundary.lift(), state, disturbance.at(t))
         };
         record::follow(&inputs, &mut integrator, last, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
@@ -167,16 +167,17 @@ impl<R: Scalar> Run<'_, R> {
 #[inline(always)]
 fn disturbed_rates<R: Scalar>(
     set: EffectSet,
-    chamber: &Chamber<R>,
+    balance: &Balance<R>,
     boundary: &Boundary<R>,
     state: &[R; STATES],
     [mass, heat, volume, volume_rate]: [R; 4],
 ) -> [R; STATES] {
+    let chamber = &balance.chamber;
     let area = chamber.geometry.piston_area;
     let mut moved = *boundary;
     moved.position += volume / area;
     moved.velocity += volume_rate / area;
-    let mut rates = balance::rates(set, chamber, &moved, state);
+    let mut rates = balance.rates(set, &moved, state);
     rates[MASS] += mass;
     rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
     rates
