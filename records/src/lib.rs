@@ -32,7 +32,7 @@ pub use gas::NamedGas;
 pub use layout::Layout;
 pub use model::Model;
 pub use names::nearest;
-pub use provenance::{Provenance, Rmse, SourceTrace};
+pub use provenance::{Provenance, Rmse, SourceTrace, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile, Sensor};
 pub use table::Table;
 pub use trace::{Need, Reading, Trace, Window};

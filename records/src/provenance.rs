@@ -127,11 +127,11 @@ pub(crate) fn quoted(text: &str) -> String {
 fn today() -> String {
     let fixed = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.trim().parse().ok());
     let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |age| age.as_secs());
-    date(fixed.unwrap_or_else(now))
+    utc(fixed.unwrap_or_else(now))
 }
 
-/// Seconds since 1970 as `2026-11-21T12:00:00Z`. Source: H. Hinnant, "chrono-compatible low-level date algorithms".
-fn date(seconds: u64) -> String {
+/// Seconds since 1970 as a moment in UTC, `2026-11-21T12:00:00Z`. Source: H. Hinnant, "chrono-compatible low-level date algorithms".
+pub fn utc(seconds: u64) -> String {
     let (days, time) = (seconds / 86_400, seconds % 86_400);
     let shifted = days + 719_468;
     let era = shifted / 146_097;
@@ -151,10 +151,10 @@ mod tests {
 
     #[test]
     fn dates_are_those_of_the_calendar() {
-        assert_eq!(date(0), "1970-01-01T00:00:00Z");
-        assert_eq!(date(951_782_399), "2000-02-28T23:59:59Z");
-        assert_eq!(date(951_782_400), "2000-02-29T00:00:00Z");
-        assert_eq!(date(1_795_262_400), "2026-11-21T12:00:00Z");
-        assert_eq!(date(4_107_542_400), "2100-03-01T00:00:00Z");
+        assert_eq!(utc(0), "1970-01-01T00:00:00Z");
+        assert_eq!(utc(951_782_399), "2000-02-28T23:59:59Z");
+        assert_eq!(utc(951_782_400), "2000-02-29T00:00:00Z");
+        assert_eq!(utc(1_795_262_400), "2026-11-21T12:00:00Z");
+        assert_eq!(utc(4_107_542_400), "2100-03-01T00:00:00Z");
     }
 }

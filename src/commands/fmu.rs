@@ -83,32 +83,5 @@ fn generated(epoch: Option<&str>, model: &Model) -> anyhow::Result<Option<String
     let Some(epoch) = epoch else { return Ok(model.provenance.date.clone()) };
     let seconds: u64 =
         epoch.parse().with_context(|| format!("SOURCE_DATE_EPOCH = {epoch}: whole seconds since 1970 are expected"))?;
-    Ok(Some(utc(seconds)))
-}
-
-/// A time of day and calendar date, UTC. Source: H. Hinnant, "chrono-compatible low-level date algorithms" (2013).
-fn utc(seconds: u64) -> String {
-    let (days, second) = (seconds / 86_400, seconds % 86_400);
-    let shifted = days + 719_468; // from 0000-03-01 on
-    let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
-    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
-    let year = era * 400 + year_of_era + u64::from(month <= 2);
-    let (hour, minute, second) = (second / 3_600, second / 60 % 60, second % 60);
-    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn source_date_epoch_is_a_utc_date() {
-        assert_eq!(utc(0), "1970-01-01T00:00:00Z");
-        assert_eq!(utc(951_827_696), "2000-02-29T12:34:56Z");
-        assert_eq!(utc(1_795_262_400), "2026-11-21T12:00:00Z");
-    }
+    Ok(Some(records::utc(seconds)))
 }
