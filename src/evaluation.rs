@@ -7,17 +7,14 @@ use std::path::Path;
 
 use crate::output;
 
-/// Names of the methods on the command line and in Python.
-pub const METHODS: [(&str, Method); 2] = [("exact", Method::Exact), ("time-constant", Method::TimeConstant)];
-
 /// The method of that name.
 ///
 /// # Errors
 /// There is none.
 pub fn method(name: &str) -> anyhow::Result<Method> {
-    match METHODS.iter().find(|(known, _)| *known == name) {
-        Some((_, method)) => Ok(*method),
-        None => bail!("method: `{name}` is not known; known here: {}", METHODS.map(|(known, _)| known).join(", ")),
+    match Method::ALL.into_iter().find(|method| method.name() == name) {
+        Some(method) => Ok(method),
+        None => bail!("method: `{name}` is not known; known here: {}", Method::ALL.map(Method::name).join(", ")),
     }
 }
 
@@ -57,14 +54,14 @@ pub fn diagnose(
 }
 
 fn identified_model(rig: &Rig, found: &Identification) -> Model {
-    let rmse = Rmse { fit: found.rmse_pa.fit, held_out: found.rmse_pa.held_out };
+    let rmse = Some(rmse(&found.rmse_pa));
     Model {
         gas_name: rig.gas.name.clone(),
         chamber: found.chamber,
         rod_m: rig.cylinder.rod_through_m,
         ambient_temperature_k: found.ambient_temperature_k,
         ambient_pressure_pa: rig.ambient.pressure_pa,
-        provenance: Provenance { rmse_before_pa: Some(rmse), rmse_after_pa: Some(rmse), ..Provenance::of_rig(rig) },
+        provenance: Provenance { rmse_before_pa: rmse, rmse_after_pa: rmse, ..Provenance::of_rig(rig) },
     }
 }
 

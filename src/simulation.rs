@@ -88,7 +88,10 @@ fn signals(model: &Model, motion: &Trace) -> Signals {
 /// The first rows of the motion, simulated.
 fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: usize) -> anyhow::Result<Vec<Sample>> {
     simulate(&model.chamber, model.active(), start, signals, &motion.time_s[..rows], RELATIVE_TOLERANCE)
-        .with_context(|| format!("{}: cannot be simulated along", motion.path.display()))
+        .with_context(|| {
+            let path = motion.path.display();
+            format!("{path}: the model's gas cannot be followed along it; a flow that empties the chamber, a jump of the position or a value of the model far from any real one does that")
+        })
 }
 
 /// The state that the simulation begins from: ambient temperature, and the pressure asked for or measured.

@@ -33,14 +33,14 @@ pub struct Tolerance<const N: usize> {
 pub enum IntegrationError {
     /// No step, however small, keeps the error within the tolerance.
     #[error(
-        "no step from t = {at} s keeps the integration error within its tolerance: the state or an input jumps, or is not finite there"
+        "no step from t = {at:.6} s keeps the integration error within its tolerance: the state or an input jumps, or is not finite there"
     )]
     StepTooSmall {
         /// Where, s.
         at: f64,
     },
     /// The step count is exhausted.
-    #[error("more than {limit} integration steps before t = {at} s")]
+    #[error("more than {limit} integration steps before t = {at:.6} s")]
     TooManySteps {
         /// Where, s.
         at: f64,

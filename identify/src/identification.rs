@@ -26,6 +26,9 @@ pub enum Method {
 }
 
 impl Method {
+    /// Both.
+    pub const ALL: [Method; 2] = [Method::Exact, Method::TimeConstant];
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
@@ -96,7 +99,7 @@ pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
         .collect();
     match method {
         Method::Exact => exact(&data, &steps),
-        Method::TimeConstant => published(&data, steps),
+        Method::TimeConstant => published(&data, &steps),
     }
 }
 
@@ -137,12 +140,12 @@ fn exact(data: &Data, steps: &Steps) -> Result<Identification, Error> {
         })
         .collect();
     // The mass follows the volume it was measured in: its relative interval is that of the dead volume's share.
-    let volume = masses.iter().sum::<f64>() / masses.len() as f64;
+    let mass = masses.iter().sum::<f64>() / masses.len() as f64;
     let relative = parameters.iter().find(|(name, _)| name == "dead_volume_m3").map_or(0.0, |(_, e)| {
         let position = data.traces[0].course.motion.segments[0].stroke.at(0.0, &Default::default()).0;
         0.5 * (e.ci95[1] - e.ci95[0]) / chamber.geometry.volume(position)
     });
-    parameters.push(("mass_kg".to_owned(), interval(volume, relative * volume, "kg")));
+    parameters.push(("mass_kg".to_owned(), interval(mass, relative * mass, "kg")));
     let residuals = evidence::residuals(data, &baseline);
     Ok(Identification {
         method: Method::Exact.name(),
@@ -161,17 +164,13 @@ fn exact(data: &Data, steps: &Steps) -> Result<Identification, Error> {
     })
 }
 
-fn published(
-    data: &Data,
-    steps: Vec<(usize, Result<TimeConstant, crate::paper::Error>)>,
-) -> Result<Identification, Error> {
+fn published(data: &Data, steps: &Steps) -> Result<Identification, Error> {
     let found: Vec<&TimeConstant> = steps.iter().filter_map(|(_, s)| s.as_ref().ok()).collect();
     if found.is_empty() {
-        let reasons: Vec<String> =
-            steps.iter().filter_map(|(_, s)| s.as_ref().err().map(ToString::to_string)).take(1).collect();
+        let mut refused = data.traces.iter().zip(steps).filter_map(|(t, (_, s))| Some((t, s.as_ref().err()?)));
+        let first = refused.next().map_or(String::new(), |(t, why)| format!(" ({}: {why})", t.path.display()));
         return Err(Error::Method(format!(
-            "no trace can be evaluated by the published steps: {}; `--method exact` needs no single push and hold",
-            reasons.join("; ")
+            "no trace can be evaluated by the published steps{first}; `--method exact` needs no single push and hold"
         )));
     }
     let of = |f: &dyn Fn(&TimeConstant) -> (f64, [f64; 2])| {
@@ -200,7 +199,7 @@ fn published(
         rmse_pa: Rmse { fit: evidence::rms(&residuals), held_out: None },
         noise_pa: data.noise.sd_pa,
         residual_is_noise: false,
-        experiments: experiments(data, &steps, None),
+        experiments: experiments(data, steps, None),
         undetermined: Vec::new(),
         assumptions: assumptions(data),
         chamber,

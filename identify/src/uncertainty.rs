@@ -5,6 +5,7 @@
 //! estimator with traces as clusters; blocks in a single trace): the wider of the two is reported.
 
 use crate::fit::Fit;
+use crate::report::number;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
 
@@ -19,6 +20,13 @@ pub struct Estimate {
     pub unit: String,
 }
 
+impl Estimate {
+    /// Its interval, for people.
+    pub fn interval(&self) -> String {
+        format!("{} … {}", number(self.ci95[0], 5), number(self.ci95[1], 5))
+    }
+}
+
 /// A combination of parameters that the data hardly determines.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Undetermined {
@@ -26,6 +34,18 @@ pub struct Undetermined {
     pub parameters: Vec<(String, f64)>,
     /// Standard deviation of the combination, in relative units.
     pub relative_deviation: f64,
+}
+
+impl Undetermined {
+    /// The combination and how far it is off, for people.
+    pub fn words(&self) -> String {
+        let parts: Vec<String> = self.parameters.iter().map(|(name, share)| format!("{share:+.2} {name}")).collect();
+        let how = match self.relative_deviation {
+            far if far > 100.0 => "not at all".to_owned(),
+            near => format!("relative deviation {}", number(near, 2)),
+        };
+        format!("{} ({how})", parts.join(" "))
+    }
 }
 
 /// Two-sided 95 % quantile of the normal distribution.

@@ -8,21 +8,14 @@ use std::fmt::Write;
 pub fn parameters(out: &mut String, parameters: &[(String, Estimate)]) {
     let _ = writeln!(out, "{:<44} {:>13}   {:<28} unit", "parameter", "value", "95 % interval");
     for (name, e) in parameters {
-        let interval = format!("{} … {}", number(e.ci95[0], 5), number(e.ci95[1], 5));
-        let _ = writeln!(out, "{name:<44} {:>13}   {interval:<28} {}", number(e.value, 5), e.unit);
+        let _ = writeln!(out, "{name:<44} {:>13}   {:<28} {}", number(e.value, 5), e.interval(), e.unit);
     }
 }
 
 /// What is not determined, what was assumed.
 pub fn notes(out: &mut String, undetermined: &[Undetermined], assumptions: &[String]) {
     for u in undetermined {
-        let parts: Vec<String> = u.parameters.iter().map(|(name, share)| format!("{share:+.2} {name}")).collect();
-        let _ = writeln!(
-            out,
-            "hardly determined by these traces: {} (relative deviation {})",
-            parts.join(" "),
-            number(u.relative_deviation, 2)
-        );
+        let _ = writeln!(out, "hardly determined by these traces: {}", u.words());
     }
     for a in assumptions {
         let _ = writeln!(out, "note: {a}");

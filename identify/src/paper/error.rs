@@ -54,7 +54,9 @@ pub enum Error {
     NoMovement,
     /// The piston does not rest at the end.
     #[error(
-        "the piston is not at rest in the last quarter of the recording (it moves by {deviation_m} m of a travel of {travel_m} m); record a longer hold"
+        "the piston is not at rest in the last quarter of the recording (it moves by {:.3} mm of a travel of {:.3} mm); record a longer hold",
+        deviation_m * 1e3,
+        travel_m * 1e3
     )]
     NoHold {
         /// Largest deviation from the final position in the last quarter, m.
@@ -64,7 +66,7 @@ pub enum Error {
     },
     /// The decay's time constant cannot be told from the recording.
     #[error(
-        "the pressure after the stop shows no decay between the sampling interval and the length of the hold ({hold_s} s)"
+        "the pressure after the stop shows no decay between the sampling interval and the length of the hold ({hold_s:.3} s)"
     )]
     NoDecay {
         /// Length of the hold, s.
@@ -78,7 +80,9 @@ pub enum Error {
     },
     /// Pressures and strokes contradict each other.
     #[error(
-        "the pressure goes from {initial_pa} Pa to {final_pa} Pa while the swept volume goes from {initial_m3} m³ to {final_m3} m³: a closed chamber at one temperature cannot do that; look for a leak, gauge pressure or a wrong sign of the stroke"
+        "the pressure goes from {initial_pa:.0} Pa to {final_pa:.0} Pa while the swept volume goes from {:.3} cm³ to {:.3} cm³: a closed chamber at one temperature cannot do that; look for a leak, gauge pressure or a wrong sign of the stroke",
+        initial_m3 * 1e6,
+        final_m3 * 1e6
     )]
     Contradiction {
         /// Initial pressure, Pa.

@@ -108,8 +108,7 @@ fn closest(out: &mut String, c: &Closest) {
     }
     out.push_str("<table><tr><th>parameter</th><th>value</th><th>95 % interval</th><th>unit</th></tr>");
     for (name, e) in &c.parameters {
-        let interval = format!("{} … {}", number(e.ci95[0], 5), number(e.ci95[1], 5));
-        out.push_str(&row(&[name, &number(e.value, 5), &interval, &e.unit]));
+        out.push_str(&row(&[name, &number(e.value, 5), &e.interval(), &e.unit]));
     }
     out.push_str("</table>");
 }
@@ -119,27 +118,15 @@ fn parameters(out: &mut String, d: &Diagnosis) {
     for (name, e) in &d.after.parameters {
         let before =
             d.before.parameters.iter().find(|(n, _)| n == name).map_or("–".to_owned(), |(_, b)| number(b.value, 5));
-        let interval = format!("{} … {}", number(e.ci95[0], 5), number(e.ci95[1], 5));
-        out.push_str(&row(&[name, &before, &number(e.value, 5), &interval, &e.unit]));
+        out.push_str(&row(&[name, &before, &number(e.value, 5), &e.interval(), &e.unit]));
     }
     out.push_str("</table>");
     for u in &d.undetermined {
-        let parts: Vec<String> = u.parameters.iter().map(|(n, s)| format!("{s:+.2} {n}")).collect();
-        let _ = write!(
-            out,
-            "<p>Hardly determined by these traces: {} (relative deviation {}).</p>",
-            escape(&parts.join(" ")),
-            number(u.relative_deviation, 2)
-        );
+        let _ = write!(out, "<p>Hardly determined by these traces: {}.</p>", escape(&u.words()));
     }
-    for e in d.effects.iter().filter_map(|e| effects::find(e)) {
-        let _ = write!(
-            out,
-            "<p class=\"small\">{}: <code>{}</code>. {}</p>",
-            e.1.name,
-            escape(e.1.equation),
-            escape(e.1.source)
-        );
+    for (_, card) in d.effects.iter().filter_map(|e| effects::find(e)) {
+        let (equation, source) = (escape(card.equation), escape(card.source));
+        let _ = write!(out, "<p class=\"small\">{}: <code>{equation}</code>. {source}</p>", card.name);
     }
 }
 
