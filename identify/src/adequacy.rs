@@ -10,17 +10,17 @@ use crate::prepare::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A family whose gain has less than this probability under noise is no noise.
-pub const FAMILY_PROBABILITY: f64 = 2e-5;
+const FAMILY_PROBABILITY: f64 = 2e-5;
 /// A sum of squares this many standard deviations above its expectation is no noise.
-pub const SQUARES_DEVIATIONS: f64 = 4.5;
+const SQUARES_DEVIATIONS: f64 = 4.5;
 
 /// A fit that leaves less than this share of the baseline's excess over noise has found what there was to find: what
 /// remains is the stroke's course between two rows and the like.
-pub const REMAINING_SHARE: f64 = 5e-4;
+const REMAINING_SHARE: f64 = 5e-4;
 /// Provided that what remains is not more than this many times the noise's own power,
-pub const REMAINING_POWER: f64 = 1.0;
+const REMAINING_POWER: f64 = 1.0;
 /// and that the baseline's excess is so large, in units of the noise's power, that a share of it can be told from chance.
-pub const LARGE_EXCESS: f64 = 100.0;
+const LARGE_EXCESS: f64 = 100.0;
 
 /// What the tests say.
 #[derive(Clone, Debug)]
@@ -64,7 +64,7 @@ impl Adequacy {
 }
 
 /// Probability that noise alone gives a family its gain.
-pub fn probability(m: &Missing) -> f64 {
+fn probability(m: &Missing) -> f64 {
     ChiSquared::new(m.rank as f64).map_or(1.0, |c| c.sf(m.gain))
 }
 

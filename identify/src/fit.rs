@@ -1,17 +1,20 @@
 //! All traces of a rig at once: weighted least squares by Levenberg–Marquardt with bounds.
 //!
-//! Minimises Σ ((block mean − model)/σ)², what the blocks of a hold have in common taken out ([`crate::whiten`]). The normal equations are bordered: each trace's own numbers (initial pressure,
-//! initial temperature) appear in its rows only and are eliminated trace by trace (Schur complement), so that the system
-//! solved has the size of the globals. Sensitivities are exact (dual numbers). Traces are simulated in parallel and
-//! summed in order: the same data gives the same bits on any number of threads.
+//! Minimises Σ ((block mean − model)/σ)², what the blocks of a hold have in common taken out ([`crate::whiten`]). The
+//! normal equations are bordered: each trace's own numbers (initial pressure, initial temperature) appear in its rows
+//! only and are eliminated trace by trace (Schur complement), so that the system solved has the size of the globals.
+//! Sensitivities are exact (dual numbers). Traces are simulated in parallel and summed in order: the same data gives the
+//! same bits on any number of threads.
 
 use crate::forward::Run;
 use crate::hypothesis::{self, Hypothesis};
-use crate::prepare::{Data, Prepared};
+use crate::prepare::{Block, Data, Prepared};
 use crate::whiten::whiten;
 use chamber::Chamber;
 use chamber::dual::Dual;
+use chamber::effects::EffectSet;
 use chamber::integrate::IntegrationError;
+use chamber::real::Real;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -106,17 +109,11 @@ pub fn fit_with(
             if promised < SETTLED {
                 break 'outer;
             }
-            let trial: Vec<f64> = globals
-                .iter()
-                .zip(&step)
-                .zip(&hypothesis.axes)
-                .map(|((x, s), axis)| (x + s).clamp(axis.bounds[0], axis.bounds[1]))
-                .collect();
-            let trial_locals: Vec<Vec<f64>> = locals
-                .iter()
-                .zip(&local_steps)
-                .map(|(x, s)| x.iter().zip(s).map(|(x, s)| (x + s).clamp(0.2, 5.0)).collect())
-                .collect();
+            let bounds = hypothesis.axes.iter().map(|axis| axis.bounds);
+            let trial = moved(&globals, &step, bounds);
+            let local_steps = locals.iter().zip(&local_steps);
+            let trial_locals =
+                local_steps.map(|(x, step)| moved(x, step, std::iter::repeat([0.2, 5.0]))).collect::<Vec<_>>();
             if let Ok(next) = linearise(data, hypothesis, &trial, &trial_locals, selection) {
                 let next_chi2 = total(&next);
                 if next_chi2 < chi2 {
@@ -155,11 +152,13 @@ pub fn fit_with(
     })
 }
 
-/// Residuals and sensitivities of all selected blocks.
-///
-/// # Errors
-/// The trace whose simulation failed, and why.
-pub fn linearise(
+/// Coordinates after a step, within their bounds.
+fn moved(x: &[f64], step: &[f64], bounds: impl Iterator<Item = [f64; 2]>) -> Vec<f64> {
+    x.iter().zip(step).zip(bounds).map(|((x, step), [low, high])| (x + step).clamp(low, high)).collect()
+}
+
+/// Residuals and sensitivities of all selected blocks, or the trace whose simulation failed and why.
+fn linearise(
     data: &Data,
     hypothesis: &Hypothesis,
     globals: &[f64],
@@ -202,11 +201,7 @@ fn trace_dual<const N: usize>(
     let x: Vec<Dual<N>> = globals.iter().enumerate().map(|(i, v)| Dual::variable(*v, i)).collect();
     let own: Vec<Dual<N>> = local.iter().enumerate().map(|(i, v)| Dual::variable(*v, g + i)).collect();
     let chamber = h.chamber(&x);
-    let start = hypothesis::start(t, &own);
-    let times = points(blocks);
-    let run =
-        Run { chamber: &chamber, set: h.effects, start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE };
-    let shown = run.pressures(&times)?;
+    let shown = run(t, &chamber, h.effects, &own).pressures(&points(blocks))?;
     // Columns: residual, globals, locals.
     let mut columns = DMatrix::zeros(count, 1 + g + l);
     let mut shown = shown.into_iter();
@@ -226,8 +221,14 @@ fn trace_dual<const N: usize>(
     if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
 }
 
+/// The model along a trace that begins at its local coordinates.
+pub fn run<'a, R: Real>(t: &'a Prepared, chamber: &'a Chamber<R>, set: EffectSet, local: &[R]) -> Run<'a, R> {
+    let start = hypothesis::start(t, local);
+    Run { chamber, set, start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE }
+}
+
 /// Times at which the blocks' means need the model.
-pub fn points(blocks: &[crate::prepare::Block]) -> Vec<f64> {
+pub fn points(blocks: &[Block]) -> Vec<f64> {
     let mut times = Vec::with_capacity(2 * blocks.len());
     for b in blocks {
         times.push(b.points_s[0]);
@@ -239,7 +240,7 @@ pub fn points(blocks: &[crate::prepare::Block]) -> Vec<f64> {
 }
 
 /// The model's mean over a block, from its values at [`points`].
-pub fn mean<R: chamber::real::Real>(block: &crate::prepare::Block, shown: &mut impl Iterator<Item = R>) -> R {
+pub fn mean<R: Real>(block: &Block, shown: &mut impl Iterator<Item = R>) -> R {
     let first = shown.next().unwrap_or(R::ZERO);
     if block.rows() > 1 { (first + shown.next().unwrap_or(R::ZERO)) * 0.5 } else { first }
 }
@@ -373,7 +374,5 @@ pub fn all_blocks(data: &Data) -> Vec<usize> {
 /// # Errors
 /// Where the state leaves what the equations can follow.
 pub fn readings(t: &Prepared, chamber: &Chamber, local: &[f64]) -> Result<Vec<f64>, IntegrationError> {
-    let start = hypothesis::start(t, local);
-    Run { chamber, set: chamber.active(), start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE }
-        .pressures(&t.time_s)
+    run(t, chamber, chamber.active(), local).pressures(&t.time_s)
 }

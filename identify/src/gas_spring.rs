@@ -19,9 +19,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Pa in a psi.
-pub const PSI_PA: f64 = 6_894.757_293_168;
+const PSI_PA: f64 = 6_894.757_293_168;
 /// A hold's forecast begins this long after the stop, s.
-pub const AFTER_STOP_S: f64 = 0.4;
+const AFTER_STOP_S: f64 = 0.4;
 
 /// A set of effects on one record, and what it predicts of the other.
 #[derive(Clone, Debug, Serialize)]

@@ -6,8 +6,6 @@
 //! half asks for. The mean before the first move alone would be a few rows' noise, several times as large after a push.
 
 use crate::fit::{self, Fit, readings};
-use crate::forward::Run;
-use crate::hypothesis;
 use crate::prepare::{Data, Prepared};
 use chamber::Chamber;
 use chamber::dual::Dual;
@@ -102,14 +100,7 @@ fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<f64> {
     let guess = if t.starts_at_rest { from_rest(t, &fitted.chamber())? } else { first_third(data, fitted, k)? };
     let own: Vec<Dual<2>> = guess.iter().enumerate().map(|(i, x)| Dual::variable(*x, i)).collect();
     let chamber: Chamber<Dual<2>> = fitted.chamber().lift();
-    let run = Run {
-        chamber: &chamber,
-        set: fitted.hypothesis.effects,
-        start: hypothesis::start(t, &own),
-        course: &t.course,
-        relative_tolerance: fit::RELATIVE_TOLERANCE,
-    };
-    let model = run.pressures(&t.time_s).ok()?;
+    let model = fit::run(t, &chamber, fitted.hypothesis.effects, &own).pressures(&t.time_s).ok()?;
     let length = RUN.max(4 * data.noise.correlation_rows.ceil() as usize);
     let half = |i: usize| (i / length) % 2;
     // Close to the guess the readings are linear in the initial state: one step each.
@@ -137,9 +128,7 @@ fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<f64> {
 /// The initial pressure with which the model's mean over the rest is the measured one.
 fn from_rest(t: &Prepared, chamber: &Chamber) -> Option<Vec<f64>> {
     let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);
-    let mut times = t.clone();
-    times.time_s.truncate(rest);
-    let model = readings(&times, chamber, &[1.0]).ok()?;
+    let model = fit::run(t, chamber, chamber.active(), &[1.0]).pressures(&t.time_s[..rest]).ok()?;
     let ratio = t.pressure_pa[..rest].iter().sum::<f64>() / model.iter().sum::<f64>();
     Some(vec![ratio])
 }

@@ -13,7 +13,7 @@ use chamber::simulate::Start;
 use chamber::{AreaLaw, Chamber, Geometry, HeatTransfer};
 
 /// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
-pub const FIRST_LAMBDA0: f64 = 30.0;
+const FIRST_LAMBDA0: f64 = 30.0;
 
 /// A number that holds for the whole rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,9 +7,8 @@
 //! linear algebra. The same numbers serve two ends: does anything of this kind remain (a test with many more directions
 //! than the named effects have), and what would it be.
 
-use crate::fit::{self, Fit, RELATIVE_TOLERANCE};
+use crate::fit::{self, Fit};
 use crate::forward::{Disturbance, Run, Undisturbed};
-use crate::hypothesis;
 use crate::motion::Phase;
 use crate::prepare::{Data, Prepared};
 use crate::uncertainty::project_out;
@@ -23,7 +22,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
 /// Hat functions of a family.
-pub const KNOTS: usize = 6;
+const KNOTS: usize = 6;
 type Tangent = Dual<KNOTS>;
 
 /// What a missing term may follow.
@@ -105,7 +104,7 @@ impl Form {
 
 /// The families tried. A volume that is a function of position alone would be a matter of geometry, a reading that is one
 /// of pressure alone a matter of calibration; both are outside what a closed chamber is modelled by, and so belong here.
-pub const FAMILIES: [(Form, Variable); 19] = [
+const FAMILIES: [(Form, Variable); 19] = [
     (Form::Flow, Variable::Time),
     (Form::Flow, Variable::Pressure),
     (Form::Flow, Variable::PressureRate),
@@ -173,14 +172,11 @@ impl Path {
     /// Along a trace; `None` where the model cannot follow.
     pub fn along(t: &Prepared, fit: &Fit, local: &[f64]) -> Option<Self> {
         let chamber = fit.chamber();
-        let set = fit.hypothesis.effects;
-        let start = hypothesis::start(t, local);
+        let gas_only = fit.hypothesis.effects.without(effects::of_sensor());
         let mut masses: Vec<(f64, f64)> = Vec::new();
-        let gas_only = set.without(effects::of_sensor());
-        let run =
-            Run { chamber: &chamber, set: gas_only, start, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE };
-        let pressure_pa =
-            run.disturbed(&t.time_s, &Undisturbed, |time, state| masses.push((time, state[MASS]))).ok()?;
+        let pressure_pa = fit::run(t, &chamber, gas_only, local)
+            .disturbed(&t.time_s, &Undisturbed, |time, state| masses.push((time, state[MASS])))
+            .ok()?;
         let n = t.time_s.len();
         let (near, flow) = (Default::default(), Default::default());
         let mut path = Path {
@@ -194,20 +190,19 @@ impl Path {
             heat_flow_w: Vec::with_capacity(n),
             since_move_s: Vec::with_capacity(n),
         };
-        let mut segment = 0;
-        let mut moved = 0.0;
-        let mut step = 0;
+        let segments = &t.course.motion.segments;
+        let (mut segment, mut moved, mut step) = (0, 0.0, 0);
         for (i, &time) in t.time_s.iter().enumerate() {
-            while segment + 1 < t.course.motion.segments.len() && time > t.course.motion.segments[segment].to_s {
+            while segment + 1 < segments.len() && time > segments[segment].to_s {
                 segment += 1;
-                if t.course.motion.segments[segment].phase == Phase::Move {
-                    moved = t.course.motion.segments[segment].from_s;
+                if segments[segment].phase == Phase::Move {
+                    moved = segments[segment].from_s;
                 }
             }
             while step + 2 < masses.len() && masses[step + 1].0 < time {
                 step += 1;
             }
-            let (position, speed) = t.course.motion.segments[segment].stroke.at(time, &near);
+            let (position, speed) = segments[segment].stroke.at(time, &near);
             let ambient = t.course.ambient_temperature.at(time, &flow).0;
             let volume = chamber.geometry.volume(position);
             let temperature = path.pressure_pa[i] * volume / (masses[step].1 * chamber.gas.gas_constant);
@@ -259,8 +254,9 @@ struct Hats<'a> {
     amount: Vec<f64>,
 }
 
-impl Disturbance<Tangent> for Hats<'_> {
-    fn at(&self, time: f64) -> [Tangent; 4] {
+impl Hats<'_> {
+    /// Each hat's amount at a time, s, and its rate, as derivatives by the hats' coefficients.
+    fn amounts(&self, time: f64) -> [Tangent; 2] {
         let last = self.time_s.len() - 1;
         let i = self.time_s.partition_point(|t| *t <= time).clamp(1, last) - 1;
         let length = self.time_s[i + 1] - self.time_s[i];
@@ -271,7 +267,13 @@ impl Disturbance<Tangent> for Hats<'_> {
             value.tangent[k] = a + (b - a) * u;
             rate.tangent[k] = (b - a) / length;
         }
-        let zero = Tangent::ZERO;
+        [value, rate]
+    }
+}
+
+impl Disturbance<Tangent> for Hats<'_> {
+    fn at(&self, time: f64) -> [Tangent; 4] {
+        let ([value, rate], zero) = (self.amounts(time), Tangent::ZERO);
         match self.form {
             Form::Flow => [value, zero, zero, zero],
             Form::Power | Form::CoefficientShare => [zero, value, zero, zero],
@@ -347,8 +349,8 @@ impl<'a> Search<'a> {
             .map(|k| self.response(k, form, values[k].iter().map(|v| hats(&at, *v)).collect()))
             .collect();
         let responses = responses?;
-        let solved = self.solve(&responses)?;
-        Some(Missing { form, variable, gain: solved.0, rank: solved.1, at: at.to_vec(), value: solved.2, sd: solved.3 })
+        let (gain, rank, value, sd) = self.solve(&responses)?;
+        Some(Missing { form, variable, gain, rank, at: at.to_vec(), value, sd })
     }
 
     /// d(model/σ)/d(coefficient) of one trace's blocks.
@@ -364,13 +366,11 @@ impl<'a> Search<'a> {
         let disturbance = Hats { form, time_s: &path.time_s, share, amount };
         let chamber: chamber::Chamber<Tangent> = self.fit.chamber().lift();
         let shown: Vec<Tangent> = if form == Form::Reading {
-            times.iter().map(|time| disturbance.reading(*time)).collect()
+            times.iter().map(|time| disturbance.amounts(*time)[0]).collect()
         } else {
             let local: Vec<Tangent> = self.fit.locals[k].iter().map(|x| Tangent::from(*x)).collect();
-            let start = hypothesis::start(t, &local);
-            let set = self.fit.hypothesis.effects;
-            let run = Run { chamber: &chamber, set, start, course: &t.course, relative_tolerance: 1e-7 };
-            run.disturbed(&times, &disturbance, |_, _| ()).ok()?
+            let run = fit::run(t, &chamber, self.fit.hypothesis.effects, &local);
+            Run { relative_tolerance: 1e-7, ..run }.disturbed(&times, &disturbance, |_, _| ()).ok()?
         };
         let mut shown = shown.into_iter();
         let mut out = DMatrix::zeros(blocks.len(), KNOTS);
@@ -433,14 +433,5 @@ impl<'a> Search<'a> {
             }
         }
         (rank > 0).then(|| (gain, rank, value, variance.into_iter().map(f64::sqrt).collect()))
-    }
-}
-
-impl Hats<'_> {
-    /// The same functions as an error of the reading.
-    fn reading(&self, time: f64) -> Tangent {
-        let as_flow =
-            Hats { form: Form::Flow, time_s: self.time_s, share: self.share.clone(), amount: self.amount.clone() };
-        as_flow.at(time)[0]
     }
 }

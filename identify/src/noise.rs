@@ -1,7 +1,8 @@
 //! Noise of the pressure readings, from the quiet parts: late windows of rests and holds.
 //!
-//! Standard deviation about a polynomial of the fourth degree (a fast relaxation still bends within a window), and over how many rows a reading is correlated with its neighbours
-//! (1 + 2 Σ ρ_k; white noise: 1). A sensor read out more slowly than the rows, or interpolated, has more than one.
+//! Standard deviation about a polynomial of the fourth degree (a fast relaxation still bends within a window), and over
+//! how many rows a reading is correlated with its neighbours (1 + 2 Σ ρ_k; white noise: 1). A sensor read out more slowly
+//! than the rows, or interpolated, has more than one.
 
 use crate::motion::{Motion, Phase};
 

@@ -12,9 +12,9 @@ use chamber::Gas;
 use records::{Rig, Trace};
 use std::path::PathBuf;
 
-/// Ambient temperature where neither rig nor trace states one, K (20 °C), and the standard deviation that this has.
-pub const ASSUMED_AMBIENT_TEMPERATURE_K: f64 = 293.15;
-/// Standard deviation of [`ASSUMED_AMBIENT_TEMPERATURE_K`], K.
+/// Ambient temperature where neither rig nor trace states one, K: 20 °C.
+const ASSUMED_AMBIENT_TEMPERATURE_K: f64 = 293.15;
+/// Standard deviation of an ambient temperature that is assumed, K.
 pub const ASSUMED_AMBIENT_DEVIATION_K: f64 = 5.0;
 
 /// A run of rows and its mean.
@@ -110,104 +110,107 @@ impl Data {
     /// # Errors
     /// Where the data cannot be what it should be: [`Error`] names it with the number that gives it away.
     pub fn prepare(rig: &Rig) -> Result<Self, Error> {
-        let mut traces = Vec::new();
         let mut columns = Vec::new();
         for (experiment, e) in rig.experiments.iter().enumerate() {
             for (repeat, trace) in e.traces.iter().enumerate() {
-                let pressure =
-                    trace.pressure_pa.as_ref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
-                checks::rows(trace)?;
-                let begin = trace.time_s[0];
-                let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - begin).collect();
-                let motion = Motion::detect(&time_s, &trace.position_m);
-                checks::trace(trace, pressure, &motion)?;
-                columns.push((pressure.clone(), motion, time_s, experiment, repeat, trace));
+                columns.push(Columns::of(trace, experiment, repeat)?);
             }
         }
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
         }
-        let noise =
-            Noise::estimate(columns.iter().map(|(p, m, t, ..)| (t.as_slice(), p.as_slice(), m)), rig.sensor.noise_pa);
+        let quiet = columns.iter().map(|c| (c.time_s.as_slice(), c.pressure_pa, &c.motion));
+        let noise = Noise::estimate(quiet, rig.sensor.noise_pa);
         let stated = rig.ambient.temperature_k;
-        let mut assumed = false;
-        for (pressure_pa, motion, time_s, experiment, repeat, trace) in columns {
-            let ambient_temperature = ambient(trace, &time_s, stated, &mut assumed);
-            let blocks =
-                blocks(&time_s, &pressure_pa, &motion, &noise, &trace.position_m, rig.gas.gas.heat_capacity_ratio);
-            let starts_at_rest = motion.starts_at_rest();
-            let initial_pressure_pa = initial_pressure(&time_s, &pressure_pa, &motion, &noise);
-            let first_temperature = ambient_temperature.at(0.0, &Default::default()).0;
-            let mass_flow = trace
-                .mass_flow_kg_per_s
-                .as_ref()
-                .filter(|flow| flow.iter().any(|f| *f != 0.0))
-                .map(|flow| Spline::through(time_s.clone(), flow.clone(), [Some(0.0), Some(0.0)]));
-            traces.push(Prepared {
-                path: trace.path.clone(),
-                experiment,
-                repeat,
-                course: Course { motion, ambient_temperature, ambient_pressure: rig.ambient.pressure_pa, mass_flow },
-                blocks,
-                initial_pressure_pa,
-                initial_temperature_k: first_temperature,
-                starts_at_rest,
-                time_s,
-                pressure_pa,
-            });
-        }
-        let ambient_temperature_k = traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64;
-        let within = within(&traces, &noise);
-        let smallest = traces
-            .iter()
-            .map(|t| t.course.motion.segments.iter().map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min))
-            .fold(f64::INFINITY, f64::min);
-        let dead = rig.dead_volume.map(|d| (d.value_m3, d.known));
-        let first_guess =
-            (0.05 * rig.cylinder.piston_area_m2 * smallest.abs()).max(-1.2 * rig.cylinder.piston_area_m2 * smallest);
+        let ambient_temperature_assumed = columns.iter().any(|c| c.says_no_ambient(stated));
+        let traces: Vec<Prepared> = columns.into_iter().map(|c| c.prepared(rig, &noise)).collect();
+        let area = rig.cylinder.piston_area_m2;
+        let smallest = smallest_position(&traces);
+        // A twentieth of the smallest swept volume; where the positions count from elsewhere, so much that some is left.
+        let first_guess = (0.05 * area * smallest.abs()).max(-1.2 * area * smallest);
         Ok(Self {
             gas: rig.gas.gas,
             bore_m: rig.cylinder.bore_m,
-            piston_area_m2: rig.cylinder.piston_area_m2,
-            dead_volume_m3: dead.map_or(first_guess, |d| d.0),
-            dead_volume_known: dead.is_some_and(|d| d.1),
-            ambient_temperature_k,
-            ambient_temperature_assumed: assumed,
+            piston_area_m2: area,
+            dead_volume_m3: rig.dead_volume.map_or(first_guess, |d| d.value_m3),
+            dead_volume_known: rig.dead_volume.is_some_and(|d| d.known),
+            ambient_temperature_k: traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64,
+            ambient_temperature_assumed,
             ambient_pressure_pa: rig.ambient.pressure_pa,
             experiments: rig.experiments.iter().map(|e| e.name.clone()).collect(),
+            within: within(&traces, &noise),
             traces,
             noise,
-            within,
         })
-    }
-
-    /// Number of independent samples that all rows amount to.
-    pub fn effective_samples(&self) -> f64 {
-        self.traces.iter().map(|t| t.time_s.len() as f64).sum::<f64>() / self.noise.correlation_rows
     }
 
     /// Smallest position in any trace, m.
     pub fn smallest_position_m(&self) -> f64 {
-        let lowest =
-            |t: &Prepared| t.course.motion.segments.iter().map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min);
-        self.traces.iter().map(lowest).fold(f64::INFINITY, f64::min)
+        smallest_position(&self.traces)
     }
 }
 
-/// Ambient temperature over time: its mean where its changes are no more than its noise, else means of a second.
-fn ambient(trace: &Trace, time_s: &[f64], stated: Option<f64>, assumed: &mut bool) -> Spline {
+fn smallest_position(traces: &[Prepared]) -> f64 {
+    let segments = traces.iter().flat_map(|t| &t.course.motion.segments);
+    segments.map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min)
+}
+
+/// What is read of a trace before the noise of all of them is known.
+struct Columns<'a> {
+    trace: &'a Trace,
+    experiment: usize,
+    repeat: usize,
+    pressure_pa: &'a [f64],
+    time_s: Vec<f64>,
+    motion: Motion,
+}
+
+impl<'a> Columns<'a> {
+    fn of(trace: &'a Trace, experiment: usize, repeat: usize) -> Result<Self, Error> {
+        let pressure_pa =
+            trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
+        checks::rows(trace)?;
+        let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
+        let motion = Motion::detect(&time_s, &trace.position_m);
+        checks::trace(trace, pressure_pa, &motion)?;
+        Ok(Self { trace, experiment, repeat, pressure_pa, time_s, motion })
+    }
+
+    /// Whether neither rig nor trace gives a temperature of the surroundings.
+    fn says_no_ambient(&self, stated: Option<f64>) -> bool {
+        let Trace { ambient_temperature_k, gas_temperature_k, .. } = self.trace;
+        stated.is_none() && ambient_temperature_k.is_none() && gas_temperature_k.is_none()
+    }
+
+    fn prepared(self, rig: &Rig, noise: &Noise) -> Prepared {
+        let Self { trace, experiment, repeat, pressure_pa, time_s, motion } = self;
+        let ambient_temperature = ambient(trace, &time_s, rig.ambient.temperature_k);
+        let gamma = rig.gas.gas.heat_capacity_ratio;
+        let flow = trace.mass_flow_kg_per_s.as_ref().filter(|flow| flow.iter().any(|f| *f != 0.0));
+        let mass_flow = flow.map(|flow| Spline::through(time_s.clone(), flow.clone(), [Some(0.0), Some(0.0)]));
+        Prepared {
+            path: trace.path.clone(),
+            experiment,
+            repeat,
+            blocks: blocks(&time_s, pressure_pa, &motion, noise, &trace.position_m, gamma),
+            initial_pressure_pa: initial_pressure(pressure_pa, &motion, noise),
+            initial_temperature_k: ambient_temperature.at(0.0, &Default::default()).0,
+            starts_at_rest: motion.starts_at_rest(),
+            course: Course { motion, ambient_temperature, ambient_pressure: rig.ambient.pressure_pa, mass_flow },
+            time_s,
+            pressure_pa: pressure_pa.to_vec(),
+        }
+    }
+}
+
+/// Ambient temperature over time: its mean where its changes are no more than its noise, else through means of eighths.
+fn ambient(trace: &Trace, time_s: &[f64], stated: Option<f64>) -> Spline {
     let constant = |value: f64| Spline::through(vec![0.0], vec![value], [None, None]);
     let Some(column) = trace.ambient_temperature_k.as_ref() else {
-        if stated.is_none() {
-            // A gas at rest has the temperature of its surroundings.
-            let gas = trace
-                .gas_temperature_k
-                .as_ref()
-                .map(|g| g[..g.len().min(10)].iter().sum::<f64>() / g.len().min(10) as f64);
-            *assumed |= gas.is_none();
-            return constant(gas.unwrap_or(ASSUMED_AMBIENT_TEMPERATURE_K));
-        }
-        return constant(stated.unwrap_or(ASSUMED_AMBIENT_TEMPERATURE_K));
+        // A gas at rest has the temperature of its surroundings.
+        let first_rows = |gas: &Vec<f64>| gas.iter().take(10).sum::<f64>() / gas.len().min(10) as f64;
+        let gas = || trace.gas_temperature_k.as_ref().map(first_rows);
+        return constant(stated.or_else(gas).unwrap_or(ASSUMED_AMBIENT_TEMPERATURE_K));
     };
     let n = column.len();
     let mean = column.iter().sum::<f64>() / n as f64;
@@ -228,19 +231,17 @@ fn ambient(trace: &Trace, time_s: &[f64], stated: Option<f64>, assumed: &mut boo
     Spline::through(t, v, [Some(0.0), Some(0.0)])
 }
 
-/// Mean pressure of the rest, or the first reading of a record that starts in motion.
-fn initial_pressure(time_s: &[f64], pressure_pa: &[f64], motion: &Motion, noise: &Noise) -> (f64, f64) {
+/// Mean pressure of the rest, or of the first rows of a record that starts in motion, and its standard deviation.
+fn initial_pressure(pressure_pa: &[f64], motion: &Motion, noise: &Noise) -> (f64, f64) {
     let first = &motion.segments[0];
-    let scale = |rows: usize| noise.sd_pa * (noise.correlation_rows / rows as f64).sqrt().min(1.0);
-    if first.phase != Phase::Rest {
-        let rows = pressure_pa.len().min(5);
-        let _ = time_s;
-        return (pressure_pa[..rows].iter().sum::<f64>() / rows as f64, scale(rows));
-    }
-    // The last rows of the rest may already belong to the move's gentle begin.
-    let end = if first.end - first.first > 8 { first.end - 2 } else { first.end };
-    let rows = end - first.first;
-    (pressure_pa[first.first..end].iter().sum::<f64>() / rows as f64, scale(rows))
+    let rows = match (first.phase, first.end) {
+        // The last rows of the rest may already belong to the move's gentle begin.
+        (Phase::Rest, end) if end > 8 => end - 2,
+        (Phase::Rest, end) => end,
+        _ => pressure_pa.len().min(5),
+    };
+    let mean = pressure_pa[..rows].iter().sum::<f64>() / rows as f64;
+    (mean, noise.sd_pa * (noise.correlation_rows / rows as f64).sqrt().min(1.0))
 }
 
 fn blocks(

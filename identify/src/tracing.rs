@@ -17,9 +17,9 @@ use chamber::effects::{self, EffectSet};
 use rayon::prelude::*;
 
 /// Evidence from which on an effect may enter.
-pub const DECISIVE: f64 = 10.0;
+const DECISIVE: f64 = 10.0;
 /// Evidence below which two sets cannot be told apart.
-pub const INDISTINGUISHABLE: f64 = 6.0;
+const INDISTINGUISHABLE: f64 = 6.0;
 /// How many of the better single effects are tried in pairs.
 const PAIRED: usize = 6;
 /// How many of the better pairs are looked at more closely.
@@ -94,10 +94,7 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
     let baseline = tracer.judged(tracer.candidate(baseline));
     let mut tried: Vec<Candidate> = singles.into_par_iter().map(|f| tracer.judged(tracer.candidate(f))).collect();
     sort(&mut tried);
-    let mut chosen = baseline.clone();
-    if let Some(first) = tried.iter().find(|c| tracer.enters(c, &chosen)) {
-        chosen = first.clone();
-    }
+    let mut chosen = tried.iter().find(|c| tracer.enters(c, &baseline)).unwrap_or(&baseline).clone();
     let mut chosen_adequacy =
         if chosen.effects.is_empty() { baseline_adequacy.clone() } else { adequacy::test(data, &chosen.fit) };
 
@@ -110,31 +107,10 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
     }
     if !chosen.effects.is_empty() || !chosen_adequacy.is_noise {
         progress("two effects at a time", 0.6);
-        let pairs = tracer.pairs(&tried, &chosen, !chosen_adequacy.is_noise);
-        let lookup: Vec<Candidate> = tried.clone();
-        let part = |set: EffectSet| {
-            // The better of the two single fits.
-            &lookup.iter().find(|c| set.contains(c.effects)).unwrap_or(&lookup[0]).fit
-        };
-        let mut found: Vec<Candidate> = tracer.fit_all(&pairs, part).into_iter().map(|f| tracer.candidate(f)).collect();
-        tracer.weigh_anew(&baseline, [&mut tried, &mut found], &mut chosen);
-        sort(&mut found);
-        // The better ones are judged by held-out data too, with all their parameters free where that is better.
-        let judged = |(rank, c): (usize, Candidate)| {
-            if rank < JUDGED_PAIRS { tracer.judged(tracer.freed(&c).unwrap_or(c)) } else { c }
-        };
-        found = found.into_par_iter().enumerate().map(judged).collect();
-        tracer.weigh_anew(&baseline, [&mut tried, &mut found], &mut chosen);
-        sort(&mut found);
-        // Each of the two must be worth its place beside the other, and one of them worth a place without it: two that
-        // do nothing alone and much together bend against each other.
-        let each_counts = |c: &&Candidate| {
-            let alone = tried.iter().filter(|single| c.effects.contains(single.effects)).map(|s| s.delta_bic);
-            let best = alone.fold(f64::NEG_INFINITY, f64::max);
-            best > DECISIVE && c.delta_bic - best > DECISIVE
-        };
-        if let Some(second) = found.iter().filter(each_counts).find(|c| tracer.enters(c, &chosen)) {
-            chosen = second.clone();
+        let found = tracer.two_at_a_time(&baseline, &mut tried, &mut chosen, !chosen_adequacy.is_noise);
+        let counts = |pair: &&Candidate| each_counts(pair, &tried);
+        if let Some(pair) = found.iter().filter(counts).find(|c| tracer.enters(c, &chosen)) {
+            chosen = pair.clone();
             chosen_adequacy = adequacy::test(data, &chosen.fit);
         }
         tried.extend(found);
@@ -149,14 +125,27 @@ pub fn trace(data: &Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Trace
     };
     let settled = if verdict == Verdict::Unexplained { &baseline } else { &chosen };
     sanity::dead_volume(data, &settled.fit)?;
-    let alike = tried
+    let alike = alike(&chosen, &tried);
+    Ok(Trace { verdict, baseline, baseline_adequacy, tried, chosen, chosen_adequacy, alike, samples: tracer.samples })
+}
+
+/// Whether each of a pair is worth its place beside the other, and one of them worth a place without it: two that do
+/// nothing alone and much together bend against each other.
+fn each_counts(pair: &Candidate, singles: &[Candidate]) -> bool {
+    let alone = singles.iter().filter(|single| pair.effects.contains(single.effects)).map(|s| s.delta_bic);
+    let best = alone.fold(f64::NEG_INFINITY, f64::max);
+    best > DECISIVE && pair.delta_bic - best > DECISIVE
+}
+
+/// Sets of as many effects as the chosen one has, which the data cannot tell from it.
+fn alike(chosen: &Candidate, tried: &[Candidate]) -> Vec<EffectSet> {
+    let size = |c: &Candidate| c.effects.iter().count();
+    tried
         .iter()
-        .filter(|c| !chosen.effects.is_empty() && c.effects != chosen.effects)
-        .filter(|c| c.effects.iter().count() == chosen.effects.iter().count())
+        .filter(|c| !chosen.effects.is_empty() && c.effects != chosen.effects && size(c) == size(chosen))
         .filter(|c| chosen.delta_bic - c.delta_bic < INDISTINGUISHABLE)
         .map(|c| c.effects)
-        .collect();
-    Ok(Trace { verdict, baseline, baseline_adequacy, tried, chosen, chosen_adequacy, alike, samples: tracer.samples })
+        .collect()
 }
 
 /// The paper's model, fitted to everything.
@@ -252,6 +241,32 @@ impl Tracer<'_> {
         let samples = evidence::effective_samples(&left, self.data.noise.correlation_rows);
         let better = evidence::bic(self.data, &c.fit, samples) - evidence::bic(self.data, &fit, samples);
         (better > DECISIVE).then(|| self.candidate(fit))
+    }
+
+    /// Fits pairs, from the better of their two single fits; all evidence, the single ones' too, is weighed anew.
+    fn two_at_a_time(
+        &mut self,
+        baseline: &Candidate,
+        tried: &mut Vec<Candidate>,
+        chosen: &mut Candidate,
+        all: bool,
+    ) -> Vec<Candidate> {
+        let pairs = self.pairs(tried, chosen, all);
+        let part = |set: EffectSet| {
+            let single = tried.iter().find(|c| set.contains(c.effects));
+            &single.unwrap_or(baseline).fit
+        };
+        let mut found: Vec<Candidate> = self.fit_all(&pairs, part).into_iter().map(|f| self.candidate(f)).collect();
+        self.weigh_anew(baseline, [tried, &mut found], chosen);
+        sort(&mut found);
+        // The better ones are judged by held-out data too, with all their parameters free where that is better.
+        let judged = |(rank, c): (usize, Candidate)| {
+            if rank < JUDGED_PAIRS { self.judged(self.freed(&c).unwrap_or(c)) } else { c }
+        };
+        found = found.into_par_iter().enumerate().map(judged).collect();
+        self.weigh_anew(baseline, [tried, &mut found], chosen);
+        sort(&mut found);
+        found
     }
 
     /// Pairs to be tried: the chosen effect with every other; among the better single ones too where it is not enough.

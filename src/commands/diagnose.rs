@@ -2,7 +2,7 @@
 
 use crate::commands::estimates;
 use crate::{evaluation, output};
-use identify::Diagnosis;
+use identify::diagnosis::{Closest, Diagnosis, Rmse, Unnamed};
 use identify::report::number;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -77,7 +77,7 @@ fn table(d: &Diagnosis) -> String {
         ),
     };
     let _ = writeln!(out, "{}: {what}\n", d.verdict);
-    let error = |rmse: &identify::diagnosis::Rmse| {
+    let error = |rmse: &Rmse| {
         let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
         format!("{:>10.1} {held_out:>12}", rmse.fit)
     };
@@ -90,17 +90,7 @@ fn table(d: &Diagnosis) -> String {
     out.push('\n');
     estimates::parameters(&mut out, &d.after.parameters);
     if let Some(c) = &d.closest {
-        let _ = writeln!(
-            out,
-            "\nclosest: {} take away {:.1} % of what is beyond noise (delta BIC {:.1}), but clearly more than noise remains:\na description of these traces, not yet a cause (--closest writes it as a model)",
-            c.effects.join(" + "),
-            100.0 * c.share,
-            c.delta_bic
-        );
-        for (first, rest) in c.indistinguishable.iter().filter_map(|group| group.split_first()) {
-            let _ = writeln!(out, "as close would come {} in place of {first}", rest.join(" or "));
-        }
-        estimates::parameters(&mut out, &c.parameters);
+        closest(&mut out, c);
     }
     let _ = writeln!(out, "\n{:<44} {:>12} {:>14}", "effects tried", "delta BIC", "held out Pa");
     for c in &d.candidates {
@@ -111,25 +101,7 @@ fn table(d: &Diagnosis) -> String {
         let _ = writeln!(out, "\nthe data cannot tell apart: {}", group.join(", "));
     }
     for m in d.missing.iter().take(3) {
-        let _ = writeln!(
-            out,
-            "\nmissing: {} as a function of {} would take away {:.0} % of what is beyond noise ({} balance)",
-            m.quantity,
-            m.variable,
-            100.0 * m.share,
-            m.balance
-        );
-        for ((at, value), sd) in m.at.iter().zip(&m.value).zip(&m.sd) {
-            let _ = writeln!(
-                out,
-                "   at {:>11} {:<5} {:>11} ± {} {}",
-                number(*at, 4),
-                m.variable_unit,
-                number(*value, 3),
-                number(*sd, 2),
-                m.unit
-            );
-        }
+        missing(&mut out, m);
     }
     for n in &d.next_experiments {
         let by = n.difference_over_noise.map_or(String::new(), |d| format!(" (they differ by {d:.1} times the noise)"));
@@ -137,4 +109,42 @@ fn table(d: &Diagnosis) -> String {
     }
     estimates::notes(&mut out, &d.undetermined, &d.assumptions);
     out
+}
+
+/// The known effects that come closest to a residual that they do not explain.
+fn closest(out: &mut String, c: &Closest) {
+    let _ = writeln!(
+        out,
+        "\nclosest: {} take away {:.1} % of what is beyond noise (delta BIC {:.1}), but clearly more than noise remains:\na description of these traces, not yet a cause (--closest writes it as a model)",
+        c.effects.join(" + "),
+        100.0 * c.share,
+        c.delta_bic
+    );
+    for (first, rest) in c.indistinguishable.iter().filter_map(|group| group.split_first()) {
+        let _ = writeln!(out, "as close would come {} in place of {first}", rest.join(" or "));
+    }
+    estimates::parameters(out, &c.parameters);
+}
+
+/// A missing term as a function of what it follows.
+fn missing(out: &mut String, m: &Unnamed) {
+    let _ = writeln!(
+        out,
+        "\nmissing: {} as a function of {} would take away {:.0} % of what is beyond noise ({} balance)",
+        m.quantity,
+        m.variable,
+        100.0 * m.share,
+        m.balance
+    );
+    for ((at, value), sd) in m.at.iter().zip(&m.value).zip(&m.sd) {
+        let _ = writeln!(
+            out,
+            "   at {:>11} {:<5} {:>11} ± {} {}",
+            number(*at, 4),
+            m.variable_unit,
+            number(*value, 3),
+            number(*sd, 2),
+            m.unit
+        );
+    }
 }

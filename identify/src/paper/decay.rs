@@ -71,13 +71,6 @@ pub struct Fit {
     pub residuals_pa: Vec<f64>,
 }
 
-impl Fit {
-    /// Root mean square of the residuals, Pa.
-    pub fn rms_pa(&self) -> f64 {
-        (self.residuals_pa.iter().map(|r| r * r).sum::<f64>() / self.residuals_pa.len() as f64).sqrt()
-    }
-}
-
 /// Fits a shape to pressures, Pa, at times, s, from the begin of the decay.
 ///
 /// # Errors

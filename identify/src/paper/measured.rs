@@ -176,12 +176,6 @@ impl Row {
             _ => return None,
         })
     }
-
-    /// λ0 if the ambient temperature were another, W/(m² K).
-    pub fn coefficient_0_at(&self, ambient_k: f64) -> f64 {
-        let setup = Setup { ambient_temperature_k: ambient_k, ..self.setup };
-        steps(&setup, ambient_k, &self.test.push(), &self.test.regression()).coefficient_0_w_per_m2_k
-    }
 }
 
 #[cfg(test)]
@@ -232,7 +226,8 @@ mod tests {
         for row in reproduce().unwrap().rows {
             let at = row_of(&table, &row.test.experiment, &row.test.actuator).unwrap();
             let printed = table.number(at, "coefficient_0_w_per_m2_k").unwrap();
-            assert!(row.coefficient_0_at(293.0) / printed > 1.02);
+            let at_293 = steps(&row.setup, 293.0, &row.test.push(), &row.test.regression());
+            assert!(at_293.coefficient_0_w_per_m2_k / printed > 1.02);
         }
     }
 

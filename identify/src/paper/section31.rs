@@ -212,7 +212,7 @@ pub fn reproduce(timing: &Timing) -> Result<Section31, Error> {
 
 impl Section31 {
     /// The peak's excess over the settled pressure, in percent of the latter.
-    pub fn peak_percent(&self) -> f64 {
+    fn peak_percent(&self) -> f64 {
         let peak = self.columns.pressure_pa.iter().copied().fold(0.0, f64::max);
         100.0 * (peak / self.exact.final_pressure_pa.value - 1.0)
     }

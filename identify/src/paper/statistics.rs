@@ -26,7 +26,7 @@ impl Estimate {
 }
 
 /// Integrated autocorrelation time of residuals, in rows; at least 1.
-pub fn autocorrelation_time(residuals: &[f64]) -> f64 {
+fn autocorrelation_time(residuals: &[f64]) -> f64 {
     let n = residuals.len();
     let energy: f64 = residuals.iter().map(|r| r * r).sum();
     if n < 2 || energy == 0.0 {

@@ -16,9 +16,9 @@ pub struct Table {
 /// Table 1: the actuators.
 pub const TABLE_1: (&str, &str) = ("table1_actuators.csv", include_str!("../../data/paper/table1_actuators.csv"));
 /// Table 2: the experiments.
-pub const TABLE_2: (&str, &str) = ("table2_experiments.csv", include_str!("../../data/paper/table2_experiments.csv"));
+const TABLE_2: (&str, &str) = ("table2_experiments.csv", include_str!("../../data/paper/table2_experiments.csv"));
 /// Table 3: the regressions.
-pub const TABLE_3: (&str, &str) = ("table3_regression.csv", include_str!("../../data/paper/table3_regression.csv"));
+const TABLE_3: (&str, &str) = ("table3_regression.csv", include_str!("../../data/paper/table3_regression.csv"));
 /// Table 4: what the steps give.
 pub const TABLE_4: (&str, &str) =
     ("table4_heat_transfer.csv", include_str!("../../data/paper/table4_heat_transfer.csv"));

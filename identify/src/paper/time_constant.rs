@@ -140,7 +140,7 @@ pub struct Steps<R = f64> {
 }
 
 /// Share of the pressure rise that remains at the settling time.
-pub const SETTLED_SHARE: f64 = 0.01;
+const SETTLED_SHARE: f64 = 0.01;
 
 /// Step 2: mass, dead volume and final volume from two states at ambient temperature.
 pub(super) fn mass_and_volumes<R: Real>(setup: &Setup, ambient_k: R, push: &Push<R>, final_pressure_pa: R) -> [R; 3] {

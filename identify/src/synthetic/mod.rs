@@ -194,7 +194,7 @@ impl Recipe {
     }
 
     /// Smallest position of any test, m.
-    pub fn shortest_m(&self) -> f64 {
+    fn shortest_m(&self) -> f64 {
         let ends = |t: &Test| t.moves.iter().map(|m| m.0).fold(t.from_m, f64::min);
         self.tests.iter().map(ends).fold(f64::INFINITY, f64::min)
     }
@@ -207,7 +207,7 @@ impl Recipe {
     }
 
     /// Heat capacity of the gas at 3 bar, J/K, and its relaxation time, s: scales for strengths.
-    pub fn scales(&self) -> (f64, f64) {
+    fn scales(&self) -> (f64, f64) {
         self.scales_at(self.shortest_m())
     }
 
