@@ -10,7 +10,7 @@ use super::Error;
 use super::exact_regression;
 use super::statistics::{Estimate, NORMAL_95, rounding_deviation, student_95};
 use super::tables::{MeasuredTest, TABLE_4, Table, measured_tests, row_of};
-use super::time_constant::{Push, Regression, Setup, Steps, Uncertainty, steps, steps_with_intervals};
+use super::time_constant::{Push, Regression, Setup, Steps, Uncertainty, steps_with_intervals};
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
@@ -182,6 +182,7 @@ impl Row {
 mod tests {
     use super::*;
     use crate::paper::tables::TABLE_5;
+    use crate::paper::time_constant::steps;
 
     fn each_number(source: (&'static str, &str), mut check: impl FnMut(&str, f64, f64, f64)) {
         let table = Table::parse(source).unwrap();
