@@ -5,12 +5,12 @@ use super::general::Observe;
 use super::log::Picked;
 use super::samples::POINTS;
 use super::step::{dense, within};
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::Lanes;
 use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Rounds of a search for a root: the bracket of a smooth one shrinks to rounding in half as many.
-const ROUNDS: usize = 12;
+/// Rounds of a search for a root: where the curve is an exponential, five give all digits.
+const ROUNDS: usize = 6;
 /// Share of a step to both sides of a place, to tell there whether the record rises.
 const BESIDE: f64 = 1e-5;
 
@@ -19,22 +19,25 @@ trait Curve {
     fn at(&self, share: Lanes) -> Lanes;
 }
 
-/// A root between `low`, where the curve is positive, and `high`, where it is not: Illinois' regula falsi.
+/// A root between `low`, where the curve is positive, and `high`, where it is not, by Ridders' method, which straightens
+/// an exponential (IEEE Trans. Circuits Syst. 26 (1979) 979).
 #[inline(always)]
 fn root(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
     let (mut at_low, mut at_high) = (curve.at(low), curve.at(high));
     let mut x = low;
     for _ in 0..ROUNDS {
-        let span = at_low - at_high;
-        let share = at_low / span.where_positive(span, Lanes::ONE);
-        let inside = each_lane!(i => if share.0[i] >= 0.0 && share.0[i] <= 1.0 { share.0[i] } else { 0.5 });
-        x = low + (high - low) * inside;
+        let middle = (low + high) * 0.5;
+        let at_middle = curve.at(middle);
+        let straight = (at_middle * at_middle - at_low * at_high + f64::MIN_POSITIVE).sqrt();
+        x = middle + (middle - low) * at_middle / straight;
         let value = curve.at(x);
-        // The end that is kept a second time loses half its value.
-        low = value.where_positive(x, low);
-        at_high = value.where_positive(at_high * 0.5, value);
-        at_low = value.where_positive(value, at_low * 0.5);
-        high = value.where_positive(high, x);
+        for (place, at_place) in [(middle, at_middle), (x, value)] {
+            let inside = (place - low).min(high - place);
+            let to_low = at_place.where_positive(inside, Lanes::ZERO);
+            let to_high = at_place.where_positive(Lanes::ZERO, inside);
+            (low, at_low) = (to_low.where_positive(place, low), to_low.where_positive(at_place, at_low));
+            (high, at_high) = (to_high.where_positive(place, high), to_high.where_positive(at_place, at_high));
+        }
     }
     x
 }

@@ -316,12 +316,14 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
         firsts
     }
 
-    /// Samples up to and at the begin of the spans: of the gas before the test, which a late record still shows.
+    /// Samples up to and at the begin of the spans: before it a late record shows the gas before the test.
     fn samples_before(&self, course: usize, first: f64) -> Option<Part> {
-        let begin = self.record_time(self.spans_of(course).first()?, 0.0);
+        let span = self.spans_of(course).first()?;
+        let begin = self.record_time(span, 0.0);
         let samples = Samples { first, count: samples::after(begin) - first };
-        let [before, drift] = self.before(&self.courses[course]);
-        let pressure = samples.nodes().0.map(|number| before + drift * (number / SAMPLE_RATE_HZ));
+        let [_, drift] = self.before(&self.courses[course]);
+        let at_begin = span.step.shown[0][PRESSURE];
+        let pressure = samples.nodes().0.map(|number| at_begin + drift * (number / SAMPLE_RATE_HZ - begin));
         (samples.count > 0.0).then_some(Part { samples, pressure })
     }
 

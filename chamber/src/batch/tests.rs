@@ -69,6 +69,29 @@ fn sealed_rows_agree_with_the_exact_solution() {
 }
 
 #[test]
+fn all_three_ways_to_solve_a_sealed_test_read_the_same_from_its_record() {
+    let mut scenarios = sealed(256);
+    for s in scenarios.iter_mut().step_by(2) {
+        // The push ends with a sample.
+        s.push_time_s = (s.push_time_s * 100.0).ceil() / 100.0;
+    }
+    let with = |solver| Options { solver, fit: true, ..Options::default() };
+    let exact = results(EffectSet::NONE, &scenarios, &with(Solver::Exact));
+    let integrated = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    for s in &mut scenarios {
+        s.mass_flow_in_kg_per_s = 1e-30;
+    }
+    let flowing = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    for (expected, found) in exact.iter().chain(&exact).zip(integrated.iter().chain(&flowing)) {
+        assert_close(found.pressure_peak_pa, expected.pressure_peak_pa, 1e-9, "peak");
+        assert_close(found.settling_time_s.unwrap(), expected.settling_time_s.unwrap(), 1e-6, "settling");
+        let [found, expected] = [found, expected].map(|o| o.fit.unwrap());
+        assert_close(found.time_constant_s, expected.time_constant_s, 1e-4, "time constant");
+        assert_close(found.final_pressure_pa, expected.final_pressure_pa, 1e-6, "final pressure");
+    }
+}
+
+#[test]
 fn the_regression_on_section_3_1_gives_the_numbers_found_for_it() {
     let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Swept);
     let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
