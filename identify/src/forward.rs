@@ -83,8 +83,9 @@ impl Inputs for Passing<'_> {
 
 /// A further disturbance of the gas, in the integration's number type: what a residual may be the trace of.
 pub trait Disturbance<R> {
-    /// Mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that, m³/s.
-    fn at(&self, time: f64) -> [R; 4];
+    /// Mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that, m³/s; `None`
+    /// where there is nothing to add.
+    fn at(&self, time: f64) -> Option<[R; 4]>;
 }
 
 /// None.
@@ -93,8 +94,8 @@ pub struct Undisturbed;
 
 impl<R: Scalar> Disturbance<R> for Undisturbed {
     #[inline(always)]
-    fn at(&self, _: f64) -> [R; 4] {
-        [R::ZERO; 4]
+    fn at(&self, _: f64) -> Option<[R; 4]> {
+        None
     }
 }
 
@@ -170,8 +171,9 @@ fn disturbed_rates<R: Scalar>(
     balance: &Balance<R>,
     boundary: &Boundary<R>,
     state: &[R; STATES],
-    [mass, heat, volume, volume_rate]: [R; 4],
+    disturbance: Option<[R; 4]>,
 ) -> [R; STATES] {
+    let Some([mass, heat, volume, volume_rate]) = disturbance else { return balance.rates(set, boundary, state) };
     let chamber = &balance.chamber;
     let area = chamber.geometry.piston_area;
     let mut moved = *boundary;
@@ -212,9 +214,11 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
         let dense = step.dense();
         let pressure = |t: R| {
-            let [_, _, change, _] = extra.at(t.value());
             let position = record::boundary_at(&self.inputs, stretch, t).position;
-            let volume = self.chamber.geometry.volume(position) + change;
+            let mut volume = self.chamber.geometry.volume(position);
+            if let Some([_, _, change, _]) = extra.at(t.value()) {
+                volume += change;
+            }
             (self.chamber.gas.heat_capacity_ratio - 1.0) * dense.at(t)[ENERGY] / volume
         };
         let Some(constant) = self.lag else {

@@ -272,13 +272,13 @@ impl Hats<'_> {
 }
 
 impl Disturbance<Tangent> for Hats<'_> {
-    fn at(&self, time: f64) -> [Tangent; 4] {
+    fn at(&self, time: f64) -> Option<[Tangent; 4]> {
         let ([value, rate], zero) = (self.amounts(time), Tangent::ZERO);
         match self.form {
-            Form::Flow => [value, zero, zero, zero],
-            Form::Power | Form::CoefficientShare => [zero, value, zero, zero],
-            Form::VolumeShare => [zero, zero, value, rate],
-            Form::Reading => [zero; 4],
+            Form::Flow => Some([value, zero, zero, zero]),
+            Form::Power | Form::CoefficientShare => Some([zero, value, zero, zero]),
+            Form::VolumeShare => Some([zero, zero, value, rate]),
+            Form::Reading => None,
         }
     }
 }
