@@ -111,7 +111,8 @@ impl Design {
             Design::LatinHypercube(cube) => cube.fill(rows, columns),
             Design::Sobol(axes, _, points) => {
                 for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
-                    column.extend(rows.clone().map(|row| points.coordinate(row, dimension)));
+                    column
+                        .extend(points.coordinates_from(rows.start, dimension).take((rows.end - rows.start) as usize));
                     axis.place(column);
                 }
             }

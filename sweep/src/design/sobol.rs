@@ -35,14 +35,41 @@ impl Sobol {
     /// Coordinate of a point.
     #[inline]
     pub fn coordinate(&self, index: u64, dimension: usize) -> f64 {
+        share(self.digits(index, dimension))
+    }
+
+    /// Coordinates of a point and all that follow it.
+    pub fn coordinates_from(&self, mut index: u64, dimension: usize) -> impl Iterator<Item = f64> {
+        let mut digits = self.digits(index, dimension);
+        // Counting on changes an index's lowest bits up to the one that becomes a one.
+        let mut changes = self.dimensions[dimension].0;
+        for bit in 1..BITS {
+            changes[bit] ^= changes[bit - 1];
+        }
+        std::iter::repeat_with(move || {
+            let value = share(digits);
+            index += 1;
+            digits ^= changes[index.trailing_zeros() as usize];
+            value
+        })
+    }
+
+    #[inline]
+    fn digits(&self, index: u64, dimension: usize) -> u64 {
         let (directions, shift) = &self.dimensions[dimension];
         let (mut digits, mut rest) = (*shift, index);
         while rest != 0 {
             digits ^= directions[rest.trailing_zeros() as usize];
             rest &= rest - 1;
         }
-        digits as f64 * (1.0 / (1u64 << BITS) as f64)
+        digits
     }
+}
+
+/// Digits after the point as a number in [0, 1).
+#[inline]
+fn share(digits: u64) -> f64 {
+    digits as f64 * (1.0 / (1u64 << BITS) as f64)
 }
 
 /// Multiplies digits by a random lower triangular matrix with ones on its diagonal, modulo 2: digit i of the result is
