@@ -82,12 +82,9 @@ impl Permutation {
     /// a coin that a processor cannot guess, and steps in a row are taken by its widest instructions.
     fn fill_block(&self, arch: Arch, first: u64, out: &mut [u64]) {
         debug_assert!(first + out.len() as u64 <= self.size);
-        let mut walking = [0; BLOCK];
-        let mut places = [0u16; BLOCK];
+        let mut walking: [u64; BLOCK] = std::array::from_fn(|i| first + i as u64);
+        let mut places: [u16; BLOCK] = std::array::from_fn(|i| i as u16);
         let mut count = out.len();
-        for i in 0..count {
-            (walking[i], places[i]) = (first + i as u64, i as u16);
-        }
         while count > 0 {
             arch.dispatch(Step { permutation: self, elements: &mut walking[..count] });
             let mut outside = 0;
