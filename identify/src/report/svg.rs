@@ -38,11 +38,33 @@ const MOST_POINTS: usize = 700;
 impl Chart<'_> {
     /// The chart as an SVG element; nothing where there is nothing to draw.
     pub fn draw(&self, curves: &[Curve]) -> String {
+        let Some([left, right, low, high]) = self.range(curves) else { return String::new() };
+        let frame = Frame { size: self.size, x: ticks(left, right, 6), y: ticks(low, high, 5) };
+        let (width, height) = self.size;
+        let mut out =
+            format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">", escape(self.title));
+        if let Some(band) = self.band {
+            let _ = write!(
+                out,
+                "<rect class=\"band\" x=\"{LEFT}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
+                frame.py(band),
+                width - LEFT - RIGHT,
+                frame.py(-band) - frame.py(band)
+            );
+        }
+        frame.grid(&mut out);
+        for c in curves {
+            frame.curve(&mut out, c);
+        }
+        self.words(&mut out, &frame, curves);
+        out
+    }
+
+    /// What the curves' points and the band extend over: from, to on either axis.
+    fn range(&self, curves: &[Curve]) -> Option<[f64; 4]> {
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
         let mut points = curves.iter().flat_map(|c| &c.points).filter(finite).peekable();
-        if points.peek().is_none() {
-            return String::new();
-        }
+        points.peek()?;
         let mut range = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         for (x, y) in points {
             range = [range[0].min(*x), range[1].max(*x), range[2].min(*y), range[3].max(*y)];
@@ -50,44 +72,12 @@ impl Chart<'_> {
         if let Some(band) = self.band {
             range = [range[0], range[1], range[2].min(-1.5 * band), range[3].max(1.5 * band)];
         }
-        let (xs, ys) = (ticks(range[0], range[1], 6), ticks(range[2], range[3], 5));
-        let ([x0, x1], [y0, y1]) = (xs.range, ys.range);
+        Some(range)
+    }
+
+    /// Legend, title and the axes' names.
+    fn words(&self, out: &mut String, frame: &Frame, curves: &[Curve]) {
         let (width, height) = self.size;
-        let px = |x: f64| LEFT + (x - x0) / (x1 - x0) * (width - LEFT - RIGHT);
-        let py = |y: f64| TOP + (y1 - y) / (y1 - y0) * (height - TOP - BOTTOM);
-        let mut out =
-            format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">", escape(self.title));
-        if let Some(band) = self.band {
-            let _ = write!(
-                out,
-                "<rect class=\"band\" x=\"{LEFT}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
-                py(band),
-                width - LEFT - RIGHT,
-                py(-band) - py(band)
-            );
-        }
-        for y in &ys.at {
-            let (at, right) = (py(*y), width - RIGHT);
-            let _ = write!(
-                out,
-                "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/><text class=\"y\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                LEFT - 5.0,
-                at + 4.0,
-                ys.label(*y)
-            );
-        }
-        for x in &xs.at {
-            let (at, bottom) = (px(*x), height - BOTTOM);
-            let _ = write!(
-                out,
-                "<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/><text class=\"x\" x=\"{at:.1}\" y=\"{:.1}\">{}</text>",
-                bottom + 14.0,
-                xs.label(*x)
-            );
-        }
-        for c in curves {
-            let _ = write!(out, "{}", self.curve(c, &px, &py));
-        }
         let mut at = width - RIGHT - 4.0;
         for c in curves.iter().rev().filter(|c| !c.label.is_empty()) {
             let _ = write!(
@@ -107,29 +97,67 @@ impl Chart<'_> {
             escape(self.title),
             LEFT + (width - LEFT - RIGHT) / 2.0,
             height - 6.0,
-            escape(&xs.axis(self.x)),
+            escape(&frame.x.axis(self.x)),
             TOP + (height - TOP - BOTTOM) / 2.0,
-            escape(&ys.axis(self.y))
+            escape(&frame.y.axis(self.y))
         );
-        out
+    }
+}
+
+/// Where numbers lie on the page, px.
+struct Frame {
+    size: (f64, f64),
+    x: Ticks,
+    y: Ticks,
+}
+
+impl Frame {
+    fn px(&self, x: f64) -> f64 {
+        let [low, high] = self.x.range;
+        LEFT + (x - low) / (high - low) * (self.size.0 - LEFT - RIGHT)
     }
 
-    fn curve(&self, c: &Curve, px: &impl Fn(f64) -> f64, py: &impl Fn(f64) -> f64) -> String {
-        let points = thinned(&c.points);
-        let mut out = String::new();
+    fn py(&self, y: f64) -> f64 {
+        let [low, high] = self.y.range;
+        TOP + (high - y) / (high - low) * (self.size.1 - TOP - BOTTOM)
+    }
+
+    fn grid(&self, out: &mut String) {
+        let (right, bottom) = (self.size.0 - RIGHT, self.size.1 - BOTTOM);
+        for y in &self.y.at {
+            let at = self.py(*y);
+            let _ = write!(
+                out,
+                "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/><text class=\"y\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                LEFT - 5.0,
+                at + 4.0,
+                self.y.label(*y)
+            );
+        }
+        for x in &self.x.at {
+            let at = self.px(*x);
+            let _ = write!(
+                out,
+                "<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/><text class=\"x\" x=\"{at:.1}\" y=\"{:.1}\">{}</text>",
+                bottom + 14.0,
+                self.x.label(*x)
+            );
+        }
+    }
+
+    fn curve(&self, out: &mut String, c: &Curve) {
+        let points = thinned(&c.points).into_iter().map(|(x, y)| (self.px(x), self.py(y)));
         if c.dots {
             for (x, y) in points {
-                let _ =
-                    write!(out, "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"1.6\" fill=\"{}\"/>", px(x), py(y), c.colour);
+                let _ = write!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.6\" fill=\"{}\"/>", c.colour);
             }
-            return out;
+            return;
         }
         let _ = write!(out, "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.3\" points=\"", c.colour);
         for (x, y) in points {
-            let _ = write!(out, "{:.1},{:.1} ", px(x), py(y));
+            let _ = write!(out, "{x:.1},{y:.1} ");
         }
         out.push_str("\"/>");
-        out
     }
 }
 
