@@ -5,7 +5,7 @@ use super::finish;
 use super::fit;
 use super::hermite::Hermite;
 use super::outcome::{Failure, Outcome};
-use super::regression::{Part, Records};
+use super::regression::Records;
 use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use super::scenario::{Options, Scenario};
 use super::sealed::{Ending, Held, Moving, Test};
@@ -21,6 +21,7 @@ pub struct Memory {
     problems: Vec<Problem<1>>,
     peaks: Vec<f64>,
     log: Vec<Tried<1>>,
+    order: Vec<usize>,
     knots: Vec<Knot>,
     records: Records,
 }
@@ -45,7 +46,7 @@ pub fn run(
     options: &Options,
     out: &mut [Outcome],
 ) {
-    let Memory { tests, problems, peaks, log, knots, records } = memory;
+    let Memory { tests, problems, peaks, log, order, knots, records } = memory;
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
@@ -63,9 +64,14 @@ pub fn run(
     }
     advance(arch, &Held::new(tests), problems, relative, log);
 
-    for (group, rows) in rows.chunks(WIDTH).enumerate() {
-        let base = group * WIDTH;
-        let at = |lane: usize| base + lane.min(rows.len() - 1);
+    order.clear();
+    order.extend(0..rows.len());
+    if options.fit {
+        // Records of about the same length side by side.
+        order.sort_unstable_by_key(|&row| problems[row].steps.count());
+    }
+    for group in order.chunks(WIDTH) {
+        let at = |lane: usize| group[lane.min(group.len() - 1)];
         let peak = Lanes::from_fn(|lane| peaks[at(lane)]);
         let end = Lanes::from_fn(|lane| problems[at(lane)].state[0]);
         let steps: [Steps; WIDTH] = core::array::from_fn(|lane| problems[at(lane)].steps);
@@ -81,7 +87,7 @@ pub fn run(
                 add_knots(knots, lane, log, *steps);
             }
             let pressure = |lane: usize| tests[at(lane)].pressure_per_temperature();
-            let push = |lane: usize| scenarios[rows[lane.min(rows.len() - 1)].0 as usize].push_time_s;
+            let push = |lane: usize| scenarios[rows[at(lane)].0 as usize].push_time_s;
             arch.dispatch(Record {
                 system: &system,
                 knots,
@@ -95,8 +101,8 @@ pub fn run(
             };
             records.fit(arch, Lanes::from_fn(guess))
         });
-        for (lane, &(row, duration)) in rows.iter().enumerate() {
-            let (test, problem) = (&tests[at(lane)], &problems[at(lane)]);
+        for (lane, &index) in group.iter().enumerate() {
+            let ((row, duration), test, problem) = (rows[index], &tests[index], &problems[index]);
             let (peak, end) = (peak[lane], end[lane]);
             out[row as usize] = match problem.failure {
                 Some(reason) => Outcome::failed(reason),
@@ -166,20 +172,19 @@ impl WithSimd for Record<'_> {
             let temperature = black_box(to.time.where_positive(to.temperature, from.temperature));
             let end = black_box(begin + time);
             let next = black_box(each_lane!(i => samples::after(end.0[i])));
-            let samples = Samples { first, count: next - first };
             let length = black_box(time - from.time);
             let before = black_box(system.series(from.temperature, length));
             let after = black_box(system.series(temperature, length));
             let within = black_box(Hermite::new(before, after));
-            let (numbers, _) = black_box(samples.nodes());
+            let nodes = black_box(Samples { first, count: next - first }.nodes());
             let since = black_box(begin + from.time);
             let per_length = black_box(length.where_positive(length, Lanes::ONE).recip());
             let mut pressure = [Lanes::ZERO; POINTS];
             for k in 0..POINTS {
-                let place = (numbers[k] * (1.0 / SAMPLE_RATE_HZ) - since) * per_length;
+                let place = (nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - since) * per_length;
                 pressure[k] = black_box(within.at(place) * pressure_per_temperature);
             }
-            records.push(Part { samples, pressure });
+            records.push(first, &nodes, &pressure);
             first = next;
             from = Knot { time, temperature };
         }

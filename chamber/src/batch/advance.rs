@@ -71,6 +71,13 @@ pub struct Steps {
     pub lane: u32,
 }
 
+impl Steps {
+    /// How many they are.
+    pub fn count(&self) -> u32 {
+        self.to - self.from
+    }
+}
+
 /// An attempted step of all lanes, with what is needed to look into it.
 #[derive(Clone, Copy, Debug)]
 pub struct Tried<const N: usize> {

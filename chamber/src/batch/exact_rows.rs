@@ -3,7 +3,7 @@
 use super::finish::SETTLED;
 use super::fit;
 use super::outcome::{Failure, Outcome};
-use super::regression::{Found, Part, Records};
+use super::regression::{Found, Records, decay};
 use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use super::scenario::{Options, Scenario};
 use super::sealed::Ending;
@@ -169,27 +169,34 @@ impl WithSimd for Record<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Lanes {
+        if I::IS_SCALAR { self.fill::<false>() } else { self.fill::<true>() }
+    }
+}
+
+impl Record<'_> {
+    #[inline(always)]
+    fn fill<const FUSED: bool>(self) -> Lanes {
         let Self { tests: t, ends, records } = self;
         let wall = t.closed.ambient_temperature;
-        let excess = Lanes::ONE - wall / ends.peak;
-        let at_rest = t.closed.mass_gas_constant * wall / t.to;
-        let slowness = ends.rate.recip();
-        let duration = t.push + t.hold;
-        let mut first = each_lane!(i => samples::from(t.push.0[i]));
+        let excess = black_box(Lanes::ONE - wall / ends.peak);
+        let at_rest = black_box(t.closed.mass_gas_constant * wall / t.to);
+        let slowness = black_box(ends.rate.recip());
+        let duration = black_box(t.push + t.hold);
+        let mut first = black_box(each_lane!(i => samples::from(t.push.0[i])));
         records.clear();
         for end in black_box(&ENDS) {
-            let end = (t.push + slowness * *end).min(duration);
-            let next = each_lane!(i => samples::after(end.0[i]));
-            let samples = Samples { first, count: (next - first).max(Lanes::ZERO) };
-            let (numbers, _) = samples.nodes();
+            let end = black_box((t.push + slowness * *end).min(duration));
+            let next = black_box(each_lane!(i => samples::after(end.0[i])));
+            let count = black_box((next - first).max(Lanes::ZERO));
+            let nodes = black_box(Samples { first, count }.nodes());
             let mut pressure = [Lanes::ZERO; POINTS];
             for k in 0..POINTS {
-                let since = numbers[k] * (1.0 / SAMPLE_RATE_HZ) - t.push;
-                let decayed = (since * -ends.rate).exp() * excess;
-                pressure[k] = at_rest / (Lanes::ONE - decayed);
+                let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - t.push;
+                let decayed = decay::<FUSED>(since * ends.rate) * excess;
+                pressure[k] = black_box(at_rest / (Lanes::ONE - decayed));
             }
-            records.push(Part { samples, pressure });
-            first = first.max(next);
+            records.push(first, &nodes, &pressure);
+            first = black_box(first.max(next));
         }
         fit::time_constant(ends.rate, excess)
     }

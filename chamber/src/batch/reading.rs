@@ -323,7 +323,7 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
         let samples = Samples { first, count: samples::after(begin) - first };
         let [_, drift] = self.before(&self.courses[course]);
         let at_begin = span.step.shown[0][PRESSURE];
-        let pressure = samples.nodes().0.map(|number| at_begin + drift * (number / SAMPLE_RATE_HZ - begin));
+        let pressure = samples.nodes().numbers.map(|number| at_begin + drift * (number / SAMPLE_RATE_HZ - begin));
         (samples.count > 0.0).then_some(Part { samples, pressure })
     }
 
@@ -347,7 +347,7 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
                 let samples = Samples { first, count: next - first };
                 if samples.count > 0.0 {
                     let share = |number: f64| (number / SAMPLE_RATE_HZ - from) / (to - from);
-                    let numbers = samples.nodes().0.map(share);
+                    let numbers = samples.nodes().numbers.map(share);
                     self.memory.jobs.push(Job { span: index, numbers, answer: [0.0; POINTS] });
                     held.push(samples);
                     first = next;

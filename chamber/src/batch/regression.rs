@@ -4,7 +4,7 @@
 //! Pf and ΔP enter linearly and are eliminated (variable projection: G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10
 //! (1973) 413); what is left is Newton's method in ln τ. Pressures in Pa, times in s.
 
-use super::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
+use super::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
 use super::step::multiply_add;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::real::Real;
@@ -45,11 +45,13 @@ struct Node {
 }
 
 /// Records, one a lane.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Records {
     parts: Vec<Part<Lanes>>,
     lengths: [usize; WIDTH],
-    nodes: Vec<Node>,
+    nodes: Vec<[Node; POINTS]>,
+    /// Number of the first sample, and the pressure that all others are less by.
+    begin: [Lanes; 2],
 }
 
 /// Pf and ΔP, Pa, and τ, s, by lane; NaN where the record determines none.
@@ -64,17 +66,34 @@ impl Found {
     }
 }
 
+impl Default for Records {
+    fn default() -> Self {
+        Self { parts: Vec::new(), lengths: [0; WIDTH], nodes: Vec::new(), begin: [Lanes::ZERO; 2] }
+    }
+}
+
 impl Records {
     /// Forgets all.
     pub fn clear(&mut self) {
         self.parts.clear();
+        self.nodes.clear();
         self.lengths = [0; WIDTH];
     }
 
-    /// Appends a part to each record.
+    /// Appends a part to each record: its first sample, the nodes of its sum and the pressures there.
     #[inline(always)]
-    pub fn push(&mut self, part: Part<Lanes>) {
-        self.parts.push(part);
+    pub fn push(&mut self, first: Lanes, nodes: &Nodes<Lanes>, pressure: &[Lanes; POINTS]) {
+        if self.nodes.is_empty() {
+            self.begin = [first, pressure[0]];
+        }
+        let [origin, reference] = black_box(self.begin);
+        let mut all = [Node { time: Lanes::ZERO, pressure: Lanes::ZERO, weight: Lanes::ZERO }; POINTS];
+        for k in 0..POINTS {
+            // Nodes without weight may stand anywhere, but not where e^(−t/τ) has no value.
+            let time = ((nodes.numbers[k] - origin) * (1.0 / SAMPLE_RATE_HZ)).max(Lanes::ZERO);
+            all[k] = black_box(Node { time, pressure: pressure[k] - reference, weight: nodes.weights[k] });
+        }
+        self.nodes.push(all);
     }
 
     /// Appends a part to one record.
@@ -98,21 +117,15 @@ impl Records {
         arch.dispatch(Fitting { records: self, guess })
     }
 
-    /// Lays out the nodes of all parts; the pressure that theirs are less by.
+    /// Appends the parts that were added record by record.
     #[inline(always)]
-    fn lay_out(&mut self) -> Lanes {
-        self.nodes.clear();
-        let Some(Part { samples, pressure: [reference, ..] }) = self.parts.first().copied() else { return Lanes::ZERO };
-        let origin = samples.first;
-        for part in &self.parts {
-            let (numbers, weights) = black_box(*part).samples.nodes();
-            for k in 0..POINTS {
-                // Nodes without weight may stand anywhere, but not where e^(−t/τ) has no value.
-                let time = ((numbers[k] - origin) * (1.0 / SAMPLE_RATE_HZ)).max(Lanes::ZERO);
-                self.nodes.push(Node { time, pressure: part.pressure[k] - reference, weight: weights[k] });
-            }
+    fn lay_out(&mut self) {
+        for index in 0..self.parts.len() {
+            let Part { samples, pressure } = *black_box(&self.parts[index]);
+            let nodes = black_box(samples.nodes());
+            self.push(samples.first, &nodes, &pressure);
         }
-        reference
+        self.parts.clear();
     }
 }
 
@@ -126,18 +139,19 @@ impl WithSimd for Fitting<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Found {
-        let reference = self.records.lay_out();
+        self.records.lay_out();
+        let Records { nodes, begin: [_, reference], .. } = self.records;
         if I::IS_SCALAR {
-            least_squares::<false>(&self.records.nodes, reference, self.guess)
+            least_squares::<false>(nodes, *reference, self.guess)
         } else {
-            least_squares::<true>(&self.records.nodes, reference, self.guess)
+            least_squares::<true>(nodes, *reference, self.guess)
         }
     }
 }
 
 /// e^(−x) for x ≥ 0, within 1e-11: as [`exp`](crate::math::exp), with fewer terms.
 #[inline(always)]
-fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
+pub fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
     const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
     const TERMS: [f64; 9] =
         [1.0 / 40_320.0, 1.0 / 5_040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 1.0 / 2.0, 1.0, 1.0];
@@ -233,9 +247,9 @@ fn newton(s: &Sums, count: Lanes, pressure: Lanes) -> Solution {
 
 /// The least squares, lane by lane as if it were alone.
 #[inline(always)]
-fn least_squares<const FUSED: bool>(nodes: &[Node], reference: Lanes, guess: Lanes) -> Found {
+fn least_squares<const FUSED: bool>(nodes: &[[Node; POINTS]], reference: Lanes, guess: Lanes) -> Found {
     let (mut count, mut pressure) = (Lanes::ZERO, Lanes::ZERO);
-    for node in nodes {
+    for node in nodes.as_flattened() {
         count += node.weight;
         pressure = multiply_add::<FUSED>(node.weight, node.pressure, pressure);
     }
@@ -247,9 +261,12 @@ fn least_squares<const FUSED: bool>(nodes: &[Node], reference: Lanes, guess: Lan
     for _ in 0..ITERATIONS {
         let rate = black_box((-log_tau).exp());
         let mut sums = Sums::NONE;
-        for node in nodes {
+        for nodes in nodes {
             // Keeps the compiler from adding lane by lane.
-            black_box(&mut sums).add::<FUSED>(node, rate);
+            let sums = black_box(&mut sums);
+            for k in 0..POINTS {
+                sums.add::<FUSED>(&nodes[k], rate);
+            }
         }
         let Solution { step, linear: [rise, rest] } = newton(black_box(&sums), count, pressure);
         let size = step.abs();
@@ -330,7 +347,7 @@ mod tests {
             while first < end {
                 let count = (2.0 * parts as f64).min(end - first);
                 let samples = Samples { first, count };
-                let pressure = samples.nodes().0.map(|k| 2e5 + 7e4 * (-(k - 12.0) / SAMPLE_RATE_HZ / tau).exp());
+                let pressure = samples.nodes().numbers.map(|k| 2e5 + 7e4 * (-(k - 12.0) / SAMPLE_RATE_HZ / tau).exp());
                 records.add(4, Part { samples, pressure });
                 first += count;
             }

@@ -10,7 +10,7 @@ use crate::real::Real;
 
 /// Rate of the record that the regression is meant for, Hz.
 pub const SAMPLE_RATE_HZ: f64 = 100.0;
-/// Nodes of a sum.
+/// How many nodes a sum has.
 pub const POINTS: usize = 4;
 /// Share of a sample interval within which a time counts as that of the sample.
 const SAME: f64 = 1e-9;
@@ -36,10 +36,19 @@ pub struct Samples<R = f64> {
     pub count: R,
 }
 
+/// Nodes of a sum.
+#[derive(Clone, Copy, Debug)]
+pub struct Nodes<R = f64> {
+    /// Numbers, not whole ones, of the samples at which to take values.
+    pub numbers: [R; POINTS],
+    /// How many samples each stands for.
+    pub weights: [R; POINTS],
+}
+
 impl<R: Real> Samples<R> {
-    /// Numbers (not whole ones) of the samples at which to take values, and how many samples each stands for.
+    /// The nodes of their sum.
     #[inline(always)]
-    pub fn nodes(&self) -> ([R; POINTS], [R; POINTS]) {
+    pub fn nodes(&self) -> Nodes<R> {
         let squared = self.count * self.count;
         let b1 = (squared - 1.0) * (1.0 / 12.0);
         let b2 = (squared - 4.0) * (4.0 / 60.0);
@@ -52,10 +61,10 @@ impl<R: Real> Samples<R> {
         let inner_weight = self.count * 0.5 - outer_weight;
         let [outer, inner] = [outer.max(R::ZERO).sqrt(), inner.max(R::ZERO).sqrt()];
         let middle = self.first + (self.count - 1.0) * 0.5;
-        (
-            [middle - outer, middle - inner, middle + inner, middle + outer],
-            [outer_weight, inner_weight, inner_weight, outer_weight],
-        )
+        Nodes {
+            numbers: [middle - outer, middle - inner, middle + inner, middle + outer],
+            weights: [outer_weight, inner_weight, inner_weight, outer_weight],
+        }
     }
 }
 
@@ -69,7 +78,7 @@ mod tests {
         #[test]
         fn polynomials_of_degree_seven_are_summed_exactly(count in 0u32..2000, short in 0u32..12, pick in any::<bool>()) {
             let count = if pick { short } else { count };
-            let (numbers, weights) = Samples { first: -0.5 * f64::from(count), count: f64::from(count) }.nodes();
+            let Nodes { numbers, weights } = Samples { first: -0.5 * f64::from(count), count: f64::from(count) }.nodes();
             let scale = 2.0 / f64::from(count.max(1));
             for degree in 0..8 {
                 let power = |x: f64| (x * scale).powi(degree);
@@ -83,7 +92,7 @@ mod tests {
     #[test]
     fn up_to_four_samples_are_their_own_nodes() {
         for count in 1..=4 {
-            let (numbers, weights) = Samples { first: 7.0, count: f64::from(count) }.nodes();
+            let Nodes { numbers, weights } = Samples { first: 7.0, count: f64::from(count) }.nodes();
             for k in 0..count {
                 let at = f64::from(7 + k);
                 let weight: f64 =
@@ -98,7 +107,7 @@ mod tests {
         let one = Samples { first: 3.0, count: 50.0 }.nodes();
         let all = Samples { first: Lanes::from(3.0), count: Lanes::from(50.0) }.nodes();
         for k in 0..POINTS {
-            assert_eq!((all.0[k][5], all.1[k][5]), (one.0[k], one.1[k]));
+            assert_eq!((all.numbers[k][5], all.weights[k][5]), (one.numbers[k], one.weights[k]));
         }
     }
 
