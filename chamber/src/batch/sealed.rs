@@ -163,6 +163,12 @@ impl<'a> Held<'a> {
         Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO }
     }
 
+    /// τ, s, of the paper's exponential near to a hold that begins at a temperature, K.
+    #[inline(always)]
+    pub fn time_constant(&self, peak: Lanes) -> Lanes {
+        fit::time_constant(self.exchange * self.wall, Lanes::ONE - self.wall / peak)
+    }
+
     /// Taylor coefficients at a temperature, K, in powers of the time over `length`, s.
     #[inline(always)]
     pub fn series(&self, temperature: Lanes, length: Lanes) -> [Lanes; 4] {
