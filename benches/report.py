@@ -62,7 +62,7 @@ class Outcome:
         other = lambda r: r.group == "peer"
         one = lambda name: next((r for r in self.results if r.name == name), None)
         loose, tight = self.best(ours, 1e-8), self.best(ours, 1.5e-10)
-        whole = self.best(lambda r: r.group == "whole" and r.options.get("solver") == "adaptive", 1e-8)
+        process = lambda solver: self.best(lambda r: r.group == "whole" and r.options.get("solver") == solver, 1e-8)
         fit, flows = one("full equations and the paper's regression, rtol 1e-10"), one("leakage and inflow on, rtol 1e-8")
         exact_fit = one("exact solution and the paper's regression")
         ratio = lambda a, b: a.rate / b.rate if a and b else 0.0
@@ -78,7 +78,8 @@ class Outcome:
             ("with the paper's regression, full equations, M/s", (fit.rate if fit else 0) / 1e6, 1.0),
             ("with the paper's regression, exact solution, M/s", (exact_fit.rate if exact_fit else 0) / 1e6, 1.0),
             ("leakage and inflow over sealed, both at rtol 1e-8 (at least 1/3)", ratio(flows, one("full equations, rtol 1e-8")), 1 / 3),
-            ("whole process with Parquet, full equations, over heyoka's best integration alone", ratio(whole, self.best(heyoka, 1e-8)), 2.0),
+            ("whole process with Parquet, full equations, over heyoka's best integration alone", ratio(process("adaptive"), self.best(heyoka, 1e-8)), 2.0),
+            ("whole process with Parquet, as it comes, over heyoka's best integration alone", ratio(process("auto"), self.best(heyoka, 1e-8)), 2.0),
         ]
         return [(text, reached, asked, reached >= asked) for text, reached, asked in lines]
 
