@@ -195,8 +195,7 @@ pub fn final_time_constant(scenario: &Scenario) -> f64 {
     let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * ambient);
     let eichelberg = chamber.heat_transfer.coefficient_at(at.pressure, at.temperature);
     let natural = effects::find("natural_convection").map(|(index, _)| index);
-    let set = chamber.active().iter().filter(|index| Some(*index) != natural);
-    let set = set.fold(EffectSet::NONE, |set, index| set.union(EffectSet::one(index)));
+    let set: EffectSet = chamber.active().iter().filter(|index| Some(*index) != natural).collect();
     let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, eichelberg);
     mass * chamber.gas.cv() / (coefficient * final_geometry(scenario).1)
 }

@@ -101,8 +101,6 @@ pub fn effects_of(study: &Study) -> EffectSet {
     values.0.copy_from_slice(study.base.effects());
     let first = quantity::COUNT - PARAMETERS;
     let varied = study.varied.iter().filter_map(|v| v.quantity.checked_sub(first));
-    varied.fold(values.active(), |set, parameter| {
-        let index = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
-        set.union(EffectSet::one(index))
-    })
+    let place = |parameter| effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
+    values.active().union(varied.map(place).collect())
 }

@@ -95,6 +95,18 @@ pub struct Tried<const N: usize> {
     pub accepted: Lanes,
 }
 
+impl<const N: usize> Tried<N> {
+    /// Accepted steps without length, to be filled lane by lane.
+    pub const NONE: Self = Self {
+        from: Lanes::ZERO,
+        length: Lanes::ZERO,
+        begin: [Lanes::ONE; N],
+        end: [Lanes::ONE; N],
+        slopes: [[Lanes::ZERO; N]; 13],
+        accepted: Lanes::ONE,
+    };
+}
+
 /// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
 #[inline(always)]
 fn inverse_eighth_root(x: Lanes) -> Lanes {

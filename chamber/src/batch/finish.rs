@@ -1,7 +1,6 @@
 //! When sealed tests settle, one a lane.
 
 use super::advance::{Steps, Tried};
-use super::log::Picked;
 use super::look::{Question, look};
 use super::sealed::Held;
 use crate::lanes::{Lanes, WIDTH};
@@ -16,17 +15,17 @@ pub const SETTLED: f64 = 0.01;
 pub fn settling(arch: Arch, system: &Held, log: &[Tried<1>], steps: &[Steps; WIDTH], peak: Lanes, end: Lanes) -> Lanes {
     let band = (peak - end).abs() * SETTLED;
     // The last accepted step that begins outside the band leads into it.
-    let mut picked = Picked::<1>::NONE;
+    let mut picked = Tried::<1>::NONE;
     for lane in 0..WIDTH {
         let Steps { from, to, lane: column } = steps[lane];
         let column = column as usize;
         let leads =
             |step: &&Tried<1>| step.accepted[column] > 0.0 && (step.begin[0][column] - end[lane]).abs() > band[lane];
         if let Some(step) = log[from as usize..to as usize].iter().rev().find(leads) {
-            picked.begin[lane] = step.from[column];
+            picked.from[lane] = step.from[column];
             picked.length[lane] = step.length[column];
-            picked.first[0][lane] = step.begin[0][column];
-            picked.last[0][lane] = step.end[0][column];
+            picked.begin[0][lane] = step.begin[0][column];
+            picked.end[0][lane] = step.end[0][column];
             for (slope, of_step) in picked.slopes.iter_mut().zip(&step.slopes) {
                 slope[0][lane] = of_step[0][column];
             }
@@ -34,5 +33,5 @@ pub fn settling(arch: Arch, system: &Held, log: &[Tried<1>], steps: &[Steps; WID
     }
     let question = Question::Enter { between: [Lanes::ZERO, Lanes::ONE], value: end, band };
     let [share, ..] = look(arch, system, &picked, question);
-    picked.begin + picked.length * share
+    picked.from + picked.length * share
 }

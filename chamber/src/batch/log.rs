@@ -33,32 +33,6 @@ pub struct Step {
     pub turns: [bool; 2],
 }
 
-/// Steps picked from a log, one a lane, to be looked into.
-#[derive(Clone, Copy, Debug)]
-pub struct Picked<const N: usize> {
-    /// Begin, s from the stretch's begin.
-    pub begin: Lanes,
-    /// Length, s.
-    pub length: Lanes,
-    /// States at the begin.
-    pub first: [Lanes; N],
-    /// States at the end.
-    pub last: [Lanes; N],
-    /// dy/dt of the stages that count inside.
-    pub slopes: [[Lanes; N]; 13],
-}
-
-impl<const N: usize> Picked<N> {
-    /// Steps without length.
-    pub const NONE: Self = Self {
-        begin: Lanes::ZERO,
-        length: Lanes::ZERO,
-        first: [Lanes::ONE; N],
-        last: [Lanes::ONE; N],
-        slopes: [[Lanes::ZERO; N]; 13],
-    };
-}
-
 /// Lanes that a step takes.
 const fn stride(states: usize) -> usize {
     OWN + states * (2 + DENSE.len())
@@ -85,8 +59,8 @@ impl Log {
     }
 
     /// Steps by index and lane, as many as there are lanes at most; the last one fills the lanes left over.
-    pub fn pick<const N: usize>(&self, picks: impl ExactSizeIterator<Item = (u32, u32)>) -> Picked<N> {
-        let mut picked = Picked::NONE;
+    pub fn pick<const N: usize>(&self, picks: impl ExactSizeIterator<Item = (u32, u32)>) -> Tried<N> {
+        let mut picked = Tried::NONE;
         let count = picks.len();
         for (to, (index, lane)) in picks.enumerate() {
             let lane = lane as usize;
@@ -94,11 +68,11 @@ impl Log {
             let (own, states) = entry.split_at(OWN);
             let all = if to + 1 == count { to..WIDTH } else { to..to + 1 };
             for to in all {
-                picked.begin[to] = own[0][lane];
+                picked.from[to] = own[0][lane];
                 picked.length[to] = own[1][lane];
                 for i in 0..N {
-                    picked.first[i][to] = states[i][lane];
-                    picked.last[i][to] = states[N + i][lane];
+                    picked.begin[i][to] = states[i][lane];
+                    picked.end[i][to] = states[N + i][lane];
                     for (k, stage) in DENSE.into_iter().enumerate() {
                         picked.slopes[stage][i][to] = states[(2 + k) * N + i][lane];
                     }

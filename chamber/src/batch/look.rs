@@ -1,8 +1,8 @@
 //! Looks into steps of a batch once it is integrated, one step a lane: where its record turns round, when it crosses a
 //! value, what it shows at some places.
 
+use super::advance::Tried;
 use super::general::Observe;
-use super::log::Picked;
 use super::samples::POINTS;
 use super::step::{dense, within};
 use crate::lanes::Lanes;
@@ -45,21 +45,21 @@ fn root(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
 /// A step of every lane as a polynomial in the share of its length.
 struct Inside<'a, const N: usize, S> {
     system: &'a S,
-    begin: Lanes,
+    from: Lanes,
     length: Lanes,
     terms: [[Lanes; N]; 8],
 }
 
 impl<'a, const N: usize, S: Observe<N>> Inside<'a, N, S> {
     #[inline(always)]
-    fn of<I: Simd>(system: &'a S, steps: &Picked<N>) -> Self {
-        let Picked { begin, length, first, last, slopes } = steps;
+    fn of<I: Simd>(system: &'a S, steps: &Tried<N>) -> Self {
+        let Tried { from, length, begin, end, slopes, .. } = steps;
         let terms = if I::IS_SCALAR {
-            dense::<N, false, S>(system, *begin, *length, first, last, slopes)
+            dense::<N, false, S>(system, *from, *length, begin, end, slopes)
         } else {
-            dense::<N, true, S>(system, *begin, *length, first, last, slopes)
+            dense::<N, true, S>(system, *from, *length, begin, end, slopes)
         };
-        Self { system, begin: *begin, length: *length, terms }
+        Self { system, from: *from, length: *length, terms }
     }
 
     /// Pressure of the record, Pa, and temperature of the gas, K.
@@ -73,7 +73,7 @@ impl<'a, const N: usize, S: Observe<N>> Inside<'a, N, S> {
             }
             y[i] = within(&of_state, share);
         }
-        self.system.observe(self.begin + share * self.length, &y)
+        self.system.observe(self.from + share * self.length, &y)
     }
 }
 
@@ -132,7 +132,7 @@ pub enum Question {
 pub fn look<const N: usize, S: Observe<N>>(
     arch: Arch,
     system: &S,
-    steps: &Picked<N>,
+    steps: &Tried<N>,
     question: Question,
 ) -> [Lanes; POINTS] {
     arch.dispatch(Look { system, steps, question })
@@ -140,7 +140,7 @@ pub fn look<const N: usize, S: Observe<N>>(
 
 struct Look<'a, const N: usize, S> {
     system: &'a S,
-    steps: &'a Picked<N>,
+    steps: &'a Tried<N>,
     question: Question,
 }
 
