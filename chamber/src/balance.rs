@@ -4,7 +4,8 @@
 //! P = (γ − 1) U/V,  T = U/(m cv). Both states are conserved to rounding whatever the integrator does.
 //! [`pressure_temperature_rates`] is the paper's own form, for comparison.
 
-use crate::effects::{self, EffectSet, OWN_STATES};
+use crate::effects::{self, EffectConstants, EffectSet, OWN_STATES};
+use crate::gas::Gas;
 use crate::model::Chamber;
 use crate::real::{Real, reciprocals};
 
@@ -78,6 +79,16 @@ pub struct Conditions<R> {
     pub pressure: R,
     /// Mean temperature P V/(m R), K.
     pub temperature: R,
+    /// 1/m.
+    pub per_mass: R,
+    /// 1/V.
+    pub per_volume: R,
+    /// Internal energy U, J.
+    pub energy: R,
+    /// 1/U.
+    pub per_energy: R,
+    /// λ, W/(m² K), before any effect.
+    pub eichelberg: R,
     /// Temperature of the gas that touches the wall, K: the T of λ and Q̇.
     pub gas_temperature_at_wall: R,
     /// Wall temperature, K.
@@ -90,10 +101,20 @@ pub struct Conditions<R> {
     pub ambient_temperature: R,
     /// Pressure of the surroundings, Pa.
     pub ambient_pressure: R,
+    /// 1/Tamb.
+    pub per_ambient_temperature: R,
+    /// 1/Pamb.
+    pub per_ambient_pressure: R,
     /// Specific gas constant, J/(kg K).
     pub gas_constant: R,
     /// Heat capacity ratio.
     pub heat_capacity_ratio: R,
+    /// γ − 1.
+    pub expansion: R,
+    /// 1/(γ − 1).
+    pub per_expansion: R,
+    /// Heat capacity at constant volume, J/(kg K).
+    pub cv: R,
     /// Heat capacity at constant pressure, J/(kg K).
     pub cp: R,
     /// P0 of the heat transfer law, Pa.
@@ -139,6 +160,27 @@ pub struct Rates<R> {
     pub enthalpy_flow: R,
 }
 
+/// What a chamber holds at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Contents<R = f64> {
+    /// Mass m, kg.
+    pub mass: R,
+    /// Internal energy U, J.
+    pub energy: R,
+    /// Volume V, m³.
+    pub volume: R,
+    /// √(m V), kg^½ m^1.5: the only root that λ(P, T) needs.
+    pub root: R,
+}
+
+impl<R: Real> Contents<R> {
+    /// Of mass, kg, internal energy, J, and volume, m³.
+    #[inline(always)]
+    pub fn new(mass: R, energy: R, volume: R) -> Self {
+        Self { mass, energy, volume, root: (mass * volume).sqrt() }
+    }
+}
+
 /// A chamber with what its balances would divide by and take roots of again and again worked out once.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<R = f64> {
@@ -146,20 +188,27 @@ pub struct Balance<R = f64> {
     pub chamber: Chamber<R>,
     /// γ − 1.
     pub expansion: R,
+    /// 1/(γ − 1).
+    pub per_expansion: R,
+    /// cv, J/(kg K).
+    pub cv: R,
     /// 1/cv, kg K/J.
     pub per_cv: R,
     /// cp, J/(kg K).
     pub cp: R,
-    /// λ/√(P T), W/(m² K^1.5 Pa^0.5), before any effect.
+    /// λ √(m V)/U, W/(m² K) × kg^½ m^1.5/J, before any effect: λ0 (γ − 1)/√(R P0 T0), as P T = U² (γ − 1)²/(R m V).
     pub heat_transfer_factor: R,
     /// Lateral area of a volume, 1/m, and area of both ends, m².
     pub area: [R; 2],
+    /// What each effect has worked out of its parameters.
+    pub constants: EffectConstants<R>,
 }
 
 /// Conditions from the states, before any effect.
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
-    Balance::of(*chamber).conditions(boundary, mass, energy)
+    let contents = Contents::new(mass, energy, chamber.geometry.volume(boundary.position));
+    Balance::of(*chamber).conditions(boundary, &contents)
 }
 
 /// States of a chamber in equilibrium of its parts, at a pressure, Pa, and temperature, K.
@@ -202,36 +251,63 @@ impl<R: Real> Balance<R> {
     /// Of that chamber.
     #[inline(always)]
     pub fn of(chamber: Chamber<R>) -> Self {
+        let Gas { gas_constant, heat_capacity_ratio } = chamber.gas;
+        let expansion = heat_capacity_ratio - 1.0;
+        let [per_expansion, per_gas_constant] = reciprocals([expansion, gas_constant]);
+        let law = &chamber.heat_transfer;
+        let reference = (gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
         Self {
             chamber,
-            expansion: chamber.gas.heat_capacity_ratio - 1.0,
-            per_cv: R::ONE / chamber.gas.cv(),
-            cp: chamber.gas.cp(),
-            heat_transfer_factor: chamber.heat_transfer.factor(),
+            expansion,
+            per_expansion,
+            cv: gas_constant * per_expansion,
+            per_cv: expansion * per_gas_constant,
+            cp: heat_capacity_ratio * gas_constant * per_expansion,
+            heat_transfer_factor: law.coefficient * expansion / reference,
             area: chamber.geometry.area_constants(),
+            constants: effects::constants(&chamber.effects, &chamber.gas),
         }
     }
 
-    /// Conditions from the states, before any effect.
+    /// What the chamber holds in that state.
     #[inline(always)]
-    pub fn conditions(&self, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
+    pub fn contents(&self, boundary: &Boundary<R>, state: &[R; STATES]) -> Contents<R> {
+        Contents::new(state[MASS], state[ENERGY], self.chamber.geometry.volume(boundary.position))
+    }
+
+    /// Conditions of its contents, before any effect.
+    #[inline(always)]
+    pub fn conditions(&self, boundary: &Boundary<R>, contents: &Contents<R>) -> Conditions<R> {
         let chamber = &self.chamber;
-        let volume = chamber.geometry.volume(boundary.position);
-        let [per_mass, per_volume] = reciprocals([mass, volume]);
+        let Contents { mass, energy, volume, root } = *contents;
+        let Boundary { ambient_temperature, ambient_pressure, velocity, .. } = *boundary;
+        let [per_ambient, per_root, per_energy] = reciprocals([ambient_temperature * ambient_pressure, root, energy]);
+        let per_both = per_root * per_root;
+        let (per_mass, per_volume) = (per_both * volume, per_both * mass);
         let temperature = energy * per_mass * self.per_cv;
         Conditions {
             mass,
             volume,
             pressure: self.expansion * energy * per_volume,
             temperature,
+            per_mass,
+            per_volume,
+            energy,
+            per_energy,
+            eichelberg: self.heat_transfer_factor * energy * per_root,
             gas_temperature_at_wall: temperature,
-            wall_temperature: boundary.ambient_temperature,
+            wall_temperature: ambient_temperature,
             piston_area: chamber.geometry.piston_area,
-            velocity: boundary.velocity,
-            ambient_temperature: boundary.ambient_temperature,
-            ambient_pressure: boundary.ambient_pressure,
+            velocity,
+            ambient_temperature,
+            ambient_pressure,
+            per_ambient_temperature: per_ambient * ambient_pressure,
+            per_ambient_pressure: per_ambient * ambient_temperature,
             gas_constant: chamber.gas.gas_constant,
             heat_capacity_ratio: chamber.gas.heat_capacity_ratio,
+            expansion: self.expansion,
+            per_expansion: self.per_expansion,
+            cv: self.cv,
             cp: self.cp,
             reference_pressure: chamber.heat_transfer.reference_pressure,
             reference_temperature: chamber.heat_transfer.reference_temperature,
@@ -247,25 +323,35 @@ impl<R: Real> Balance<R> {
         boundary: &Boundary<R>,
         state: &[R; STATES],
     ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
-        let chamber = &self.chamber;
         let mut own = [R::ZERO; OWN_STATES];
         own.copy_from_slice(&state[OWN..]);
-        let mut at = self.conditions(boundary, state[MASS], state[ENERGY]);
-        effects::conditions(set, &chamber.effects, &own, &mut at);
+        self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own)
+    }
 
-        let eichelberg = self.heat_transfer_factor * (at.pressure * at.gas_temperature_at_wall).sqrt();
-        let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, eichelberg);
+    /// [`Balance::evaluate`] where the contents and the effects' own states are at hand; the position goes unread.
+    #[inline(always)]
+    pub fn evaluate_contents(
+        &self,
+        set: EffectSet,
+        boundary: &Boundary<R>,
+        contents: &Contents<R>,
+        own: &[R; OWN_STATES],
+    ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
+        let chamber = &self.chamber;
+        let mut at = self.conditions(boundary, contents);
+        effects::conditions(set, &chamber.effects, own, &mut at);
+
+        let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
         let area = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
         let heat_flow = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
 
         let mut flows = Flows { inflow: R::ZERO, inflow_kelvin: R::ZERO, outflow: boundary.mass_flow_out };
         flows.enter(boundary.mass_flow_in, boundary.temperature_in);
-        effects::flows(set, &chamber.effects, &at, &mut flows);
+        effects::flows(set, &chamber.effects, &self.constants, &at, &mut flows);
 
         let volume_rate = at.piston_area * at.velocity;
         let work = at.pressure * volume_rate;
-        let pressure_rate =
-            |enthalpy: R| ((at.heat_capacity_ratio - 1.0) * (heat_flow + enthalpy - work) - work) / at.volume;
+        let pressure_rate = |enthalpy: R| (self.expansion * (heat_flow + enthalpy - work) - work) * at.per_volume;
         let enthalpy = |flows: &Flows<R>| at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
 
         let unstored = pressure_rate(enthalpy(&flows));
@@ -283,7 +369,7 @@ impl<R: Real> Balance<R> {
             heat_transfer_coefficient: coefficient,
             enthalpy_flow,
         };
-        let own_rates = effects::own_rates(set, &chamber.effects, &own, &at, &flows, &rates);
+        let own_rates = effects::own_rates(set, &chamber.effects, own, &at, &flows, &rates);
         (at, rates, own_rates)
     }
 

@@ -152,6 +152,10 @@ impl<const N: usize> Real for Dual<N> {
     fn where_positive(self, yes: Self, no: Self) -> Self {
         if self.value > 0.0 { yes } else { no }
     }
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        self.value > 0.0
+    }
 }
 
 impl<const N: usize> Scalar for Dual<N> {

@@ -143,6 +143,10 @@ impl Real for Lanes {
     fn where_positive(self, yes: Self, no: Self) -> Self {
         each_lane!(i => if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] })
     }
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        self.where_positive(Self::ONE, Self::ZERO).total() > 0.0
+    }
 }
 
 #[cfg(test)]

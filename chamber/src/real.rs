@@ -36,6 +36,8 @@ pub trait Real:
     fn abs(self) -> Self;
     /// `yes` where self > 0, else `no`.
     fn where_positive(self, yes: Self, no: Self) -> Self;
+    /// Whether self > 0, in any lane: to leave out what no lane needs.
+    fn any_positive(self) -> bool;
 
     /// 1/self.
     #[inline(always)]
@@ -105,6 +107,10 @@ impl Real for f64 {
     #[inline(always)]
     fn where_positive(self, yes: f64, no: f64) -> f64 {
         if self > 0.0 { yes } else { no }
+    }
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        self > 0.0
     }
 }
 

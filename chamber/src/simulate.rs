@@ -59,10 +59,8 @@ pub fn tolerance<R: Scalar>(relative: f64, initial: &[R; STATES]) -> Tolerance<S
     let mut absolute = [0.0; STATES];
     absolute[MASS] = 1e-3 * relative * initial[MASS].value();
     absolute[ENERGY] = 1e-3 * relative * initial[ENERGY].value();
-    for (index, card) in effects::all() {
-        for (offset, state) in card.states.iter().enumerate() {
-            absolute[OWN + effects::STATE_OFFSETS[index] + offset] = 1e-3 * relative * state.nominal;
-        }
+    for (absolute, nominal) in absolute[OWN..].iter_mut().zip(effects::NOMINALS) {
+        *absolute = 1e-3 * relative * nominal;
     }
     Tolerance { relative, absolute }
 }
@@ -127,7 +125,8 @@ impl<R: Scalar, I: Inputs> Recorder<'_, R, I> {
         let boundary = |time: R| record::boundary_at(inputs, stretch, time);
         self.readings.take(reach, |shown| {
             let state = states(shown);
-            let at = balance.conditions(&boundary(shown), state[MASS], state[ENERGY]);
+            let boundary = boundary(shown);
+            let at = balance.conditions(&boundary, &balance.contents(&boundary, &state));
             (at.pressure, core::array::from_fn(|i| state[OWN + i]))
         });
         while let Some(time) = self.next_sample().filter(|time| *time <= reach) {

@@ -193,10 +193,9 @@ pub fn final_time_constant(scenario: &Scenario) -> f64 {
         / (chamber.gas.gas_constant * scenario.initial_temperature_k);
     let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
     let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * ambient);
-    let eichelberg = chamber.heat_transfer.coefficient_at(at.pressure, at.temperature);
     let natural = effects::find("natural_convection").map(|(index, _)| index);
     let set: EffectSet = chamber.active().iter().filter(|index| Some(*index) != natural).collect();
-    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, eichelberg);
+    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
     mass * chamber.gas.cv() / (coefficient * final_geometry(scenario).1)
 }
 

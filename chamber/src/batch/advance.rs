@@ -12,8 +12,11 @@ use pulp::{Arch, Simd, WithSimd};
 /// near 100 MB.
 const MAX_ATTEMPTS: f64 = 3e4;
 const SAFETY: f64 = 0.9;
-const GROW: f64 = 6.0;
+/// No more: an error estimate that happens to vanish would let the next step grow out of all bounds.
+const GROW: f64 = 2.5;
 const SHRINK: f64 = 0.3;
+/// Share of a step that was not a number, to be tried next.
+const NOT_A_NUMBER: f64 = 0.1;
 /// Share of the length that the estimate gives, for the first step: its time scale is a guess.
 const FIRST: f64 = 0.6;
 /// Share of a state, and of the stretch, over which the first step's length is felt out.
@@ -373,15 +376,17 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         // Two even steps rather than a whole one and a sliver.
         let tried = last.where_positive(left, h.min(left * 0.5));
         let step = attempt::<N, FUSED, S>(&self.system, t, tried, &y, &self.slope, (relative, &self.absolute));
+        let corner = self.system.corner(t, tried, [&y, &step.end], [&self.slope, &step.slopes[12]]);
         // Positive where the step is good: not for NaN.
-        let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { 0.0 });
+        let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && corner.0[i] >= 1.0 { 1.0 } else { 0.0 });
         let seen = Tried { from: t, length: tried, begin: y, end: step.end, slopes: step.slopes, accepted: good };
         watch.see::<FUSED>(&self.system, seen);
-        // error^(−1/8) from its square; a step that was NaN is cut to a tenth.
+        // error^(−1/8) from its square.
         let error = (step.error_squared + 1e-40).sqrt();
         let root = inverse_eighth_root(error) * SAFETY;
         let factor = root.max(Lanes::from(SHRINK)).min(Lanes::from(GROW));
-        let shrunk = each_lane!(i => if step.error_squared.0[i] > 1.0 { factor.0[i].min(0.9) } else { 0.1 });
+        let by_error = each_lane!(i => if step.error_squared.0[i] > 1.0 { factor.0[i].min(0.9) } else { NOT_A_NUMBER });
+        let shrunk = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { by_error.0[i] }).min(corner);
         let grown = tried * factor;
         // A step cut short by the end says nothing against the longer one that was planned.
         let kept = last.where_positive(h.max(grown), grown);

@@ -109,16 +109,15 @@ impl<'a, const N: usize> Course<'a, N> {
     fn new<const BITS: u32>(row: u32, scenario: &'a Scenario, plan: &'a Plan, relative: f64) -> Self {
         let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
         let initial = balance::state_at(&scenario.chamber, &plan.stretches[0].boundary(0.0), pressure, temperature);
-        let all = tolerance(relative, &initial).absolute;
-        let places = General::<N, BITS>::PLACES;
+        let absolute = tolerance(relative, &initial).absolute;
         Self {
             row,
             scenario,
             plan,
             balance: Balance::of(scenario.chamber),
             initial,
-            state: places.map(|place| initial[place]),
-            absolute: places.map(|place| all[place]),
+            state: General::<N, BITS>::states(&initial),
+            absolute: General::<N, BITS>::tolerances(&initial, &absolute),
             gap: 0.0,
             steps: Vec::with_capacity(plan.stretches.len()),
             failure: None,
@@ -129,12 +128,17 @@ impl<'a, const N: usize> Course<'a, N> {
     fn take(&mut self, problem: &Problem<N>) {
         (self.state, self.gap) = (problem.state, problem.gap);
         self.steps.push(problem.steps);
-        let left = self.state[MASS] / self.initial[MASS];
+        let left = self.mass() / self.initial[MASS];
         self.failure = match problem.failure {
             None if !positive(self.state[MASS]) || !positive(self.state[ENERGY]) => Some(Failure::Empty),
             Some(_) if left.is_nan() || left <= EMPTY => Some(Failure::Empty),
             other => other,
         };
+    }
+
+    /// Mass of the gas, kg.
+    fn mass(&self) -> f64 {
+        self.state[MASS] * self.state[MASS]
     }
 
     fn end(&self) -> End {
@@ -148,7 +152,7 @@ impl<'a, const N: usize> Course<'a, N> {
     fn at_rest(&self) -> Closed {
         let chamber = &self.scenario.chamber;
         let End { volume, ambient_temperature: ambient, .. } = self.end();
-        let pressure = self.state[MASS] * chamber.gas.gas_constant * ambient / volume;
+        let pressure = self.mass() * chamber.gas.gas_constant * ambient / volume;
         Closed::filled(chamber, pressure, ambient, volume, ambient)
     }
 

@@ -1,10 +1,12 @@
-//! Any chamber with any effects in lanes: mass, internal energy and the own states of the effects in use, with the
-//! balances of [`balance`] as they are.
+//! Any chamber with any effects in lanes, with the balances of [`balance`](crate::balance) as they are. States are √m,
+//! internal energy U and the own states of the effects in use, and the clock is that of [`super::clock`]: with √m and
+//! V^(1/4) at hand, λ(P, T) takes no root.
 
 use super::advance::Loadable;
+use super::corner;
 use super::plan::Stretch;
 use super::step::LaneSystem;
-use crate::balance::{Balance, ENERGY, MASS, OWN, STATES};
+use crate::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
 use crate::effects::{self, EffectSet, OWN_STATES};
 use crate::lanes::Lanes;
 use crate::real::Real;
@@ -79,45 +81,75 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         if BITS == AT_RUN_TIME { self.set } else { EffectSet::from_bits(BITS) }
     }
 
-    /// All states from this system's.
+    /// States to integrate, from all of a chamber's: the mass by its root.
+    pub fn states(all: &[f64; STATES]) -> [f64; N] {
+        let mut y = Self::PLACES.map(|place| all[place]);
+        y[MASS] = y[MASS].sqrt();
+        y
+    }
+
+    /// Absolute tolerances of the states to integrate.
+    pub fn tolerances(all: &[f64; STATES], absolute: &[f64; STATES]) -> [f64; N] {
+        let mut tolerances = Self::PLACES.map(|place| absolute[place]);
+        tolerances[MASS] *= 0.5 / all[MASS].sqrt();
+        tolerances
+    }
+
+    /// The effects' own states.
     #[inline(always)]
-    pub fn whole<R: Real>(y: &[R; N]) -> [R; STATES] {
-        let mut state = [R::ZERO; STATES];
-        for i in 0..N {
-            state[Self::PLACES[i]] = y[i];
+    fn own(y: &[Lanes; N]) -> [Lanes; OWN_STATES] {
+        let mut own = [Lanes::ZERO; OWN_STATES];
+        for i in OWN..N {
+            own[Self::PLACES[i] - OWN] = y[i];
         }
-        state
+        own
+    }
+
+    /// What the chambers hold when the clock shows `s`.
+    #[inline(always)]
+    fn contents(&self, s: Lanes, y: &[Lanes; N]) -> Contents<Lanes> {
+        let root = self.stretch.clock.root(s);
+        let square = root * root;
+        Contents { mass: y[MASS] * y[MASS], energy: y[ENERGY], volume: square * square, root: y[MASS] * square }
+    }
+
+    /// The boundary when the clock shows `s`.
+    #[inline(always)]
+    fn boundary(&self, s: Lanes) -> Boundary<Lanes> {
+        self.stretch.boundary(if self.stretch.profiled { self.stretch.clock.time(s) } else { Lanes::ZERO })
     }
 }
 
-/// What the record shows, Pa, and the gas's temperature, K, a time `t` into a stretch.
+/// What the record shows, Pa, and the gas's temperature, K.
 #[inline(always)]
 pub fn observe<R: Real>(
     set: EffectSet,
     balance: &Balance<R>,
-    stretch: &Stretch<R>,
-    t: R,
-    state: &[R; STATES],
+    boundary: &Boundary<R>,
+    contents: &Contents<R>,
+    own: &[R; OWN_STATES],
     elapsed: R,
 ) -> [R; 2] {
-    let at = balance.conditions(&stretch.boundary(t), state[MASS], state[ENERGY]);
-    let mut own = [R::ZERO; OWN_STATES];
-    own.copy_from_slice(&state[OWN..]);
-    [effects::reading(set, &balance.chamber.effects, &own, at.pressure, elapsed), at.temperature]
+    let at = balance.conditions(boundary, contents);
+    [effects::reading(set, &balance.chamber.effects, own, at.pressure, elapsed), at.temperature]
 }
 
 impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
         let (from, stretch) = self.rows[index];
+        let set = self.set();
         let to = &mut self.balance;
         to.expansion[lane] = from.expansion;
+        to.per_expansion[lane] = from.per_expansion;
+        to.cv[lane] = from.cv;
         to.per_cv[lane] = from.per_cv;
         to.cp[lane] = from.cp;
         to.heat_transfer_factor[lane] = from.heat_transfer_factor;
         for (to, from) in to.area.iter_mut().zip(from.area) {
             to[lane] = from;
         }
+        let (constants, from_constants) = (&mut to.constants, &from.constants);
         let (to, from) = (&mut to.chamber, &from.chamber);
         to.gas.gas_constant[lane] = from.gas.gas_constant;
         to.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
@@ -127,8 +159,17 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
         to.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;
         to.heat_transfer.reference_pressure[lane] = from.heat_transfer.reference_pressure;
         to.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
-        for (to, from) in to.effects.0.iter_mut().zip(from.effects.0) {
-            to[lane] = from;
+        let mut effect = 0;
+        while effect < effects::COUNT {
+            if set.has(effect) {
+                constants[effect][lane] = from_constants[effect];
+                let mut place = effects::PARAMETER_OFFSETS[effect];
+                while place < effects::PARAMETER_OFFSETS[effect + 1] {
+                    to.effects.0[place][lane] = from.effects.0[place];
+                    place += 1;
+                }
+            }
+            effect += 1;
         }
         self.stretch.load(lane, stretch);
     }
@@ -138,19 +179,42 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     const CHEAP: bool = false;
 
     #[inline(always)]
-    fn rates(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; N] {
-        let rates = self.balance.rates(self.set(), &self.stretch.boundary(t), &Self::whole(y));
+    fn rates(&self, s: Lanes, y: &[Lanes; N]) -> [Lanes; N] {
+        let contents = self.contents(s, y);
+        let pace = self.stretch.clock.pace(s);
+        let (at, rates, own) = self.balance.evaluate_contents(self.set(), &self.boundary(s), &contents, &Self::own(y));
         let mut out = [Lanes::ZERO; N];
-        for i in 0..N {
-            out[i] = rates[Self::PLACES[i]];
+        out[MASS] = rates.mass * (y[MASS] * at.per_mass * 0.5) * pace;
+        out[ENERGY] = rates.energy * pace;
+        for i in OWN..N {
+            out[i] = own[Self::PLACES[i] - OWN] * pace;
         }
         out
+    }
+
+    #[inline(always)]
+    fn corner(&self, s: Lanes, h: Lanes, y: [&[Lanes; N]; 2], rates: [&[Lanes; N]; 2]) -> Lanes {
+        if self.set().intersection(effects::WITH_CORNERS).is_empty() {
+            return Lanes::ONE;
+        }
+        let ends = [s, s + h];
+        let (mut pressure, mut slope) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2]);
+        for k in 0..2 {
+            let root = self.stretch.clock.root(ends[k]);
+            let square = root * root;
+            // P = (γ − 1) U/w⁴
+            let scale = self.balance.expansion / (square * square * root);
+            pressure[k] = scale * y[k][ENERGY] * root;
+            slope[k] = scale * (rates[k][ENERGY] * root - y[k][ENERGY] * self.stretch.clock.root_rate * 4.0) * h;
+        }
+        corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, pressure, slope)
     }
 }
 
 impl<const N: usize, const BITS: u32> Observe<N> for General<'_, N, BITS> {
     #[inline(always)]
-    fn observe(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; 2] {
-        observe(self.set(), &self.balance, &self.stretch, t, &Self::whole(y), self.stretch.elapsed + t)
+    fn observe(&self, s: Lanes, y: &[Lanes; N]) -> [Lanes; 2] {
+        let elapsed = self.stretch.elapsed + self.stretch.clock.time(s);
+        observe(self.set(), &self.balance, &self.boundary(s), &self.contents(s, y), &Self::own(y), elapsed)
     }
 }

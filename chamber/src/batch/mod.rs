@@ -8,6 +8,8 @@
 
 mod adaptive;
 mod advance;
+mod clock;
+mod corner;
 mod course;
 mod exact_rows;
 mod finish;

@@ -1,5 +1,6 @@
 //! A scenario cut into stretches of time over which its boundary is linear, after a check of its numbers.
 
+use super::clock::Clock;
 use super::outcome::Failure;
 use super::scenario::{Hold, Scenario};
 use crate::balance::Boundary;
@@ -38,6 +39,8 @@ pub struct Stretch<R = f64> {
     pub ambient_pressure: R,
     /// Whether a profile adds to the inflow.
     pub profiled: bool,
+    /// The clock that steps are taken by.
+    pub clock: Clock<R>,
 }
 
 /// Keeps a mean temperature finite where nothing flows, kg/s.
@@ -86,6 +89,7 @@ impl Stretch<Lanes> {
         self.ambient_temperature[lane] = from.ambient_temperature;
         self.ambient_temperature_rate[lane] = from.ambient_temperature_rate;
         self.ambient_pressure[lane] = from.ambient_pressure;
+        self.clock.load(lane, &from.clock);
     }
 }
 
@@ -106,6 +110,7 @@ impl Stretch<f64> {
             ambient_temperature_rate: self.ambient_temperature_rate.into(),
             ambient_pressure: self.ambient_pressure.into(),
             profiled: self.profiled,
+            clock: Clock::NONE,
         }
     }
 
@@ -159,10 +164,13 @@ impl Plan {
             split(&mut stretches, t);
         }
         let [from, to, hold] = moments.map(|t| split(&mut stretches, t));
+        let geometry = &scenario.chamber.geometry;
         let mut elapsed = delay;
         for stretch in &mut stretches {
             stretch.elapsed = elapsed;
             elapsed += stretch.length;
+            let [from, to] = [0.0, stretch.length].map(|t| geometry.volume(stretch.position + stretch.velocity * t));
+            stretch.clock = Clock::new(from, to, stretch.length);
         }
         let last = stretches[stretches.len() - 1];
         let expands = last.position + last.velocity * last.length > stretches[0].position;
@@ -302,6 +310,7 @@ fn still(s: &Scenario, position: f64, length: f64) -> Stretch {
         ambient_temperature_rate: 0.0,
         ambient_pressure: s.ambient_pressure_pa,
         profiled: false,
+        clock: Clock::RESTING,
     }
 }
 

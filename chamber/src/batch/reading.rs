@@ -10,9 +10,10 @@ use super::finish::SETTLED;
 use super::general::{General, Row, observe};
 use super::log::{Log, Step};
 use super::look::{Question, look};
-use super::plan::Plan;
+use super::plan::{Plan, Stretch};
 use super::regression::{Part, Records};
 use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::balance::OWN;
 use crate::effects::EffectSet;
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
@@ -186,7 +187,10 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
 
     /// What the record of a course shows of the gas before the test: Pa, and its drift, Pa/s.
     fn before(&self, c: &Course<N>) -> [f64; 2] {
-        let shown = |elapsed| observe(self.set, &c.balance, &c.plan.stretches[0], 0.0, &c.initial, elapsed)[PRESSURE];
+        let boundary = c.plan.stretches[0].boundary(0.0);
+        let contents = c.balance.contents(&boundary, &c.initial);
+        let own = core::array::from_fn(|i| c.initial[OWN + i]);
+        let shown = |elapsed| observe(self.set, &c.balance, &boundary, &contents, &own, elapsed)[PRESSURE];
         [shown(0.0), shown(1.0) - shown(0.0)]
     }
 
@@ -235,10 +239,20 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
         })
     }
 
+    fn stretch(&self, span: &Span) -> &Stretch {
+        &self.courses[span.course as usize].plan.stretches[span.stretch as usize]
+    }
+
     /// Time of the record, s, at a share of a span.
     fn record_time(&self, span: &Span, share: f64) -> f64 {
-        let stretch = &self.courses[span.course as usize].plan.stretches[span.stretch as usize];
-        stretch.elapsed + span.step.begin + share * span.step.length
+        let stretch = self.stretch(span);
+        stretch.elapsed + stretch.clock.time(span.step.begin + share * span.step.length)
+    }
+
+    /// Share of a span at a time of the record, s.
+    fn share(&self, span: &Span, time: f64) -> f64 {
+        let stretch = self.stretch(span);
+        (stretch.clock.at(time - stretch.elapsed) - span.step.begin) / span.step.length
     }
 
     /// When the records come within 1 % of their ends for good.
@@ -296,8 +310,7 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
                 let spans = self.spans_of(course);
                 let holds = |span: &Span| time <= self.record_time(span, 1.0);
                 let index = spans.iter().position(holds).unwrap_or(spans.len() - 1);
-                let [from, to] = [0.0, 1.0].map(|share| self.record_time(&spans[index], share));
-                let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
+                let share = self.share(&spans[index], time).clamp(0.0, 1.0);
                 let span = self.memory.begins[course] + index;
                 jobs.push(Job { span, numbers: [share; POINTS], answer: [0.0; POINTS] });
             }
@@ -342,12 +355,10 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
             let end = samples::after(self.courses[course].plan.duration);
             for index in self.memory.begins[course]..self.memory.begins[course + 1] {
                 let span = &self.memory.spans[index];
-                let [from, to] = [0.0, 1.0].map(|share| self.record_time(span, share));
-                let next = samples::after(to).min(end);
+                let next = samples::after(self.record_time(span, 1.0)).min(end);
                 let samples = Samples { first, count: next - first };
                 if samples.count > 0.0 {
-                    let share = |number: f64| (number / SAMPLE_RATE_HZ - from) / (to - from);
-                    let numbers = samples.nodes().numbers.map(share);
+                    let numbers = samples.nodes().numbers.map(|number| self.share(span, number / SAMPLE_RATE_HZ));
                     self.memory.jobs.push(Job { span: index, numbers, answer: [0.0; POINTS] });
                     held.push(samples);
                     first = next;

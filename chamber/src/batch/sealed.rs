@@ -3,15 +3,15 @@
 //!
 //! dT/dt = T (c (a1 V + a0)/√V (Tw − T) − (γ − 1) V̇/V),  c = λ0 √(m R/(P0 T0))/(m cv),  Aq = a1 V + a0
 //!
-//! While the piston moves, V grows by V̇ t and the root u = √V serves as the clock: with s from 0 to the push's duration
-//! and u linear in s, dt/ds = 2u/(u0 + u1), so that
+//! While the piston moves, the clock is that of [`super::clock`]: w = V^(1/4) is linear in s, and
 //!
-//! dT/ds = T (2c (a1 u² + a0)/(u0 + u1) (Tw − T) − 2 (γ − 1) u̇/u)
+//! dT/ds = T (c p (a1 w⁴ + a0) w (Tw − T) − 4 (γ − 1) w'/w),  dt/ds = p w³
 //!
 //! takes one division an evaluation and no root. While the piston rests, V and all that follows from it alone is
 //! constant. T in K, V in m³.
 
 use super::advance::Loadable;
+use super::clock::Clock;
 use super::finish::SETTLED;
 use super::fit;
 use super::general::Observe;
@@ -27,14 +27,10 @@ use crate::real::Real;
 pub struct Test {
     /// c a1, c a0, γ − 1, Tw and m R.
     pub closed: Closed,
-    /// √V at the begin of the push, m^1.5.
-    pub root: f64,
-    /// Its rate in the push's clock, m^1.5/s.
-    pub root_rate: f64,
+    /// The clock of the push.
+    pub clock: Clock,
     /// Volume of the hold, m³.
     pub held_volume: f64,
-    /// 2/(u0 + u1), m^-1.5.
-    pub dwell: f64,
     /// 1/τ_f, 1/s: c Aq/√V Tw in the hold.
     pub rate: f64,
 }
@@ -47,13 +43,10 @@ impl Test {
         let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
         let (pressure, start) = (s.initial_pressure_pa, s.initial_temperature_k);
         let closed = Closed::filled(&s.chamber, pressure, start, volume, s.ambient_temperature_k);
-        let (root, held_root) = (volume.sqrt(), held_volume.sqrt());
         Self {
             closed,
-            root,
-            root_rate: (held_root - root) / s.push_time_s,
+            clock: Clock::new(volume, held_volume, s.push_time_s),
             held_volume,
-            dwell: 2.0 / (root + held_root),
             rate: closed.rate(held_volume),
         }
     }
@@ -109,9 +102,8 @@ impl Ending<'_> {
 #[derive(Clone)]
 pub struct Moving<'a> {
     tests: &'a [Test],
-    root: Lanes,
-    root_rate: Lanes,
-    /// c a1 and c a0, times the dwell.
+    clock: Clock<Lanes>,
+    /// c a1 p and c a0 p.
     exchange: [Lanes; 2],
     expansion_rate: Lanes,
     wall: Lanes,
@@ -121,7 +113,7 @@ impl<'a> Moving<'a> {
     /// For these tests, none loaded yet.
     pub fn new(tests: &'a [Test]) -> Self {
         let zero = Lanes::ZERO;
-        Self { tests, root: zero, root_rate: zero, exchange: [zero; 2], expansion_rate: zero, wall: zero }
+        Self { tests, clock: Clock::NONE, exchange: [zero; 2], expansion_rate: zero, wall: zero }
     }
 }
 
@@ -129,11 +121,10 @@ impl Loadable for Moving<'_> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
         let test = &self.tests[index];
-        self.root[lane] = test.root;
-        self.root_rate[lane] = test.root_rate;
-        self.exchange[0][lane] = test.closed.exchange[0] * test.dwell;
-        self.exchange[1][lane] = test.closed.exchange[1] * test.dwell;
-        self.expansion_rate[lane] = 2.0 * test.closed.expansion * test.root_rate;
+        self.clock.load(lane, &test.clock);
+        self.exchange[0][lane] = test.closed.exchange[0] * test.clock.pace_factor;
+        self.exchange[1][lane] = test.closed.exchange[1] * test.clock.pace_factor;
+        self.expansion_rate[lane] = 4.0 * test.closed.expansion * test.clock.root_rate;
         self.wall[lane] = test.closed.ambient_temperature;
     }
 }
@@ -143,8 +134,9 @@ impl LaneSystem<1> for Moving<'_> {
 
     #[inline(always)]
     fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
-        let root = self.root + self.root_rate * t;
-        let exchange = self.exchange[0] * (root * root) + self.exchange[1];
+        let root = self.clock.root(t);
+        let square = root * root;
+        let exchange = (self.exchange[0] * (square * square) + self.exchange[1]) * root;
         [y[0] * (exchange * (self.wall - y[0]) - self.expansion_rate / root)]
     }
 }

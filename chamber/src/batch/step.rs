@@ -11,6 +11,13 @@ pub trait LaneSystem<const N: usize> {
 
     /// dy/dt at time `t`, s.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; N];
+
+    /// Share of a step of length `h` from `t` at which it meets a corner of the rates, by its states and their rates at
+    /// both ends; 1 where there is none. Steps are made to end there: across a corner their error estimates are blind.
+    #[inline(always)]
+    fn corner(&self, _t: Lanes, _h: Lanes, _y: [&[Lanes; N]; 2], _rates: [&[Lanes; N]; 2]) -> Lanes {
+        Lanes::ONE
+    }
 }
 
 /// Least e5²/e3³ of a step whose e5 can be believed, e5 and e3 relative to the states: a twentieth of what

@@ -205,6 +205,28 @@ fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
 }
 
 #[test]
+fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
+    let leak = effects::find("leakage").unwrap().0;
+    let mut r = Numbers(11);
+    let mut scenarios = sealed(400);
+    for (i, s) in scenarios.iter_mut().enumerate() {
+        s.chamber.effects.of_mut(leak)[0] = r.log_between(1e-13, 1e-11);
+        s.mass_flow_in_kg_per_s = r.log_between(1e-7, 1e-5);
+        s.hold = Hold::Duration(5.0);
+        if i % 2 == 0 {
+            s.initial_pressure_pa = s.ambient_pressure_pa * r.between(1.0, 1.1);
+        }
+    }
+    let set = EffectSet::one(leak);
+    let options = Options { relative_tolerance: 1e-8, fit: false, ..Options::default() };
+    for (s, ours) in scenarios.iter().zip(results(set, &scenarios, &options)) {
+        let expected = reference(set, s);
+        assert_close(ours.pressure_peak_pa, expected.pressure_peak_pa, 1e-7, "peak");
+        assert_close(ours.pressure_final_pa, expected.pressure_final_pa, 1e-7, "final");
+    }
+}
+
+#[test]
 fn all_effects_together_agree_with_the_plain_integrator() {
     let rows = varied(24, None);
     for (k, (s, o)) in rows.iter().zip(results(EffectSet::ALL, &rows, &Options::default())).enumerate() {

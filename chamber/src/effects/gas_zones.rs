@@ -59,6 +59,12 @@ impl Effect for GasZones {
         at.gas_temperature_at_wall = (at.temperature - fraction * own[0]) / (R::ONE - fraction);
     }
 
+    /// λ follows the temperature of the gas at the wall, not the mean one.
+    #[inline(always)]
+    fn heat_transfer_factor<R: Real>(_: &[R], at: &Conditions<R>) -> R {
+        (at.gas_temperature_at_wall / at.temperature).sqrt()
+    }
+
     #[inline(always)]
     fn own_rates<R: Real>(p: &[R], own: &[R], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>, out: &mut [R]) {
         let (fraction, conductance, core) = (p[0], p[1], own[0]);

@@ -8,13 +8,17 @@
 use super::Effect;
 use crate::balance::{Conditions, Flows};
 use crate::card::{Balance, Card, Parameter, Unit};
-use crate::real::{Real, reciprocals};
+use crate::gas::Gas;
+use crate::real::Real;
 
 const REFERENCE_TEMPERATURE_K: f64 = 293.15;
 const REFERENCE_DENSITY_OF_AIR_KG_PER_M3: f64 = 1.185;
 const GAS_CONSTANT_OF_AIR: f64 = 287.0;
 /// Above this pressure ratio ψ is linear, so that its slope at r = 1 is finite.
 const LINEAR_ABOVE: f64 = 0.999;
+/// Towards these pressure ratios ψ grows so steep that a long step across them would not notice.
+const STEEP_ABOVE: f64 = 0.9;
+const STEEPER_ABOVE: f64 = 0.99;
 
 /// ISO 6358 leak between the gas and its surroundings.
 pub struct Leakage;
@@ -49,38 +53,78 @@ impl Effect for Leakage {
         states: &[],
     };
 
+    /// C ρ0 √T0/(1 − b), for a pressure in Pa over the root of a temperature in K.
     #[inline(always)]
-    fn flows<R: Real>(p: &[R], at: &Conditions<R>, flows: &mut Flows<R>) {
-        let (conductance, critical) = (p[0], p[1]);
-        let out = at.pressure - at.ambient_pressure;
-        let upstream = at.pressure.max(at.ambient_pressure);
-        let downstream = at.pressure.min(at.ambient_pressure);
-        let upstream_temperature = out.where_positive(at.temperature, at.ambient_temperature);
-        let [per_upstream, per_temperature, per_gas_constant, per_unchoked] =
-            reciprocals([upstream, upstream_temperature, at.gas_constant, R::ONE - critical]);
-        let [psi_squared, fade] = flow_function(downstream * per_upstream, critical, per_unchoked);
-        let density = per_gas_constant * (REFERENCE_DENSITY_OF_AIR_KG_PER_M3 * GAS_CONSTANT_OF_AIR);
-        let root = (per_temperature * REFERENCE_TEMPERATURE_K * psi_squared).sqrt();
-        let flow = conductance * upstream * density * root * fade;
+    fn constant<R: Real>(p: &[R], gas: &Gas<R>) -> R {
+        let density = R::from(REFERENCE_DENSITY_OF_AIR_KG_PER_M3 * GAS_CONSTANT_OF_AIR) / gas.gas_constant;
+        p[0] * density * REFERENCE_TEMPERATURE_K.sqrt() / (R::ONE - p[1])
+    }
+
+    #[inline(always)]
+    fn flows<R: Real>(p: &[R], constant: R, at: &Conditions<R>, flows: &mut Flows<R>) {
+        // In place of pressures the internal energies that go with them, U = P V/(γ − 1): the root need not wait for a
+        // division. √(1/T) is √(U m cv)/U, as U = m cv T.
+        let surroundings = at.ambient_pressure * at.per_expansion * at.volume;
+        let out = at.energy - surroundings;
+        let upstream = at.energy.max(surroundings);
+        let downstream = at.energy + surroundings - upstream;
+        let warmth = out.where_positive(at.energy * at.mass * at.cv, at.ambient_temperature);
+        let root = (flow_function(upstream, downstream, p[1]) * warmth).sqrt();
+
+        let to_pressure = at.expansion * at.per_volume;
+        let per_root = out.where_positive(at.per_energy, at.per_ambient_temperature);
+        let per_upstream = out.where_positive(at.per_energy, at.per_ambient_pressure * to_pressure);
+        let flow = constant * to_pressure * root * per_root * fade(downstream * per_upstream);
         flows.outflow += out.where_positive(flow, R::ZERO);
         flows.enter(out.where_positive(R::ZERO, flow), at.ambient_temperature);
     }
+
+    const CORNERS: bool = true;
+
+    /// Where the flow chokes, where ψ turns linear, where the flow turns round; and on the way there two places more.
+    #[inline(always)]
+    fn corner<R: Real>(p: &[R], ambient_pressure: R, from: R, to: R) -> R {
+        // Outward the pressure is the surroundings' over the ratio. Multiplied through, as b may be zero.
+        let choked = (ambient_pressure - p[1] * from) * (p[1] * to - ambient_pressure);
+        let mut first = choked.where_positive(ambient_pressure / p[1].max(R::from(f64::MIN_POSITIVE)), to);
+        if !(ambient_pressure * (1.0 / STEEP_ABOVE) - from.min(to)).any_positive() {
+            return first;
+        }
+        first = nearer(ambient_pressure * p[1], from, first);
+        first = nearer(ambient_pressure * STEEP_ABOVE, from, first);
+        first = nearer(ambient_pressure * STEEPER_ABOVE, from, first);
+        first = nearer(ambient_pressure * LINEAR_ABOVE, from, first);
+        first = nearer(ambient_pressure, from, first);
+        first = nearer(ambient_pressure * (1.0 / LINEAR_ABOVE), from, first);
+        first = nearer(ambient_pressure * (1.0 / STEEPER_ABOVE), from, first);
+        nearer(ambient_pressure * (1.0 / STEEP_ABOVE), from, first)
+    }
 }
 
-/// ψ(r) of ISO 6358, continued linearly to zero at r = 1: its square without, and the factor with which it is continued.
-/// `per_unchoked` is 1/(1 − b).
+/// `value` where it lies between the two, else `to`.
 #[inline(always)]
-fn flow_function<R: Real>(ratio: R, critical: R, per_unchoked: R) -> [R; 2] {
-    let x = ((ratio.min(R::from(LINEAR_ABOVE)) - critical) * per_unchoked).max(R::ZERO);
-    let fade = ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE);
-    [R::ONE - x * x, fade]
+fn nearer<R: Real>(value: R, from: R, to: R) -> R {
+    ((value - from) * (to - value)).where_positive(value, to)
+}
+
+/// ((1 − b) p_up ψ)² of ISO 6358 for pressures in any unit, with r at most [`LINEAR_ABOVE`].
+#[inline(always)]
+fn flow_function<R: Real>(upstream: R, downstream: R, critical: R) -> R {
+    let choked = upstream * critical;
+    let (free, beyond) = (upstream - choked, (downstream.min(upstream * LINEAR_ABOVE) - choked).max(R::ZERO));
+    free * free - beyond * beyond
+}
+
+/// The factor by which ψ(r) goes linearly to zero at r = 1.
+#[inline(always)]
+fn fade<R: Real>(ratio: R) -> R {
+    ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE)
 }
 
 #[cfg(test)]
 mod tests {
     fn flow_function(ratio: f64, critical: f64) -> f64 {
-        let [squared, fade] = super::flow_function(ratio, critical, 1.0 / (1.0 - critical));
-        squared.sqrt() * fade
+        super::flow_function(1.0, ratio, critical).sqrt() / (1.0 - critical) * super::fade(ratio)
     }
 
     #[test]

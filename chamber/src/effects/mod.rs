@@ -5,12 +5,19 @@
 
 use crate::balance::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card};
+use crate::gas::Gas;
 use crate::real::Real;
 
 /// One physical effect. `p` are its parameters in the card's order, `own` its own states.
 pub trait Effect {
     /// Its declaration.
     const CARD: Card;
+
+    /// What its flows need of its parameters and the gas alone, worked out once for a chamber.
+    #[inline(always)]
+    fn constant<R: Real>(_p: &[R], _gas: &Gas<R>) -> R {
+        R::ONE
+    }
 
     /// Values of its own states in a chamber at rest in equilibrium at `at`.
     fn initial<R: Real>(_at: &Conditions<R>, _own: &mut [R]) {}
@@ -25,9 +32,18 @@ pub trait Effect {
         R::ONE
     }
 
-    /// Gas that enters or leaves.
+    /// Gas that enters or leaves; `constant` is its [`Effect::constant`].
     #[inline(always)]
-    fn flows<R: Real>(_p: &[R], _at: &Conditions<R>, _flows: &mut Flows<R>) {}
+    fn flows<R: Real>(_p: &[R], _constant: R, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
+
+    /// Whether its flow has corners: [`Effect::corner`].
+    const CORNERS: bool = false;
+
+    /// The first pressure after `from` and before `to`, Pa, at which its flow has a corner; `to` where there is none.
+    #[inline(always)]
+    fn corner<R: Real>(_p: &[R], _ambient_pressure: R, _from: R, to: R) -> R {
+        to
+    }
 
     /// Gas that leaves (positive) because pressure rises at `pressure_rate`, Pa/s, if nothing left: returns the flow in
     /// kg/s and the temperature it has, K. See [`tube_volume`].
@@ -100,12 +116,40 @@ macro_rules! effects {
             product
         }
 
+        /// [`Effect::constant`] of every effect.
+        #[inline(always)]
+        pub fn constants<R: Real>(values: &EffectValues<R>, gas: &Gas<R>) -> EffectConstants<R> {
+            [$($module::$name::constant($module::$name::values(values), gas)),*]
+        }
+
         /// [`Effect::flows`] of the effects in `set`.
         #[inline(always)]
-        pub fn flows<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, flows: &mut Flows<R>) {
+        pub fn flows<R: Real>(
+            set: EffectSet, values: &EffectValues<R>, constants: &EffectConstants<R>, at: &Conditions<R>, flows: &mut Flows<R>,
+        ) {
             $(if set.has($module::$name::INDEX) {
-                $module::$name::flows($module::$name::values(values), at, flows);
+                let place = $module::$name::INDEX;
+                $module::$name::flows($module::$name::values(values), constants[place], at, flows);
             })*
+        }
+
+        /// Effects with [`Effect::CORNERS`].
+        pub const WITH_CORNERS: EffectSet = {
+            let mut set = EffectSet::NONE;
+            $(if $module::$name::CORNERS {
+                set = set.union(EffectSet::one(Id::$module as usize));
+            })*
+            set
+        };
+
+        /// [`Effect::corner`] of the effects in `set`: the first of all.
+        #[inline(always)]
+        pub fn corner<R: Real>(set: EffectSet, values: &EffectValues<R>, ambient_pressure: R, from: R, to: R) -> R {
+            let mut first = to;
+            $(if set.has($module::$name::INDEX) {
+                first = $module::$name::corner($module::$name::values(values), ambient_pressure, from, first);
+            })*
+            first
         }
 
         /// [`Effect::storage`] of the effects in `set`, handed to `take` one by one.
@@ -178,6 +222,21 @@ pub const STATE_OFFSETS: [usize; COUNT + 1] = offsets(false);
 pub const PARAMETERS: usize = PARAMETER_OFFSETS[COUNT];
 /// Number of own states of all effects.
 pub const OWN_STATES: usize = STATE_OFFSETS[COUNT];
+
+/// Nominal sizes of all effects' own states.
+pub const NOMINALS: [f64; OWN_STATES] = {
+    let mut out = [0.0; OWN_STATES];
+    let mut i = 0;
+    while i < COUNT {
+        let mut j = 0;
+        while j < CARDS[i].states.len() {
+            out[STATE_OFFSETS[i] + j] = CARDS[i].states[j].nominal;
+            j += 1;
+        }
+        i += 1;
+    }
+    out
+};
 
 const fn offsets(of_parameters: bool) -> [usize; COUNT + 1] {
     let mut out = [0; COUNT + 1];
@@ -263,6 +322,10 @@ impl EffectSet {
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
+    /// Effects of both sets.
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
     /// Whether no effect is in the set.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
@@ -279,6 +342,9 @@ impl FromIterator<usize> for EffectSet {
         places.into_iter().fold(Self::NONE, |set, place| set.union(Self::one(place)))
     }
 }
+
+/// [`Effect::constant`] of each effect.
+pub type EffectConstants<R = f64> = [R; COUNT];
 
 /// A value for each parameter of each effect.
 #[derive(Clone, Copy, Debug, PartialEq)]

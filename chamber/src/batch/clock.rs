@@ -1,0 +1,108 @@
+//! The clock of a stretch over which the piston moves evenly. A solution follows powers of the volume V, so that steps even
+//! in time grow short where V does; w = V^(1/4) runs evenly in the clock s instead, from 0 to the stretch's length:
+//!
+//! w = w0 + w' s,  dt/ds = p w³,  p = 4/((w0 + w1)(w0² + w1²)),  t = s p (w + w0)(w² + w0²)/4
+//!
+//! Where the piston rests, s = t. Volumes in m³, t and s in s.
+
+use crate::lanes::Lanes;
+use crate::real::Real;
+
+/// The clock of one stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock<R = f64> {
+    /// w at the begin, m^(3/4).
+    start: R,
+    /// w', m^(3/4)/s.
+    pub root_rate: R,
+    /// p, m^(-9/4).
+    pub pace_factor: R,
+}
+
+impl Clock<f64> {
+    /// Of a unit volume at rest.
+    pub const RESTING: Self = Self { start: 1.0, root_rate: 0.0, pace_factor: 1.0 };
+
+    /// From one volume, m³, to another over `length`, s.
+    pub fn new(from: f64, to: f64, length: f64) -> Self {
+        let [square, end_square] = [from.sqrt(), to.sqrt()];
+        let [start, end] = [square.sqrt(), end_square.sqrt()];
+        Self { start, root_rate: (end - start) / length, pace_factor: 4.0 / ((start + end) * (square + end_square)) }
+    }
+
+    /// What the clock shows at a time, s.
+    pub fn at(&self, time: f64) -> f64 {
+        if self.root_rate == 0.0 {
+            return time;
+        }
+        let start = self.start * self.start;
+        let root = (start * start + time * 4.0 * self.root_rate / self.pace_factor).sqrt().sqrt();
+        time * 4.0 / (self.pace_factor * (root + self.start) * (root * root + start))
+    }
+}
+
+impl<R: Real> Clock<R> {
+    /// w, m^(3/4), when the clock shows `s`.
+    #[inline(always)]
+    pub fn root(&self, s: R) -> R {
+        self.start + self.root_rate * s
+    }
+
+    /// dt/ds when the clock shows `s`.
+    #[inline(always)]
+    pub fn pace(&self, s: R) -> R {
+        let root = self.root(s);
+        self.pace_factor * root * (root * root)
+    }
+
+    /// The time, s, when the clock shows `s`.
+    #[inline(always)]
+    pub fn time(&self, s: R) -> R {
+        let root = self.root(s);
+        s * self.pace_factor * (root + self.start) * (root * root + self.start * self.start) * 0.25
+    }
+}
+
+impl Clock<Lanes> {
+    /// No lane loaded yet.
+    pub const NONE: Self = Self { start: Lanes::ZERO, root_rate: Lanes::ZERO, pace_factor: Lanes::ZERO };
+
+    /// Puts a clock into a lane.
+    #[inline(always)]
+    pub fn load(&mut self, lane: usize, from: &Clock) {
+        self.start[lane] = from.start;
+        self.root_rate[lane] = from.root_rate;
+        self.pace_factor[lane] = from.pace_factor;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_clock_tells_the_time_and_its_root_the_volume(
+            from in 1e-6..1e-3f64, ratio in 0.1..10.0f64, length in 1e-3..10.0f64, share in 0.0..1.0f64,
+        ) {
+            let (to, s) = (from * ratio, share * length);
+            let clock = Clock::new(from, to, length);
+            let time = clock.time(s);
+            prop_assert!((clock.time(length) / length - 1.0).abs() < 1e-13);
+            prop_assert!((clock.at(time) - s).abs() < 1e-13 * length);
+            prop_assert!((clock.root(s).powi(4) / (from + (to - from) * time / length) - 1.0).abs() < 1e-13);
+            let step = 1e-5 * length;
+            let slope = (clock.time(s + step) - clock.time(s - step)) / (2.0 * step);
+            prop_assert!((clock.pace(s) / slope - 1.0).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn where_the_piston_rests_the_clock_is_the_time() {
+        let clock = Clock::new(3e-5, 3e-5, 5.0);
+        assert!((clock.time(2.0) - 2.0).abs() < 1e-15);
+        assert_eq!(clock.at(2.0), 2.0);
+        assert!((clock.pace(2.0) - 1.0).abs() < 1e-15);
+    }
+}
