@@ -130,7 +130,7 @@ fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -
 /// Sees every attempted step while the constants of its lanes are at hand.
 pub trait Watch<const N: usize, S> {
     /// A step. `FUSED` as in [`attempt`].
-    fn see<const FUSED: bool>(&mut self, system: &S, tried: Tried<N>);
+    fn see<const FUSED: bool>(&mut self, system: &S, tried: &Tried<N>);
     /// How many steps it has kept: the places that [`Steps`] tells.
     fn kept(&self) -> usize;
 }
@@ -140,7 +140,7 @@ pub struct Nobody;
 
 impl<const N: usize, S> Watch<N, S> for Nobody {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, _: &S, _: Tried<N>) {}
+    fn see<const FUSED: bool>(&mut self, _: &S, _: &Tried<N>) {}
     #[inline(always)]
     fn kept(&self) -> usize {
         0
@@ -150,8 +150,8 @@ impl<const N: usize, S> Watch<N, S> for Nobody {
 /// Keeps every step, to look into some of them later.
 impl<const N: usize, S> Watch<N, S> for Vec<Tried<N>> {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, _: &S, tried: Tried<N>) {
-        self.push(tried);
+    fn see<const FUSED: bool>(&mut self, _: &S, tried: &Tried<N>) {
+        self.push(*tried);
     }
     #[inline(always)]
     fn kept(&self) -> usize {
@@ -380,7 +380,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && corner.0[i] >= 1.0 { 1.0 } else { 0.0 });
         let seen = Tried { from: t, length: tried, begin: y, end: step.end, slopes: step.slopes, accepted: good };
-        watch.see::<FUSED>(&self.system, seen);
+        watch.see::<FUSED>(&self.system, &seen);
         // error^(−1/8) from its square.
         let error = (step.error_squared + 1e-40).sqrt();
         let root = inverse_eighth_root(error) * SAFETY;

@@ -1,11 +1,12 @@
 //! When sealed tests settle, one a lane.
 
 use super::advance::{Steps, Tried};
-use super::look::{Question, look};
+use super::hermite::Hermite;
+use super::root::{Curve, root};
 use super::sealed::Held;
 use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Share of the peak-to-final distance within which a relaxation counts as settled.
 pub const SETTLED: f64 = 0.01;
@@ -15,23 +16,58 @@ pub const SETTLED: f64 = 0.01;
 pub fn settling(arch: Arch, system: &Held, log: &[Tried<1>], steps: &[Steps; WIDTH], peak: Lanes, end: Lanes) -> Lanes {
     let band = (peak - end).abs() * SETTLED;
     // The last accepted step that begins outside the band leads into it.
-    let mut picked = Tried::<1>::NONE;
+    let (mut time, mut length) = (Lanes::ZERO, Lanes::ZERO);
+    let mut ends = [Lanes::ONE; 2];
     for lane in 0..WIDTH {
         let Steps { from, to, lane: column } = steps[lane];
         let column = column as usize;
-        let leads =
-            |step: &&Tried<1>| step.accepted[column] > 0.0 && (step.begin[0][column] - end[lane]).abs() > band[lane];
-        if let Some(step) = log[from as usize..to as usize].iter().rev().find(leads) {
-            picked.from[lane] = step.from[column];
-            picked.length[lane] = step.length[column];
-            picked.begin[0][lane] = step.begin[0][column];
-            picked.end[0][lane] = step.end[0][column];
-            for (slope, of_step) in picked.slopes.iter_mut().zip(&step.slopes) {
-                slope[0][lane] = of_step[0][column];
+        let mut index = to as usize;
+        while index > from as usize {
+            index -= 1;
+            let step = &log[index];
+            if step.accepted[column] > 0.0 && (step.begin[0][column] - end[lane]).abs() > band[lane] {
+                time[lane] = step.from[column];
+                length[lane] = step.length[column];
+                ends[0][lane] = step.begin[0][column];
+                ends[1][lane] = step.end[0][column];
+                break;
             }
         }
     }
-    let question = Question::Enter { between: [Lanes::ZERO, Lanes::ONE], value: end, band };
-    let [share, ..] = look(arch, system, &picked, question);
-    picked.from + picked.length * share
+    time + length * arch.dispatch(Entry { system, length, ends, end, band })
+}
+
+/// Share of a step at which the temperature comes within a band around its end. `ends` are temperatures, K, at its begin
+/// and at its end.
+struct Entry<'a> {
+    system: &'a Held<'a>,
+    length: Lanes,
+    ends: [Lanes; 2],
+    end: Lanes,
+    band: Lanes,
+}
+
+/// How far the temperature is from its end, beyond the band.
+struct Beyond {
+    within: Hermite<Lanes>,
+    end: Lanes,
+    band: Lanes,
+}
+
+impl Curve for Beyond {
+    #[inline(always)]
+    fn at(&self, share: Lanes) -> Lanes {
+        (self.within.at(share) - self.end).abs() - self.band
+    }
+}
+
+impl WithSimd for Entry<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+        let Self { system, length, ends, end, band } = self;
+        let within = Hermite::new(system.series(ends[0], length), system.series(ends[1], length));
+        root(&Beyond { within, end, band }, Lanes::ZERO, Lanes::ONE)
+    }
 }

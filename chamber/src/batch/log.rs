@@ -85,11 +85,11 @@ impl Log {
 
 impl<const N: usize, S: Observe<N>> Watch<N, S> for Log {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, system: &S, tried: Tried<N>) {
+    fn see<const FUSED: bool>(&mut self, system: &S, tried: &Tried<N>) {
         if !self.awake {
             return;
         }
-        let Tried { from, length, begin, end, slopes, accepted } = tried;
+        let Tried { from, length, begin, end, ref slopes, accepted } = *tried;
         let glance = length * GLANCE;
         let (mut after, mut before) = (begin, end);
         for i in 0..N {

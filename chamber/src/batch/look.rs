@@ -3,44 +3,15 @@
 
 use super::advance::Tried;
 use super::general::Observe;
+use super::root::{Curve, root};
 use super::samples::POINTS;
 use super::step::{dense, within};
 use crate::lanes::Lanes;
 use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Rounds of a search for a root: where the curve is an exponential, five give all digits.
-const ROUNDS: usize = 6;
 /// Share of a step to both sides of a place, to tell there whether the record rises.
 const BESIDE: f64 = 1e-5;
-
-/// A function of the share of a step.
-trait Curve {
-    fn at(&self, share: Lanes) -> Lanes;
-}
-
-/// A root between `low`, where the curve is positive, and `high`, where it is not, by Ridders' method, which straightens
-/// an exponential (IEEE Trans. Circuits Syst. 26 (1979) 979).
-#[inline(always)]
-fn root(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
-    let (mut at_low, mut at_high) = (curve.at(low), curve.at(high));
-    let mut x = low;
-    for _ in 0..ROUNDS {
-        let middle = (low + high) * 0.5;
-        let at_middle = curve.at(middle);
-        let straight = (at_middle * at_middle - at_low * at_high + f64::MIN_POSITIVE).sqrt();
-        x = middle + (middle - low) * at_middle / straight;
-        let value = curve.at(x);
-        for (place, at_place) in [(middle, at_middle), (x, value)] {
-            let inside = (place - low).min(high - place);
-            let to_low = at_place.where_positive(inside, Lanes::ZERO);
-            let to_high = at_place.where_positive(Lanes::ZERO, inside);
-            (low, at_low) = (to_low.where_positive(place, low), to_low.where_positive(at_place, at_low));
-            (high, at_high) = (to_high.where_positive(place, high), to_high.where_positive(at_place, at_high));
-        }
-    }
-    x
-}
 
 /// A step of every lane as a polynomial in the share of its length.
 struct Inside<'a, const N: usize, S> {

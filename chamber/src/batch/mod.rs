@@ -24,6 +24,7 @@ mod plain;
 mod plan;
 mod reading;
 mod regression;
+mod root;
 mod samples;
 mod scenario;
 mod sealed;

@@ -219,7 +219,9 @@ pub fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
     // Bounds that are numbers: what `is_finite` and infinity come to here is many times as long.
     let positive = |value: &f64| *value > 0.0 && *value <= f64::MAX;
     let finite = |value: &f64| value.abs() <= f64::MAX;
-    if let Some(first) = values.iter().position(|value| !positive(value)) {
+    // All at once, and one by one only where one is wrong.
+    if !values.iter().fold(true, |all, value| all & positive(value)) {
+        let first = values.iter().position(|value| !positive(value)).unwrap_or_default();
         return Err(Failure::NotPositive(POSITIVE[first]));
     }
     let at_least_zero = |value: f64| (0.0..=f64::MAX).contains(&value);
@@ -228,7 +230,7 @@ pub fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
         at_least_zero(c.heat_transfer.coefficient),
         at_least_zero(s.mass_flow_in_kg_per_s),
         at_least_zero(s.mass_flow_out_kg_per_s),
-        c.effects.0.iter().all(finite),
+        c.effects.0.iter().fold(true, |all, value| all & finite(value)),
         s.profile.is_some() || finite(&s.initial_position_m),
         s.profile.is_some() || finite(&s.final_position_m),
     ];

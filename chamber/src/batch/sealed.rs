@@ -14,7 +14,6 @@ use super::advance::Loadable;
 use super::clock::Clock;
 use super::finish::SETTLED;
 use super::fit;
-use super::general::Observe;
 use super::outcome::Outcome;
 use super::scenario::Scenario;
 use super::step::LaneSystem;
@@ -188,13 +187,5 @@ impl LaneSystem<1> for Held<'_> {
     #[inline(always)]
     fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
         [y[0] * (self.exchange * (self.wall - y[0]))]
-    }
-}
-
-impl Observe<1> for Held<'_> {
-    /// The temperature twice: the pressure is proportional to it.
-    #[inline(always)]
-    fn observe(&self, _: Lanes, y: &[Lanes; 1]) -> [Lanes; 2] {
-        [y[0], y[0]]
     }
 }

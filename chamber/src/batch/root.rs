@@ -1,0 +1,44 @@
+//! A root in each lane by Ridders' method, which straightens an exponential (IEEE Trans. Circuits Syst. 26 (1979) 979).
+
+use crate::lanes::Lanes;
+use crate::real::Real;
+
+/// Rounds at most: where the curve is an exponential, five give all digits.
+const ROUNDS: usize = 6;
+/// Share of a curve's fall between the ends at which its value counts as nothing.
+const NOTHING: f64 = 1e-13;
+
+/// A function of the share of a step.
+pub trait Curve {
+    /// Its value.
+    fn at(&self, share: Lanes) -> Lanes;
+}
+
+/// A root between `low`, where the curve is positive, and `high`, where it is not.
+#[inline(always)]
+pub fn root(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
+    let (mut at_low, mut at_high) = (curve.at(low), curve.at(high));
+    let nothing = (at_low - at_high) * NOTHING;
+    let mut x = low;
+    // Positive where the root is not found yet: a lane's digits do not depend on how long the others take.
+    let mut open = Lanes::ONE;
+    for _ in 0..ROUNDS {
+        let middle = (low + high) * 0.5;
+        let at_middle = curve.at(middle);
+        let straight = (at_middle * at_middle - at_low * at_high + f64::MIN_POSITIVE).sqrt();
+        x = open.where_positive(middle + (middle - low) * at_middle / straight, x);
+        let value = curve.at(x);
+        open = open.where_positive(value.abs() - nothing, open);
+        if !open.any_positive() {
+            break;
+        }
+        for (place, at_place) in [(middle, at_middle), (x, value)] {
+            let inside = (place - low).min(high - place);
+            let to_low = at_place.where_positive(inside, Lanes::ZERO);
+            let to_high = at_place.where_positive(Lanes::ZERO, inside);
+            (low, at_low) = (to_low.where_positive(place, low), to_low.where_positive(at_place, at_low));
+            (high, at_high) = (to_high.where_positive(place, high), to_high.where_positive(at_place, at_high));
+        }
+    }
+    x
+}
