@@ -150,7 +150,7 @@ def prepare(folder):
         else:
             # No closed form: an independent integration of some rows, the only ones that are compared.
             expected[study] = np.full((len(cases), 2), np.nan)
-            some = np.arange(0, len(cases), len(cases) // 64)
+            some = np.arange(0, len(cases), len(cases) // 1024)
             expected[study][some] = [reference.with_flows(case) for case in cases[some]]
     files["fmu"] = folder / "Chamber.fmu"
     subprocess.run([PROGRAM, "fmu", BENCHES / "model.toml", "-o", files["fmu"]], check=True, stdout=subprocess.DEVNULL)
