@@ -159,7 +159,21 @@ impl<const N: usize, S> Watch<N, S> for Vec<Tried<N>> {
     }
 }
 
+/// Owner of a lane without a problem.
 const IDLE: usize = usize::MAX;
+/// A bit for each lane.
+const ALL: u32 = (1 << WIDTH) - 1;
+
+/// Takes the first lane out of a set.
+#[inline(always)]
+fn first(lanes: &mut u32) -> Option<usize> {
+    if *lanes == 0 {
+        return None;
+    }
+    let lane = lanes.trailing_zeros() as usize;
+    *lanes &= *lanes - 1;
+    Some(lane)
+}
 
 /// Problems under way, one a lane.
 struct Group<const N: usize, S> {
@@ -168,9 +182,9 @@ struct Group<const N: usize, S> {
     attempts: Lanes,
     /// Positive where a lane has further to go, and may.
     going: Lanes,
-    ended: [bool; WIDTH],
-    some_ended: bool,
-    idle: usize,
+    /// Lanes whose problem has come to its end, and lanes for which there was none left, a bit each.
+    ended: u32,
+    idle: u32,
     t: Lanes,
     h: Lanes,
     length: Lanes,
@@ -226,8 +240,7 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
         owner: [IDLE; WIDTH],
         attempts: Lanes::ZERO,
         going: Lanes::ZERO,
-        ended: [true; WIDTH],
-        some_ended: true,
+        ended: ALL,
         idle: 0,
         t: Lanes::ZERO,
         h: Lanes::ZERO,
@@ -247,10 +260,10 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
     let mut next = 0;
     loop {
         group.through_memory().halt(problems);
-        if group.some_ended {
+        if group.ended != 0 {
             group.refill(problems, &mut next, watch.kept() as u32);
         }
-        if group.idle == WIDTH {
+        if group.idle == ALL {
             return;
         }
         group.through_memory().step::<FUSED, W>(relative, watch);
@@ -330,12 +343,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
     /// Stores the solutions of lanes that are done and gives them the next problems.
     #[inline(always)]
     fn refill(&mut self, problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
-        self.some_ended = false;
-        for lane in 0..WIDTH {
-            if !self.ended[lane] {
-                continue;
-            }
-            self.ended[lane] = false;
+        while let Some(lane) = first(&mut self.ended) {
             if let Some(done) = problems.get_mut(self.owner[lane]) {
                 done.steps.to = kept;
                 for i in 0..N {
@@ -348,7 +356,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
             }
             let Some(problem) = problems.get_mut(*next) else {
                 self.owner[lane] = IDLE;
-                self.idle += 1;
+                self.idle |= 1 << lane;
                 (self.t[lane], self.length[lane], self.h[lane]) = (0.0, 0.0, 0.0);
                 continue;
             };
@@ -404,12 +412,15 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
     /// Marks lanes that have come to rest; those short of their end have failed.
     #[inline(always)]
     fn halt(&mut self, problems: &mut [Problem<N>]) {
+        let mut resting = 0;
         for lane in 0..WIDTH {
-            if self.going[lane] > 0.0 || self.owner[lane] == IDLE {
-                continue;
-            }
-            self.ended[lane] = true;
-            self.some_ended = true;
+            // Not a number counts as at rest.
+            let going = self.going[lane] > 0.0;
+            resting |= u32::from(!going) << lane;
+        }
+        resting &= !self.idle;
+        self.ended = resting;
+        while let Some(lane) = first(&mut resting) {
             if self.t[lane] < self.length[lane] {
                 let stuck = self.attempts[lane] < MAX_ATTEMPTS;
                 let reason = if stuck { Failure::StepTooSmall } else { Failure::TooManySteps };

@@ -25,6 +25,10 @@ impl Clock<f64> {
 
     /// From one volume, m³, to another over `length`, s.
     pub fn new(from: f64, to: f64, length: f64) -> Self {
+        if from == to {
+            let root = from.sqrt().sqrt();
+            return Self { start: root, root_rate: 0.0, pace_factor: 1.0 / (root * root * root) };
+        }
         let [square, end_square] = [from.sqrt(), to.sqrt()];
         let [start, end] = [square.sqrt(), end_square.sqrt()];
         Self { start, root_rate: (end - start) / length, pace_factor: 4.0 / ((start + end) * (square + end_square)) }
