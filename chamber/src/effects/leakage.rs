@@ -67,6 +67,7 @@ impl Effect for Leakage {
         let surroundings = at.ambient_pressure * at.per_expansion * at.volume;
         let out = at.energy - surroundings;
         let upstream = at.energy.max(surroundings);
+        // The other of the two; a second choice would be made lane by lane.
         let downstream = at.energy + surroundings - upstream;
         let warmth = out.where_positive(at.energy * at.mass * at.cv, at.ambient_temperature);
         let root = (flow_function(upstream, downstream, p[1]) * warmth).sqrt();
