@@ -85,8 +85,6 @@ pub struct Conditions<R> {
     pub per_volume: R,
     /// Internal energy U, J.
     pub energy: R,
-    /// 1/U.
-    pub per_energy: R,
     /// λ, W/(m² K), before any effect.
     pub eichelberg: R,
     /// Temperature of the gas that touches the wall, K: the T of λ and Q̇.
@@ -101,10 +99,6 @@ pub struct Conditions<R> {
     pub ambient_temperature: R,
     /// Pressure of the surroundings, Pa.
     pub ambient_pressure: R,
-    /// 1/Tamb.
-    pub per_ambient_temperature: R,
-    /// 1/Pamb.
-    pub per_ambient_pressure: R,
     /// Specific gas constant, J/(kg K).
     pub gas_constant: R,
     /// Heat capacity ratio.
@@ -281,7 +275,7 @@ impl<R: Real> Balance<R> {
         let chamber = &self.chamber;
         let Contents { mass, energy, volume, root } = *contents;
         let Boundary { ambient_temperature, ambient_pressure, velocity, .. } = *boundary;
-        let [per_ambient, per_root, per_energy] = reciprocals([ambient_temperature * ambient_pressure, root, energy]);
+        let per_root = root.recip();
         let per_both = per_root * per_root;
         let (per_mass, per_volume) = (per_both * volume, per_both * mass);
         let temperature = energy * per_mass * self.per_cv;
@@ -293,7 +287,6 @@ impl<R: Real> Balance<R> {
             per_mass,
             per_volume,
             energy,
-            per_energy,
             eichelberg: self.heat_transfer_factor * energy * per_root,
             gas_temperature_at_wall: temperature,
             wall_temperature: ambient_temperature,
@@ -301,8 +294,6 @@ impl<R: Real> Balance<R> {
             velocity,
             ambient_temperature,
             ambient_pressure,
-            per_ambient_temperature: per_ambient * ambient_pressure,
-            per_ambient_pressure: per_ambient * ambient_temperature,
             gas_constant: chamber.gas.gas_constant,
             heat_capacity_ratio: chamber.gas.heat_capacity_ratio,
             expansion: self.expansion,

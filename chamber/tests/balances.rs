@@ -186,3 +186,25 @@ fn a_leak_fills_an_evacuated_chamber_up_to_ambient_pressure_and_no_further() {
         assert!((at.pressure / 1.013e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);
     }
 }
+
+#[test]
+fn surroundings_without_pressure_change_a_tight_chamber_s_rates_in_nothing_and_choke_a_leak() {
+    let (chamber, boundary) = section_31();
+    let vacuum = Boundary { ambient_pressure: 0.0, ..boundary };
+    let state = balance::state_at(&chamber, &boundary, 2e5, 293.0);
+    assert_eq!(balance::state_at(&chamber, &vacuum, 2e5, 293.0), state);
+    let tight = balance::rates(EffectSet::NONE, &chamber, &vacuum, &state);
+    assert_eq!(tight, balance::rates(EffectSet::NONE, &chamber, &boundary, &state));
+
+    let mut effects = EffectValues::NEUTRAL;
+    effects.of_mut(effects::find("leakage").unwrap().0)[0] = 3e-9;
+    let chamber = Chamber { effects, ..chamber };
+    let choked = 3e-9 * 2e5 * 1.185 * (293.15f64 / 293.0).sqrt();
+    let leaking = balance::rates(chamber.active(), &chamber, &vacuum, &state);
+    assert!((leaking[MASS] / -choked - 1.0).abs() < 1e-12, "{leaking:?}");
+    assert!(leaking.iter().all(|rate| rate.is_finite()), "{leaking:?}");
+    let lanes = balance::rates(chamber.active(), &chamber.lift(), &vacuum.lift(), &state.map(Lanes::from));
+    for (lane, plain) in lanes.iter().zip(leaking) {
+        assert!((lane.0[0] - plain).abs() <= 1e-12 * plain.abs(), "{lane:?} {plain}");
+    }
+}

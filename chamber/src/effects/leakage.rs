@@ -72,10 +72,13 @@ impl Effect for Leakage {
         let warmth = out.where_positive(at.energy * at.mass * at.cv, at.ambient_temperature);
         let root = (flow_function(upstream, downstream, p[1]) * warmth).sqrt();
 
-        let to_pressure = at.expansion * at.per_volume;
-        let per_root = out.where_positive(at.per_energy, at.per_ambient_temperature);
-        let per_upstream = out.where_positive(at.per_energy, at.per_ambient_pressure * to_pressure);
-        let flow = constant * to_pressure * root * per_root * fade(downstream * per_upstream);
+        // 1/U upstream, and what the root is divided by: U of the gas or T of the surroundings. One division for both,
+        // and none by surroundings from which nothing flows in, as they may be a vacuum.
+        let kelvin = out.where_positive(R::ONE, at.ambient_temperature);
+        let per_upstream_kelvin = (upstream * kelvin).recip();
+        let per_root = per_upstream_kelvin * out.where_positive(R::ONE, surroundings);
+        let fade = fade(downstream * kelvin * per_upstream_kelvin);
+        let flow = constant * at.expansion * at.per_volume * root * per_root * fade;
         flows.outflow += out.where_positive(flow, R::ZERO);
         flows.enter(out.where_positive(R::ZERO, flow), at.ambient_temperature);
     }
