@@ -18,7 +18,7 @@ use pulp::{Arch, Simd, WithSimd};
 pub struct Memory {
     tests: Vec<Test>,
     problems: Vec<Problem<1>>,
-    peaks: Vec<f64>,
+    pushed: Vec<f64>,
     log: Vec<Tried<1>>,
     order: Vec<usize>,
     knots: Vec<Knot>,
@@ -45,7 +45,7 @@ pub fn run(
     options: &Options,
     out: &mut [Outcome],
 ) {
-    let Memory { tests, problems, peaks, log, order, knots, records } = memory;
+    let Memory { tests, problems, pushed, log, order, knots, records } = memory;
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
@@ -56,9 +56,9 @@ pub fn run(
         problems.push(Problem::new(s.push_time_s, [s.initial_temperature_k], [0.0]));
     }
     advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
-    peaks.clear();
+    pushed.clear();
     for (problem, (_, duration)) in problems.iter_mut().zip(rows) {
-        peaks.push(problem.state[0]);
+        pushed.push(problem.state[0]);
         problem.length = duration - problem.length;
     }
     advance(arch, &Held::new(tests), problems, relative, log);
@@ -71,17 +71,17 @@ pub fn run(
     }
     for group in order.chunks(WIDTH) {
         let at = |lane: usize| group[lane.min(group.len() - 1)];
-        let peak = Lanes::from_fn(|lane| peaks[at(lane)]);
+        let begin = Lanes::from_fn(|lane| pushed[at(lane)]);
         let end = Lanes::from_fn(|lane| problems[at(lane)].state[0]);
         let steps: [Steps; WIDTH] = core::array::from_fn(|lane| problems[at(lane)].steps);
         let mut system = Held::new(tests);
         for lane in 0..WIDTH {
             system.load(lane, at(lane));
         }
-        let settling = finish::settling(arch, &system, log, &steps, peak, end);
+        let settling = finish::settling(arch, &system, log, &steps, begin, end);
         let regression = options.fit.then(|| {
             knots.clear();
-            knots.push(Knot { time: Lanes::ZERO, temperature: peak });
+            knots.push(Knot { time: Lanes::ZERO, temperature: begin });
             for (lane, steps) in steps.iter().enumerate() {
                 add_knots(knots, lane, log, *steps);
             }
@@ -98,14 +98,14 @@ pub fn run(
         });
         for (lane, &index) in group.iter().enumerate() {
             let ((row, duration), test, problem) = (rows[index], &tests[index], &problems[index]);
-            let (peak, end) = (peak[lane], end[lane]);
+            let end = end[lane];
             out[row as usize] = match problem.failure {
                 Some(reason) => Outcome::failed(reason),
                 None => {
                     let ending = Ending {
                         scenario: &scenarios[row as usize],
                         duration,
-                        peak,
+                        pushed: begin[lane],
                         end,
                         pressure_per_temperature: test.pressure_per_temperature(),
                         settling: settling[lane],

@@ -175,7 +175,7 @@ impl<'a, const N: usize> Course<'a, N> {
             temperature_final_k: a.temperature_final,
             temperature_peak_k: a.temperature_peak,
             fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
-            settling_time_s: (unsettled <= SETTLED * distance || distance == 0.0).then_some(a.settling),
+            settling_time_s: (unsettled <= SETTLED * distance || a.settling == 0.0).then_some(a.settling),
             energy_error: self.gap,
             duration_s: self.plan.duration,
             exact: false,

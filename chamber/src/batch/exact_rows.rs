@@ -81,7 +81,7 @@ struct Tests {
 
 /// What becomes of them.
 struct Ends {
-    peak: Lanes,
+    pushed: Lanes,
     end: Lanes,
     rate: Lanes,
     settling: Lanes,
@@ -127,14 +127,14 @@ impl WithSimd for Solve<'_> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.0);
-        let peak = t.closed.ramp_in(t.parts, t.start, t.from, t.to, t.push);
-        let end = t.closed.held(peak, t.to, t.hold);
+        let pushed = t.closed.ramp_in(t.parts, t.start, t.from, t.to, t.push);
+        let end = t.closed.held(pushed, t.to, t.hold);
         let rate = t.closed.rate(t.to);
         // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
-        let edge = end + (peak - end) * SETTLED;
+        let edge = end + (pushed - end) * SETTLED;
         let excess = |temperature: Lanes| Lanes::ONE - t.closed.ambient_temperature / temperature;
-        let settling = (excess(peak) / excess(edge)).ln() / rate;
-        black_box(Ends { peak, end, rate, settling })
+        let settling = (excess(pushed) / excess(edge)).ln() / rate;
+        black_box(Ends { pushed, end, rate, settling })
     }
 }
 
@@ -147,14 +147,14 @@ fn outcome(
     duration: f64,
     found: Option<&Found>,
 ) -> Outcome {
-    let (peak, end) = (ends.peak[lane], ends.end[lane]);
-    if !(peak > 0.0 && end > 0.0 && peak.is_finite() && end.is_finite()) {
+    let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
+    if !(pushed > 0.0 && end > 0.0 && pushed.is_finite() && end.is_finite()) {
         return Outcome::failed(Failure::StepTooSmall);
     }
     let settling = if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 };
     let pressure_per_temperature = tests.closed.mass_gas_constant[lane] / tests.to[lane];
     let regression = found.and_then(|found| found.lane(lane));
-    Ending { scenario, duration, peak, end, pressure_per_temperature, settling, regression }.outcome()
+    Ending { scenario, duration, pushed, end, pressure_per_temperature, settling, regression }.outcome()
 }
 
 /// The records from the end of the push on, P = Pf/(1 − ε e^(−k t)); the answer is a guess of τ, s.
@@ -178,7 +178,7 @@ impl Record<'_> {
     fn fill<const FUSED: bool>(self) -> Lanes {
         let Self { tests: t, ends, records } = self;
         let wall = t.closed.ambient_temperature;
-        let excess = black_box(Lanes::ONE - wall / ends.peak);
+        let excess = black_box(Lanes::ONE - wall / ends.pushed);
         let at_rest = black_box(t.closed.mass_gas_constant * wall / t.to);
         let slowness = black_box(ends.rate.recip());
         let duration = black_box(t.push + t.hold);

@@ -8,13 +8,20 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Share of the peak-to-final distance within which a relaxation counts as settled.
+/// Share of the distance from peak to end within which a relaxation counts as settled.
 pub const SETTLED: f64 = 0.01;
 
-/// Time from the begin of the hold until the temperature, which goes from `peak` to `end`, K, stays within 1 % of that
+/// Time from the begin of the hold until the temperature, which goes from `begin` to `end`, K, stays within 1 % of that
 /// distance of its end, s. `system` holds the tests' constants, `log` their steps at the places `steps`.
-pub fn settling(arch: Arch, system: &Held, log: &[Tried<1>], steps: &[Steps; WIDTH], peak: Lanes, end: Lanes) -> Lanes {
-    let band = (peak - end).abs() * SETTLED;
+pub fn settling(
+    arch: Arch,
+    system: &Held,
+    log: &[Tried<1>],
+    steps: &[Steps; WIDTH],
+    begin: Lanes,
+    end: Lanes,
+) -> Lanes {
+    let band = (begin - end).abs() * SETTLED;
     // The last accepted step that begins outside the band leads into it.
     let (mut time, mut length) = (Lanes::ZERO, Lanes::ZERO);
     let mut ends = [Lanes::ONE; 2];

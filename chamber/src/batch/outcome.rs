@@ -35,7 +35,7 @@ pub struct Outcome {
     pub fit: Option<Fit>,
     /// From the end of the push until the pressure stays within 1 % of its peak-to-final distance of the final one, s.
     /// None when not settled in time: when the test ends with more than that 1 % of the pressure, P |1 − Tamb/T|,
-    /// still to be lost to or gained from the wall.
+    /// still to be lost to or gained from the wall; so too where the pressure peaks at the end.
     pub settling_time_s: Option<f64>,
     /// Closure of the energy balance: how far the change of internal energy is from heat, work and enthalpy, relative to
     /// the energy: of the integrator, by the sum of its steps' own error estimates.

@@ -134,7 +134,7 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let ambient = plan.stretches[plan.stretches.len() - 1].boundary(plan.stretches[plan.stretches.len() - 1].length);
     let distance = (peak - pressure_final).abs();
     let unsettled = gas_final * (1.0 - ambient.ambient_temperature / temperature_final).abs();
-    let settling = (unsettled <= 0.01 * distance || distance == 0.0).then(|| settling(&run, pressure_final, distance));
+    let settling = settling(&run, pressure_final, distance);
     let fit = if options.fit { evaluate(&run, scenario, sign) } else { None };
     Ok(Outcome {
         pressure_peak_pa: peak,
@@ -142,7 +142,7 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
         temperature_final_k: temperature_final,
         temperature_peak_k: temperature_peak,
         fit,
-        settling_time_s: settling,
+        settling_time_s: (unsettled <= 0.01 * distance || settling == 0.0).then_some(settling),
         energy_error: (integrator.state[ENERGY] - initial[ENERGY] - supplied).abs() / initial[ENERGY],
         duration_s: plan.duration,
         exact: false,

@@ -22,6 +22,8 @@ use pulp::Arch;
 /// Index of the record's pressure, Pa, and of the gas's temperature, K, where both are shown.
 const PRESSURE: usize = 0;
 const TEMPERATURE: usize = 1;
+/// Share of its pressure by which a record that stands may tremble.
+const ROUNDING: f64 = 1e-12;
 
 /// The answers about one row. Pressures of the record, temperatures of the gas.
 #[derive(Clone, Copy, Debug, Default)]
@@ -262,6 +264,7 @@ impl<const N: usize, const BITS: u32> Reading<'_, N, BITS> {
         for (course, answer) in answers.iter_mut().enumerate() {
             let Some(answer) = answer else { continue };
             let band = SETTLED * (answer.pressure_peak - answer.pressure_final).abs();
+            let band = band.max(ROUNDING * answer.pressure_final.abs());
             let plan = self.courses[course].plan;
             // From the end back to the last corner outside, and the corner after it.
             let mut later = None;

@@ -63,8 +63,8 @@ pub struct Ending<'a> {
     pub scenario: &'a Scenario,
     /// Its length, s.
     pub duration: f64,
-    /// Temperature at the end of the push, K.
-    pub peak: f64,
+    /// Temperature at the end of the push, K: from there it goes one way.
+    pub pushed: f64,
     /// Temperature at the end, K.
     pub end: f64,
     /// P/T in the hold, Pa/K.
@@ -79,9 +79,10 @@ impl Ending<'_> {
     /// The outcome, of the exact solution.
     #[inline]
     pub fn outcome(&self) -> Outcome {
-        let (s, peak, end) = (self.scenario, self.peak, self.end);
-        let settled = (end - s.ambient_temperature_k).abs() <= SETTLED * (peak - end).abs() || peak == end;
+        let (s, pushed, end) = (self.scenario, self.pushed, self.end);
         let positions = [s.initial_position_m, s.final_position_m];
+        let peak = if positions[1] > positions[0] { pushed.min(end) } else { pushed.max(end) };
+        let settled = (end - s.ambient_temperature_k).abs() <= SETTLED * (peak - end).abs() || pushed == end;
         Outcome {
             pressure_peak_pa: peak * self.pressure_per_temperature,
             pressure_final_pa: end * self.pressure_per_temperature,

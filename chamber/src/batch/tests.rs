@@ -92,6 +92,43 @@ fn all_three_ways_to_solve_a_sealed_test_read_the_same_from_its_record() {
 }
 
 #[test]
+fn a_gas_that_its_surroundings_warm_or_cool_beyond_the_push_peaks_at_the_end_of_its_record() {
+    let mut r = Numbers(23);
+    let mut scenarios = sealed(256);
+    for s in &mut scenarios {
+        s.initial_temperature_k = r.between(200.0, 420.0);
+        s.hold = Hold::TimeConstants(r.between(2.0, 15.0));
+    }
+    let with = |solver| Options { solver, fit: false, ..Options::default() };
+    let exact = results(EffectSet::NONE, &scenarios, &with(Solver::Exact));
+    let integrated = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    for s in &mut scenarios {
+        s.mass_flow_in_kg_per_s = 1e-30;
+    }
+    let flowing = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    for ((s, expected), found) in scenarios.iter().zip(&flowing).zip(exact.iter().zip(&integrated)) {
+        for found in [found.0, found.1] {
+            assert_same(found, expected, 1e-8, &format!("{s:?}"));
+        }
+    }
+    let at_the_end = flowing.iter().filter(|o| o.pressure_peak_pa == o.pressure_final_pa).count();
+    assert!((20..=236).contains(&at_the_end), "{at_the_end}");
+}
+
+#[test]
+fn a_pressure_that_rises_to_the_end_has_not_settled_and_one_that_stands_has() {
+    let mut rows = sealed(2);
+    for s in &mut rows {
+        s.initial_position_m = s.final_position_m;
+    }
+    rows[0].mass_flow_in_kg_per_s = 1e-6;
+    let set = EffectSet::one(effects::find("leakage").unwrap().0);
+    let out = results(set, &rows, &Options { solver: Solver::Adaptive, fit: false, ..Options::default() });
+    assert_eq!(out[0].pressure_peak_pa, out[0].pressure_final_pa);
+    assert_eq!(out.iter().map(|o| o.settling_time_s).collect::<Vec<_>>(), [None, Some(0.0)]);
+}
+
+#[test]
 fn the_regression_on_section_3_1_gives_the_numbers_found_for_it() {
     let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Swept);
     let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
