@@ -8,7 +8,7 @@ use super::general::{General, Row};
 use super::log::Log;
 use super::outcome::{Failure, Outcome};
 use super::plan::Plan;
-use super::reading::{self, Answer, Reading, seen_from};
+use super::reading::{self, Answer, ROUNDING, Reading, seen_from};
 use super::scenario::{Options, Scenario};
 use crate::balance::{self, Balance, ENERGY, MASS, STATES};
 use crate::effects::EffectSet;
@@ -167,6 +167,7 @@ impl<'a, const N: usize> Course<'a, N> {
         let distance = (a.pressure_peak - a.pressure_final).abs();
         let gas_pressure = self.at_rest().pressure(a.temperature_final, volume);
         let unsettled = gas_pressure * (1.0 - ambient / a.temperature_final).abs();
+        let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs();
         let positions = [self.plan.stretches[0].position, position];
         let start = self.scenario.initial_pressure_pa;
         Outcome {
@@ -175,7 +176,7 @@ impl<'a, const N: usize> Course<'a, N> {
             temperature_final_k: a.temperature_final,
             temperature_peak_k: a.temperature_peak,
             fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
-            settling_time_s: (unsettled <= SETTLED * distance || a.settling == 0.0).then_some(a.settling),
+            settling_time_s: (unsettled <= SETTLED * distance || stands).then_some(a.settling),
             energy_error: self.gap,
             duration_s: self.plan.duration,
             exact: false,

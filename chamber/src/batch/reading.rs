@@ -23,7 +23,7 @@ use pulp::Arch;
 const PRESSURE: usize = 0;
 const TEMPERATURE: usize = 1;
 /// Share of its pressure by which a record that stands may tremble.
-const ROUNDING: f64 = 1e-12;
+pub const ROUNDING: f64 = 1e-12;
 
 /// The answers about one row. Pressures of the record, temperatures of the gas.
 #[derive(Clone, Copy, Debug, Default)]
