@@ -115,6 +115,11 @@ def test_duckdb_and_polars_open_it(swept):
 STUDIES = {
     "the paper's model": ("sobol", "total", "dead_volume_m3 = { from = 0.0, to = 5e-6 }\nheat_capacity_ratio = { from = 1.2, to = 1.6 }"),
     "swept area, an expansion": ("latin-hypercube", "swept", "final_stroke_m = { from = 0.12, to = 0.3 }\npush_time_s = { from = 0.02, to = 2.0 }"),
+    "gas colder or hotter than its surroundings": (
+        "sobol",
+        "total",
+        "initial_temperature_k = { from = 200.0, to = 380.0 }\npush_time_s = { from = 0.02, to = 2.0 }",
+    ),
     "leak and wall": (
         "sobol",
         "total",
@@ -179,8 +184,9 @@ def integrated(row, law):
     pressure, begin, end = row["initial_pressure_pa"], 0.1, row.get("final_stroke_m", 0.05)
     push, duration = row.get("push_time_s", 0.04), 3.0
     ambient = chamber.ambient_temperature
-    mass = pressure * chamber.volume(begin) / (chamber.gas_constant * ambient)
-    y = np.array([pressure, mass, ambient, ambient, pressure])
+    start = row.get("initial_temperature_k", ambient)
+    mass = pressure * chamber.volume(begin) / (chamber.gas_constant * start)
+    y = np.array([pressure, mass, ambient, start, pressure])
     scale = np.array([pressure, mass, 300.0, 300.0, pressure])
 
     def integrate(y, span, position, speed):
