@@ -92,6 +92,13 @@ fn after_a_second(chamber: &Chamber, boundary: &Boundary, initial: [f64; STATES]
     run.state
 }
 
+/// The chamber with an effect on: its first parameters as given.
+fn with_effect(chamber: Chamber, name: &str, values: &[f64]) -> Chamber {
+    let mut effects = chamber.effects;
+    effects.of_mut(effects::find(name).unwrap().0)[..values.len()].copy_from_slice(values);
+    Chamber { effects, ..chamber }
+}
+
 fn section_31() -> (Chamber, Boundary) {
     let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
     let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
@@ -130,9 +137,7 @@ fn a_wall_of_finite_capacity_keeps_the_heat_the_gas_gave() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
     let index = effects::find("wall_heating").unwrap().0;
-    let mut effects = EffectValues::NEUTRAL;
-    effects.of_mut(index).copy_from_slice(&[0.05, 0.0]);
-    let chamber = Chamber { effects, ..chamber };
+    let chamber = with_effect(chamber, "wall_heating", &[0.05, 0.0]);
     let initial = balance::state_at(&chamber, &boundary, 4e5, 380.0);
     let end = after_a_second(&chamber, &boundary, initial);
     let wall = OWN + effects::STATE_OFFSETS[index];
@@ -147,9 +152,7 @@ fn an_isolated_core_is_compressed_without_gain_of_entropy() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
     let index = effects::find("gas_zones").unwrap().0;
-    let mut effects = EffectValues::NEUTRAL;
-    effects.of_mut(index).copy_from_slice(&[0.3, 0.0]);
-    let chamber = Chamber { effects, ..chamber };
+    let chamber = with_effect(chamber, "gas_zones", &[0.3, 0.0]);
     let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 1e5, 293.0));
     let at_end = Boundary { position: 0.05, ..boundary };
     let at = balance::conditions(&chamber, &at_end, end[MASS], end[ENERGY]);
@@ -163,9 +166,7 @@ fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
     let tube = 3e-6;
-    let mut effects = EffectValues::NEUTRAL;
-    effects.of_mut(effects::find("tube_volume").unwrap().0)[0] = tube;
-    let chamber = Chamber { effects, ..chamber };
+    let chamber = with_effect(chamber, "tube_volume", &[tube]);
     let initial = balance::state_at(&chamber, &boundary, 1e5, 293.0);
     let end = after_a_second(&chamber, &boundary, initial);
     let at = balance::conditions(&chamber, &Boundary { position: 0.05, ..boundary }, end[MASS], end[ENERGY]);
@@ -177,9 +178,7 @@ fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
 fn a_leak_fills_an_evacuated_chamber_up_to_ambient_pressure_and_no_further() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let mut effects = EffectValues::NEUTRAL;
-    effects.of_mut(effects::find("leakage").unwrap().0)[0] = 3e-9;
-    let chamber = Chamber { effects, ..chamber };
+    let chamber = with_effect(chamber, "leakage", &[3e-9]);
     for start in [0.3e5, 3e5] {
         let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, start, 293.0));
         let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
@@ -196,9 +195,7 @@ fn surroundings_without_pressure_change_a_tight_chamber_s_rates_in_nothing_and_c
     let tight = balance::rates(EffectSet::NONE, &chamber, &vacuum, &state);
     assert_eq!(tight, balance::rates(EffectSet::NONE, &chamber, &boundary, &state));
 
-    let mut effects = EffectValues::NEUTRAL;
-    effects.of_mut(effects::find("leakage").unwrap().0)[0] = 3e-9;
-    let chamber = Chamber { effects, ..chamber };
+    let chamber = with_effect(chamber, "leakage", &[3e-9]);
     let choked = 3e-9 * 2e5 * 1.185 * (293.15f64 / 293.0).sqrt();
     let leaking = balance::rates(chamber.active(), &chamber, &vacuum, &state);
     assert!((leaking[MASS] / -choked - 1.0).abs() < 1e-12, "{leaking:?}");

@@ -26,6 +26,7 @@ impl Clock<f64> {
     /// From one volume, m³, to another over `length`, s.
     pub fn new(from: f64, to: f64, length: f64) -> Self {
         if from == to {
+            // Every hold: half the roots.
             let root = from.sqrt().sqrt();
             return Self { start: root, root_rate: 0.0, pace_factor: 1.0 / (root * root * root) };
         }

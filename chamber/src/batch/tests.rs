@@ -41,6 +41,18 @@ fn results(set: EffectSet, scenarios: &[Scenario], options: &Options) -> Vec<Out
     out
 }
 
+/// Sealed tests by their exact solution, integrated, and integrated as rows into which next to nothing flows.
+fn three_ways(mut scenarios: Vec<Scenario>, fit: bool) -> [Vec<Outcome>; 3] {
+    let with = |solver| Options { solver, fit, ..Options::default() };
+    let exact = results(EffectSet::NONE, &scenarios, &with(Solver::Exact));
+    let integrated = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    for s in &mut scenarios {
+        s.mass_flow_in_kg_per_s = 1e-30;
+    }
+    let flowing = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    [exact, integrated, flowing]
+}
+
 fn assert_close(ours: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((ours / expected - 1.0).abs() <= tolerance, "{what}: {ours} {expected} {:e}", ours / expected - 1.0);
 }
@@ -75,13 +87,7 @@ fn all_three_ways_to_solve_a_sealed_test_read_the_same_from_its_record() {
         // The push ends with a sample.
         s.push_time_s = (s.push_time_s * 100.0).ceil() / 100.0;
     }
-    let with = |solver| Options { solver, fit: true, ..Options::default() };
-    let exact = results(EffectSet::NONE, &scenarios, &with(Solver::Exact));
-    let integrated = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
-    for s in &mut scenarios {
-        s.mass_flow_in_kg_per_s = 1e-30;
-    }
-    let flowing = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    let [exact, integrated, flowing] = three_ways(scenarios, true);
     for (expected, found) in exact.iter().chain(&exact).zip(integrated.iter().chain(&flowing)) {
         assert_close(found.pressure_peak_pa, expected.pressure_peak_pa, 1e-9, "peak");
         assert_close(found.settling_time_s.unwrap(), expected.settling_time_s.unwrap(), 1e-6, "settling");
@@ -99,13 +105,7 @@ fn a_gas_that_its_surroundings_warm_or_cool_beyond_the_push_peaks_at_the_end_of_
         s.initial_temperature_k = r.between(200.0, 420.0);
         s.hold = Hold::TimeConstants(r.between(2.0, 15.0));
     }
-    let with = |solver| Options { solver, fit: false, ..Options::default() };
-    let exact = results(EffectSet::NONE, &scenarios, &with(Solver::Exact));
-    let integrated = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
-    for s in &mut scenarios {
-        s.mass_flow_in_kg_per_s = 1e-30;
-    }
-    let flowing = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    let [exact, integrated, flowing] = three_ways(scenarios.clone(), false);
     for ((s, expected), found) in scenarios.iter().zip(&flowing).zip(exact.iter().zip(&integrated)) {
         for found in [found.0, found.1] {
             assert_same(found, expected, 1e-8, &format!("{s:?}"));
