@@ -61,6 +61,7 @@ fn identified_model(rig: &Rig, found: &Identification) -> Model {
         rod_m: rig.cylinder.rod_through_m,
         ambient_temperature_k: found.ambient_temperature_k,
         ambient_pressure_pa: rig.ambient.pressure_pa,
+        uncertainty: None,
         provenance: Provenance { rmse_before_pa: rmse, rmse_after_pa: rmse, ..Provenance::of_rig(rig) },
     }
 }
@@ -90,6 +91,7 @@ fn diagnosed_model(rig: &Rig, found: &Diagnosed) -> Model {
         rod_m: rig.cylinder.rod_through_m,
         ambient_temperature_k: found.data.ambient_temperature_k,
         ambient_pressure_pa: rig.ambient.pressure_pa,
+        uncertainty: None,
         provenance: Provenance {
             rmse_before_pa: Some(rmse(&found.diagnosis.before.rmse_pa)),
             rmse_after_pa: Some(rmse(&found.diagnosis.after.rmse_pa)),

@@ -71,8 +71,8 @@ fn offer(near: &Option<String>, known: &[String]) -> String {
 /// The kind of file whose outermost table has that key and no other kind's.
 pub fn kind_of_file(key: &str) -> Option<&'static str> {
     match key {
-        "cylinder" | "sensor" | "columns" | "format" | "experiment" => Some("rig file"),
-        "chamber" | "heat_transfer" | "effect" | "provenance" => Some("model file"),
+        "cylinder" | "sensor" | "accuracy" | "tolerance" | "columns" | "format" | "experiment" => Some("rig file"),
+        "chamber" | "heat_transfer" | "effect" | "provenance" | "uncertainty" => Some("model file"),
         "study" | "test" | "vary" => Some("study file"),
         _ => None,
     }

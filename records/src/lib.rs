@@ -4,7 +4,9 @@
 //! |---|---|
 //! | [`trace`] | one record over time: [`Trace`] |
 //! | [`rig`] | what was measured on: [`Rig`], its cylinder, gas and experiments |
+//! | [`measurement`] | how well its quantities are known: sensor, accuracy, tolerances |
 //! | [`model`] | an identified chamber: [`Model`] |
+//! | [`uncertainty`], [`provenance`] | how well its parameters are known, where they come from |
 //! | [`layout`] | which column of a trace is what, in which unit |
 //! | [`document`], [`table`], [`key`] | TOML files, each complaint with file, line and key |
 //! | [`error`] | what can be wrong with a file, in sentences |
@@ -18,21 +20,25 @@ pub mod gas;
 pub mod key;
 pub mod layout;
 pub mod limits;
+pub mod measurement;
 pub mod model;
 pub mod names;
 pub mod provenance;
 pub mod rig;
 pub mod table;
 pub mod trace;
+pub mod uncertainty;
 
 pub use atomic::write_atomically;
 pub use document::Document;
 pub use error::Error;
 pub use gas::NamedGas;
 pub use layout::Layout;
+pub use measurement::{Sensor, Tolerance};
 pub use model::Model;
 pub use names::nearest;
-pub use provenance::{Provenance, Rmse, SourceTrace, utc};
-pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile, Sensor};
+pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
+pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use table::Table;
 pub use trace::{Need, Reading, Trace, Window};
+pub use uncertainty::Uncertainty;

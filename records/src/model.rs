@@ -11,6 +11,7 @@ use crate::key::{Bounds, KeyProblem};
 use crate::limits;
 use crate::provenance::{Provenance, quoted};
 use crate::table::Table;
+use crate::uncertainty::Uncertainty;
 use chamber::effects::{self, EffectSet};
 use chamber::{AreaLaw, Chamber, EffectValues, Geometry, HeatTransfer, paper};
 use std::fmt::Write;
@@ -29,6 +30,8 @@ pub struct Model {
     pub ambient_temperature_k: f64,
     /// Pressure of the surroundings, Pa.
     pub ambient_pressure_pa: f64,
+    /// How well the parameters are known; absent in a model written by hand.
+    pub uncertainty: Option<Uncertainty>,
     /// Where the numbers come from.
     pub provenance: Provenance,
 }
@@ -50,7 +53,7 @@ impl Model {
     /// As [`Model::read`].
     pub fn from_document(document: &Document) -> Result<Self, Error> {
         let root = document.root();
-        root.allow(&["gas", "chamber", "heat_transfer", "effect", "ambient", "provenance"])?;
+        root.allow(&["gas", "chamber", "heat_transfer", "effect", "ambient", "uncertainty", "provenance"])?;
         let NamedGas { name: gas_name, gas } = gas::read(&root)?;
         let (geometry, rod_m) = read_geometry(&root.required_table("chamber")?)?;
         let heat_transfer = read_heat_transfer(&root.required_table("heat_transfer")?)?;
@@ -62,6 +65,7 @@ impl Model {
             rod_m,
             ambient_temperature_k,
             ambient_pressure_pa,
+            uncertainty: Uncertainty::read(&root)?,
             provenance: Provenance::read(&root)?,
         })
     }
@@ -119,6 +123,10 @@ impl Model {
         }
         writeln!(out, "\n[ambient]\ntemperature_k = {}", number(self.ambient_temperature_k))?;
         writeln!(out, "pressure_pa = {}", number(self.ambient_pressure_pa))?;
+        if let Some(uncertainty) = &self.uncertainty {
+            writeln!(out)?;
+            uncertainty.write(out)?;
+        }
         if !self.provenance.is_empty() {
             writeln!(out)?;
             self.provenance.write(out)?;

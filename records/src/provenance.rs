@@ -16,10 +16,40 @@ pub struct Provenance {
     pub date: Option<String>,
     /// The traces it was identified from.
     pub traces: Vec<SourceTrace>,
+    /// What the diagnosis says of this model.
+    pub verdict: Option<Verdict>,
     /// Error of the paper's model, before any effect.
     pub rmse_before_pa: Option<Rmse>,
     /// Error of this model.
     pub rmse_after_pa: Option<Rmse>,
+}
+
+/// What a diagnosis says of the model that it writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The paper's model leaves no more than noise.
+    Adequate,
+    /// The named effects leave no more than noise.
+    Explained,
+    /// The named effects predict left-out data decisively better, and more than noise remains.
+    Improved,
+    /// No known effect predicts left-out data better.
+    Unexplained,
+}
+
+impl Verdict {
+    /// All of them, by name.
+    pub const ALL: [(&'static str, Verdict); 4] = [
+        ("adequate", Verdict::Adequate),
+        ("explained", Verdict::Explained),
+        ("improved", Verdict::Improved),
+        ("unexplained", Verdict::Unexplained),
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
 }
 
 /// A trace by name and content.
@@ -67,11 +97,12 @@ impl Provenance {
 
     pub(crate) fn read(root: &Table<'_>) -> Result<Self, Error> {
         let Some(table) = root.table("provenance")? else { return Ok(Self::default()) };
-        table.allow(&["program", "date", "traces", "rmse_before_pa", "rmse_after_pa"])?;
+        table.allow(&["program", "date", "traces", "verdict", "rmse_before_pa", "rmse_after_pa"])?;
         Ok(Self {
             program: table.text("program")?.map(str::to_owned),
             date: table.text("date")?.map(str::to_owned),
             traces: table.tables("traces")?.iter().map(SourceTrace::read).collect::<Result<_, _>>()?,
+            verdict: table.choice("verdict", &Verdict::ALL)?,
             rmse_before_pa: Rmse::read(&table, "rmse_before_pa")?,
             rmse_after_pa: Rmse::read(&table, "rmse_after_pa")?,
         })
@@ -83,6 +114,9 @@ impl Provenance {
             if let Some(text) = text {
                 writeln!(out, "{key} = {}", quoted(text))?;
             }
+        }
+        if let Some(verdict) = self.verdict {
+            writeln!(out, "verdict = \"{}\"", verdict.name())?;
         }
         for (key, rmse) in [("rmse_before_pa", self.rmse_before_pa), ("rmse_after_pa", self.rmse_after_pa)] {
             if let Some(Rmse { fit, held_out }) = rmse {

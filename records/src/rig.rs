@@ -9,6 +9,7 @@ use crate::gas::{self, NamedGas};
 use crate::key::{Bounds, KeyProblem};
 use crate::layout::Layout;
 use crate::limits;
+use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
 use crate::model::check_rod;
 use crate::table::Table;
 use crate::trace::{Need, Reading, Trace, Window};
@@ -30,6 +31,10 @@ pub struct Rig {
     pub gas: NamedGas,
     /// The pressure sensor.
     pub sensor: Sensor,
+    /// The misfit that does not matter, Pa rms, where the file states one.
+    pub accuracy_pa: Option<f64>,
+    /// How well geometry and ambient temperature are known; what the file leaves out has its default.
+    pub tolerance: Tolerance,
     /// The experiments, in the file's order.
     pub experiments: Vec<Experiment>,
 }
@@ -65,15 +70,6 @@ pub struct Ambient {
     pub pressure_pa: f64,
 }
 
-/// What is known of the pressure sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Sensor {
-    /// Standard deviation of its noise, Pa.
-    pub noise_pa: Option<f64>,
-    /// How often it is read out, Hz, where that is less often than the rows say.
-    pub sample_rate_hz: Option<f64>,
-}
-
 /// One kind of test and its repeats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
@@ -88,6 +84,8 @@ pub struct Experiment {
 pub struct RigFile {
     /// The rig, its experiments empty.
     pub rig: Rig,
+    /// `[tolerance]` as it stands in the file.
+    pub stated_tolerance: StatedTolerance,
     /// How its trace files are laid out.
     pub layout: Layout,
     /// Its experiments.
@@ -112,7 +110,7 @@ impl Rig {
     /// [`Error`] names the file, the line and the key or column.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = RigFile::read(path)?;
-        let RigFile { mut rig, layout, plan } = file;
+        let RigFile { mut rig, stated_tolerance, layout, plan } = file;
         if plan.is_empty() {
             let problem = KeyProblem::Missing { expected: "at least one [[experiment]] with its traces".to_owned() };
             return Err(Error::Key {
@@ -128,6 +126,9 @@ impl Rig {
             let traces = traces.iter().map(|path| Trace::read(path, &reading)).collect::<Result<_, _>>()?;
             rig.experiments.push(Experiment { name, traces });
         }
+        let mut traces = rig.experiments.iter().flat_map(|experiment| &experiment.traces);
+        let ambient_known = rig.ambient.temperature_k.is_some() || traces.all(|t| t.ambient_temperature_k.is_some());
+        rig.tolerance = stated_tolerance.or(Tolerance::default_of(rig.cylinder.bore_m, ambient_known));
         Ok(rig)
     }
 }
@@ -148,22 +149,36 @@ impl RigFile {
     /// As [`RigFile::read`].
     pub fn from_document(document: &Document) -> Result<Self, Error> {
         let root = document.root();
-        root.allow(&["cylinder", "ambient", "gas", "sensor", "experiment", "columns", "format"])?;
+        root.allow(&[
+            "cylinder",
+            "ambient",
+            "gas",
+            "sensor",
+            "accuracy",
+            "tolerance",
+            "experiment",
+            "columns",
+            "format",
+        ])?;
         let cylinder_table = root.required_table("cylinder")?;
         let (ambient, pressure_given) = read_ambient(&root)?;
+        let cylinder = read_cylinder(&cylinder_table)?;
+        let stated_tolerance = StatedTolerance::read(&root, cylinder.bore_m)?;
         let rig = Rig {
             path: document.path().to_owned(),
-            cylinder: read_cylinder(&cylinder_table)?,
+            cylinder,
             dead_volume: read_dead_volume(&cylinder_table)?,
             ambient,
             gas: gas::read(&root)?,
-            sensor: read_sensor(&root)?,
+            sensor: Sensor::read(&root)?,
+            accuracy_pa: read_accuracy(&root)?,
+            tolerance: stated_tolerance.or(Tolerance::default_of(cylinder.bore_m, ambient.temperature_k.is_some())),
             experiments: Vec::new(),
         };
         let layout = Layout::read(&root, pressure_given.then_some(ambient.pressure_pa))?;
         let folder = document.path().parent().unwrap_or(Path::new(""));
         let plan = root.tables("experiment")?.into_iter().map(|table| read_experiment(&table, folder));
-        Ok(Self { rig, layout, plan: plan.collect::<Result<_, _>>()? })
+        Ok(Self { rig, stated_tolerance, layout, plan: plan.collect::<Result<_, _>>()? })
     }
 }
 
@@ -208,16 +223,6 @@ fn read_ambient(root: &Table<'_>) -> Result<(Ambient, bool), Error> {
         pressure_pa: pressure.unwrap_or(none.pressure_pa),
     };
     Ok((ambient, pressure.is_some()))
-}
-
-fn read_sensor(root: &Table<'_>) -> Result<Sensor, Error> {
-    let Some(table) = root.table("sensor")? else { return Ok(Sensor::default()) };
-    table.allow(&["noise_pa", "sample_rate_hz"])?;
-    Ok(Sensor {
-        // Zero is no statement about a real sensor: as if it were absent.
-        noise_pa: table.number("noise_pa", &Bounds::NotNegative)?.filter(|noise| *noise > 0.0),
-        sample_rate_hz: table.number("sample_rate_hz", &Bounds::Positive)?,
-    })
 }
 
 fn read_experiment(table: &Table<'_>, folder: &Path) -> Result<PlannedExperiment, Error> {

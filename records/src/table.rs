@@ -104,6 +104,21 @@ impl<'d> Table<'d> {
         items.iter().map(|(_, item)| self.checked(key, item, bounds)).collect::<Result<_, _>>().map(Some)
     }
 
+    /// A list of lists of numbers.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
+    pub fn rows_of_numbers(&self, key: &str, bounds: &Bounds) -> Result<Option<Vec<Vec<f64>>>, Error> {
+        let expected = "a list of lists of numbers";
+        let Some(entry) = self.entry(key) else { return Ok(None) };
+        let Value::List(rows) = &entry.value else { return Err(self.wrong_type(key, expected, &entry.value)) };
+        let row = |(_, row): &'d (usize, Value)| match row {
+            Value::List(items) => items.iter().map(|(_, item)| self.checked(key, item, bounds)).collect(),
+            other => Err(self.wrong_type(key, expected, other)),
+        };
+        rows.iter().map(row).collect::<Result<_, _>>().map(Some)
+    }
+
     /// A text.
     ///
     /// # Errors

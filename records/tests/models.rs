@@ -3,7 +3,7 @@
 use chamber::effects::{self, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
-use records::{Document, Model, Provenance, Rmse, SourceTrace};
+use records::{Document, Model, Provenance, Rmse, SourceTrace, Uncertainty, Verdict};
 use std::path::Path;
 
 const FEW: &str = "[chamber]\nbore_m = 0.02\n[heat_transfer]\ncoefficient_w_per_m2_k = 26.5\n";
@@ -29,7 +29,7 @@ fn a_model_by_hand_needs_two_numbers() {
     assert_eq!(model.chamber.heat_transfer, HeatTransfer::at_paper_reference(26.5));
     assert!(model.active().is_empty());
     assert_eq!((model.rod_m, model.ambient_temperature_k, model.ambient_pressure_pa), (0.0, 293.15, 101325.0));
-    assert_eq!(model.provenance, Provenance::default());
+    assert_eq!((model.uncertainty, model.provenance), (None, Provenance::default()));
 }
 
 #[test]
@@ -83,6 +83,7 @@ fn a_file_written_and_read_is_the_same_model_with_its_provenance() {
         program: Some("pneutherm \"0\"".to_owned()),
         date: Some("2026-11-21T12:00:00Z".to_owned()),
         traces: vec![SourceTrace { path: "run \\ 1\n.csv".to_owned(), sha256: "ab".repeat(32) }],
+        verdict: Some(Verdict::Improved),
         rmse_before_pa: Some(Rmse { fit: 151.25, held_out: None }),
         rmse_after_pa: Some(Rmse { fit: 0.1 + 0.2, held_out: Some(1e-300) }),
     };
@@ -107,6 +108,29 @@ fn a_model_that_would_not_read_back_is_not_written() {
     assert!(!path.exists());
 }
 
+#[test]
+fn faulty_uncertainties_are_refused_by_key() {
+    let table = |rest: &str| format!("{FEW}[uncertainty]\n{rest}");
+    refusal(&table(""), &["line 5: uncertainty.parameters: missing"]);
+    refusal(&table("parameters = [\"a\"]\n"), &["line 5: uncertainty.ci95: missing", "interval"]);
+    let full = |names: &str, ci95: &str, covariance: &str| {
+        table(&format!("parameters = {names}\nci95 = {ci95}\ncovariance = {covariance}\n"))
+    };
+    let (two, intervals) = ("[\"a\", \"b\"]", "[[0, 1], [2, 3]]");
+    assert!(parse(&full(two, intervals, "[[4, 1], [1, 1]]")).unwrap().uncertainty.is_some());
+    refusal(&full("[\"a\", \"a\"]", intervals, "[]"), &["line 6: uncertainty.parameters", "`a` is named twice"]);
+    refusal(&full(two, "[[0, 1]]", "[]"), &["line 7: uncertainty.ci95", "1 rows for 2 parameters"]);
+    refusal(&full(two, "[[0, 1], [3, 2]]", "[[1, 0], [0, 1]]"), &["line 7", "[3.0, 2.0] is no interval", "`b`"]);
+    refusal(&full(two, "[[0, 1], [3]]", "[[1, 0], [0, 1]]"), &["line 7", "[3.0] is no interval"]);
+    refusal(&full(two, "[[0, 1], [0, inf]]", "[]"), &["line 7: uncertainty.ci95: inf cannot be", "finite"]);
+    refusal(&full(two, "[0, 1]", "[]"), &["line 7: uncertainty.ci95", "expected a list of lists of numbers"]);
+    refusal(&full(two, intervals, "[[1, 0], [0]]"), &["line 8", "the row of `b` has 1 numbers"]);
+    refusal(&full(two, intervals, "[[1, 0], [0, -1]]"), &["line 8", "variance of `b`, -1.0, is negative"]);
+    refusal(&full(two, intervals, "[[1, 0.1], [0.2, 1]]"), &["line 8", "`a` and `b`", "different values"]);
+    refusal(&full(two, intervals, "[[4, 3], [3, 1]]"), &["line 8", "`a` and `b`, 3.0, is beyond"]);
+    refusal(&format!("{FEW}[provenance]\nverdict = \"adequat\"\n"), &["provenance.verdict", "`adequate`"]);
+}
+
 fn any_effects() -> impl Strategy<Value = EffectValues> {
     let shares = prop::collection::vec((any::<bool>(), 0.0..=1.0_f64), effects::PARAMETERS);
     shares.prop_map(|shares| {
@@ -121,6 +145,24 @@ fn any_effects() -> impl Strategy<Value = EffectValues> {
     })
 }
 
+/// Any parameters with intervals, correlated over many orders of magnitude.
+fn any_uncertainty() -> impl Strategy<Value = Uncertainty> {
+    let parameter = ("[a-z_.\"\n]{1,20}", -1e3..1e3_f64, 1e-12..1e3_f64);
+    (prop::collection::btree_map(parameter.0, (parameter.1, parameter.2), 0..5), -1.0..1.0_f64).prop_map(
+        |(all, tilt)| {
+            let sizes: Vec<f64> = all.values().map(|(_, size)| *size).collect();
+            let covariance = |(i, a): (usize, &f64)| {
+                sizes.iter().enumerate().map(|(j, b)| a * b * if i == j { 1.0 } else { tilt * tilt }).collect()
+            };
+            Uncertainty {
+                parameters: all.keys().cloned().collect(),
+                ci95: all.values().map(|(low, size)| [*low, low + size]).collect(),
+                covariance: sizes.iter().enumerate().map(covariance).collect(),
+            }
+        },
+    )
+}
+
 prop_compose! {
     fn any_model()(
         gas in prop_oneof![Just((Some("helium".to_owned()), 2077.1, 1.667)), (200.0..400.0_f64, 1.1..1.6_f64).prop_map(|(r, k)| (None, r, k))],
@@ -131,6 +173,7 @@ prop_compose! {
         heat in (0.0..1e4_f64, 1e4..1e7_f64, 200.0..400.0_f64),
         effects in any_effects(),
         ambient in (200.0..400.0_f64, 5e4..2e5_f64),
+        uncertainty in prop::option::of(any_uncertainty()),
     ) -> Model {
         let rod_m = bore * rod_share;
         let area_law = if swept { AreaLaw::Swept } else { AreaLaw::Total };
@@ -145,6 +188,7 @@ prop_compose! {
             rod_m,
             ambient_temperature_k: ambient.0,
             ambient_pressure_pa: ambient.1,
+            uncertainty,
             provenance: Provenance::default(),
         }
     }

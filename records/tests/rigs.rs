@@ -1,6 +1,6 @@
 //! Rig files: what they say, what they leave out, and what is refused with file, line and key.
 
-use records::{Document, Rig, RigFile};
+use records::{Document, Rig, RigFile, Tolerance};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -27,7 +27,7 @@ fn a_rig_is_read_with_its_experiments_from_file_or_folder() {
     assert_eq!((rig.cylinder.bore_m, rig.cylinder.rod_through_m, rig.cylinder.stroke_m), (0.02, 0.0, None));
     assert!((rig.cylinder.piston_area_m2 / (PI * 1e-4) - 1.0).abs() < 1e-15);
     assert_eq!((rig.ambient.temperature_k, rig.ambient.pressure_pa), (Some(297.2), 101300.0));
-    assert_eq!((rig.sensor.noise_pa, rig.sensor.sample_rate_hz), (Some(150.0), Some(100.0)));
+    assert_eq!(rig.sensor, records::Sensor { noise_pa: Some(150.0), step_pa: None, readout_hz: None });
     assert_eq!((rig.gas.name.as_deref(), rig.gas.gas), (Some("air"), chamber::Gas::AIR));
     assert_eq!(rig.dead_volume, None);
     let names: Vec<&str> = rig.experiments.iter().map(|e| e.name.as_str()).collect();
@@ -74,6 +74,48 @@ fn a_gas_is_a_name_or_its_constants() {
     let own = "[cylinder]\nbore_m = 0.02\n[gas]\ngas_constant_j_per_kg_k = 290\nheat_capacity_ratio = 1.35\n";
     let own = parse(own).unwrap().rig.gas;
     assert_eq!((own.name, own.gas.gas_constant, own.gas.heat_capacity_ratio), (None, 290.0, 1.35));
+}
+
+#[test]
+fn sensor_accuracy_and_tolerances_are_read() {
+    let text = "[cylinder]\nbore_m = 0.04\n[sensor]\nstep_pa = 390\nreadout_hz = 10\n[accuracy]\npressure_pa = 50\n\
+                [tolerance]\nbore_m = 1e-5\nposition_scale = 0.001\nposition_offset_m = 0\nambient_temperature_k = 0.3\n";
+    let rig = parse(text).unwrap().rig;
+    assert_eq!(rig.sensor, records::Sensor { noise_pa: None, step_pa: Some(390.0), readout_hz: Some(10.0) });
+    assert_eq!(rig.accuracy_pa, Some(50.0));
+    let stated = Tolerance { bore_m: 1e-5, position_scale: 0.001, position_offset_m: 0.0, ambient_temperature_k: 0.3 };
+    assert_eq!(rig.tolerance, stated);
+    refusal(
+        "[cylinder]\nbore_m = 0.04\n[tolerance]\nbore_m = 0.04\n",
+        &["line 4: tolerance.bore_m", "half of the bore"],
+    );
+    refusal("[cylinder]\nbore_m = 0.04\n[tolerance]\nposition_scale = 5\n", &["line 4", "5.0 cannot be", "share"]);
+    refusal("[cylinder]\nbore_m = 0.04\n[tolerance]\nbore = 1\n", &["line 4: tolerance.bore", "`bore_m`"]);
+    refusal("[cylinder]\nbore_m = 0.04\n[accuracy]\npressure_pa = 0\n", &["line 4: accuracy.pressure_pa", "positive"]);
+    refusal("[cylinder]\nbore_m = 0.04\n[sensor]\nstep_pa = -1\n", &["line 4: sensor.step_pa", "-1.0 cannot be"]);
+}
+
+#[test]
+fn tolerances_that_a_rig_leaves_out_follow_from_the_rest() {
+    let unstated = parse("[cylinder]\nbore_m = 0.04\n").unwrap().rig;
+    let default =
+        Tolerance { bore_m: 2e-4, position_scale: 0.005, position_offset_m: 0.5e-3, ambient_temperature_k: 5.0 };
+    assert_eq!((unstated.tolerance, unstated.accuracy_pa), (default, None));
+    let stated = parse("[cylinder]\nbore_m = 0.04\n[ambient]\ntemperature_k = 293\n").unwrap().rig;
+    assert_eq!(stated.tolerance, Tolerance { ambient_temperature_k: 2.0, ..default });
+}
+
+#[test]
+fn a_recorded_ambient_temperature_is_known_as_well_as_a_stated_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = "[cylinder]\nbore_m = 0.04\n[[experiment]]\nname = \"a\"\ntraces = [\"a.csv\"]\n";
+    std::fs::write(folder.path().join("rig.toml"), rig).unwrap();
+    let rows = "0,1e5,0.1,293\n1,1e5,0.1,293\n2,1e5,0.1,293\n";
+    let header = "time_s,pressure_pa,position_m,ambient_temperature_k";
+    std::fs::write(folder.path().join("a.csv"), format!("{header}\n{rows}")).unwrap();
+    assert_eq!(Rig::read(folder.path()).unwrap().tolerance.ambient_temperature_k, 2.0);
+    std::fs::write(folder.path().join("a.csv"), format!("{}\n{rows}", header.replace("ambient", "other"))).unwrap();
+    assert_eq!(Rig::read(folder.path()).unwrap().tolerance.ambient_temperature_k, 5.0);
 }
 
 #[test]

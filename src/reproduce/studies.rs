@@ -104,6 +104,7 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
         rod_m: 0.0,
         ambient_temperature_k: rounded(measured.ambient.temperature_k.value),
         ambient_pressure_pa: AMBIENT_PRESSURE_PA,
+        uncertainty: None,
         provenance: Provenance { program: Some(PROGRAM.to_owned()), ..Provenance::default() },
     })
 }

@@ -16,7 +16,7 @@ pub use stroke::{Move, Shape, Stroke};
 use chamber::effects::{self, CARDS, PARAMETER_OFFSETS};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use rayon::prelude::*;
-use records::{Ambient, Cylinder, Experiment, NamedGas, Rig, Sensor, Trace};
+use records::{Ambient, Cylinder, Experiment, NamedGas, Rig, Sensor, Tolerance, Trace};
 use truth::{STEP_S, Truth};
 
 /// One push-and-hold experiment: from rest at a pressure, moves with a hold after each.
@@ -274,7 +274,9 @@ impl Recipe {
             dead_volume: None,
             ambient: Ambient { temperature_k: Some(self.ambient_k), pressure_pa: self.ambient_pa },
             gas: NamedGas { name: Some(self.gas.to_owned()), gas: self.chamber.gas },
-            sensor: Sensor { noise_pa: None, sample_rate_hz: Some(self.rate_hz) },
+            sensor: Sensor::default(),
+            accuracy_pa: None,
+            tolerance: Tolerance::default_of(geometry.bore, true),
             experiments,
         }
     }

@@ -19,6 +19,7 @@ pub fn model() -> Model {
         rod_m: 0.0,
         ambient_temperature_k: 293.0,
         ambient_pressure_pa: 1.013e5,
+        uncertainty: None,
         provenance: Provenance::default(),
     }
 }

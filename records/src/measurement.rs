@@ -1,0 +1,123 @@
+//! What a rig file says about how well its quantities are known: `[sensor]`, `[accuracy]` and `[tolerance]`.
+
+use crate::error::Error;
+use crate::key::{Bounds, KeyProblem};
+use crate::table::Table;
+
+/// Default standard deviation of the bore, as a share of it.
+const BORE_SHARE: f64 = 0.005;
+/// Default standard deviation of the position sensor's scale factor.
+const POSITION_SCALE: f64 = 0.005;
+/// Default standard deviation of the position's zero, m.
+const POSITION_OFFSET_M: f64 = 0.5e-3;
+/// Default standard deviation of an ambient temperature that is stated or recorded, K.
+const STATED_TEMPERATURE_K: f64 = 2.0;
+/// Default standard deviation of an ambient temperature that is neither stated nor recorded, K.
+const UNSTATED_TEMPERATURE_K: f64 = 5.0;
+
+// Wide enough for any rig; narrow enough to catch millimetres and per cent.
+const BORE_BOUNDS: Bounds = Bounds::Within(0.0..=1.0, "in m");
+const SCALE_BOUNDS: Bounds = Bounds::Within(0.0..=0.5, "as a share (0.005 is 0.5 %)");
+const OFFSET_BOUNDS: Bounds = Bounds::Within(0.0..=10.0, "in m");
+const TEMPERATURE_BOUNDS: Bounds = Bounds::Within(0.0..=200.0, "in K");
+
+/// What is known of the pressure sensor. What is absent is estimated from the traces.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Sensor {
+    /// Standard deviation of its white noise, Pa.
+    pub noise_pa: Option<f64>,
+    /// Spacing of the pressures it can show, Pa.
+    pub step_pa: Option<f64>,
+    /// How often it is read out, Hz, where that is less often than the rows say.
+    pub readout_hz: Option<f64>,
+}
+
+impl Sensor {
+    pub(crate) fn read(root: &Table<'_>) -> Result<Self, Error> {
+        let Some(table) = root.table("sensor")? else { return Ok(Self::default()) };
+        // `sample_rate_hz`, the logger's row rate, is for people: the times in the traces say it better.
+        table.allow(&["noise_pa", "step_pa", "readout_hz", "sample_rate_hz"])?;
+        table.number("sample_rate_hz", &Bounds::Positive)?;
+        // Zero is no statement about a real sensor: as if it were absent.
+        let size = |key| Ok(table.number(key, &Bounds::NotNegative)?.filter(|value| *value > 0.0));
+        Ok(Self {
+            noise_pa: size("noise_pa")?,
+            step_pa: size("step_pa")?,
+            readout_hz: table.number("readout_hz", &Bounds::Positive)?,
+        })
+    }
+}
+
+/// The misfit that does not matter, Pa rms; absent where the file does not say.
+pub(crate) fn read_accuracy(root: &Table<'_>) -> Result<Option<f64>, Error> {
+    let Some(table) = root.table("accuracy")? else { return Ok(None) };
+    table.allow(&["pressure_pa"])?;
+    table.number("pressure_pa", &Bounds::Positive)
+}
+
+/// How well the stated geometry and ambient temperature are known: standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Of the bore, m: 0.5 % of it unless stated.
+    pub bore_m: f64,
+    /// Of the position sensor's scale factor, 1: 0.005 unless stated.
+    pub position_scale: f64,
+    /// Of the position's zero, m: 0.5 mm unless stated.
+    pub position_offset_m: f64,
+    /// Of the ambient temperature, K. Unless stated: 2 K where the temperature is stated or recorded, else 5 K.
+    pub ambient_temperature_k: f64,
+}
+
+impl Tolerance {
+    /// What holds for a cylinder of that bore where nothing is stated.
+    pub fn default_of(bore_m: f64, ambient_known: bool) -> Self {
+        Self {
+            bore_m: BORE_SHARE * bore_m,
+            position_scale: POSITION_SCALE,
+            position_offset_m: POSITION_OFFSET_M,
+            ambient_temperature_k: if ambient_known { STATED_TEMPERATURE_K } else { UNSTATED_TEMPERATURE_K },
+        }
+    }
+}
+
+/// `[tolerance]` as the file has it, each key by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct StatedTolerance {
+    /// As in [`Tolerance`].
+    pub bore_m: Option<f64>,
+    /// As in [`Tolerance`].
+    pub position_scale: Option<f64>,
+    /// As in [`Tolerance`].
+    pub position_offset_m: Option<f64>,
+    /// As in [`Tolerance`].
+    pub ambient_temperature_k: Option<f64>,
+}
+
+impl StatedTolerance {
+    pub(crate) fn read(root: &Table<'_>, bore_m: f64) -> Result<Self, Error> {
+        let Some(table) = root.table("tolerance")? else { return Ok(Self::default()) };
+        table.allow(&["bore_m", "position_scale", "position_offset_m", "ambient_temperature_k"])?;
+        let bore = table.number("bore_m", &BORE_BOUNDS)?;
+        if let Some(tolerance) = bore.filter(|tolerance| *tolerance >= 0.5 * bore_m) {
+            let problem =
+                format!("{tolerance:?} m is half of the bore, {bore_m:?} m, or more: it is a standard deviation in m");
+            return Err(table.refuse("bore_m", KeyProblem::Contradiction(problem)));
+        }
+        Ok(Self {
+            bore_m: bore,
+            position_scale: table.number("position_scale", &SCALE_BOUNDS)?,
+            position_offset_m: table.number("position_offset_m", &OFFSET_BOUNDS)?,
+            ambient_temperature_k: table.number("ambient_temperature_k", &TEMPERATURE_BOUNDS)?,
+        })
+    }
+
+    /// Completed with the defaults.
+    pub fn or(&self, default: Tolerance) -> Tolerance {
+        Tolerance {
+            bore_m: self.bore_m.unwrap_or(default.bore_m),
+            position_scale: self.position_scale.unwrap_or(default.position_scale),
+            position_offset_m: self.position_offset_m.unwrap_or(default.position_offset_m),
+            ambient_temperature_k: self.ambient_temperature_k.unwrap_or(default.ambient_temperature_k),
+        }
+    }
+}
