@@ -198,6 +198,21 @@ pub struct Balance<R = f64> {
     pub constants: EffectConstants<R>,
 }
 
+/// What a system around the chamber imposes beyond its [`Boundary`]: a wall held by others, ports to other volumes. Both
+/// hooks run after the effects'.
+pub trait Surroundings<R> {
+    /// Changes what the balance sees of gas and wall.
+    #[inline(always)]
+    fn conditions(&self, _at: &mut Conditions<R>) {}
+
+    /// Gas that enters or leaves.
+    #[inline(always)]
+    fn flows(&self, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
+}
+
+/// Nothing beyond the boundary.
+impl<R> Surroundings<R> for () {}
+
 /// Conditions from the states, before any effect.
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
@@ -328,9 +343,23 @@ impl<R: Real> Balance<R> {
         contents: &Contents<R>,
         own: &[R; OWN_STATES],
     ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
+        self.evaluate_within(&(), set, boundary, contents, own)
+    }
+
+    /// [`Balance::evaluate_contents`] within these surroundings.
+    #[inline(always)]
+    pub fn evaluate_within(
+        &self,
+        surroundings: &impl Surroundings<R>,
+        set: EffectSet,
+        boundary: &Boundary<R>,
+        contents: &Contents<R>,
+        own: &[R; OWN_STATES],
+    ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
         let chamber = &self.chamber;
         let mut at = self.conditions(boundary, contents);
         effects::conditions(set, &chamber.effects, own, &mut at);
+        surroundings.conditions(&mut at);
 
         let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
         let area = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
@@ -339,6 +368,7 @@ impl<R: Real> Balance<R> {
         let mut flows = Flows { inflow: R::ZERO, inflow_kelvin: R::ZERO, outflow: boundary.mass_flow_out };
         flows.enter(boundary.mass_flow_in, boundary.temperature_in);
         effects::flows(set, &chamber.effects, &self.constants, &at, &mut flows);
+        surroundings.flows(&at, &mut flows);
 
         let volume_rate = at.piston_area * at.velocity;
         let work = at.pressure * volume_rate;

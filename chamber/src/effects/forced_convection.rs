@@ -4,7 +4,7 @@
 //! 1930) with the piston speed as velocity, as Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::balance::Conditions;
+use crate::balance::{Conditions, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::real::Real;
 
@@ -33,6 +33,13 @@ impl Effect for ForcedConvection {
         }],
         states: &[],
     };
+
+    const KINKS: usize = 1;
+
+    /// |ẋ| at zero, in m/s.
+    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+        out[0] = at.velocity;
+    }
 
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(p: &[R], at: &Conditions<R>) -> R {

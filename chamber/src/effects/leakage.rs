@@ -6,7 +6,7 @@
 //! Source: ISO 6358-1:2013. Not for a seal whose opening grows with pressure.
 
 use super::Effect;
-use crate::balance::{Conditions, Flows};
+use crate::balance::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::gas::Gas;
 use crate::real::Real;
@@ -83,6 +83,12 @@ impl Effect for Leakage {
         flows.enter(out.where_positive(R::ZERO, flow), at.ambient_temperature);
     }
 
+    const KINKS: usize = KINKS;
+
+    fn kinks<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+        out.copy_from_slice(&kinks(at.pressure, at.ambient_pressure, p[1]));
+    }
+
     const CORNERS: bool = true;
 
     /// Where the flow chokes, where ψ turns linear, where the flow turns round; and on the way there two places more.
@@ -103,6 +109,24 @@ impl Effect for Leakage {
         first = nearer(ambient_pressure * (1.0 / STEEPER_ABOVE), from, first);
         nearer(ambient_pressure * (1.0 / STEEP_ABOVE), from, first)
     }
+}
+
+/// Number of functions that [`kinks`] gives.
+pub const KINKS: usize = 5;
+
+/// Functions of order one that change their sign where a flow of ISO 6358 between the pressures of two volumes has a
+/// corner: its direction, and either way where it chokes and where ψ turns linear.
+pub fn kinks<R: Real>(one: R, other: R, critical: R) -> [R; KINKS] {
+    let per_sum = (one + other).recip();
+    let excess = |pressure: R, of: R, ratio: R| (pressure - of * ratio) * per_sum;
+    let linear = R::from(LINEAR_ABOVE);
+    [
+        excess(one, other, R::ONE),
+        excess(other, one, critical),
+        excess(one, other, critical),
+        excess(other, one, linear),
+        excess(one, other, linear),
+    ]
 }
 
 /// `value` where it lies between the two, else `to`.

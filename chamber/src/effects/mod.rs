@@ -45,6 +45,13 @@ pub trait Effect {
         to
     }
 
+    /// Number of functions that [`Effect::kinks`] gives.
+    const KINKS: usize = 0;
+
+    /// Functions of order one that change their sign where its law has a corner, whatever variable it lies in: event
+    /// indicators of a host that integrates itself. `out` has [`Effect::KINKS`] places.
+    fn kinks<R: Real>(_p: &[R], _own: &[R], _at: &Conditions<R>, _rates: &Rates<R>, _out: &mut [R]) {}
+
     /// Gas that leaves (positive) because pressure rises at `pressure_rate`, Pa/s, if nothing left: returns the flow in
     /// kg/s and the temperature it has, K. See [`tube_volume`].
     #[inline(always)]
@@ -150,6 +157,26 @@ macro_rules! effects {
                 first = $module::$name::corner($module::$name::values(values), ambient_pressure, from, first);
             })*
             first
+        }
+
+        /// Number of functions that [`kinks`] gives.
+        pub const KINKS: usize = 0 $(+ $module::$name::KINKS)*;
+
+        /// [`Effect::kinks`] of all effects, in order; one for those that are not in `set`.
+        pub fn kinks<R: Real>(
+            set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], at: &Conditions<R>, rates: &Rates<R>,
+        ) -> [R; KINKS] {
+            let mut out = [R::ONE; KINKS];
+            let mut rest = &mut out[..];
+            $(
+                let (part, after) = rest.split_at_mut($module::$name::KINKS);
+                if set.has($module::$name::INDEX) {
+                    $module::$name::kinks($module::$name::values(values), $module::$name::own(own), at, rates, part);
+                }
+                rest = after;
+            )*
+            debug_assert!(rest.is_empty());
+            out
         }
 
         /// [`Effect::storage`] of the effects in `set`, handed to `take` one by one.

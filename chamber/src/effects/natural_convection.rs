@@ -4,7 +4,7 @@
 //! sign-preserving power of Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
 
 use super::Effect;
-use crate::balance::Conditions;
+use crate::balance::{Conditions, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::real::Real;
 
@@ -34,6 +34,13 @@ impl Effect for NaturalConvection {
         }],
         states: &[],
     };
+
+    const KINKS: usize = 1;
+
+    /// |T − Tw| at zero.
+    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+        out[0] = (at.gas_temperature_at_wall - at.wall_temperature) / at.wall_temperature;
+    }
 
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(p: &[R], at: &Conditions<R>) -> R {

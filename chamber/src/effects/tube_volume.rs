@@ -5,7 +5,7 @@
 //! Vt  m³, not part of V, Aq, mass or dead volume. Source: isothermal volume, ISO 6358-2 annex (discharge tests).
 
 use super::Effect;
-use crate::balance::Conditions;
+use crate::balance::{Conditions, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::real::Real;
 
@@ -30,6 +30,13 @@ impl Effect for TubeVolume {
         }],
         states: &[],
     };
+
+    const KINKS: usize = 1;
+
+    /// Direction of the flow into the tube: that of the pressure's rate, relative to the pressure in 1/s.
+    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, rates: &Rates<R>, out: &mut [R]) {
+        out[0] = rates.pressure / at.pressure;
+    }
 
     #[inline(always)]
     fn storage<R: Real>(p: &[R], at: &Conditions<R>, pressure_rate: R) -> Option<(R, R)> {
