@@ -4,7 +4,6 @@
 //! (Bernoulli): du/dt + (b Tamb − (γ−1) V̇/V) u = b with b = c (4V/φ + π φ²/2)/√V, c = λ0 √(m R/(P0 T0))/(m cv).
 
 use crate::geometry::AreaLaw;
-use crate::lanes::Lanes;
 use crate::model::Chamber;
 use crate::real::Real;
 use core::f64::consts::PI;
@@ -58,7 +57,7 @@ impl<R: Real> Closed<R> {
         self.ambient_temperature / (R::ONE - excess * (-self.rate(volume) * t).exp())
     }
 
-    /// E(x) relative to the begin of a part of a ramp: see [`part`](Self::part).
+    /// E(x) relative to the begin of a part of a ramp: see [`ramp_part`](Self::ramp_part).
     #[inline(always)]
     fn growth(&self, root: R, step: R, dwell: R, x: f64) -> R {
         let stretched = step * x;
@@ -68,12 +67,12 @@ impl<R: Real> Closed<R> {
         (self.ambient_temperature * exchanged - expanded).exp()
     }
 
-    /// One of the equal parts, in √V, of a ramp: 1/T at its end.
+    /// One of the equal parts, in √V, of a ramp: 1/T at its end, from 1/T and √V at its begin and the part's rise of √V.
     ///
     /// With q = √V as the variable, x from 0 to 1 and `dwell` = 2 (duration of the ramp)/(q0 + q1)/(number of parts),
     /// b dt = dwell (c a1 q² + c a0) dx. 16-point Gauss–Legendre quadrature.
     #[inline(always)]
-    fn part(&self, inverse: R, root: R, step: R, dwell: R) -> R {
+    pub fn ramp_part(&self, inverse: R, root: R, step: R, dwell: R) -> R {
         let mut integral = R::ZERO;
         // A rule that the compiler knows too well it writes out in full, lane by lane.
         let rule: &[(f64, f64)] = black_box(&GAUSS_16);
@@ -108,25 +107,9 @@ impl Closed<f64> {
         let (step, dwell) = ((end - begin) / parts, 2.0 * duration / (begin + end) / parts);
         let mut inverse = 1.0 / temperature;
         for part in 0..parts as usize {
-            inverse = self.part(inverse, begin + step * part as f64, step, dwell);
+            inverse = self.ramp_part(inverse, begin + step * part as f64, step, dwell);
         }
         1.0 / inverse
-    }
-}
-
-impl Closed<Lanes> {
-    /// One chamber a lane, each as [`Closed::ramp`] does it in its own number of `parts`.
-    #[inline(always)]
-    pub fn ramp_in(&self, parts: Lanes, temperature: Lanes, from: Lanes, to: Lanes, duration: Lanes) -> Lanes {
-        let (begin, end) = (from.sqrt(), to.sqrt());
-        let (step, dwell) = ((end - begin) / parts, duration * 2.0 / (begin + end) / parts);
-        let mut inverse = temperature.recip();
-        let most = parts.0.iter().fold(1.0, |a: f64, b| a.max(*b));
-        for part in 0..most as usize {
-            let next = self.part(inverse, begin + step * part as f64, step, dwell);
-            inverse = (parts - part as f64).where_positive(next, inverse);
-        }
-        inverse.recip()
     }
 }
 

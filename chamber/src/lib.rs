@@ -5,7 +5,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`real`] | the number types the physics is written over: `f64`, [`Dual`](dual::Dual), [`Lanes`](lanes::Lanes) |
+//! | [`real`] | the number types the physics is written over: `f64`, [`Dual`](dual::Dual), and the lanes of the crate `ensemble` |
 //! | [`gas`], [`geometry`], [`heat_transfer`] | the parts of a chamber |
 //! | [`effects`] | what the paper's model neglects: one effect, one file |
 //! | [`balance`] | equations (1) and (2) as balances of mass and energy |
@@ -13,15 +13,12 @@
 //! | [`record`] | following a chamber along its inputs, and its sensor's readings |
 //! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as a sensor sees it |
 //! | [`exact`] | closed forms of the closed chamber |
-//! | `batch` | many scenarios at once, for studies (feature `batch`) |
 //! | [`paper`] | numbers of Carneiro and Gomes de Almeida (2006) used as defaults |
 //!
 //! Source of the method: J. F. Carneiro and F. Gomes de Almeida, "Heat transfer evaluation of industrial pneumatic
 //! cylinders", Proc. IMechE Part I (2006), DOI 10.1243/09596518JSCE188, called "the paper" in these pages.
 
 pub mod balance;
-#[cfg(feature = "batch")]
-pub mod batch;
 pub mod card;
 pub mod dual;
 pub mod effects;
@@ -30,8 +27,6 @@ pub mod gas;
 pub mod geometry;
 pub mod heat_transfer;
 pub mod integrate;
-pub mod lanes;
-pub mod math;
 pub mod paper;
 pub mod real;
 pub mod record;

@@ -1,7 +1,7 @@
 //! The values that one varied quantity takes: a list, or a range with a linear or logarithmic scale.
 
-use chamber::lanes::{Lanes, WIDTH};
 use chamber::real::Real;
+use ensemble::lanes::{Lanes, WIDTH};
 use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 

@@ -12,7 +12,7 @@
 //! | [`quantity`] | every number that can be varied |
 //! | [`axis`], [`design`] | the values a quantity takes; which points a study has |
 //! | [`row`] | from a point to a scenario, and what comes out of it |
-//! | [`solve`] | rows through the batch kernel of `chamber` |
+//! | [`solve`] | rows through the kernel of `ensemble` |
 //! | [`columns`] | the table: names, units, encoding |
 //! | [`part`], [`new_file`], [`folder`] | one Parquet file, whole or not there; a study's folder and its manifest |
 //! | [`traces`] | the courses of some rows, as a second table |

@@ -3,9 +3,9 @@
 use crate::quantity::{Base, Point};
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
-use chamber::batch::{self, Hold, Outcome, Scenario};
 use chamber::effects::{self, EffectSet};
 use chamber::{Gas, Geometry, HeatTransfer};
+use ensemble::{Hold, Outcome, Scenario};
 use std::borrow::Cow;
 use thiserror::Error;
 
@@ -26,7 +26,7 @@ pub enum Failure {
     NoBore,
     /// The simulation says why.
     #[error(transparent)]
-    Simulation(#[from] batch::Failure),
+    Simulation(#[from] ensemble::Failure),
 }
 
 /// How a row ended.
@@ -76,7 +76,7 @@ impl Outputs {
             return Self::failed(failure.into());
         }
         let (volume, area) = final_geometry(scenario);
-        let fit = |value: fn(&batch::Fit) -> f64| outcome.fit.as_ref().map_or(f64::NAN, value);
+        let fit = |value: fn(&ensemble::Fit) -> f64| outcome.fit.as_ref().map_or(f64::NAN, value);
         Self {
             volume,
             area,

@@ -1,12 +1,12 @@
-//! From points to results: rows become scenarios, the batch kernel of `chamber` simulates them.
+//! From points to results: rows become scenarios, the kernel of `ensemble` simulates them.
 
 use crate::columns;
 use crate::error::Error;
 use crate::quantity::{self, Point};
 use crate::row::{self, Outputs, Status};
 use crate::study::Study;
-use chamber::batch::{self, Hold, Kernel, Options, Outcome, Scenario};
 use chamber::effects::{self, EffectSet, EffectValues, PARAMETERS};
+use ensemble::{Hold, Kernel, Options, Outcome, Scenario};
 use std::ops::Range;
 
 /// Some rows of a study by column.
@@ -43,9 +43,9 @@ impl<'a> Solver<'a> {
             options: Options { solver: study.solver, relative_tolerance: study.tolerance, fit: study.fit },
             kernel: Kernel::default(),
             point: study.base,
-            scenarios: vec![empty; batch::CHUNK],
-            outcomes: vec![Outcome::failed(batch::Failure::TooManySteps); batch::CHUNK],
-            outputs: Vec::with_capacity(batch::CHUNK),
+            scenarios: vec![empty; ensemble::CHUNK],
+            outcomes: vec![Outcome::failed(ensemble::Failure::TooManySteps); ensemble::CHUNK],
+            outputs: Vec::with_capacity(ensemble::CHUNK),
         }
     }
 
@@ -60,8 +60,8 @@ impl<'a> Solver<'a> {
         self.study.design.fill(rows.clone(), &mut points)?;
         let mut outputs: Vec<Vec<f64>> = columns::outputs(self.study).map(|_| empty()).collect();
         let mut statuses = Vec::with_capacity(count);
-        for start in (0..count).step_by(batch::CHUNK) {
-            self.solve(&points, start..count.min(start + batch::CHUNK));
+        for start in (0..count).step_by(ensemble::CHUNK) {
+            self.solve(&points, start..count.min(start + ensemble::CHUNK));
             for (output, column) in columns::outputs(self.study).zip(&mut outputs) {
                 (output.append)(&self.outputs, column);
             }

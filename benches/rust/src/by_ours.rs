@@ -3,7 +3,7 @@
 use crate::Solve;
 use crate::options;
 use crate::scenario::{AMBIENT_TEMPERATURE_K, Answer, Case};
-use chamber::batch::{self, Failure, Hold, Options, Outcome, Scenario, Solver};
+use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver};
 use chamber::effects::{self, EffectSet, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ pub fn solver(cases: &[Case], asked: &options::Options) -> Solve {
             || vec![Outcome::failed(Failure::TooManySteps); PIECE],
             |outcomes, (scenarios, answers)| {
                 let outcomes = &mut outcomes[..scenarios.len()];
-                batch::run(set, scenarios, &options, outcomes);
+                ensemble::run(set, scenarios, &options, outcomes);
                 for (answer, outcome) in answers.iter_mut().zip(outcomes) {
                     *answer = Answer { peak_pa: outcome.pressure_peak_pa, final_pa: outcome.pressure_final_pa };
                 }

@@ -8,7 +8,7 @@ use crate::design::table::Table;
 use crate::design::{Design, NAMES, sobol};
 use crate::error::{Error, OUTERMOST};
 use crate::quantity::{self, Base, NotFound, Point};
-use chamber::batch::{Options, Solver};
+use ensemble::{Options, Solver};
 use records::Model;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! What one row of a study asks for, and how a run goes about it. SI units.
 
-use crate::model::Chamber;
-use crate::signals::Knot;
+use chamber::Chamber;
+use chamber::signals::Knot;
 use std::sync::Arc;
 
 /// How long a test lasts.

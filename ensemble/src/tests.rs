@@ -1,8 +1,8 @@
 //! Batches against closed forms, against the plain integrator, and against themselves in another order.
 
 use super::*;
-use crate::exact::Closed;
-use crate::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
+use chamber::exact::Closed;
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 
 /// Reproducible numbers in [0, 1): a 64-bit linear congruence, the high bits of it.
 struct Numbers(u64);
@@ -177,7 +177,7 @@ fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
     let mut r = Numbers(11);
     let mut rows = sealed(count);
     for s in &mut rows {
-        for (index, card) in crate::effects::all() {
+        for (index, card) in chamber::effects::all() {
             if only.is_some_and(|i| i != index) {
                 continue;
             }
@@ -232,7 +232,7 @@ fn reference(set: EffectSet, scenario: &Scenario) -> Outcome {
 
 #[test]
 fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
-    for (index, card) in crate::effects::all() {
+    for (index, card) in chamber::effects::all() {
         let rows = varied(16, Some(index));
         let set = EffectSet::one(index);
         for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
@@ -312,7 +312,7 @@ fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
     let mut rows = sealed(24);
     for s in &mut rows {
         let mut time = 0.0;
-        let knot = |time: f64, r: &mut Numbers| crate::signals::Knot {
+        let knot = |time: f64, r: &mut Numbers| chamber::signals::Knot {
             time,
             position: r.between(0.05, 0.2),
             mass_flow: r.between(-1e-5, 1e-5),

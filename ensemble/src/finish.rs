@@ -1,11 +1,11 @@
 //! When sealed tests settle, one a lane.
 
-use super::advance::{Steps, Tried};
-use super::hermite::Hermite;
-use super::root::{Curve, root};
-use super::sealed::Held;
+use crate::advance::{Steps, Tried};
+use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH};
-use crate::real::Real;
+use crate::root::{Curve, root};
+use crate::sealed::Held;
+use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Share of the distance from peak to end within which a relaxation counts as settled.

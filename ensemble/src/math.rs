@@ -5,7 +5,7 @@
 //! coefficients 2/(2i + 1)).
 
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::real::Real;
+use chamber::real::Real;
 
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;

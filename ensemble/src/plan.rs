@@ -1,14 +1,14 @@
 //! A scenario cut into stretches of time over which its boundary is linear, after a check of its numbers.
 
-use super::clock::Clock;
-use super::outcome::Failure;
-use super::scenario::{Hold, Scenario};
-use crate::balance::Boundary;
-use crate::effects::{self, EffectSet};
-use crate::exact::Closed;
+use crate::clock::Clock;
 use crate::lanes::Lanes;
-use crate::real::Real;
-use crate::signals::Knot;
+use crate::outcome::Failure;
+use crate::scenario::{Hold, Scenario};
+use chamber::balance::Boundary;
+use chamber::effects::{self, EffectSet};
+use chamber::exact::Closed;
+use chamber::real::Real;
+use chamber::signals::Knot;
 
 /// A boundary linear in time, from its begin.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,23 +3,23 @@
 //!
 //! dT/dt = T (c (a1 V + a0)/√V (Tw − T) − (γ − 1) V̇/V),  c = λ0 √(m R/(P0 T0))/(m cv),  Aq = a1 V + a0
 //!
-//! While the piston moves, the clock is that of [`super::clock`]: w = V^(1/4) is linear in s, and
+//! While the piston moves, the clock is that of [`crate::clock`]: w = V^(1/4) is linear in s, and
 //!
 //! dT/ds = T (c p (a1 w⁴ + a0) w (Tw − T) − 4 (γ − 1) w'/w),  dt/ds = p w³
 //!
 //! takes one division an evaluation and no root. While the piston rests, V and all that follows from it alone is
 //! constant. T in K, V in m³.
 
-use super::advance::Loadable;
-use super::clock::Clock;
-use super::finish::SETTLED;
-use super::fit;
-use super::outcome::Outcome;
-use super::scenario::Scenario;
-use super::step::LaneSystem;
-use crate::exact::Closed;
+use crate::advance::Loadable;
+use crate::clock::Clock;
+use crate::finish::SETTLED;
+use crate::fit;
 use crate::lanes::Lanes;
-use crate::real::Real;
+use crate::outcome::Outcome;
+use crate::scenario::Scenario;
+use crate::step::LaneSystem;
+use chamber::exact::Closed;
+use chamber::real::Real;
 
 /// One test, reduced to the numbers its equation needs.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! Where a step meets a corner of a flow: a pressure, Pa, at which its rate bends ([`effects::corner`]). An error estimate
 //! is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
 
-use crate::effects::{self, EffectSet, EffectValues};
 use crate::lanes::Lanes;
-use crate::real::Real;
+use chamber::effects::{self, EffectSet, EffectValues};
+use chamber::real::Real;
 
 /// A corner within this share of the pressure at either end of a step is met by that end.
 const BESIDE: f64 = 2e-4;

@@ -2,7 +2,7 @@
 //! enclosing function may use (AVX-512, AVX2, NEON, SSE2).
 
 use crate::math;
-use crate::real::Real;
+use chamber::real::Real;
 use core::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
 /// How many numbers stand side by side in [`Lanes`].

@@ -1,19 +1,19 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
-use super::advance::{Problem, Steps, advance};
-use super::finish::SETTLED;
-use super::fit;
-use super::general::{General, Row};
-use super::log::Log;
-use super::outcome::{Failure, Outcome};
-use super::plan::Plan;
-use super::reading::{self, Answer, ROUNDING, Reading, seen_from};
-use super::scenario::{Options, Scenario};
-use crate::balance::{self, Balance, ENERGY, MASS, STATES};
-use crate::effects::EffectSet;
-use crate::exact::Closed;
-use crate::simulate::tolerance;
+use crate::advance::{Problem, Steps, advance};
+use crate::finish::SETTLED;
+use crate::fit;
+use crate::general::{General, Row};
+use crate::log::Log;
+use crate::outcome::{Failure, Outcome};
+use crate::plan::Plan;
+use crate::reading::{self, Answer, ROUNDING, Reading, seen_from};
+use crate::scenario::{Options, Scenario};
+use chamber::balance::{self, Balance, ENERGY, MASS, STATES};
+use chamber::effects::EffectSet;
+use chamber::exact::Closed;
+use chamber::simulate::tolerance;
 use pulp::Arch;
 
 /// Share of the initial mass below which a chamber whose equations cannot be followed further has run empty.

@@ -1,8 +1,8 @@
 //! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
 
-use super::tableau::{A, C, D, E3, E5};
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::real::Real;
+use crate::tableau::{A, C, D, E3, E5};
+use chamber::real::Real;
 
 /// Ordinary differential equations of N states, independent systems side by side.
 pub trait LaneSystem<const N: usize> {

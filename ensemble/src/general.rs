@@ -1,15 +1,15 @@
-//! Any chamber with any effects in lanes, with the balances of [`balance`](crate::balance) as they are. States are √m,
-//! internal energy U and the own states of the effects in use, and the clock is that of [`super::clock`]: with √m and
+//! Any chamber with any effects in lanes, with the balances of [`balance`](chamber::balance) as they are. States are √m,
+//! internal energy U and the own states of the effects in use, and the clock is that of [`crate::clock`]: with √m and
 //! V^(1/4) at hand, λ(P, T) takes no root.
 
-use super::advance::Loadable;
-use super::corner;
-use super::plan::Stretch;
-use super::step::LaneSystem;
-use crate::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
-use crate::effects::{self, EffectSet, OWN_STATES};
+use crate::advance::Loadable;
+use crate::corner;
 use crate::lanes::Lanes;
-use crate::real::Real;
+use crate::plan::Stretch;
+use crate::step::LaneSystem;
+use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
+use chamber::effects::{self, EffectSet, OWN_STATES};
+use chamber::real::Real;
 
 /// In place of a set's bits: the set is known at run time only.
 pub const AT_RUN_TIME: u32 = u32::MAX;

@@ -1,13 +1,13 @@
 //! Looks into steps of a batch once it is integrated, one step a lane: where its record turns round, when it crosses a
 //! value, what it shows at some places.
 
-use super::advance::Tried;
-use super::general::Observe;
-use super::root::{Curve, root};
-use super::samples::POINTS;
-use super::step::{dense, within};
+use crate::advance::Tried;
+use crate::general::Observe;
 use crate::lanes::Lanes;
-use crate::real::Real;
+use crate::root::{Curve, root};
+use crate::samples::POINTS;
+use crate::step::{dense, within};
+use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Share of a step to both sides of a place, to tell there whether the record rises.

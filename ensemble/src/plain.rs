@@ -1,17 +1,17 @@
 //! One scenario after the other with the plain integrator: the reference that the lanes are held against.
 
-use super::fit;
-use super::outcome::{Failure, Outcome};
-use super::plan::{Plan, Stretch};
-use super::regression::{Part, Records};
-use super::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
-use super::scenario::{Options, Scenario};
-use crate::balance::{self, ENERGY, MASS, OWN, STATES};
-use crate::effects::{self, EffectSet};
-use crate::integrate::{Dense, IntegrationError, Integrator};
+use crate::fit;
 use crate::lanes::Lanes;
-use crate::model::Chamber;
-use crate::simulate::tolerance;
+use crate::outcome::{Failure, Outcome};
+use crate::plan::{Plan, Stretch};
+use crate::regression::{Part, Records};
+use crate::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::scenario::{Options, Scenario};
+use chamber::Chamber;
+use chamber::balance::{self, ENERGY, MASS, OWN, STATES};
+use chamber::effects::{self, EffectSet};
+use chamber::integrate::{Dense, IntegrationError, Integrator};
+use chamber::simulate::tolerance;
 
 /// An accepted step with what is needed to look into it.
 struct Piece {
@@ -166,7 +166,7 @@ fn settling(run: &Run, pressure_final: f64, distance: f64) -> f64 {
 }
 
 /// The paper's steps on the record sampled at 100 Hz.
-fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<super::outcome::Fit> {
+fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<crate::outcome::Fit> {
     let plan = run.plan;
     let first = (plan.push_end * SAMPLE_RATE_HZ - 1e-9).ceil() as u64;
     let last = (plan.duration * SAMPLE_RATE_HZ + 1e-9).floor() as u64;
@@ -187,7 +187,7 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<super::outcome:
     }
     let end = plan.stretches.last()?.boundary(0.0).position;
     let volume = scenario.chamber.geometry.volume(end);
-    let closed = crate::exact::Closed::filled(
+    let closed = chamber::exact::Closed::filled(
         &scenario.chamber,
         record.last()?.1,
         scenario.ambient_temperature_k,

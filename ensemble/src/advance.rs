@@ -1,10 +1,10 @@
 //! Many initial value problems, each over one smooth stretch of time: one a lane, each with its own steps, and a lane
 //! that is done takes the next problem.
 
-use super::outcome::Failure;
-use super::step::{LaneSystem, attempt};
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::real::Real;
+use crate::outcome::Failure;
+use crate::step::{LaneSystem, attempt};
+use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 

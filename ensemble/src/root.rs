@@ -1,7 +1,7 @@
 //! A root in each lane by Ridders' method, which straightens an exponential (IEEE Trans. Circuits Syst. 26 (1979) 979).
 
 use crate::lanes::Lanes;
-use crate::real::Real;
+use chamber::real::Real;
 
 /// Rounds at most: where the curve is an exponential, five give all digits.
 const ROUNDS: usize = 6;

@@ -1,15 +1,15 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
-use super::advance::{Loadable, Nobody, Problem, Steps, Tried, advance};
-use super::finish;
-use super::hermite::Hermite;
-use super::outcome::{Failure, Outcome};
-use super::regression::Records;
-use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
-use super::scenario::{Options, Scenario};
-use super::sealed::{Ending, Held, Moving, Test};
+use crate::advance::{Loadable, Nobody, Problem, Steps, Tried, advance};
+use crate::finish;
+use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::real::Real;
+use crate::outcome::{Failure, Outcome};
+use crate::regression::Records;
+use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::scenario::{Options, Scenario};
+use crate::sealed::{Ending, Held, Moving, Test};
+use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -36,7 +36,7 @@ impl Knot {
     const NONE: Self = Self { time: Lanes::ZERO, temperature: Lanes::ZERO };
 }
 
-/// Runs tests that [`sealed`](super::sealed) covers and whose numbers are checked; `durations` in s.
+/// Runs tests that [`sealed`](crate::sealed) covers and whose numbers are checked; `durations` in s.
 pub fn run(
     arch: Arch,
     memory: &mut Memory,

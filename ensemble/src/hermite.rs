@@ -1,7 +1,7 @@
 //! The polynomial of degree 7 over a step of length 1 that has given Taylor coefficients, up to the third power, at both
 //! ends: Hermite's, by divided differences (E. Isaacson and H. B. Keller, Analysis of Numerical Methods, 1966, 6.3).
 
-use crate::real::Real;
+use chamber::real::Real;
 use core::hint::black_box;
 
 /// The polynomial in Newton's form, with 0 and 1 four times each as its places.

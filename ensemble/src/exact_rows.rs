@@ -1,15 +1,15 @@
-//! Sealed tests by the closed forms of [`exact`](crate::exact), in lanes: no integration, no tolerance.
+//! Sealed tests by the closed forms of [`exact`](chamber::exact), in lanes: no integration, no tolerance.
 
-use super::finish::SETTLED;
-use super::fit;
-use super::outcome::{Failure, Outcome};
-use super::regression::{Found, Records, decay};
-use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
-use super::scenario::{Options, Scenario};
-use super::sealed::Ending;
-use crate::exact::Closed;
+use crate::finish::SETTLED;
+use crate::fit;
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::real::Real;
+use crate::outcome::{Failure, Outcome};
+use crate::regression::{Found, Records, decay};
+use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::scenario::{Options, Scenario};
+use crate::sealed::Ending;
+use chamber::exact::Closed;
+use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -117,6 +117,20 @@ impl Tests {
         }
         tests
     }
+
+    /// Temperatures at the end of the push, K: each as [`Closed::ramp`] finds it, in its own number of parts.
+    #[inline(always)]
+    fn pushed(&self) -> Lanes {
+        let (begin, end) = (self.from.sqrt(), self.to.sqrt());
+        let (step, dwell) = ((end - begin) / self.parts, self.push * 2.0 / (begin + end) / self.parts);
+        let mut inverse = self.start.recip();
+        let most = self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b));
+        for part in 0..most as usize {
+            let next = self.closed.ramp_part(inverse, begin + step * part as f64, step, dwell);
+            inverse = (self.parts - part as f64).where_positive(next, inverse);
+        }
+        inverse.recip()
+    }
 }
 
 struct Solve<'a>(&'a Tests);
@@ -127,7 +141,7 @@ impl WithSimd for Solve<'_> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.0);
-        let pushed = t.closed.ramp_in(t.parts, t.start, t.from, t.to, t.push);
+        let pushed = t.pushed();
         let end = t.closed.held(pushed, t.to, t.hold);
         let rate = t.closed.rate(t.to);
         // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.

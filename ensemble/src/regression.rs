@@ -1,13 +1,13 @@
 //! Step 1 of the paper, P = Pf + ΔP e^(−t/τ) by least squares over the samples, for as many records as there are lanes.
 //!
-//! A record stands in parts: samples in a row over which it is smooth, summed by the few nodes of [`samples`](super::samples).
+//! A record stands in parts: samples in a row over which it is smooth, summed by the few nodes of [`samples`](crate::samples).
 //! Pf and ΔP enter linearly and are eliminated (variable projection: G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10
 //! (1973) 413); what is left is Newton's method in ln τ. Pressures in Pa, times in s.
 
-use super::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
-use super::step::multiply_add;
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::real::Real;
+use crate::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::step::multiply_add;
+use chamber::real::Real;
 use core::f64::consts::{LN_2, LOG2_E};
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};

@@ -6,7 +6,7 @@
 //! (W. Gautschi, Orthogonal Polynomials: Computation and Approximation, Oxford 2004, sections 1.4 and 1.5). The same
 //! formula gives for N up to 4 the samples themselves, so nothing is special about short stretches.
 
-use crate::real::Real;
+use chamber::real::Real;
 
 /// Rate of the record that the regression is meant for, Hz.
 pub const SAMPLE_RATE_HZ: f64 = 100.0;

@@ -1,10 +1,10 @@
 //! The paper's steps 2 to 7 on the pressures and the time constant that step 1 has found, and a guess to begin that with.
 
-use super::outcome::Fit;
-use super::scenario::Scenario;
-use crate::AreaLaw;
-use crate::Geometry;
-use crate::real::Real;
+use crate::outcome::Fit;
+use crate::scenario::Scenario;
+use chamber::AreaLaw;
+use chamber::Geometry;
+use chamber::real::Real;
 
 /// τ, s, of the exponential that falls in one 1/k as a sealed relaxation does, whose ε = 1 − Pf/P decays with the
 /// rate k, 1/s, from `excess` on: near to what least squares find.

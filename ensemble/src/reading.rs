@@ -4,19 +4,19 @@
 //! else is a matter of comparing. Only steps that turn, the one in which the record settles, and with the regression
 //! those that hold samples are looked into, as many at once as there are lanes.
 
-use super::advance::{Loadable, Steps};
-use super::course::Course;
-use super::finish::SETTLED;
-use super::general::{General, Row, observe};
-use super::log::{Log, Step};
-use super::look::{Question, look};
-use super::plan::{Plan, Stretch};
-use super::regression::{Part, Records};
-use super::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
-use crate::balance::OWN;
-use crate::effects::EffectSet;
+use crate::advance::{Loadable, Steps};
+use crate::course::Course;
+use crate::finish::SETTLED;
+use crate::general::{General, Row, observe};
 use crate::lanes::{Lanes, WIDTH};
-use crate::real::Real;
+use crate::log::{Log, Step};
+use crate::look::{Question, look};
+use crate::plan::{Plan, Stretch};
+use crate::regression::{Part, Records};
+use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use chamber::balance::OWN;
+use chamber::effects::EffectSet;
+use chamber::real::Real;
 use pulp::Arch;
 
 /// Index of the record's pressure, Pa, and of the gas's temperature, K, where both are shown.

@@ -6,7 +6,7 @@
 //! Where the piston rests, s = t. Volumes in m³, t and s in s.
 
 use crate::lanes::Lanes;
-use crate::real::Real;
+use chamber::real::Real;
 
 /// The clock of one stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]

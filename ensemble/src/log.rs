@@ -1,10 +1,10 @@
 //! Every step of a batch, with what the record shows at both its ends and where it turns round in between.
 
-use super::advance::{Tried, Watch};
-use super::general::Observe;
-use super::step::DENSE;
+use crate::advance::{Tried, Watch};
+use crate::general::Observe;
 use crate::lanes::{Lanes, WIDTH};
-use crate::real::Real;
+use crate::step::DENSE;
+use chamber::real::Real;
 
 /// Share of a step over which its ends are looked at for the way they go: short beside the step, long beside rounding.
 const GLANCE: f64 = 1e-5;

@@ -1,4 +1,4 @@
-//! Many scenarios at once: the kernel behind parameter studies.
+//! Many push-and-hold tests at once: the kernel behind parameter studies.
 //!
 //! A [`Kernel`] solves push-and-hold tests on one thread, each result a pure function of its scenario: the same bits
 //! whatever the others are and in whichever order they come. The caller spreads chunks over threads.
@@ -16,8 +16,10 @@ mod finish;
 mod fit;
 mod general;
 mod hermite;
+pub mod lanes;
 mod log;
 mod look;
+mod math;
 mod outcome;
 #[cfg(test)]
 mod plain;
@@ -37,9 +39,9 @@ pub use outcome::{Failure, Fit, Outcome};
 pub use samples::SAMPLE_RATE_HZ;
 pub use scenario::{Hold, Options, Scenario, Solver};
 
-use crate::AreaLaw;
-use crate::balance::STATES;
-use crate::effects::{self, EffectSet};
+use chamber::AreaLaw;
+use chamber::balance::STATES;
+use chamber::effects::{self, EffectSet};
 use plan::Plan;
 
 /// Scenarios that are solved together: as many as keep their working memory in a core's cache.

@@ -1,0 +1,64 @@
+//! The balances in lanes against the same in plain numbers.
+
+use chamber::balance::{self, Boundary, STATES};
+use chamber::effects::{self, EffectValues};
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
+use ensemble::lanes::Lanes;
+use proptest::prelude::*;
+
+prop_compose! {
+    fn any_chamber()(bore in 0.01..0.2f64, dead_share in 0.0..0.5f64, lambda in 1.0..200.0f64, total in any::<bool>()) -> Chamber {
+        let law = if total { AreaLaw::Total } else { AreaLaw::Swept };
+        let dead_volume = dead_share * bore * bore * 0.05;
+        Chamber::new(Gas::AIR, Geometry::new(bore, 0.0, dead_volume, law), HeatTransfer::at_paper_reference(lambda))
+    }
+}
+
+prop_compose! {
+    fn any_boundary()(position in 0.02..0.3f64, velocity in -1.0..1.0f64, mass_flow_in in 0.0..1e-4f64, temperature_in in 260.0..350.0f64,
+        mass_flow_out in 0.0..1e-4f64, ambient_temperature in 260.0..320.0f64) -> Boundary {
+        Boundary { position, velocity, mass_flow_in, temperature_in, mass_flow_out, ambient_temperature, ambient_pressure: 1.013e5 }
+    }
+}
+
+/// Every parameter of every effect at its typical value.
+fn all_effects_on() -> EffectValues {
+    let mut values = EffectValues::NEUTRAL;
+    for (index, card) in effects::all() {
+        for (value, parameter) in values.of_mut(index).iter_mut().zip(card.parameters) {
+            *value = parameter.typical;
+        }
+    }
+    values
+}
+
+proptest! {
+    #[test]
+    fn lanes_give_the_rates_of_plain_numbers_with_all_effects_on(
+        chamber in any_chamber(), boundary in any_boundary(), p in 1.1e5..8e5f64, t in 300.0..420.0f64,
+    ) {
+        let chamber = Chamber { effects: all_effects_on(), ..chamber };
+        let state = balance::state_at(&chamber, &boundary, p, t);
+        let plain = balance::rates(EffectSet::ALL, &chamber, &boundary, &state);
+        let lanes = balance::rates(EffectSet::ALL, &chamber.lift(), &boundary.lift(), &state.map(Lanes::from));
+        for i in 0..STATES {
+            for lane in lanes[i].0 {
+                prop_assert!((lane - plain[i]).abs() <= 1e-10 * plain[i].abs().max(1e-9), "{i}: {} {}", lane, plain[i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_leak_into_surroundings_without_pressure_chokes_in_lanes_as_in_plain_numbers() {
+    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+    let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+    chamber.effects.of_mut(effects::find("leakage").unwrap().0)[0] = 3e-9;
+    let vacuum = Boundary { ambient_pressure: 0.0, ..Boundary::closed(0.1, 293.0, 1e5) };
+    let state = balance::state_at(&chamber, &vacuum, 2e5, 293.0);
+    let plain = balance::rates(chamber.active(), &chamber, &vacuum, &state);
+    let lanes = balance::rates(chamber.active(), &chamber.lift(), &vacuum.lift(), &state.map(Lanes::from));
+    for (lane, plain) in lanes.iter().zip(plain) {
+        assert!((lane.0[0] - plain).abs() <= 1e-12 * plain.abs(), "{lane:?} {plain}");
+    }
+}
