@@ -2,15 +2,19 @@
 //!
 //! [`Recipe::from_seed`] is the bench of a textbook: five push-and-hold experiments, smooth moves, 100 Hz.
 //! [`Recipe::wide`] is anybody's bench: geometry, gas, sensor, logger, number and kind of experiments and the shape of
-//! every move are drawn from wide ranges. Besides the effects of the list there are [`Outside`] ones.
+//! every move are drawn from wide ranges. Besides the effects of the list there are [`Outside`] ones; a [`Recording`]
+//! is what a real bench makes of the readings.
 
 pub mod outside;
 pub mod random;
+pub mod recording;
 pub mod stroke;
 pub mod truth;
+pub mod visibility;
 
 pub use outside::Outside;
 pub use random::Random;
+pub use recording::{Faults, Recording};
 pub use stroke::{Move, Shape, Stroke};
 
 use chamber::effects::{self, CARDS, PARAMETER_OFFSETS};
@@ -30,6 +34,19 @@ pub struct Test {
     pub from_m: f64,
     /// For each move: to where, m, in what time, s, in what way, and how long the hold after it is, s.
     pub moves: Vec<(f64, f64, Shape, f64)>,
+}
+
+/// What happens on a bench besides its moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bench {
+    /// Speed at which the piston creeps after a record's first move, m/s.
+    pub creep_m_per_s: f64,
+    /// How much the ambient temperature rises during a record, K.
+    pub ambient_rise_k: f64,
+    /// Standard deviation of the ambient temperature between records, K.
+    pub ambient_spread_k: f64,
+    /// How much warmer than the surroundings the gas is at the start, K.
+    pub start_warmer_k: f64,
 }
 
 /// A rig's truth.
@@ -65,6 +82,10 @@ pub struct Recipe {
     pub rate_hz: f64,
     /// Whether traces have a column of the ambient temperature.
     pub ambient_column: bool,
+    /// What else happens.
+    pub bench: Bench,
+    /// What the recording does to the readings.
+    pub faults: Faults,
 }
 
 impl Recipe {
@@ -94,6 +115,8 @@ impl Recipe {
             position_step_m: 1e-6,
             rate_hz: 100.0,
             ambient_column: true,
+            bench: Bench::default(),
+            faults: Faults::default(),
         };
         let middle = 0.5 * (long + short);
         // Moves of a fifth of a second, holds of several relaxations; the last one is slow.
@@ -147,6 +170,8 @@ impl Recipe {
             position_step_m: r.one_of(&[1e-7, 1e-6, 1e-6, 5e-6]),
             rate_hz,
             ambient_column: r.below(3) > 0,
+            bench: Bench::default(),
+            faults: Faults::default(),
         };
         // Not fewer than four rows in a move: who samples less does not see the push.
         let shortest_push = 4.0 / rate_hz;
@@ -193,6 +218,18 @@ impl Recipe {
         self
     }
 
+    /// Root mean square of all that disturbs a pressure reading, spikes apart, Pa.
+    pub fn noise_rms_pa(&self) -> f64 {
+        let slow: f64 = self.faults.disturbances.iter().map(|d| d.rms_pa().powi(2)).sum();
+        (self.noise_pa.powi(2) + self.quantisation_pa.powi(2) / 12.0 + slow).sqrt()
+    }
+
+    /// Sonic conductance of a leak at a strength, m³/(s Pa): 1 loses 1 % of the gas in a relaxation time at 3 bar.
+    pub fn leak_of(&self, strength: f64) -> f64 {
+        let (_, relaxation) = self.scales();
+        1e-2 * self.chamber.geometry.volume(self.shortest_m()) / 1e5 / relaxation * strength
+    }
+
     /// Smallest position of any test, m.
     fn shortest_m(&self) -> f64 {
         let ends = |t: &Test| t.moves.iter().map(|m| m.0).fold(t.from_m, f64::min);
@@ -216,7 +253,7 @@ impl Recipe {
         let (capacity, relaxation) = self.scales();
         let volume = self.chamber.geometry.volume(self.shortest_m());
         let values: Vec<f64> = match CARDS[effect].name {
-            "leakage" => vec![1e-2 * volume / 1e5 / relaxation * strength],
+            "leakage" => vec![self.leak_of(strength)],
             "wall_heating" => vec![8.0 * capacity / strength, 0.3 * capacity / relaxation],
             "pressure_exponent" => vec![0.5 - 0.15 * strength],
             "natural_convection" => vec![0.15 * strength],
@@ -263,16 +300,20 @@ impl Recipe {
             })
             .collect();
         let geometry = &self.chamber.geometry;
+        let stated = &self.faults.stated;
         Rig {
             path: format!("synthetic-{}", self.seed).into(),
             cylinder: Cylinder {
-                bore_m: geometry.bore,
+                bore_m: geometry.bore * stated.bore_times,
                 rod_through_m: 0.0,
-                piston_area_m2: geometry.piston_area,
+                piston_area_m2: geometry.piston_area * stated.bore_times.powi(2),
                 stroke_m: None,
             },
             dead_volume: None,
-            ambient: Ambient { temperature_k: Some(self.ambient_k), pressure_pa: self.ambient_pa },
+            ambient: Ambient {
+                temperature_k: Some(self.ambient_k + stated.ambient_offset_k),
+                pressure_pa: self.ambient_pa,
+            },
             gas: NamedGas { name: Some(self.gas.to_owned()), gas: self.chamber.gas },
             sensor: Sensor::default(),
             accuracy_pa: None,
@@ -282,44 +323,119 @@ impl Recipe {
     }
 
     fn trace(&self, test: usize, repeat: usize) -> Trace {
+        if self.faults.open_port {
+            return self.two_cycles(test, repeat);
+        }
         let Test { name, pressure_pa, from_m, moves } = &self.tests[test];
-        let random = &mut Random::new(self.seed.wrapping_mul(1_000_003) + (test * 16 + repeat) as u64 + 1);
+        let faults = &self.faults;
+        let own_seed = self.seed.wrapping_mul(1_000_003) + (test * 16 + repeat) as u64 + 1;
+        let random = &mut Random::new(own_seed);
+        // What a recording adds is drawn apart from the rest, so that it is added to the same test.
+        let disturbing = &mut Random::new(own_seed ^ 0xd157_02b5);
         let on_grid = |t: f64| (t / STEP_S).round() * STEP_S;
-        let mut stroke = Stroke(Vec::new());
+        let mut stroke = Stroke { moves: Vec::new(), creep_m_per_s: self.bench.creep_m_per_s };
         let (mut time, mut position) = (self.rest_s + random.uniform() / self.rate_hz, *from_m);
         for &(to, push_s, shape, hold_s) in moves {
             // A trapezoid's quarters lie on the grid too.
             let length_s = 4.0 * on_grid(0.25 * push_s * (0.85 + 0.3 * random.uniform()));
-            stroke.0.push(Move { begin_s: on_grid(time), length_s, ends_m: [position, to], shape });
+            stroke.moves.push(Move { begin_s: on_grid(time), length_s, ends_m: [position, to], shape });
             (time, position) = (time + length_s + hold_s, to);
         }
         let pressure = pressure_pa * (1.0 + 0.003 * random.normal());
         let rows = (time * self.rate_hz) as usize;
-        let time_s: Vec<f64> = (0..rows).map(|i| i as f64 / self.rate_hz).collect();
+        let mut time_s: Vec<f64> = (0..rows).map(|i| i as f64 / self.rate_hz).collect();
         let truth = Truth {
             chamber: &self.chamber,
             outside: self.outside,
-            ambient_k: self.ambient_k,
+            ambient_k: self.ambient_k + self.bench.ambient_spread_k * disturbing.normal(),
+            ambient_rate_k_per_s: self.bench.ambient_rise_k / time,
+            start_warmer_k: self.bench.start_warmer_k,
             ambient_pa: self.ambient_pa,
             stroke: &stroke,
         };
-        let readings = truth.readings(&time_s, pressure);
+        let delay_s = faults.pressure_delay_s.draw(disturbing);
+        let mut shown = sampled(&time_s, delay_s, faults.low_pass_s, |times| truth.readings(times, pressure));
+        let offset_pa = faults.offset_pa.draw(disturbing);
+        shown.iter_mut().for_each(|p| *p += offset_pa);
+        for disturbance in &faults.disturbances {
+            let rows = disturbance.rows(rows, self.rate_hz, disturbing);
+            shown.iter_mut().zip(rows).for_each(|(p, d)| *p += d);
+        }
         let rounded = |value: f64, step: f64| (value / step).round() * step;
         let mut noisy = |value: f64, sd: f64, step: f64| rounded(value + sd * random.normal(), step);
+        let mut pressure_pa: Vec<f64> = shown.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect();
+        let stated = &faults.stated;
+        let position_m = sampled(&time_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
+            times.iter().map(|t| stroke.at(*t, *t).0).collect()
+        })
+        .into_iter()
+        .map(|x| x * stated.position_times + stated.position_offset_m)
+        .map(|x| noisy(x, self.position_noise_m, self.position_step_m))
+        .collect();
+        let ambient_temperature_k =
+            self.ambient_column.then(|| time_s.iter().map(|t| noisy(truth.ambient_at(*t), 0.02, 0.01)).collect());
+        faults.spoil(&mut pressure_pa, test + repeat == 0, disturbing);
+        faults.slow_readout(self.rate_hz, &mut pressure_pa);
+        faults.stamp(&mut time_s, &mut pressure_pa, disturbing);
         Trace {
             path: format!("{name}-{}.csv", repeat + 1).into(),
             sha256: String::new(),
-            pressure_pa: Some(readings.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect()),
-            position_m: time_s
-                .iter()
-                .map(|t| noisy(stroke.at(*t, *t).0, self.position_noise_m, self.position_step_m))
-                .collect(),
-            ambient_temperature_k: self
-                .ambient_column
-                .then(|| time_s.iter().map(|_| noisy(self.ambient_k, 0.02, 0.01)).collect()),
+            pressure_pa: Some(pressure_pa),
+            position_m,
+            ambient_temperature_k,
             gas_temperature_k: None,
             mass_flow_kg_per_s: None,
             time_s,
         }
     }
+
+    /// A test and the same again from 0.8 times its pressure; in half a second between them the piston goes back and
+    /// the open port brings the new pressure.
+    fn two_cycles(&self, test: usize, repeat: usize) -> Trace {
+        let closed = Self { faults: Faults { open_port: false, ..self.faults.clone() }, ..self.clone() };
+        let mut lower = closed.clone();
+        lower.tests[test].pressure_pa *= 0.8;
+        let (mut first, second) = (closed.trace(test, repeat), lower.trace(test, repeat + 8));
+        let rows = (0.5 * self.rate_hz) as usize;
+        let between = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            let (from, to) = (a.last().copied().unwrap_or(0.0), b.first().copied().unwrap_or(0.0));
+            (1..=rows).map(|i| to + (from - to) * (1.0 - i as f64 / rows as f64).powi(2)).collect()
+        };
+        let join = |a: &mut Vec<f64>, b: &[f64]| {
+            a.extend(between(a, b));
+            a.extend_from_slice(b);
+        };
+        join(&mut first.position_m, &second.position_m);
+        for (a, b) in [
+            (&mut first.pressure_pa, &second.pressure_pa),
+            (&mut first.ambient_temperature_k, &second.ambient_temperature_k),
+        ] {
+            if let (Some(a), Some(b)) = (a, b) {
+                join(a, b);
+            }
+        }
+        first.time_s = (0..first.position_m.len()).map(|i| i as f64 / self.rate_hz).collect();
+        first
+    }
+}
+
+/// A signal at `times`, recorded late by `delay_s` and through a low-pass of `low_pass_s`.
+fn sampled(times: &[f64], delay_s: f64, low_pass_s: f64, signal: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let earlier: Vec<f64> = times.iter().map(|t| (t - delay_s).max(0.0)).collect();
+    if low_pass_s == 0.0 {
+        return signal(&earlier);
+    }
+    const GRID_S: f64 = 4.0 * STEP_S;
+    let count = (earlier.last().copied().unwrap_or(0.0) / GRID_S) as usize + 3;
+    let grid: Vec<f64> = (0..count).map(|i| i as f64 * GRID_S).collect();
+    let mut filtered = signal(&grid);
+    recording::faults::low_pass(&mut filtered, GRID_S, low_pass_s);
+    earlier
+        .iter()
+        .map(|t| {
+            let u = t / GRID_S;
+            let i = u as usize;
+            filtered[i] + (filtered[i + 1] - filtered[i]) * (u - i as f64)
+        })
+        .collect()
 }

@@ -21,6 +21,11 @@ pub enum Outside {
     FrictionHeat(f64),
     /// A laminar leak to the surroundings, kg/(s Pa): close to an orifice's, but not one.
     LaminarLeak(f64),
+    /// Inflow past a closed valve from a supply at 7 bar, always choked below 2.1 bar: sonic conductance, m³/(s Pa).
+    SupplyLeak(f64),
+    /// Air with the heat capacity that it has: cp/R = 3.653 − 1.337e-3 T + 3.294e-6 T² − 1.913e-9 T³ + 0.2763e-12 T⁴
+    /// (Moran and Shapiro, Fundamentals of Engineering Thermodynamics, table A-21, 300 to 1000 K).
+    RealAir,
 }
 
 /// Their kinds at a strength (1 is well above the noise on most rigs).
@@ -49,6 +54,8 @@ impl Outside {
             Outside::OneSided(_) => "one-sided coefficient",
             Outside::FrictionHeat(_) => "friction heat",
             Outside::LaminarLeak(_) => "laminar leak",
+            Outside::SupplyLeak(_) => "leak from the supply",
+            Outside::RealAir => "real air",
         }
     }
 }

@@ -58,17 +58,34 @@ pub struct Move {
 
 /// Moves one after the other, with holds in between.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stroke(pub Vec<Move>);
+pub struct Stroke {
+    /// The moves, in time order.
+    pub moves: Vec<Move>,
+    /// Speed at which the piston creeps from the end of the first move on, m/s.
+    pub creep_m_per_s: f64,
+}
 
 impl Stroke {
     /// Position and speed at time `t`, in the part of the stroke that the time `inside` lies in: at a corner the two
     /// sides have different speeds.
     pub fn at(&self, t: f64, inside: f64) -> (f64, f64) {
-        let Some(first) = self.0.first() else { return (0.0, 0.0) };
+        let (position, speed) = self.driven(t, inside);
+        match self.moves.first() {
+            Some(first) if inside > first.begin_s + first.length_s => {
+                let since_s = t - first.begin_s - first.length_s;
+                (position + self.creep_m_per_s * since_s, speed + self.creep_m_per_s)
+            }
+            _ => (position, speed),
+        }
+    }
+
+    /// The same without creep.
+    fn driven(&self, t: f64, inside: f64) -> (f64, f64) {
+        let Some(first) = self.moves.first() else { return (0.0, 0.0) };
         if inside < first.begin_s {
             return (first.ends_m[0], 0.0);
         }
-        let m = self.0[self.0.partition_point(|m| m.begin_s <= inside) - 1];
+        let m = self.moves[self.moves.partition_point(|m| m.begin_s <= inside) - 1];
         if inside >= m.begin_s + m.length_s {
             return (m.ends_m[1], 0.0);
         }
@@ -79,13 +96,13 @@ impl Stroke {
 
     /// Whether the stroke has a corner within `reach` of time `t`.
     pub fn has_corner_near(&self, t: f64, reach: f64) -> bool {
-        self.0.iter().any(|m| (t - m.begin_s).abs() < reach || (t - m.begin_s - m.length_s).abs() < reach)
+        self.moves.iter().any(|m| (t - m.begin_s).abs() < reach || (t - m.begin_s - m.length_s).abs() < reach)
     }
 
     /// When the last move before `t` was half done, s.
     pub fn moved_s(&self, t: f64) -> f64 {
         let middle = |m: &Move| m.begin_s + 0.5 * m.length_s;
-        self.0.iter().map(middle).filter(|s| *s < t).fold(f64::INFINITY, |_, s| s)
+        self.moves.iter().map(middle).filter(|s| *s < t).fold(f64::INFINITY, |_, s| s)
     }
 }
 

@@ -19,8 +19,12 @@ pub struct Truth<'a> {
     pub chamber: &'a Chamber,
     /// What no card describes.
     pub outside: Option<Outside>,
-    /// Temperature of the surroundings, K.
+    /// Temperature of the surroundings at time zero, K.
     pub ambient_k: f64,
+    /// How fast that rises, K/s.
+    pub ambient_rate_k_per_s: f64,
+    /// How much warmer than the surroundings the gas is at time zero, K.
+    pub start_warmer_k: f64,
     /// Pressure of the surroundings, Pa.
     pub ambient_pa: f64,
     /// The stroke.
@@ -28,15 +32,21 @@ pub struct Truth<'a> {
 }
 
 impl Truth<'_> {
+    /// Temperature of the surroundings, K.
+    pub fn ambient_at(&self, t: f64) -> f64 {
+        self.ambient_k + self.ambient_rate_k_per_s * t
+    }
+
     fn boundary(&self, t: f64, inside: f64) -> Boundary {
         let (position, velocity) = self.stroke.at(t, inside);
-        Boundary { position, velocity, ..Boundary::closed(position, self.ambient_k, self.ambient_pa) }
+        Boundary { position, velocity, ..Boundary::closed(position, self.ambient_at(t), self.ambient_pa) }
     }
 
     /// The sensor's readings at these times (ascending, from 0 on), beginning at rest at `pressure`.
     pub fn readings(&self, times: &[f64], pressure: f64) -> Vec<f64> {
         let set = self.chamber.active().without(effects::of_sensor());
-        let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, self.ambient_k);
+        let start_k = self.ambient_k + self.start_warmer_k;
+        let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, start_k);
         let steps = (times.last().copied().unwrap_or(0.0) / STEP_S).ceil() as usize + 2;
         let mut sensor = Sensor { lag: self.parameter("sensor_lag"), lagged: pressure, gas: pressure, hang: 0.0 };
         let mut shown = Vec::with_capacity(steps + 1);
@@ -97,7 +107,7 @@ impl Truth<'_> {
         let gas = balance::conditions(self.chamber, &at, state[MASS], state[ENERGY]);
         let conductance = self.chamber.heat_transfer.coefficient_at(gas.pressure, gas.temperature)
             * self.chamber.geometry.heat_transfer_area(gas.volume);
-        let colder = self.ambient_k - gas.temperature;
+        let colder = self.ambient_at(t) - gas.temperature;
         rates[ENERGY] += match self.outside {
             Some(Outside::WarmWall(kelvin)) => conductance * kelvin,
             Some(Outside::FadingTurbulence(share, fade_s)) => {
@@ -113,10 +123,19 @@ impl Truth<'_> {
         let flow = match self.outside {
             Some(Outside::NeighbourLeak(conductance)) => conductance * (3e5 - gas.pressure),
             Some(Outside::LaminarLeak(conductance)) => conductance * (self.ambient_pa - gas.pressure),
+            Some(Outside::SupplyLeak(conductance)) => supplied(conductance, gas.pressure, self.ambient_at(t)),
             _ => 0.0,
         };
         rates[MASS] += flow;
-        rates[ENERGY] += flow * gas.cp * if flow > 0.0 { self.ambient_k } else { gas.temperature };
+        rates[ENERGY] += flow * gas.cp * if flow > 0.0 { self.ambient_at(t) } else { gas.temperature };
+        if matches!(self.outside, Some(Outside::RealAir)) {
+            // The state stands for m cv T with a constant cv, so that it still gives the pressure; what heats the gas
+            // acts on the cv that it has.
+            let exchanged = self.chamber.gas.cv() * gas.temperature * rates[MASS];
+            let share =
+                self.chamber.gas.cv() / (self.chamber.gas.gas_constant * (air_cp_over_r(gas.temperature) - 1.0));
+            rates[ENERGY] = exchanged + (rates[ENERGY] - exchanged) * share;
+        }
         rates
     }
 
@@ -130,6 +149,19 @@ impl Truth<'_> {
         let k4 = self.rates(set, &plus(&k3, 1.0), t + H, inside);
         core::array::from_fn(|i| y[i] + H / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
     }
+}
+
+/// Flow from a supply at 7 bar and the surroundings' temperature (ISO 6358, critical ratio 0.3), kg/s.
+fn supplied(conductance: f64, pressure: f64, temperature: f64) -> f64 {
+    const SUPPLY_PA: f64 = 7e5;
+    const CRITICAL: f64 = 0.3;
+    let over = ((pressure / SUPPLY_PA - CRITICAL) / (1.0 - CRITICAL)).clamp(0.0, 1.0);
+    conductance * SUPPLY_PA * 1.185 * (293.15 / temperature).sqrt() * (1.0 - over * over).sqrt()
+}
+
+/// cp/R of air at `t` K: see [`Outside::RealAir`].
+fn air_cp_over_r(t: f64) -> f64 {
+    3.653 + t * (-1.337e-3 + t * (3.294e-6 + t * (-1.913e-9 + t * 0.2763e-12)))
 }
 
 /// Lag and hysteresis, step by step.

@@ -1,0 +1,205 @@
+//! The grid: which rigs, and what the diagnosis of one says.
+
+use crate::options::{Effects, Options};
+use chamber::effects::CARDS;
+use identify::synthetic::recording::{ALL, Answer, Outcome, Recording, Stated};
+use identify::synthetic::{Random, Recipe, visibility};
+use serde::Serialize;
+use serde_json::Value;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+
+/// Effects that [`Recipe`] does not simulate: they belong to the recording, or are no effect of their own.
+const NOT_SIMULATED: [&str; 4] = ["empirical", "sensor_offset", "position_delay", "position_averaging"];
+/// An effect is plain where it leaves this many times the noise beyond what the paper's parameters take up …
+const PLAIN: f64 = 2.0;
+/// … at one of these strengths.
+const STRENGTHS: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// One diagnosis to be made.
+pub struct Job {
+    recording: &'static Recording,
+    rig: u64,
+    kind: &'static str,
+    base: Recipe,
+    effect: Option<usize>,
+    tolerances: bool,
+}
+
+/// What came of it.
+#[derive(Debug, Serialize)]
+pub struct Row {
+    /// Name of the recording.
+    pub recording: &'static str,
+    /// Number of the rig.
+    pub rig: u64,
+    /// `bench` or `wide`.
+    pub kind: &'static str,
+    /// The rig's effect.
+    pub effect: Option<&'static str>,
+    /// Its strength.
+    pub strength: Option<f64>,
+    /// What it leaves beyond the paper's parameters, Pa, to first order.
+    pub effect_pa: Option<f64>,
+    /// Everything that disturbs a reading, rms, Pa.
+    pub noise_pa: f64,
+    /// The verdict; `refused` where there is an error, `panic` where the program fell over.
+    pub verdict: String,
+    /// The error's sentence.
+    pub error: Option<String>,
+    /// The effects named.
+    pub effects: Vec<String>,
+    /// Groups that cannot be told apart.
+    pub indistinguishable: Vec<Vec<String>>,
+    /// `Right`, `Alike`, `WrongName`, `Missed` or `Refused`.
+    pub outcome: String,
+    /// λ0 of the model that follows, W/(m² K), with its 95 % interval.
+    pub lambda0: Option<(f64, [f64; 2])>,
+    /// The true λ0.
+    pub true_lambda0: f64,
+    /// Whether the interval holds the truth, where the model is the true one and λ0 can be right.
+    pub lambda0_inside: Option<bool>,
+    /// Duration of the diagnosis, s.
+    pub seconds: f64,
+}
+
+/// All jobs of the options.
+pub fn jobs(options: &Options) -> Vec<Job> {
+    let simulated: Vec<usize> = (0..CARDS.len()).filter(|e| !NOT_SIMULATED.contains(&CARDS[*e].name)).collect();
+    let chosen = |r: &&Recording| options.only.is_empty() || options.only.iter().any(|name| name == r.name);
+    let mut jobs = Vec::new();
+    for (number, recording) in ALL.iter().enumerate().filter(|(_, r)| chosen(r)) {
+        for rig in 0..options.rigs {
+            let seed = options.seed + rig;
+            let (kind, base) =
+                if rig % 3 == 2 { ("wide", Recipe::wide(seed)) } else { ("bench", Recipe::from_seed(seed)) };
+            let visible = |e: &&usize| !recording.hides.contains(&CARDS[**e].name);
+            let effects: Vec<usize> = simulated.iter().filter(visible).copied().collect();
+            let turn = (number * 5 + rig as usize) % effects.len();
+            let with: Vec<Option<usize>> = match options.effects {
+                Effects::None => vec![None],
+                Effects::One => vec![None, Some(effects[turn])],
+                Effects::All => std::iter::once(None).chain(effects.into_iter().map(Some)).collect(),
+            };
+            for effect in with {
+                let (base, tolerances) = (base.clone(), options.tolerances);
+                jobs.push(Job { recording, rig, kind, base, effect, tolerances });
+            }
+        }
+    }
+    jobs
+}
+
+impl Job {
+    /// Makes the recording, with an effect strong enough to be plain, and what the effect leaves, Pa.
+    fn recipe(&self) -> (Recipe, Option<(f64, f64)>) {
+        let mut recipe = self.recording.apply(self.base.clone());
+        if self.tolerances && recipe.faults.stated == Stated::default() {
+            recipe.faults.stated = Stated::drawn(&mut Random::new(recipe.seed ^ 0x701e_4a5ce));
+        }
+        let Some(e) = self.effect else { return (recipe, None) };
+        let mut at = (0.0, 0.0);
+        let mut with = recipe.clone();
+        for strength in STRENGTHS {
+            with = recipe.clone().with_strength(e, strength);
+            at = (strength, visibility::beyond_paper_pa(&with, &recipe));
+            if at.1 >= PLAIN * recipe.noise_rms_pa() {
+                break;
+            }
+        }
+        (with, Some(at))
+    }
+
+    /// Makes the recording and diagnoses it.
+    pub fn run(&self) -> Row {
+        let (recipe, plain) = self.recipe();
+        let rig = recipe.rig();
+        let begun = Instant::now();
+        let answer = catch_unwind(AssertUnwindSafe(|| identify::diagnose(&rig, &|_, _| ())));
+        let seconds = begun.elapsed().as_secs_f64();
+        let (json, error) = match answer {
+            Ok(Ok(found)) => (serde_json::to_value(&found.diagnosis).unwrap_or_default(), None),
+            Ok(Err(error)) => (Value::Null, Some(error.to_string())),
+            Err(_) => (Value::Null, Some("panic".to_owned())),
+        };
+        let said = answer_of(&json);
+        let effect = self.effect.map(|e| CARDS[e].name);
+        let panicked = error.as_deref() == Some("panic");
+        let outcome = if panicked { Outcome::Refused } else { self.recording.judge(effect, said.as_ref()) };
+        let lambda0 = lambda0_of(&json);
+        let true_lambda0 = recipe.chamber.heat_transfer.coefficient;
+        let is_judged = self.recording.judges_lambda0 && outcome == Outcome::Right;
+        let verdict = match &said {
+            Some(said) => said.verdict.clone(),
+            None => if panicked { "panic" } else { "refused" }.to_owned(),
+        };
+        let (effects, indistinguishable) = said.map_or_else(Default::default, |a| (a.effects, a.indistinguishable));
+        Row {
+            recording: self.recording.name,
+            rig: self.rig,
+            kind: self.kind,
+            effect,
+            strength: plain.map(|p| p.0),
+            effect_pa: plain.map(|p| p.1),
+            noise_pa: recipe.noise_rms_pa(),
+            verdict,
+            error,
+            effects,
+            indistinguishable,
+            outcome: format!("{outcome:?}"),
+            lambda0_inside: lambda0.filter(|_| is_judged).map(|(_, [low, high])| (low..=high).contains(&true_lambda0)),
+            lambda0,
+            true_lambda0,
+            seconds,
+        }
+    }
+}
+
+impl Row {
+    /// Whether the effect is well above the noise; a rig without an effect counts.
+    pub fn is_plain(&self) -> bool {
+        self.effect_pa.is_none_or(|pa| pa >= PLAIN * self.noise_pa)
+    }
+
+    /// All of it in a line.
+    pub fn line(&self) -> String {
+        let lambda0 = self.lambda0.map_or_else(String::new, |(value, [low, high])| {
+            let percent = |x: f64| 100.0 * (x / self.true_lambda0 - 1.0);
+            format!("λ0 {:+.2} % [{:+.2}, {:+.2}]", percent(value), percent(low), percent(high))
+        });
+        let strength = match (self.strength, self.effect_pa) {
+            (Some(s), Some(pa)) => format!(" ×{s} = {:.1} noise", pa / self.noise_pa),
+            _ => String::new(),
+        };
+        format!(
+            "{} {} {} {}{strength}: {} {} {} {lambda0} {:.1} s {}",
+            self.recording,
+            self.kind,
+            self.rig,
+            self.effect.unwrap_or("none"),
+            self.outcome,
+            self.verdict,
+            self.effects.join("+"),
+            self.seconds,
+            self.error.as_deref().unwrap_or("")
+        )
+    }
+}
+
+/// What the contract's JSON says; `None` where there is none.
+fn answer_of(json: &Value) -> Option<Answer> {
+    let texts = |v: &Value| -> Vec<String> {
+        v.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
+    };
+    Some(Answer {
+        verdict: json.get("verdict")?.as_str()?.to_owned(),
+        effects: texts(&json["effects"]),
+        indistinguishable: json["indistinguishable"].as_array().into_iter().flatten().map(texts).collect(),
+    })
+}
+
+fn lambda0_of(json: &Value) -> Option<(f64, [f64; 2])> {
+    let lambda0 = json.pointer("/after/parameters/lambda0_w_per_m2_k")?;
+    let interval = lambda0.get("ci95")?;
+    Some((lambda0.get("value")?.as_f64()?, [interval.get(0)?.as_f64()?, interval.get(1)?.as_f64()?]))
+}

@@ -1,0 +1,79 @@
+//! The example's options.
+
+use identify::synthetic::recording;
+use std::path::PathBuf;
+
+/// Which effects the rigs have besides none at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effects {
+    /// Rigs without an effect only.
+    None,
+    /// One effect for each rig and recording, in turn.
+    One,
+    /// Every effect.
+    All,
+}
+
+/// What is run.
+#[derive(Debug)]
+pub struct Options {
+    /// Rigs for each recording.
+    pub rigs: u64,
+    /// Names of the recordings; empty: all.
+    pub only: Vec<String>,
+    /// Seed of the first rig.
+    pub seed: u64,
+    /// Effects.
+    pub effects: Effects,
+    /// Whether every rig file has errors drawn from its tolerances.
+    pub tolerances: bool,
+    /// Folder for the results; absent: standard output alone.
+    pub out: Option<PathBuf>,
+    /// The arguments as they were given.
+    pub command: String,
+}
+
+const USAGE: &str =
+    "options: --rigs N, --only NAME[,NAME…], --seed S, --effects none|one|all, --tolerances, --out FOLDER";
+
+impl Options {
+    /// From the command line.
+    pub fn from_arguments(arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+        let given: Vec<String> = arguments.collect();
+        let mut options = Self {
+            rigs: 3,
+            only: Vec::new(),
+            seed: 1,
+            effects: Effects::One,
+            tolerances: false,
+            out: None,
+            command: given.join(" "),
+        };
+        let mut rest = given.iter();
+        while let Some(name) = rest.next() {
+            let mut value = || rest.next().ok_or_else(|| format!("{name} needs a value; {USAGE}"));
+            let number = |text: &String| text.parse().map_err(|_| format!("{name} {text}: not a number; {USAGE}"));
+            match name.as_str() {
+                "--rigs" => options.rigs = number(value()?)?,
+                "--seed" => options.seed = number(value()?)?,
+                "--only" => options.only = value()?.split(',').map(str::to_owned).collect(),
+                "--tolerances" => options.tolerances = true,
+                "--out" => options.out = Some(value()?.into()),
+                "--effects" => {
+                    options.effects = match value()?.as_str() {
+                        "none" => Effects::None,
+                        "one" => Effects::One,
+                        "all" => Effects::All,
+                        other => return Err(format!("--effects {other}: none, one or all")),
+                    }
+                }
+                other => return Err(format!("{other} is no option; {USAGE}")),
+            }
+        }
+        let known: Vec<&str> = recording::ALL.iter().map(|r| r.name).collect();
+        match options.only.iter().find(|name| !known.contains(&name.as_str())) {
+            Some(name) => Err(format!("--only {name}: no such recording; there are {}", known.join(", "))),
+            None => Ok(options),
+        }
+    }
+}

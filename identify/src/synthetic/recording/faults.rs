@@ -1,0 +1,210 @@
+//! What happens to a reading between the gas and the row of a file, and what the rig file says wrongly.
+//!
+//! Order: low-pass and delay of the sensor, offset, disturbances, white noise and the converter's step (of the
+//! [`Recipe`](super::super::Recipe)), spikes, slow readout, clock and unit. SI units.
+
+use super::disturbance::Disturbance;
+use crate::synthetic::random::Random;
+
+/// A value that all records have in common and a part of its own in each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scattered {
+    /// In all records.
+    pub common: f64,
+    /// Standard deviation between records.
+    pub between: f64,
+}
+
+impl Scattered {
+    /// The same in all records.
+    pub fn common(common: f64) -> Self {
+        Self { common, between: 0.0 }
+    }
+
+    /// Its value in one record.
+    pub fn draw(self, random: &mut Random) -> f64 {
+        self.common + self.between * random.normal()
+    }
+}
+
+/// How a sensor that is read less often than the rows come fills them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filled {
+    /// With the last reading.
+    Held,
+    /// On a straight line between two readings.
+    Interpolated,
+}
+
+/// What the rig file says, against the truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stated {
+    /// Stated bore over the true one.
+    pub bore_times: f64,
+    /// Recorded way over the true one.
+    pub position_times: f64,
+    /// Added to every recorded position, m.
+    pub position_offset_m: f64,
+    /// Stated ambient temperature less the true one, K; a recorded column is right.
+    pub ambient_offset_k: f64,
+}
+
+impl Stated {
+    /// Errors drawn from the tolerances that a rig file has by default (standard deviations): bore and position scale
+    /// 0.5 %, position 0.5 mm, ambient temperature 2 K.
+    pub fn drawn(random: &mut Random) -> Self {
+        Self {
+            bore_times: 1.0 + 0.005 * random.normal(),
+            position_times: 1.0 + 0.005 * random.normal(),
+            position_offset_m: 5e-4 * random.normal(),
+            ambient_offset_k: 2.0 * random.normal(),
+        }
+    }
+}
+
+impl Default for Stated {
+    fn default() -> Self {
+        Self { bore_times: 1.0, position_times: 1.0, position_offset_m: 0.0, ambient_offset_k: 0.0 }
+    }
+}
+
+/// All of it; the default changes nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Faults {
+    /// Time constant of a low-pass that the gas's pressure passes, s.
+    pub low_pass_s: f64,
+    /// How late the pressure is recorded, s; early where negative.
+    pub pressure_delay_s: Scattered,
+    /// Added to every pressure, Pa.
+    pub offset_pa: Scattered,
+    /// Disturbances besides the recipe's white noise.
+    pub disturbances: Vec<Disturbance>,
+    /// Share of the pressures that are off by 4 to 20 kPa.
+    pub spikes: f64,
+    /// One reading of this value, Pa, in one record.
+    pub one_reading_pa: Option<f64>,
+    /// Readings in a second of a pressure sensor that is slower than the rows, and what stands between them.
+    pub readout: Option<(f64, Filled)>,
+    /// How late the position is recorded, s.
+    pub position_delay_s: f64,
+    /// Time constant of a low-pass that the position passes, s.
+    pub position_low_pass_s: f64,
+    /// Number of rows in each record that have the time stamp of the row before.
+    pub repeated_stamps: usize,
+    /// Recorded pressure over its value in Pa, as of a wrong unit.
+    pub pressure_unit: f64,
+    /// Recorded time over its value in s.
+    pub time_unit: f64,
+    /// Whether each file holds two cycles with the port open in between.
+    pub open_port: bool,
+    /// What the rig file says.
+    pub stated: Stated,
+}
+
+impl Default for Faults {
+    fn default() -> Self {
+        Self {
+            low_pass_s: 0.0,
+            pressure_delay_s: Scattered::default(),
+            offset_pa: Scattered::default(),
+            disturbances: Vec::new(),
+            spikes: 0.0,
+            one_reading_pa: None,
+            readout: None,
+            position_delay_s: 0.0,
+            position_low_pass_s: 0.0,
+            repeated_stamps: 0,
+            pressure_unit: 1.0,
+            time_unit: 1.0,
+            open_port: false,
+            stated: Stated::default(),
+        }
+    }
+}
+
+impl Faults {
+    /// Spikes and the one bad reading, in place.
+    pub fn spoil(&self, pressure_pa: &mut [f64], first_record: bool, random: &mut Random) {
+        if self.spikes > 0.0 {
+            for p in pressure_pa.iter_mut() {
+                if random.uniform() < self.spikes {
+                    let size = random.between(4e3, 2e4);
+                    *p += if random.below(2) == 0 { size } else { -size };
+                }
+            }
+        }
+        if let (Some(value), true) = (self.one_reading_pa, first_record) {
+            let row = pressure_pa.len() * 2 / 3;
+            pressure_pa[row] = value;
+        }
+    }
+
+    /// Fills the rows between the readings of a slow sensor, in place.
+    pub fn slow_readout(&self, rate_hz: f64, pressure_pa: &mut [f64]) {
+        let Some((readout_hz, filled)) = self.readout else { return };
+        let every = (rate_hz / readout_hz).round().max(1.0) as usize;
+        for first in (0..pressure_pa.len()).step_by(every) {
+            let from = pressure_pa[first];
+            // Beyond the last reading there is nothing to go to.
+            let to = pressure_pa.get(first + every).copied().unwrap_or(from);
+            let end = (first + every).min(pressure_pa.len());
+            for (k, p) in pressure_pa[first..end].iter_mut().enumerate() {
+                *p = match filled {
+                    Filled::Held => from,
+                    Filled::Interpolated => from + (to - from) * k as f64 / every as f64,
+                };
+            }
+        }
+    }
+
+    /// Clock and units, in place.
+    pub fn stamp(&self, time_s: &mut [f64], pressure_pa: &mut [f64], random: &mut Random) {
+        for _ in 0..self.repeated_stamps {
+            let row = 1 + random.below(time_s.len() - 1);
+            time_s[row] = time_s[row - 1];
+        }
+        time_s.iter_mut().for_each(|t| *t *= self.time_unit);
+        pressure_pa.iter_mut().for_each(|p| *p *= self.pressure_unit);
+    }
+}
+
+/// First-order low-pass of a signal sampled every `step_s`, linear in between, beginning at rest: exact.
+pub fn low_pass(signal: &mut [f64], step_s: f64, time_constant_s: f64) {
+    if time_constant_s <= 0.0 || signal.is_empty() {
+        return;
+    }
+    let kept = (-step_s / time_constant_s).exp();
+    let (mut before, mut shown) = (signal[0], signal[0]);
+    for value in signal.iter_mut() {
+        let slope = (*value - before) / step_s;
+        shown = shown * kept + before * (1.0 - kept) + slope * (step_s - time_constant_s * (1.0 - kept));
+        before = *value;
+        *value = shown;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_low_pass_of_a_ramp_lags_by_its_time_constant() {
+        let mut ramp: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();
+        low_pass(&mut ramp, 1e-3, 0.05);
+        assert!((ramp[1999] - (1.999 - 0.05)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_slow_readout_keeps_the_rows_really_read() {
+        let rows: Vec<f64> = (0..25).map(|i| f64::from(i * i)).collect();
+        for filled in [Filled::Held, Filled::Interpolated] {
+            let mut filled_rows = rows.clone();
+            Faults { readout: Some((10.0, filled)), ..Faults::default() }.slow_readout(100.0, &mut filled_rows);
+            for k in [0, 10, 20] {
+                assert_eq!(filled_rows[k], rows[k], "{filled:?}");
+            }
+            let between = if filled == Filled::Held { 0.0 } else { 50.0 };
+            assert_eq!(filled_rows[5], between, "{filled:?}");
+        }
+    }
+}
