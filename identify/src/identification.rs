@@ -5,13 +5,13 @@
 
 use crate::diagnosis::{Estimates, Rmse, as_map, assumptions, parameters};
 use crate::error::Error;
-use crate::paper::time_constant::{self, TimeConstant};
-use crate::paper::{Recording, Setup};
 use crate::prepare::Data;
 use crate::tracing;
 use crate::uncertainty::{Estimate, Undetermined, undetermined};
 use crate::{adequacy, evidence, held_out};
-use chamber::{AreaLaw, Chamber, HeatTransfer, paper};
+use chamber::{AreaLaw, Chamber, HeatTransfer};
+use paper::time_constant::{self, TimeConstant};
+use paper::{Recording, Setup};
 use records::{Rig, Trace};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -89,7 +89,7 @@ pub struct Identification {
 /// [`Error`]: data that cannot be what it should be, or no trace that the method can evaluate.
 pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
     let data = Data::prepare(rig)?;
-    let steps: Vec<(usize, Result<TimeConstant, crate::paper::Error>)> = rig
+    let steps: Vec<(usize, Result<TimeConstant, paper::Error>)> = rig
         .experiments
         .iter()
         .enumerate()
@@ -103,22 +103,22 @@ pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
     }
 }
 
-fn seven_steps(data: &Data, trace: &Trace, ambient_k: f64) -> Result<TimeConstant, crate::paper::Error> {
+fn seven_steps(data: &Data, trace: &Trace, ambient_k: f64) -> Result<TimeConstant, paper::Error> {
     let setup = Setup {
         gas: data.gas,
         bore_m: data.bore_m,
         piston_area_m2: data.piston_area_m2,
         area_law: AreaLaw::Total,
         ambient_temperature_k: ambient_k,
-        reference_pressure_pa: paper::REFERENCE_PRESSURE_PA,
-        reference_temperature_k: paper::REFERENCE_TEMPERATURE_K,
+        reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
+        reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
     };
     let pressure_pa = trace.pressure_pa.as_deref().unwrap_or_default();
     let recording = Recording { time_s: &trace.time_s, pressure_pa, position_m: &trace.position_m };
     time_constant::evaluate(&setup, &recording)
 }
 
-type Steps = [(usize, Result<TimeConstant, crate::paper::Error>)];
+type Steps = [(usize, Result<TimeConstant, paper::Error>)];
 
 fn exact(data: &Data, steps: &Steps) -> Result<Identification, Error> {
     let baseline = tracing::baseline(data)?;
@@ -176,7 +176,7 @@ fn published(data: &Data, steps: &Steps) -> Result<Identification, Error> {
     let of = |f: &dyn Fn(&TimeConstant) -> (f64, [f64; 2])| {
         mean_with_interval(&found.iter().map(|s| f(s)).collect::<Vec<_>>())
     };
-    let number = |e: &crate::paper::Estimate| (e.value, e.ci95);
+    let number = |e: &paper::Estimate| (e.value, e.ci95);
     let lambda = of(&|s| number(&s.steps.coefficient_0_w_per_m2_k));
     let dead = of(&|s| number(&s.steps.dead_volume_m3));
     let mut parameters: Estimates = Vec::new();

@@ -12,7 +12,6 @@
 //! | [`identification`] | the paper's model alone, by either method |
 //! | [`gas_spring`] | the study of a measured gas spring |
 //! | [`synthetic`] | rigs with a known truth, for tests and the Monte Carlo study |
-//! | [`paper`] | the published method on one trace, and the paper's own numbers |
 
 pub mod adequacy;
 pub mod candidates;
@@ -29,7 +28,6 @@ pub mod identification;
 pub mod missing;
 pub mod motion;
 pub mod noise;
-pub mod paper;
 pub mod prepare;
 pub mod ramp;
 pub mod report;

@@ -3,7 +3,7 @@
 use super::document::{Block, Section, Table, digits, percent};
 use super::figures;
 use anyhow::{Context, Result};
-use identify::paper::geometry_effect::{COLUMN_HALF, FORMS, GeometryEffect, ONE_LAMBDA0, Outcome, REFERENCE_LENGTH_M};
+use paper::geometry_effect::{COLUMN_HALF, FORMS, GeometryEffect, ONE_LAMBDA0, Outcome, REFERENCE_LENGTH_M};
 use serde::Serialize;
 
 /// One form of λ as the JSON file has it.

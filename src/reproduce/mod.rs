@@ -11,7 +11,7 @@ mod trend;
 
 use anyhow::{Context, Result};
 use document::Block;
-use identify::paper::{self, section31::Timing};
+use paper::section31::Timing;
 use std::path::{Path, PathBuf};
 use studies::Law;
 

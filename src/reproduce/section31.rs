@@ -3,7 +3,7 @@
 use super::document::{Block, Section, Table, digits, percent, signed_percent};
 use super::figures;
 use anyhow::Result;
-use identify::paper::section31::{Line, Section31, Timing, reproduce};
+use paper::section31::{Line, Section31, Timing, reproduce};
 
 /// The list of quantities that `section31.json` holds.
 pub fn lines(section: &Section31) -> &[Line] {

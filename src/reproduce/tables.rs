@@ -2,8 +2,8 @@
 
 use super::document::{Section, Table, digits, signed_percent};
 use anyhow::{Context, Result};
-use identify::paper::measured::Measured;
-use identify::paper::tables::{self, TABLE_4, TABLE_5};
+use paper::measured::Measured;
+use paper::tables::{self, TABLE_4, TABLE_5};
 
 /// Table 4 as CSV.
 ///
@@ -54,7 +54,7 @@ fn row_beside(paper: &tables::Table, measured: &Measured, row: usize) -> Result<
     Ok(cells)
 }
 
-fn row_of<'a>(measured: &'a Measured, experiment: &str, actuator: &str) -> Result<&'a identify::paper::measured::Row> {
+fn row_of<'a>(measured: &'a Measured, experiment: &str, actuator: &str) -> Result<&'a paper::measured::Row> {
     let found = measured.rows.iter().find(|r| r.test.experiment == experiment && r.test.actuator == actuator);
     found.with_context(|| format!("no measured test for experiment {experiment}, actuator {actuator}"))
 }
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn each_printed_number_stays_as_printed_and_has_ours_beside_it() {
-        let measured = identify::paper::measured::reproduce().unwrap();
+        let measured = paper::measured::reproduce().unwrap();
         let text = table5(&measured).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 7);

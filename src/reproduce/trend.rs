@@ -4,7 +4,7 @@ use super::document::{Block, Section, Table, digits, percent};
 use super::figures;
 use super::studies::{Law, TrendPoint};
 use anyhow::Result;
-use identify::paper::measured::Measured;
+use paper::measured::Measured;
 use records::Model;
 
 /// The section of the report; `studied` with the column's length in λ, `flat` with one λ0.

@@ -24,7 +24,7 @@ def rows(path):
 
 def test_section_3_1_is_reproduced_to_half_a_percent(results, root):
     lines = json.loads((results / "section31.json").read_text())
-    printed = rows(root / "identify/data/paper/section31_simulation.csv")
+    printed = rows(root / "paper/data/section31_simulation.csv")
     assert [(line["symbol"], line["unit"]) for line in lines[: len(printed)]] == [
         (row["symbol"], row["unit"]) for row in printed
     ]
@@ -71,7 +71,7 @@ def test_the_section_s_numbers_follow_from_an_independent_simulation(results):
 
 @pytest.mark.parametrize("table", ["table4_heat_transfer", "table5_trend"])
 def test_tables_hold_the_paper_s_columns_and_ours(results, root, table):
-    printed = rows(root / f"identify/data/paper/{table}.csv")
+    printed = rows(root / f"paper/data/{table}.csv")
     ours = rows(results / f"{table.split('_')[0]}.csv")
     assert len(ours) == len(printed) == 6
     for mine, theirs in zip(ours, printed):

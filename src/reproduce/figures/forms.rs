@@ -2,7 +2,7 @@
 
 use super::{BLUE, GRID, INK, VERMILION, axis_style, before, drawing, failed, label_style, legend, title_style};
 use anyhow::Result;
-use identify::paper::geometry_effect::GeometryEffect;
+use paper::geometry_effect::GeometryEffect;
 use plotters::prelude::*;
 
 const ROW_HEIGHT: u32 = 24;
@@ -10,7 +10,7 @@ const ROW_HEIGHT: u32 = 24;
 /// The figure as SVG.
 pub fn draw(effect: &GeometryEffect) -> Result<String> {
     let mut outcomes: Vec<_> = effect.outcomes.iter().collect();
-    let judged = |o: &identify::paper::geometry_effect::Outcome| o.rms_left_out.unwrap_or(f64::INFINITY);
+    let judged = |o: &paper::geometry_effect::Outcome| o.rms_left_out.unwrap_or(f64::INFINITY);
     outcomes.sort_by(|a, b| judged(b).total_cmp(&judged(a)).then(b.rms_fitted.total_cmp(&a.rms_fitted)));
     let rows = outcomes.len();
     drawing(120 + ROW_HEIGHT * rows as u32, |root| {

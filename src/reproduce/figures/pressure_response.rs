@@ -2,7 +2,7 @@
 
 use super::{BLUE, GRID, INK, VERMILION, axis_style, drawing, failed, label_style, legend, title_style};
 use anyhow::Result;
-use identify::paper::section31::Section31;
+use paper::section31::Section31;
 use plotters::prelude::*;
 
 const BAR_PER_PA: f64 = 1e-5;

@@ -2,7 +2,7 @@
 
 use super::{BLUE, GRID, INK, VERMILION, axis_style, centred, drawing, failed, label_style, legend, title_style};
 use anyhow::{Context, Result};
-use identify::paper::geometry_effect::{COLUMN_HALF, GeometryEffect, ONE_LAMBDA0};
+use paper::geometry_effect::{COLUMN_HALF, GeometryEffect, ONE_LAMBDA0};
 use plotters::prelude::*;
 
 /// The figure as SVG.

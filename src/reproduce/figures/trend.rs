@@ -3,8 +3,8 @@
 use super::{BLUE, GRID, INK, VERMILION, axis_style, beside, centred, drawing, failed, label_style, title_style};
 use crate::reproduce::studies::TrendPoint;
 use anyhow::Result;
-use identify::paper::measured::Measured;
-use identify::paper::tables::{TABLE_5, Table, row_of};
+use paper::measured::Measured;
+use paper::tables::{TABLE_5, Table, row_of};
 use plotters::prelude::*;
 
 const MM: f64 = 1e3;

@@ -1,4 +1,4 @@
-//! The paper's tables 1 to 5 and the quantities of its section 3.1, embedded as the CSV files of `identify/data/paper`.
+//! The paper's tables 1 to 5 and the quantities of its section 3.1, embedded as the CSV files of `paper/data`.
 
 use super::Error;
 
@@ -14,19 +14,17 @@ pub struct Table {
 }
 
 /// Table 1: the actuators.
-pub const TABLE_1: (&str, &str) = ("table1_actuators.csv", include_str!("../../data/paper/table1_actuators.csv"));
+pub const TABLE_1: (&str, &str) = ("table1_actuators.csv", include_str!("../data/table1_actuators.csv"));
 /// Table 2: the experiments.
-const TABLE_2: (&str, &str) = ("table2_experiments.csv", include_str!("../../data/paper/table2_experiments.csv"));
+const TABLE_2: (&str, &str) = ("table2_experiments.csv", include_str!("../data/table2_experiments.csv"));
 /// Table 3: the regressions.
-const TABLE_3: (&str, &str) = ("table3_regression.csv", include_str!("../../data/paper/table3_regression.csv"));
+const TABLE_3: (&str, &str) = ("table3_regression.csv", include_str!("../data/table3_regression.csv"));
 /// Table 4: what the steps give.
-pub const TABLE_4: (&str, &str) =
-    ("table4_heat_transfer.csv", include_str!("../../data/paper/table4_heat_transfer.csv"));
+pub const TABLE_4: (&str, &str) = ("table4_heat_transfer.csv", include_str!("../data/table4_heat_transfer.csv"));
 /// Table 5: λ0 over volume/area.
-pub const TABLE_5: (&str, &str) = ("table5_trend.csv", include_str!("../../data/paper/table5_trend.csv"));
+pub const TABLE_5: (&str, &str) = ("table5_trend.csv", include_str!("../data/table5_trend.csv"));
 /// The simulated test of section 3.1.
-pub const SECTION_31: (&str, &str) =
-    ("section31_simulation.csv", include_str!("../../data/paper/section31_simulation.csv"));
+pub const SECTION_31: (&str, &str) = ("section31_simulation.csv", include_str!("../data/section31_simulation.csv"));
 
 impl Table {
     /// Parses an embedded file.

@@ -296,7 +296,7 @@ fn choose_blind(points: &[Point]) -> (f64, Vec<(String, String)>) {
 mod tests {
     use super::forms::Quantity::{Column, Pressure, Temperature};
     use super::*;
-    use crate::paper::measured;
+    use crate::measured;
 
     fn effect() -> GeometryEffect {
         examine(&measured::reproduce().unwrap())

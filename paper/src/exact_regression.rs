@@ -144,7 +144,7 @@ pub fn behind_regression(regression: &Regression, hold_time_constants: f64) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::decay::Exponential;
+    use crate::decay::Exponential;
 
     #[test]
     fn the_decay_behind_a_regression_has_that_regression() {

@@ -181,8 +181,8 @@ impl Row {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::tables::TABLE_5;
-    use crate::paper::time_constant::steps;
+    use crate::tables::TABLE_5;
+    use crate::time_constant::steps;
 
     fn each_number(source: (&'static str, &str), mut check: impl FnMut(&str, f64, f64, f64)) {
         let table = Table::parse(source).unwrap();
