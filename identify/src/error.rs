@@ -28,6 +28,37 @@ pub enum Error {
         /// How many are needed.
         least: usize,
     },
+    /// A pressure column in another unit than the rig says.
+    #[error("{}: half of the pressures are below {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column (Pa, kPa, bar, psi)",
+        trace.display())]
+    ImplausiblePressure {
+        /// The trace.
+        trace: PathBuf,
+        /// Median of its pressures, Pa.
+        median_pa: f64,
+    },
+    /// A heat transfer coefficient that no gas in a cylinder has.
+    #[error("the records ask for lambda0 = {} W/(m2 K), and a gas in a cylinder has 1 to 1000; check the unit of the time column (the pressure relaxes over {} s) and the bore",
+        crate::report::number(*coefficient, 3), crate::report::number(*time_constant_s, 3))]
+    ImplausibleCoefficient {
+        /// λ0 of the paper's model, W/(m² K).
+        coefficient: f64,
+        /// The time constant that goes with it, s.
+        time_constant_s: f64,
+    },
+    /// The chamber was opened within a record.
+    #[error("{}: the mass of gas changes by {:.0} % between t = {from_s:.2} s and t = {to_s:.2} s, more than any leak that shows while the piston is held: the port seems to have been open; give each cycle its own part of the file with from_s and to_s",
+        trace.display(), 100.0 * change)]
+    PortOpened {
+        /// The trace.
+        trace: PathBuf,
+        /// End of the rest before, s.
+        from_s: f64,
+        /// End of the rest after it, s.
+        to_s: f64,
+        /// Relative change of the mass.
+        change: f64,
+    },
     /// The piston does not move.
     #[error("{}: no move: the position stays within {:.3} mm (its noise is {:.4} mm); heat transfer shows only after a move",
         trace.display(), range_m * 1e3, noise_m * 1e3)]

@@ -1,10 +1,10 @@
 //! The model's pressure along one record: the gas by adaptive integration, the sensor's chain behind it in closed form.
 //!
-//! The same equations as [`chamber::simulate`], arranged for fits: the stroke is the smooth one of [`crate::motion`],
+//! The same equations as [`chamber::simulate`], arranged for fits: the stroke is the smooth one of [`crate::record::stroke`],
 //! only pressures are computed, at the times asked for, and a sensor lag costs no integration steps
 //! ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual numbers give exact sensitivities.
 
-use crate::motion::{Motion, Spline};
+use crate::record::stroke::{Motion, Spline};
 use chamber::Chamber;
 use chamber::balance::{self, Balance, Boundary, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
@@ -111,6 +111,8 @@ pub struct Run<'a, R> {
     pub set: EffectSet,
     /// How it begins.
     pub start: Start<R>,
+    /// How much warmer than recorded or stated the surroundings are, K.
+    pub warmer: R,
     /// Stroke and surroundings.
     pub course: &'a Course,
     /// Integration error relative to the states.
@@ -136,12 +138,12 @@ impl<R: Scalar> Run<'_, R> {
         disturbance: &impl Disturbance<R>,
         mut on_step: impl FnMut(f64, &[R; STATES]),
     ) -> Result<Vec<R>, IntegrationError> {
-        let Run { chamber, set, start, course, relative_tolerance } = *self;
+        let Run { chamber, set, start, warmer, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Vec::new()) };
         let inputs = Passing::new(course);
         let begin = inputs.begin();
         let first = inputs.boundary(0, begin);
-        let initial = balance::state_at(chamber, &first.lift(), start.pressure, start.temperature);
+        let initial = balance::state_at(chamber, &warmed(first, warmer), start.pressure, start.temperature);
         on_step(begin, &initial);
         let mut sensor = Sensor::new(chamber, set, course, times, start.pressure);
         let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
@@ -154,7 +156,7 @@ impl<R: Scalar> Run<'_, R> {
             if evaluations.get() > most_evaluations {
                 return [R::from(f64::NAN); STATES];
             }
-            disturbed_rates(gas_set, &balance, &boundary.lift(), state, disturbance.at(t))
+            disturbed_rates(gas_set, &balance, &warmed(boundary, warmer), state, disturbance.at(t))
         };
         record::follow(&inputs, &mut integrator, last, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
@@ -162,6 +164,15 @@ impl<R: Scalar> Run<'_, R> {
         })?;
         Ok(sensor.readings.into_taken())
     }
+}
+
+/// A boundary with warmer surroundings.
+#[inline(always)]
+fn warmed<R: Scalar>(boundary: Boundary, warmer: R) -> Boundary<R> {
+    let mut out: Boundary<R> = boundary.lift();
+    out.ambient_temperature += warmer;
+    out.temperature_in += warmer;
+    out
 }
 
 /// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.

@@ -1,44 +1,30 @@
 //! Measured traces in, an identified model out: the fit of a rig, its residual, and the effect that explains it.
 //!
+//! The stages only look forward:
+//!
 //! | module | holds |
 //! |---|---|
-//! | [`motion`], [`spline`], [`noise`], [`checks`], [`prepare`] | from rows to blocks: moves, holds, noise, bad input |
-//! | [`forward`] | the model's pressure along a record, with exact sensitivities |
-//! | [`hypothesis`], [`fit`], [`whiten`], [`uncertainty`] | what is free, the least squares over all traces, intervals |
-//! | [`candidates`], [`evidence`], [`held_out`] | fits with effects added, and how much they are worth |
-//! | [`missing`], [`adequacy`], [`sanity`] | what remains, whether it is noise, what has no physics behind it |
-//! | [`tracing`] | from the residual to the effect that explains it, or to the statement that none does |
-//! | [`diagnosis`], [`separate`] | the result for programs and reports; what to measure next |
-//! | [`identification`] | the paper's model alone, by either method |
-//! | [`gas_spring`] | the study of a measured gas spring |
+//! | [`record`] | from rows to blocks: moves, holds, noise, bad input |
+//! | [`parameters`], [`forward`] | what is free; the model's pressure along a record, with exact sensitivities |
+//! | [`fit`] | least squares over all records, intervals |
+//! | [`judge`] | evidence, the error on left-out data, what remains |
+//! | [`discrepancy`] | the missing term as a curve |
+//! | [`search`] | from the residual to the effects that explain it, or to the statement that none does |
+//! | [`outcome`] | results for programs and reports |
 //! | [`synthetic`] | rigs with a known truth, for tests and the Monte Carlo study |
 
-pub mod adequacy;
-pub mod candidates;
-pub mod checks;
-pub mod diagnosis;
+pub mod discrepancy;
 pub mod error;
-pub mod evidence;
 pub mod fit;
 pub mod forward;
-pub mod gas_spring;
-pub mod held_out;
-pub mod hypothesis;
-pub mod identification;
-pub mod missing;
-pub mod motion;
-pub mod noise;
-pub mod prepare;
-pub mod ramp;
+pub mod judge;
+pub mod outcome;
+pub mod parameters;
+pub mod record;
 pub mod report;
-pub mod sanity;
-pub mod separate;
-pub mod spline;
+pub mod search;
 pub mod synthetic;
-pub mod tracing;
-pub mod uncertainty;
-pub mod whiten;
 
-pub use diagnosis::{Diagnosed, Diagnosis, diagnose};
 pub use error::Error;
-pub use identification::{Identification, Method, identify};
+pub use outcome::diagnosis::{Diagnosed, Diagnosis, diagnose};
+pub use outcome::identification::{Identification, Method, identify};

@@ -1,8 +1,10 @@
 //! Four of the labelled cases (two repeats of each experiment), from a simulator written apart from this project.
 
-use identify::diagnosis::Diagnosed;
+use chamber::simulate::Start;
 use identify::fit::readings;
-use identify::prepare::Data;
+use identify::outcome::diagnosis::Diagnosed;
+use identify::parameters::Setting;
+use identify::record::prepare::Data;
 use records::Rig;
 use std::path::PathBuf;
 
@@ -28,7 +30,10 @@ fn validation_error_over_noise(case: &str, found: &Diagnosed) -> f64 {
     rig = Rig { path: rig.path, ..Rig::read(copy.path()).unwrap() };
     let data = Data::prepare(&rig).unwrap();
     let t = &data.traces[0];
-    let model = readings(t, &found.chamber(), &[1.0]).unwrap();
+    let chamber = found.chamber();
+    let start = Start { pressure: t.initial_pressure_pa, temperature: t.initial_temperature_k };
+    let setting = Setting { chamber, start, warmer: 0.0 };
+    let model = readings(t, &setting, chamber.active()).unwrap();
     let squares: f64 = t.pressure_pa.iter().zip(&model).map(|(y, m)| (y - m).powi(2)).sum();
     (squares / model.len() as f64).sqrt() / found.diagnosis.noise_pa
 }
@@ -67,13 +72,13 @@ fn a_slow_sensor_is_named_and_not_taken_for_a_delay() {
 }
 
 #[test]
-fn what_no_card_describes_gets_no_name() {
+fn what_no_card_describes_is_never_called_explained() {
     let found = diagnosed("case13");
-    assert_eq!(found.diagnosis.verdict, "unexplained");
-    assert!(found.diagnosis.effects.is_empty());
+    assert!(matches!(found.diagnosis.verdict, "unexplained" | "improved"), "{}", found.diagnosis.verdict);
     assert!(found.diagnosis.missing.len() > 2 && found.diagnosis.balance != "none");
-    // The model to go on with is the paper's.
-    assert!(found.chamber().active().is_empty());
+    assert!(found.diagnosis.remaining_pa > found.diagnosis.noise_pa);
+    let after = found.diagnosis.after.rmse_pa.held_out.unwrap();
+    assert!(after <= found.diagnosis.before.rmse_pa.held_out.unwrap());
 }
 
 #[test]

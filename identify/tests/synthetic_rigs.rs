@@ -3,13 +3,13 @@
 use chamber::effects;
 use chamber::simulate::Start;
 use identify::forward::Run;
-use identify::hypothesis::names;
-use identify::prepare::Data;
+use identify::parameters::names;
+use identify::record::prepare::Data;
+use identify::search::{self, Found, Verdict, baseline};
 use identify::synthetic::{Outside, Recipe, Shape};
-use identify::tracing::{self, Trace, Verdict};
 
-fn traced(recipe: &Recipe) -> Trace {
-    tracing::trace(&Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap()
+fn traced(recipe: &Recipe) -> Found {
+    search::search(Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap().1
 }
 
 #[test]
@@ -17,7 +17,7 @@ fn each_effect_of_the_list_is_named_on_a_rig_of_its_own() {
     for (e, card) in effects::all() {
         let recipe = Recipe { repeats: 2, ..Recipe::from_seed(100 + e as u64) }.with_strength(e, 1.0);
         let found = traced(&recipe);
-        assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec![card.name]));
+        assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Explained, vec![card.name]));
         let lambda0 = found.chosen.fit.chamber().heat_transfer.coefficient;
         assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 0.03, "{}: {lambda0}", card.name);
     }
@@ -29,7 +29,7 @@ fn two_effects_at_once_are_both_named() {
     let (lag, _) = effects::find("sensor_lag").unwrap();
     let found =
         traced(&Recipe { repeats: 2, ..Recipe::from_seed(31) }.with_strength(leak, 0.5).with_strength(lag, 0.5));
-    assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec!["leakage", "sensor_lag"]));
+    assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Explained, vec!["leakage", "sensor_lag"]));
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn a_leak_of_another_critical_ratio_is_still_a_leak() {
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(33) }.with_strength(leak, 1.0);
     recipe.chamber.effects.of_mut(leak)[1] = 0.05;
     let found = traced(&recipe);
-    assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec!["leakage"]));
+    assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Explained, vec!["leakage"]));
     assert!((found.chosen.fit.chamber().effects.of(leak)[1] - 0.05).abs() < 0.05);
 }
 
@@ -49,7 +49,10 @@ fn a_leak_of_another_critical_ratio_is_a_leak_beside_another_effect_too() {
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(34) }.with_strength(leak, 1.0).with_strength(drift, 1.0);
     recipe.chamber.effects.of_mut(leak)[1] = 0.5;
     let found = traced(&recipe);
-    assert_eq!((found.verdict, names(found.chosen.effects)), (Verdict::Explained, vec!["leakage", "sensor_drift"]));
+    assert_eq!(
+        (found.verdict, names(found.chosen.model.effects)),
+        (Verdict::Explained, vec!["leakage", "sensor_drift"])
+    );
 }
 
 #[test]
@@ -60,15 +63,15 @@ fn a_push_of_six_rows_is_no_effect() {
         recipe.noise_pa = 20.0;
         recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|m| (m.1, m.2) = (0.06, shape));
         let found = traced(&recipe);
-        assert_eq!(found.verdict, Verdict::Adequate, "{shape:?}: {:?}", names(found.chosen.effects));
+        assert_eq!(found.verdict, Verdict::Adequate, "{shape:?}: {:?}", names(found.chosen.model.effects));
     }
 }
 
 #[test]
-fn what_no_card_describes_stays_unnamed() {
+fn what_no_card_describes_is_never_called_explained() {
     for outside in [Outside::FadingTurbulence(0.6, 0.4), Outside::Compliance(0.004), Outside::Hysteresis(600.0)] {
         let found = traced(&Recipe { repeats: 2, ..Recipe::from_seed(41) }.with_outside(outside));
-        assert_eq!(found.verdict, Verdict::Unexplained, "{}: {:?}", outside.name(), names(found.chosen.effects));
+        assert_ne!(found.verdict, Verdict::Explained, "{}: {:?}", outside.name(), names(found.chosen.model.effects));
     }
 }
 
@@ -77,8 +80,8 @@ fn the_same_rig_gives_the_same_bits_on_one_thread() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
     let data = Data::prepare(&recipe.rig()).unwrap();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let one = alone.install(|| tracing::baseline(&data).unwrap());
-    assert_eq!(tracing::baseline(&data).unwrap().globals, one.globals);
+    let (_, one) = alone.install(|| baseline::fitted(data.clone()).unwrap());
+    assert_eq!(baseline::fitted(data).unwrap().1.rig, one.rig);
 }
 
 #[test]
@@ -89,7 +92,8 @@ fn the_fit_s_forward_model_is_the_simulator_s() {
         let t = &data.traces[1];
         let start = Start { pressure: 3.2e5, temperature: data.ambient_temperature_k };
         let set = recipe.chamber.active();
-        let run = Run { chamber: &recipe.chamber, set, start, course: &t.course, relative_tolerance: 1e-9 };
+        let run =
+            Run { chamber: &recipe.chamber, set, start, warmer: 0.0, course: &t.course, relative_tolerance: 1e-9 };
         let ours = run.pressures(&t.time_s).unwrap();
         // The simulator's stroke is straight between knots: give it the same one, in steps of a tenth of a row.
         let near = Default::default();

@@ -58,7 +58,10 @@ fn identify(py: Python<'_>, rig: PathBuf, method: String, model: Option<PathBuf>
 #[pyfunction]
 fn diagnose(py: Python<'_>, rig: PathBuf, model: Option<PathBuf>, report: Option<PathBuf>) -> PyResult<String> {
     interruptible(py, move || {
-        let found = evaluation::diagnose(&rig, model.as_deref(), report.as_deref(), &|_, _| {})?;
+        let (rig, found) = evaluation::diagnose(&rig, report.as_deref(), &|_, _| {})?;
+        if let Some(path) = &model {
+            evaluation::write_diagnosed(&rig, &found, path)?;
+        }
         Ok(serde_json::to_string(&found.diagnosis)?)
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::commands::estimates;
 use crate::{evaluation, output};
-use identify::diagnosis::{Closest, Diagnosis, Rmse, Unnamed};
+use identify::outcome::diagnosis::{Diagnosis, Rmse, Unnamed};
 use identify::report::number;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -15,17 +15,20 @@ Example:
   pneutherm diagnose examples/cylinder/rig.toml -o model.toml --report report.html
   pneutherm diagnose examples/cylinder --json diagnosis.json
 
-The verdict: `adequate`, the paper's model leaves no more than noise; `explained`, with the effects that it lacks; \
-`unexplained`, something is there that no known effect accounts for. Pressures in Pa, other units by name.")]
+The verdict:
+  adequate     the paper's model leaves no more than noise, or than the accuracy asked for
+  explained    named effects leave what the noise leaves
+  improved     named effects predict left-out data decisively better, and more than noise remains
+  unexplained  nothing known predicts left-out data better")]
 pub struct Args {
     /// The rig file, or the folder that holds its rig.toml
     rig: PathBuf,
     /// Write the model to go on with to this file: with the effects found, the paper's where there are none
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
-    /// Where no known effects explain the residual: write the model of those that come closest, not the paper's
+    /// Write the model only where the verdict is `adequate` or `explained`; otherwise end with an error
     #[arg(long, requires = "output")]
-    closest: bool,
+    strict: bool,
     /// Write the result as JSON to this file, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -34,21 +37,30 @@ pub struct Args {
     report: Option<PathBuf>,
 }
 
+/// Sets of effects that the table shows.
+const SHOWN: usize = 24;
+
 /// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let bar = progress_bar();
-    let model = args.output.as_deref().filter(|_| !args.closest);
-    let found = evaluation::diagnose(&args.rig, model, args.report.as_deref(), &|what, share| {
+    let found = evaluation::diagnose(&args.rig, args.report.as_deref(), &|what, share| {
         bar.set_message(what.to_owned());
         bar.set_position((share * 100.0) as u64);
     });
     bar.finish_and_clear();
-    let found = found?;
-    if let Some(path) = args.output.as_ref().filter(|_| args.closest) {
-        evaluation::write_closest(&args.rig, &found, path)?;
-    }
+    let (rig, found) = found?;
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;
+    }
+    if let Some(path) = &args.output {
+        let verdict = found.diagnosis.verdict;
+        if args.strict && !matches!(verdict, "adequate" | "explained") {
+            anyhow::bail!(
+                "{}: not written: the verdict is `{verdict}`, and --strict takes `adequate` or `explained` only",
+                path.display()
+            );
+        }
+        evaluation::write_diagnosed(&rig, &found, path)?;
     }
     let taken = [&args.output, &args.json, &args.report].into_iter().flatten().any(|p| output::is_stdout(p));
     if taken { Ok(()) } else { output::print(table(&found.diagnosis).as_bytes()) }
@@ -69,10 +81,19 @@ fn progress_bar() -> indicatif::ProgressBar {
 fn table(d: &Diagnosis) -> String {
     let mut out = String::new();
     let what = match d.verdict {
-        "adequate" => "the paper's model leaves no more than noise".to_owned(),
+        "adequate" => format!(
+            "what the paper's model leaves is noise, or no more than the {} Pa that matter",
+            number(d.accuracy_pa, 2)
+        ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
+        "improved" => format!(
+            "{} predict left-out data decisively better; {} Pa rms remain beyond noise, so that they describe the records and need not be the cause",
+            d.effects.join(" and "),
+            number(d.remaining_pa, 3)
+        ),
         _ => format!(
-            "no known effect accounts for all of the residual; what is missing points to the {} balance",
+            "no known effect predicts left-out data decisively better; {} Pa rms remain beyond noise, and point to the {} balance",
+            number(d.remaining_pa, 3),
             d.balance
         ),
     };
@@ -81,19 +102,20 @@ fn table(d: &Diagnosis) -> String {
         let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
         format!("{:>10.1} {held_out:>12}", rmse.fit)
     };
-    let _ = writeln!(out, "error, Pa rms        fit     held out     (noise of the sensor {:.1})", d.noise_pa);
-    let _ = writeln!(out, "before       {}", error(&d.before.rmse_pa));
-    let _ = writeln!(out, "after        {}", error(&d.after.rmse_pa));
-    if let Some(c) = &d.closest {
-        let _ = writeln!(out, "closest      {}", error(&c.rmse_pa));
+    let _ = writeln!(out, "error, Pa rms        fit     held out     (noise of the recording {:.1})", d.noise_pa);
+    for step in &d.steps {
+        let name = if step.effects.is_empty() {
+            "the paper's model".to_owned()
+        } else {
+            format!("+ {}", step.effects.join(" + "))
+        };
+        let _ = writeln!(out, "{}   {name}", error(&step.rmse_pa));
     }
     out.push('\n');
     estimates::parameters(&mut out, &d.after.parameters);
-    if let Some(c) = &d.closest {
-        closest(&mut out, c);
-    }
+    recording(&mut out, d);
     let _ = writeln!(out, "\n{:<44} {:>12} {:>14}", "effects tried", "delta BIC", "held out Pa");
-    for c in &d.candidates {
+    for c in d.candidates.iter().take(SHOWN) {
         let held_out = c.held_out_rmse_pa.map_or("-".to_owned(), |h| format!("{h:.1}"));
         let _ = writeln!(out, "{:<44} {:>12.1} {held_out:>14}", c.effect, c.delta_bic);
     }
@@ -111,19 +133,32 @@ fn table(d: &Diagnosis) -> String {
     out
 }
 
-/// The known effects that come closest to a residual that they do not explain.
-fn closest(out: &mut String, c: &Closest) {
-    let _ = writeln!(
-        out,
-        "\nclosest: {} take away {:.1} % of what is beyond noise (delta BIC {:.1}), but clearly more than noise remains:\na description of these traces, not yet a cause (--closest writes it as a model)",
-        c.effects.join(" + "),
-        100.0 * c.share,
-        c.delta_bic
-    );
-    for (first, rest) in c.indistinguishable.iter().filter_map(|group| group.split_first()) {
-        let _ = writeln!(out, "as close would come {} in place of {first}", rest.join(" or "));
+/// The recording's noise, what the interval of λ0 is made of, and each effect's probability.
+fn recording(out: &mut String, d: &Diagnosis) {
+    let n = &d.noise;
+    let mut parts = vec![format!("white {} Pa", number(n.white_pa, 3))];
+    if n.coloured_pa > 0.0 {
+        parts.push(format!("coloured {} Pa over {} s", number(n.coloured_pa, 3), number(n.correlation_s, 2)));
     }
-    estimates::parameters(out, &c.parameters);
+    parts.extend(n.hum_hz.map(|hz| format!("hum at {} Hz", number(hz, 3))));
+    if n.step_pa > 0.0 {
+        parts.push(format!("steps of {} Pa", number(n.step_pa, 3)));
+    }
+    parts.extend(n.readout_hz.map(|hz| format!("read at {} Hz", number(hz, 3))));
+    parts.push(format!("{} outliers left out", n.outliers));
+    let _ = writeln!(out, "\nnoise: {}", parts.join(", "));
+    let shares: Vec<String> = d
+        .lambda0_budget
+        .iter()
+        .filter(|b| b.share > 0.005)
+        .map(|b| format!("{} {:.0} %", b.source, 100.0 * b.share))
+        .collect();
+    let _ = writeln!(out, "the variance of lambda0 comes from: {}", shares.join(", "));
+    let likely: Vec<String> =
+        d.probabilities.iter().filter(|(_, p)| *p > 0.2).map(|(e, p)| format!("{e} {:.0} %", 100.0 * p)).collect();
+    if !likely.is_empty() {
+        let _ = writeln!(out, "probable effects: {}", likely.join(", "));
+    }
 }
 
 /// A missing term as a function of what it follows.

@@ -1,7 +1,7 @@
 //! Tables of estimates, shared by `identify` and `diagnose`.
 
+use identify::fit::covariance::{Estimate, Undetermined};
 use identify::report::number;
-use identify::uncertainty::{Estimate, Undetermined};
 use std::fmt::Write;
 
 /// Parameters, one a line, with interval and unit.

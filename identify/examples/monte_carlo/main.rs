@@ -9,9 +9,11 @@ mod page;
 mod sets;
 
 use identify::fit::{self, Fit};
-use identify::prepare::Data;
-use identify::tracing::{self, Trace, Verdict};
-use identify::{diagnosis, evidence, hypothesis::names};
+use identify::judge::misfit;
+use identify::outcome::diagnosis;
+use identify::parameters::names;
+use identify::record::prepare::Data;
+use identify::search::{self, Found, Verdict};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::time::Instant;
@@ -31,10 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
 }
 
-fn traced(set: &sets::Set) -> Result<(Data, Trace), identify::Error> {
-    let data = Data::prepare(&set.recipe.rig())?;
-    let trace = tracing::trace(&data, &|_, _| ())?;
-    Ok((data, trace))
+fn traced(set: &sets::Set) -> Result<(Data, Found), identify::Error> {
+    search::search(Data::prepare(&set.recipe.rig())?, &|_, _| ())
 }
 
 fn run(study: &str, from: u64, to: u64, file: &str) -> Result<(), Box<dyn std::error::Error>> {
@@ -65,10 +65,10 @@ fn run(study: &str, from: u64, to: u64, file: &str) -> Result<(), Box<dyn std::e
     Ok(())
 }
 
-fn line(set: &sets::Set, data: Data, t: Trace, begun: Instant) -> String {
+fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let seconds = begun.elapsed().as_secs_f64();
-    let found = names(t.chosen.effects).join("+");
-    let settled = if t.verdict == Verdict::Explained { &t.chosen } else { &t.baseline };
+    let found = names(t.chosen.model.of_rig()).join("+");
+    let settled = if t.verdict == Verdict::Unexplained { &t.baseline } else { &t.chosen };
     // Intervals are judged where the model is the true one.
     let mut deviations = String::new();
     if (t.verdict == Verdict::Adequate && set.truth == "none")
@@ -84,7 +84,7 @@ fn line(set: &sets::Set, data: Data, t: Trace, begun: Instant) -> String {
         }
     }
     let over = |fit| {
-        let rms = evidence::rms(&evidence::residuals(&data, fit)) / data.noise.sd_pa;
+        let rms = misfit::rms(&data, &misfit::residuals(&data, fit)) / data.noise.total_pa();
         (rms * rms - 1.0).max(0.0).sqrt()
     };
     let (signal, left) = (over(&t.baseline.fit), over(&t.chosen.fit));
@@ -126,8 +126,8 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
             diagnosis::parameters(&data, &c.fit, true).iter().map(|(n, e)| format!("{n} {:.4e}", e.value)).collect();
         println!(
             "{:40} chi2 {:10.1} dBIC {:9.1} held out {held_out} {} iterations {} bounds {:?}",
-            names(c.effects).join("+"),
-            c.fit.chi2,
+            diagnosis::terms(&c.model),
+            c.fit.marginal,
             c.delta_bic,
             found.join(" "),
             c.fit.iterations,
@@ -136,8 +136,8 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     }
     for (what, a) in [("baseline", &t.baseline_adequacy), ("chosen", &t.chosen_adequacy)] {
         println!(
-            "{what}: noise {} excess {:.4} squares {:.2} sd, family {:.2e}",
-            a.is_noise, a.excess, a.squares_deviations, a.family_probability
+            "{what}: noise {} systematic {:.2} Pa squares {:.2} sd, family {:.2e}",
+            a.is_noise, a.systematic_pa, a.squares_deviations, a.family_probability
         );
         for f in a.families.iter().take(4) {
             println!("   {:?} by {:?}: gain {:.1} rank {}", f.form, f.variable, f.gain, f.rank);
@@ -147,9 +147,9 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     worst(&data, &t.chosen.fit);
     // The truth itself, each trace with the start that suits it.
     let mut h = t.baseline.fit.hypothesis.clone();
-    (h.effects, h.base) = (set.recipe.chamber.active(), set.recipe.chamber);
+    (h.model.effects, h.base) = (set.recipe.chamber.active(), set.recipe.chamber);
     h.axes.clear();
-    match fit::fit(&data, &h, Vec::new(), fit::first_locals(&data), &fit::all_blocks(&data)) {
+    match fit::fit(&data, &h, Vec::new(), h.first_owns(&data), &fit::all_blocks(&data)) {
         Ok(truth) => {
             println!("truth: chi2 {:.1} of {} blocks", truth.chi2, truth.blocks);
             worst(&data, &truth);
@@ -159,8 +159,8 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     println!(
         "{:?}: {}; alike {:?}",
         t.verdict,
-        names(t.chosen.effects).join("+"),
-        t.alike.iter().map(|s| names(*s).join("+")).collect::<Vec<_>>()
+        diagnosis::terms(&t.chosen.model),
+        t.alike.iter().map(diagnosis::terms).collect::<Vec<_>>()
     );
     Ok(())
 }

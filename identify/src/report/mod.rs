@@ -3,8 +3,8 @@
 mod page;
 mod svg;
 
-use crate::diagnosis::{Closest, Diagnosed, Diagnosis, Rmse, Unnamed};
-use crate::missing::Variable;
+use crate::discrepancy::Variable;
+use crate::outcome::diagnosis::{Diagnosed, Diagnosis, Rmse, Unnamed};
 use chamber::effects;
 pub use page::number;
 use page::{chosen_row, row};
@@ -25,9 +25,7 @@ pub fn html(rig: &records::Rig, found: &Diagnosed) -> String {
     let mut out = page::head(&format!("Diagnosis of {}", rig.path.display()));
     summary(&mut out, rig, d);
     parameters(&mut out, d);
-    if let Some(c) = &d.closest {
-        closest(&mut out, c);
-    }
+    recording(&mut out, d);
     evidence(&mut out, d);
     if !d.missing.is_empty() {
         unnamed(&mut out, &d.missing);
@@ -46,38 +44,52 @@ fn summary(out: &mut String, rig: &records::Rig, d: &Diagnosis) {
         "<h1>What the model of this cylinder lacks</h1><p class=\"source\">{}</p>",
         escape(&rig.path.display().to_string())
     );
+    let named = || d.effects.join("</b> and <b>");
+    let docs =
+        || d.effects.iter().filter_map(|e| effects::find(e)).map(|(_, c)| lower(c.doc)).collect::<Vec<_>>().join("; ");
     let verdict = match d.verdict {
-        "adequate" => {
-            "The paper's chamber model describes these traces: what it leaves is no more than the sensor's noise."
-                .to_owned()
-        }
+        "adequate" => format!(
+            "The paper's chamber model describes these traces: what is systematic in its residual is {} Pa, no more than noise or than the {} Pa that matter.",
+            number(d.remaining_pa, 2),
+            number(d.accuracy_pa, 2)
+        ),
         "explained" => format!(
             "The paper's chamber model is visibly wrong here. What it lacks is <b>{}</b> ({} balance): {}. With it, what remains is noise.",
-            d.effects.join("</b> and <b>"),
+            named(),
             d.balance,
-            d.effects.iter().filter_map(|e| effects::find(e)).map(|(_, c)| lower(c.doc)).collect::<Vec<_>>().join("; ")
+            docs()
+        ),
+        "improved" => format!(
+            "The paper's chamber model is visibly wrong here. <b>{}</b> predict left-out data decisively better ({}) and are in the model. \
+             More than noise remains, {} Pa rms: they describe these records, and need not be the cause.",
+            named(),
+            docs(),
+            number(d.remaining_pa, 3)
         ),
         _ => format!(
-            "The paper's chamber model is visibly wrong here, and <b>no known effect accounts for all of it</b>: with the best of them clearly more than noise remains. \
-             What is missing points to the <b>{}</b> balance. No effect is added to the model.",
+            "The paper's chamber model is visibly wrong here, and <b>no known effect helps</b>: none predicts left-out data decisively better. \
+             What is missing ({} Pa rms) points to the <b>{}</b> balance. No effect is added to the model.",
+            number(d.remaining_pa, 3),
             d.balance
         ),
     };
     let _ = write!(out, "<p class=\"verdict {}\">{verdict}</p>", d.verdict);
+    let steps: String = d
+        .steps
+        .iter()
+        .map(|s| match s.effects.is_empty() {
+            true => errors("before (the paper's model)", &s.rmse_pa),
+            false => errors(&format!("with {}", s.effects.join(" + ")), &s.rmse_pa),
+        })
+        .collect();
     let _ = write!(
         out,
-        "<table><tr><th>error, Pa rms</th><th>on the data fitted</th><th>on data left out of the fit</th></tr>{}{}{}</table>",
-        errors("before (the paper's model)", &d.before.rmse_pa),
-        match (&d.closest, d.effects.is_empty()) {
-            (Some(c), _) => errors(&format!("with the closest known effects, {}", c.effects.join(" + ")), &c.rmse_pa),
-            (None, true) => String::new(),
-            (None, false) => errors("after", &d.after.rmse_pa),
-        },
-        row(&["noise of the sensor", &number(d.noise_pa, 4), ""])
+        "<table><tr><th>error, Pa rms</th><th>on the data fitted</th><th>on data left out of the fit</th></tr>{steps}{}</table>",
+        row(&["noise of the recording", &number(d.noise_pa, 4), ""])
     );
     out.push_str(
-        "<p class=\"small\">Left out: each repeat in turn, or, without repeats, the last third of each record, simulated on from its beginning. \
-         A repeat that was left out brings its own initial pressure: each half of its rows is judged with the one that the other half asks for.</p>",
+        "<p class=\"small\">Left out: each repeat in turn; without repeats, records in turn; with few records, the last third of each, simulated on from its beginning. \
+         A record that was left out brings its own initial pressure: each half of its rows is judged with the one that the other half asks for.</p>",
     );
     for group in &d.indistinguishable {
         let _ = write!(
@@ -93,22 +105,44 @@ fn errors(name: &str, rmse: &Rmse) -> String {
     row(&[name, &number(rmse.fit, 4), &held_out])
 }
 
-/// How close known effects come where they do not explain.
-fn closest(out: &mut String, c: &Closest) {
-    let _ = write!(
-        out,
-        "<h2>How close known effects come</h2><p><b>{}</b> take away {:.1} % of what is beyond noise (ΔBIC {:.0}) and bring the error on left-out data down as well, \
-         but clearly more than noise remains. Take them for a description of these traces, not for the cause; <code>diagnose --closest -o model.toml</code> writes them as a model.</p>",
-        c.effects.join("</b> and <b>"),
-        100.0 * c.share,
-        c.delta_bic
-    );
-    for (first, rest) in c.indistinguishable.iter().filter_map(|group| group.split_first()) {
-        let _ = write!(out, "<p>As close would come <b>{}</b> in place of {first}.</p>", rest.join("</b> or <b>"));
+/// The recording: its noise, and what each record has for itself.
+fn recording(out: &mut String, d: &Diagnosis) {
+    let n = &d.noise;
+    out.push_str("<h2>The recording</h2><table><tr><th>noise of the pressure</th><th>value</th></tr>");
+    out.push_str(&row(&["white, Pa rms", &number(n.white_pa, 3)]));
+    if n.coloured_pa > 0.0 {
+        out.push_str(&row(&["coloured, Pa rms", &number(n.coloured_pa, 3)]));
+        out.push_str(&row(&["its correlation time, s", &number(n.correlation_s, 3)]));
     }
-    out.push_str("<table><tr><th>parameter</th><th>value</th><th>95 % interval</th><th>unit</th></tr>");
-    for (name, e) in &c.parameters {
-        out.push_str(&row(&[name, &number(e.value, 5), &e.interval(), &e.unit]));
+    if let Some(hz) = n.hum_hz {
+        out.push_str(&row(&["hum, Hz", &number(hz, 3)]));
+    }
+    if n.step_pa > 0.0 {
+        out.push_str(&row(&["step between readings, Pa", &number(n.step_pa, 3)]));
+    }
+    if let Some(hz) = n.readout_hz {
+        out.push_str(&row(&["readings in a second", &number(hz, 3)]));
+    }
+    out.push_str(&row(&["readings left out", &n.outliers.to_string()]));
+    out.push_str("</table>");
+    let shares: Vec<String> = d
+        .lambda0_budget
+        .iter()
+        .filter(|b| b.share > 0.005)
+        .map(|b| format!("{} {:.0} %", b.source, 100.0 * b.share))
+        .collect();
+    let _ = write!(out, "<p>The variance of λ0 comes from: {}.</p>", shares.join(", "));
+    let names: Vec<&str> =
+        d.records.first().map_or(Vec::new(), |r| r.parameters.iter().map(|(n, _)| n.as_str()).collect());
+    let head: String = names.iter().map(|n| format!("<th>{n}</th>")).collect();
+    let _ = write!(out, "<table><tr><th>record</th><th>error, Pa rms</th>{head}</tr>");
+    for r in &d.records {
+        let mut cells = vec![r.trace.clone(), number(r.rmse_pa, 4)];
+        let value = |name: &&str| {
+            r.parameters.iter().find(|(n, _)| n == name).map_or("–".to_owned(), |(_, e)| number(e.value, 5))
+        };
+        cells.extend(names.iter().map(value));
+        out.push_str(&row(&cells.iter().map(String::as_str).collect::<Vec<_>>()));
     }
     out.push_str("</table>");
 }
@@ -131,12 +165,10 @@ fn parameters(out: &mut String, d: &Diagnosis) {
 }
 
 fn evidence(out: &mut String, d: &Diagnosis) {
-    let _ = write!(
-        out,
+    out.push_str(
         "<h2>Evidence</h2><p>Each effect was added to the model and everything fitted anew. ΔBIC: how much the data speak for it against the paper's \
-         model, {} independent samples, each parameter paid for; above 10 is decisive. An effect enters only if the error on left-out data falls too.</p>\
-         <table><tr><th>effect</th><th>ΔBIC</th><th>error on left-out data, Pa rms</th><th>its parameters</th></tr>",
-        number(d.effective_samples, 3)
+         model, each parameter paid for; above 10 is decisive. An effect enters only if the error on left-out data falls too.</p>\
+         <table><tr><th>effect</th><th>ΔBIC</th><th>error on left-out data, Pa rms</th><th>its parameters</th></tr>"
     );
     let paper: Vec<&String> = d.before.parameters.iter().map(|(n, _)| n).collect();
     for c in d.candidates.iter().take(SHOWN) {
@@ -186,12 +218,9 @@ fn unnamed(out: &mut String, missing: &[Unnamed]) {
     out.push_str("</div>");
 }
 
-/// What is drawn beside the paper's model, and its residuals: the explained model, or what comes closest.
+/// What is drawn beside the paper's model, and its residuals: those of the model found.
 fn second(found: &Diagnosed) -> Option<(&'static str, &Vec<Vec<f64>>)> {
-    match &found.residuals_closest {
-        Some(residuals) => Some(("closest", residuals)),
-        None => (!found.diagnosis.effects.is_empty()).then_some(("after", &found.residuals_after)),
-    }
+    (found.diagnosis.steps.len() > 1).then_some(("after", &found.residuals_after))
 }
 
 fn traces(out: &mut String, found: &Diagnosed) {
@@ -253,7 +282,7 @@ fn against(out: &mut String, found: &Diagnosed) {
             for ((t, path), r) in found.data.traces.iter().zip(&found.paths).zip(residuals) {
                 let values = path.variable(variable);
                 for b in &t.blocks {
-                    let mean = |v: &[f64]| v[b.first..b.end].iter().sum::<f64>() / b.rows() as f64;
+                    let mean = |v: &[f64]| v[b.first..b.end].iter().sum::<f64>() / (b.end - b.first) as f64;
                     points.push((mean(&values), mean(r)));
                 }
             }

@@ -1,10 +1,11 @@
 //! Intervals of what was fitted, and what the data does not determine.
 //!
-//! Covariance: inverse of the normal matrix (locals eliminated), whose weights carry the noise's autocorrelation and the
-//! position's noise. Where the residual is more than noise, the variance between traces is the larger truth (sandwich
+//! Covariance: inverse of the normal matrix (the records' own numbers eliminated, tolerances as priors), whose weights carry
+//! the noise's colour and the position's noise. Where the residual is more than noise, the variance between traces is the larger truth (sandwich
 //! estimator with traces as clusters; blocks in a single trace): the wider of the two is reported.
 
 use crate::fit::Fit;
+use crate::parameters::Axis;
 use crate::report::number;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
@@ -51,10 +52,19 @@ impl Undetermined {
 /// Two-sided 95 % quantile of the normal distribution.
 const NORMAL_95: f64 = 1.959_963_985;
 
-/// Covariance of the global coordinates; of no extent in coordinates at a bound.
+/// Covariance of the rig's free coordinates, what the rig states within tolerances included; of no extent in coordinates at
+/// a bound.
 pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
-    let n = fit.globals.len();
-    let free: Vec<usize> = (0..n).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect();
+    let all: Vec<usize> = (fit.rig.len()..fit.information.nrows()).collect();
+    covariance_with(fit, residual_is_noise, &all)
+}
+
+/// The same with only these of the stated numbers uncertain.
+fn covariance_with(fit: &Fit, residual_is_noise: bool, stated: &[usize]) -> DMatrix<f64> {
+    let n = fit.rig.len();
+    let mut free: Vec<usize> = (0..n).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect();
+    let rig = free.len();
+    free.extend(stated);
     let m = free.len();
     let information = DMatrix::from_fn(m, m, |i, j| fit.information[(free[i], free[j])]);
     let Some(inverse) = inverse(&information) else { return DMatrix::from_diagonal_element(n, n, f64::INFINITY) };
@@ -62,7 +72,7 @@ pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
     if !residual_is_noise {
         let robust = &inverse * meat(fit, &free) * &inverse;
         let freedom = (fit.blocks as f64 - m as f64).max(1.0);
-        let scale = (fit.chi2 / freedom).max(1.0);
+        let scale = (fit.marginal / freedom).max(1.0);
         for i in 0..m {
             let wider = (robust[(i, i)] / covariance[(i, i)]).max(scale).sqrt();
             for j in 0..m {
@@ -72,12 +82,35 @@ pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
         }
     }
     let mut out = DMatrix::zeros(n, n);
-    for i in 0..m {
-        for j in 0..m {
+    for i in 0..rig {
+        for j in 0..rig {
             out[(free[i], free[j])] = covariance[(i, j)];
         }
     }
     out
+}
+
+/// What the variance of a coordinate is made of: the share of each stated number's tolerance, and of the records.
+pub fn budget(fit: &Fit, coordinate: usize, residual_is_noise: bool) -> Vec<(String, f64)> {
+    let stated: Vec<usize> = (fit.rig.len()..fit.information.nrows()).collect();
+    let variance = |of: &[usize]| covariance_with(fit, residual_is_noise, of)[(coordinate, coordinate)];
+    let (whole, alone) = (variance(&stated), variance(&[]));
+    let mut shares: Vec<(String, f64)> = vec![("records".to_owned(), alone)];
+    for (k, axis) in fit.hypothesis.stated.iter().enumerate() {
+        let others: Vec<usize> = stated.iter().copied().filter(|i| *i != stated[k]).collect();
+        shares.push((axis.slot.name(), (whole - variance(&others)).max(0.0)));
+    }
+    let sum: f64 = shares.iter().map(|(_, v)| v).sum();
+    shares.into_iter().map(|(name, v)| (name, if sum > 0.0 { v / sum } else { 0.0 })).collect()
+}
+
+/// Covariance of a record's own coordinates, the rig's uncertainty included.
+pub fn of_record(fit: &Fit, record: usize, rig: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let l = &fit.linear[record];
+    let free = fit.rig.len();
+    let own = inverse(&l.by_own.tr_mul(&l.by_own))?;
+    let follows = &own * l.by_own.tr_mul(&l.by_rig.columns(0, free));
+    Some(&own + &follows * rig * follows.transpose())
 }
 
 /// Inverse of a symmetric matrix whose rows differ in size.
@@ -89,7 +122,7 @@ fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
-/// Σ over clusters of score scoreᵀ, locals projected out.
+/// Σ over clusters of score scoreᵀ, the records' own numbers projected out.
 fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     const PARTS_OF_ONE: usize = 12;
     let m = free.len();
@@ -97,7 +130,7 @@ fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     let traces = fit.linear.iter().filter(|l| !l.residual.is_empty()).count();
     let mut clusters = 0.0;
     for l in fit.linear.iter().filter(|l| !l.residual.is_empty()) {
-        let projected = project_out(&l.by_global, &l.by_local);
+        let projected = project_out(&l.by_rig, &l.by_own);
         let rows = l.residual.len();
         let size = if traces >= 6 { rows } else { rows.div_ceil(PARTS_OF_ONE) };
         for first in (0..rows).step_by(size.max(1)) {
@@ -126,35 +159,35 @@ pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> 
     }
 }
 
-/// Values and intervals of the globals.
-pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>, lambda_extra: f64) -> Vec<(String, Estimate)> {
+/// Values and intervals of the rig's free numbers.
+pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)> {
     let h = &fit.hypothesis;
-    h.axes
-        .iter()
-        .enumerate()
-        .map(|(i, axis)| {
-            let x = fit.globals[i];
-            let extra = if i == 0 { lambda_extra } else { 0.0 };
-            let half = NORMAL_95 * (covariance[(i, i)] + extra * extra).sqrt();
-            let bounded = |x: f64| axis.value(x.clamp(axis.bounds[0], axis.bounds[1]));
-            let estimate = Estimate {
-                value: axis.value(x),
-                ci95: [bounded(x - half), bounded(x + half)],
-                unit: axis.slot.unit().to_owned(),
-            };
-            (axis.slot.name(), estimate)
-        })
-        .collect()
+    let each = h.axes.iter().zip(&fit.rig).enumerate();
+    each.map(|(i, (axis, x))| (axis.slot.name(), estimate(axis, *x, covariance[(i, i)], axis.slot.unit()))).collect()
+}
+
+/// Covariance of the values of the rig's free numbers, in their units, row by row.
+pub fn of_values(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let slopes: Vec<f64> = fit.hypothesis.axes.iter().zip(&fit.rig).map(|(axis, x)| axis.slope(*x)).collect();
+    let n = slopes.len();
+    (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] * slopes[i] * slopes[j]).collect()).collect()
+}
+
+/// A coordinate's number with its interval.
+pub fn estimate<S>(axis: &Axis<S>, x: f64, variance: f64, unit: &str) -> Estimate {
+    let half = NORMAL_95 * variance.sqrt();
+    let bounded = |x: f64| axis.value(x.clamp(axis.bounds[0], axis.bounds[1]));
+    Estimate { value: axis.value(x), ci95: [bounded(x - half), bounded(x + half)], unit: unit.to_owned() }
 }
 
 /// Directions whose relative uncertainty is beyond a third: parameters, or sums and differences of them.
 pub fn undetermined(fit: &Fit) -> Vec<Undetermined> {
     const TOO_WIDE: f64 = 0.33;
     let h = &fit.hypothesis;
-    let free: Vec<usize> = (0..fit.globals.len()).filter(|&i| !fit.at_bound[i]).collect();
+    let free: Vec<usize> = (0..fit.rig.len()).filter(|&i| !fit.at_bound[i]).collect();
     // In units of each parameter's own size: d ln value, or d value/size.
     let size: Vec<f64> =
-        free.iter().map(|&i| if h.axes[i].logarithmic { 1.0 } else { fit.globals[i].abs().max(1e-3) }).collect();
+        free.iter().map(|&i| if h.axes[i].logarithmic { 1.0 } else { fit.rig[i].abs().max(1e-3) }).collect();
     let n = free.len();
     if n == 0 {
         return Vec::new();

@@ -3,10 +3,11 @@
 //! A move is a cubic spline through its samples with zero speed at its ends, since straight lines between 100 Hz rows
 //! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a hold is the mean of
 //! its samples, so that the position's own noise is averaged away. A move at constant speed keeps its corners
-//! ([`crate::ramp`]). Position in m, time in s from the record's start.
+//! ([`crate::record::ramp`]). Position in m, time in s from the record's start.
 
-use crate::ramp;
-pub use crate::spline::{Spline, extent};
+use crate::record::line::Line;
+use crate::record::ramp;
+pub use crate::record::spline::{Spline, extent};
 use std::cell::Cell;
 
 /// What the piston does in one part of a record.
@@ -172,28 +173,38 @@ fn ranges(moving: &[bool]) -> Vec<(usize, usize, bool)> {
     out
 }
 
-/// A hold: its mean, or, where the piston clearly creeps, a spline through the means of twenty parts.
+/// A hold: a straight line through its rows, since a held piston creeps; its mean where no slope shows; where it clearly moves
+/// otherwise a spline through the means of twenty parts.
 fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     const PARTS: usize = 20;
+    /// A slope of so many standard errors is creep.
+    const SLOPE_SHOWS: f64 = 4.0;
     let n = position_m.len();
     let mean = |r: &[f64]| r.iter().sum::<f64>() / r.len() as f64;
-    let whole = mean(position_m);
-    if n >= 5 * PARTS {
-        let size = n / PARTS;
+    let constant = || Spline::through(vec![time_s[0]], vec![mean(position_m)], [None, None]);
+    if n < PARTS {
+        return constant();
+    }
+    let line = Line::through(time_s, position_m);
+    let ends = [time_s[0], time_s[n - 1]];
+    let size = n / PARTS;
+    if size >= 5 {
         let parts: Vec<(f64, f64)> = (0..PARTS)
             .map(|k| {
                 let rows = k * size..if k + 1 == PARTS { n } else { (k + 1) * size };
                 (mean(&time_s[rows.clone()]), mean(&position_m[rows]))
             })
             .collect();
-        let spread = parts.iter().map(|(_, x)| (x - whole).abs()).fold(0.0, f64::max);
+        let spread = parts.iter().map(|(t, x)| (x - line.at(*t)).abs()).fold(0.0, f64::max);
         if spread > 6.0 * noise_m / (size as f64).sqrt() && spread > 2.0 * noise_m {
             let (mut t, x): (Vec<f64>, Vec<f64>) = parts.into_iter().unzip();
-            (t[0], t[PARTS - 1]) = (time_s[0], time_s[n - 1]);
+            (t[0], t[PARTS - 1]) = (ends[0], ends[1]);
             return Spline::through(t, x, [Some(0.0), Some(0.0)]);
         }
     }
-    Spline::through(vec![time_s[0]], vec![whole], [None, None])
+    // Rounded positions scatter less about a line than their error is.
+    let error = line.slope_error.max(noise_m * 12.0f64.sqrt() / ((ends[1] - ends[0]) * (n as f64).sqrt()));
+    if line.slope.abs() > SLOPE_SHOWS * error { Spline::line(ends, ends.map(|t| line.at(t))) } else { constant() }
 }
 
 /// A move: a spline through its rows that meets the holds before and after it.
@@ -205,13 +216,15 @@ fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64]) -> 
     let near = Cell::new(0);
     if k > 0 {
         time.insert(0, segment.from_s);
-        value.insert(0, segments[k - 1].stroke.at(segment.from_s, &near).0);
-        ends[0] = Some(0.0);
+        let (from, speed) = segments[k - 1].stroke.at(segment.from_s, &near);
+        value.insert(0, from);
+        ends[0] = Some(speed);
     }
     if let Some(next) = segments.get(k + 1) {
         time.push(time_s[next.first]);
-        value.push(next.stroke.at(time_s[next.first], &near).0);
-        ends[1] = Some(0.0);
+        let (to, speed) = next.stroke.at(time_s[next.first], &near);
+        value.push(to);
+        ends[1] = Some(speed);
     }
     Spline::through(time, value, ends)
 }

@@ -5,10 +5,10 @@
 
 use crate::fit::RELATIVE_TOLERANCE;
 use crate::forward::{Course, Run};
-use crate::hypothesis::names;
-use crate::motion::{Motion, extent};
-use crate::prepare::Data;
-use crate::tracing::{Candidate, Trace, Verdict};
+use crate::outcome::diagnosis::terms;
+use crate::record::prepare::Data;
+use crate::record::stroke::{Motion, extent};
+use crate::search::{Candidate, Found, Verdict};
 use chamber::simulate::Start;
 use serde::Serialize;
 
@@ -35,10 +35,10 @@ struct Test {
 }
 
 /// Advice for a finished tracing: tests that separate the winner from what is alike or nearest.
-pub fn next(data: &Data, trace: &Trace) -> Vec<NextExperiment> {
-    match trace.verdict {
+pub fn next(data: &Data, found: &Found) -> Vec<NextExperiment> {
+    match found.verdict {
         Verdict::Adequate => Vec::new(),
-        Verdict::Unexplained => {
+        Verdict::Unexplained | Verdict::Improved => {
             let general = NextExperiment {
                 separates: ["unknown".to_owned(), "noise".to_owned()],
                 test: "no known effect fits: record the gas temperature or the wall's beside the pressure, repeat one \
@@ -47,22 +47,19 @@ pub fn next(data: &Data, trace: &Trace) -> Vec<NextExperiment> {
                     .to_owned(),
                 difference_over_noise: None,
             };
-            let alike = trace.tried.iter().filter(|c| trace.alike.contains(&c.effects)).take(1);
+            let alike = found.tried.iter().filter(|c| found.alike.contains(&c.model)).take(1);
             let tests = tests(data);
-            let between = alike.filter_map(|c| separating(data, &tests, &trace.chosen, c));
+            let between = alike.filter_map(|c| separating(data, &tests, &found.chosen, c));
             std::iter::once(general).chain(between).collect()
         }
         Verdict::Explained => {
-            let same_size = trace.chosen.effects.iter().count();
-            let alike = trace.tried.iter().filter(|c| trace.alike.contains(&c.effects));
-            let runner_up = trace
-                .tried
-                .iter()
-                .filter(|c| c.effects != trace.chosen.effects && c.effects.iter().count() == same_size)
-                .take(1);
-            let others: Vec<&Candidate> = if trace.alike.is_empty() { runner_up.collect() } else { alike.collect() };
+            let same_size = found.chosen.model.terms();
+            let alike = found.tried.iter().filter(|c| found.alike.contains(&c.model));
+            let runner_up =
+                found.tried.iter().filter(|c| c.model != found.chosen.model && c.model.terms() == same_size).take(1);
+            let others: Vec<&Candidate> = if found.alike.is_empty() { runner_up.collect() } else { alike.collect() };
             let tests = tests(data);
-            others.into_iter().filter_map(|c| separating(data, &tests, &trace.chosen, c)).collect()
+            others.into_iter().filter_map(|c| separating(data, &tests, &found.chosen, c)).collect()
         }
     }
 }
@@ -70,7 +67,7 @@ pub fn next(data: &Data, trace: &Trace) -> Vec<NextExperiment> {
 fn separating(data: &Data, tests: &[Test], a: &Candidate, b: &Candidate) -> Option<NextExperiment> {
     let best = tests
         .iter()
-        .filter_map(|test| Some((test, difference(test, a, b)? / data.noise.sd_pa)))
+        .filter_map(|test| Some((test, difference(test, a, b)? / data.noise.total_pa())))
         .max_by(|x, y| x.1.total_cmp(&y.1))?;
     let test = if best.1 < TOO_SMALL {
         "no push and hold within this stroke shows a difference; a push as fast as the bench allows, sampled as fast as the \
@@ -79,11 +76,7 @@ fn separating(data: &Data, tests: &[Test], a: &Candidate, b: &Candidate) -> Opti
     } else {
         best.0.words.clone()
     };
-    Some(NextExperiment {
-        separates: [names(a.effects).join(" + "), names(b.effects).join(" + ")],
-        test,
-        difference_over_noise: Some(best.1),
-    })
+    Some(NextExperiment { separates: [terms(&a.model), terms(&b.model)], test, difference_over_noise: Some(best.1) })
 }
 
 /// Root mean square of the difference of two models' readings, Pa.
@@ -96,6 +89,7 @@ fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
             chamber: &chamber,
             set: chamber.active(),
             start,
+            warmer: 0.0,
             course: &test.course,
             relative_tolerance: RELATIVE_TOLERANCE,
         }
@@ -148,7 +142,8 @@ fn test(data: &Data, words: String, [from, to]: [f64; 2], push_s: f64, hold_s: f
     let stroke: Vec<f64> = times.iter().map(|t| position(*t)).collect();
     let motion = Motion::detect(&times, &stroke);
     let rows: Vec<f64> = (0..=ROWS).map(|k| end * k as f64 / ROWS as f64).collect();
-    let ambient_temperature = crate::motion::Spline::through(vec![0.0], vec![data.ambient_temperature_k], [None, None]);
+    let ambient_temperature =
+        crate::record::stroke::Spline::through(vec![0.0], vec![data.ambient_temperature_k], [None, None]);
     let course = Course { motion, ambient_temperature, ambient_pressure: data.ambient_pressure_pa, mass_flow: None };
     Test { words, course, times: rows, pressure_pa }
 }

@@ -3,12 +3,15 @@
 //! Two methods: `exact`, the fit of all traces at once through moves and holds; `time-constant`, the paper's seven steps
 //! on each trace by itself, whose results are averaged.
 
-use crate::diagnosis::{Estimates, Rmse, as_map, assumptions, parameters};
 use crate::error::Error;
-use crate::prepare::Data;
-use crate::tracing;
-use crate::uncertainty::{Estimate, Undetermined, undetermined};
-use crate::{adequacy, evidence, held_out};
+use crate::fit;
+use crate::fit::covariance::{Estimate, Undetermined, undetermined};
+use crate::judge::{adequacy, left_out, misfit, sanity};
+use crate::outcome::diagnosis::{Estimates, Rmse, as_map, parameters, uncertainty};
+use crate::outcome::recording::notes;
+use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
+use crate::record::prepare::{Data, Prepared};
+use crate::search::baseline;
 use chamber::{AreaLaw, Chamber, HeatTransfer};
 use paper::time_constant::{self, TimeConstant};
 use paper::{Recording, Setup};
@@ -81,6 +84,9 @@ pub struct Identification {
     /// Ambient temperature, K.
     #[serde(skip)]
     pub ambient_temperature_k: f64,
+    /// Intervals and covariance, where the method has them.
+    #[serde(skip)]
+    pub uncertainty: Option<records::Uncertainty>,
 }
 
 /// Identifies a rig.
@@ -98,7 +104,7 @@ pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
         .map(|((e, trace), prepared)| (e, seven_steps(&data, trace, prepared.initial_temperature_k)))
         .collect();
     match method {
-        Method::Exact => exact(&data, &steps),
+        Method::Exact => exact(data, &steps),
         Method::TimeConstant => published(&data, &steps),
     }
 }
@@ -120,45 +126,51 @@ fn seven_steps(data: &Data, trace: &Trace, ambient_k: f64) -> Result<TimeConstan
 
 type Steps = [(usize, Result<TimeConstant, paper::Error>)];
 
-fn exact(data: &Data, steps: &Steps) -> Result<Identification, Error> {
-    let baseline = tracing::baseline(data)?;
-    let adequacy = adequacy::test(data, &baseline);
-    if !adequacy.is_noise {
-        crate::sanity::gauge(data, &baseline)?;
+fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
+    let (data, fit) = baseline::fitted(data)?;
+    sanity::coefficient(&data, &fit)?;
+    sanity::closed(&data, &fit)?;
+    let adequacy = adequacy::test(&data, &fit);
+    if !adequacy.is_adequate() {
+        sanity::gauge(&data, &fit)?;
     }
-    crate::sanity::dead_volume(data, &baseline)?;
-    let chamber = baseline.chamber();
-    let mut parameters = parameters(data, &baseline, adequacy.is_noise);
+    sanity::dead_volume(&data, &fit)?;
+    let chamber = fit.chamber();
+    let mut parameters = parameters(&data, &fit, adequacy.is_adequate());
+    let first_volume = |t: &Prepared| {
+        let position = t.course.motion.segments[0].stroke.at(0.0, &Default::default()).0;
+        chamber.geometry.volume(position)
+    };
     let masses: Vec<f64> = data
         .traces
         .iter()
-        .zip(&baseline.locals)
-        .map(|(t, local)| {
-            let start = crate::hypothesis::start(t, local);
-            let position = t.course.motion.segments[0].stroke.at(0.0, &Default::default()).0;
-            start.pressure * chamber.geometry.volume(position) / (chamber.gas.gas_constant * start.temperature)
+        .zip(&fit.own)
+        .map(|(t, own)| {
+            let start = fit.setting(t, own).start;
+            start.pressure * first_volume(t) / (chamber.gas.gas_constant * start.temperature)
         })
         .collect();
     // The mass follows the volume it was measured in: its relative interval is that of the dead volume's share.
     let mass = masses.iter().sum::<f64>() / masses.len() as f64;
-    let relative = parameters.iter().find(|(name, _)| name == "dead_volume_m3").map_or(0.0, |(_, e)| {
-        let position = data.traces[0].course.motion.segments[0].stroke.at(0.0, &Default::default()).0;
-        0.5 * (e.ci95[1] - e.ci95[0]) / chamber.geometry.volume(position)
-    });
+    let relative = parameters
+        .iter()
+        .find(|(name, _)| name == "dead_volume_m3")
+        .map_or(0.0, |(_, e)| 0.5 * (e.ci95[1] - e.ci95[0]) / first_volume(&data.traces[0]));
     parameters.push(("mass_kg".to_owned(), interval(mass, relative * mass, "kg")));
-    let residuals = evidence::residuals(data, &baseline);
+    let residuals = misfit::residuals(&data, &fit);
     Ok(Identification {
         method: Method::Exact.name(),
         parameters,
         rmse_pa: Rmse {
-            fit: evidence::rms(&residuals),
-            held_out: held_out::rmse(data, &baseline, &held_out::folds(data)),
+            fit: misfit::rms(&data, &residuals),
+            held_out: left_out::rmse(&data, &fit, &left_out::folds(&data)),
         },
-        noise_pa: data.noise.sd_pa,
-        residual_is_noise: adequacy.is_noise,
-        experiments: experiments(data, steps, Some(&masses)),
-        undetermined: undetermined(&baseline),
-        assumptions: assumptions(data),
+        noise_pa: data.noise.total_pa(),
+        residual_is_noise: adequacy.is_adequate(),
+        experiments: experiments(&data, steps, Some(&masses)),
+        undetermined: undetermined(&fit),
+        assumptions: notes(&data, None),
+        uncertainty: Some(uncertainty(&fit, adequacy.is_adequate())),
         chamber,
         ambient_temperature_k: data.ambient_temperature_k,
     })
@@ -188,7 +200,7 @@ fn published(data: &Data, steps: &Steps) -> Result<Identification, Error> {
     add("mass_kg", "kg", of(&|s| number(&s.steps.mass_kg)));
     add("lambda_av_w_per_m2_k", "W/(m2.K)", of(&|s| number(&s.steps.coefficient_av_w_per_m2_k)));
     add("conductance_av_w_per_k", "W/K", of(&|s| number(&s.steps.conductance_av_w_per_k)));
-    let mut chamber = crate::hypothesis::first_chamber(data);
+    let mut chamber = first_chamber(data);
     chamber.geometry.dead_volume = dead.0.max(0.0);
     chamber.heat_transfer = HeatTransfer::at_paper_reference(lambda.0);
     // What the method's numbers predict, through moves and holds.
@@ -196,24 +208,27 @@ fn published(data: &Data, steps: &Steps) -> Result<Identification, Error> {
     Ok(Identification {
         method: Method::TimeConstant.name(),
         parameters,
-        rmse_pa: Rmse { fit: evidence::rms(&residuals), held_out: None },
-        noise_pa: data.noise.sd_pa,
+        rmse_pa: Rmse { fit: misfit::rms(data, &residuals), held_out: None },
+        noise_pa: data.noise.total_pa(),
         residual_is_noise: false,
         experiments: experiments(data, steps, None),
         undetermined: Vec::new(),
-        assumptions: assumptions(data),
+        assumptions: notes(data, None),
+        uncertainty: None,
         chamber,
         ambient_temperature_k: data.ambient_temperature_k,
     })
 }
 
-/// Row residuals of a chamber that was not fitted to them, from each trace's first pressure.
+/// Row residuals of a chamber that was not fitted to them, from each record's first pressure.
 fn predicted(data: &Data, chamber: &Chamber) -> Result<Vec<Vec<f64>>, Error> {
+    let h = Hypothesis::new(data, Model::PAPER, chamber, &Sizes::of(data, chamber));
+    let rig = h.coordinates(chamber);
     data.traces
         .iter()
         .map(|t| {
-            let local = vec![1.0; crate::hypothesis::locals(t)];
-            let model = crate::fit::readings(t, chamber, &local)
+            let setting = h.setting(t, &rig, &[], &h.first_own(t));
+            let model = fit::readings(t, &setting, h.model.effects)
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
             Ok(t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect())
         })

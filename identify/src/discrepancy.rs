@@ -7,12 +7,11 @@
 //! linear algebra. The same numbers serve two ends: does anything of this kind remain (a test with many more directions
 //! than the named effects have), and what would it be.
 
+use crate::fit::covariance::project_out;
 use crate::fit::{self, Fit};
 use crate::forward::{Disturbance, Run, Undisturbed};
-use crate::motion::Phase;
-use crate::prepare::{Data, Prepared};
-use crate::uncertainty::project_out;
-use crate::whiten::whiten;
+use crate::record::prepare::{Data, Prepared};
+use crate::record::stroke::Phase;
 use chamber::balance::MASS;
 use chamber::card::Balance;
 use chamber::dual::Dual;
@@ -170,11 +169,12 @@ pub struct Path {
 
 impl Path {
     /// Along a trace; `None` where the model cannot follow.
-    pub fn along(t: &Prepared, fit: &Fit, local: &[f64]) -> Option<Self> {
-        let chamber = fit.chamber();
-        let gas_only = fit.hypothesis.effects.without(effects::of_sensor());
+    pub fn along(t: &Prepared, fit: &Fit, own: &[f64]) -> Option<Self> {
+        let setting = fit.setting(t, own);
+        let chamber = setting.chamber;
+        let gas_only = fit.hypothesis.model.effects.without(effects::of_sensor());
         let mut masses: Vec<(f64, f64)> = Vec::new();
-        let pressure_pa = fit::run(t, &chamber, gas_only, local)
+        let pressure_pa = fit::run(t, &setting, gas_only)
             .disturbed(&t.time_s, &Undisturbed, |time, state| masses.push((time, state[MASS])))
             .ok()?;
         let n = t.time_s.len();
@@ -324,7 +324,7 @@ impl<'a> Search<'a> {
     /// Along the fitted model; `None` where it cannot be followed.
     pub fn new(data: &'a Data, fit: &'a Fit) -> Option<Self> {
         let paths: Option<Vec<Path>> =
-            data.traces.par_iter().zip(&fit.locals).map(|(t, local)| Path::along(t, fit, local)).collect();
+            data.traces.par_iter().zip(&fit.own).map(|(t, own)| Path::along(t, fit, own)).collect();
         Some(Self { data, fit, paths: paths? })
     }
 
@@ -364,12 +364,13 @@ impl<'a> Search<'a> {
             _ => vec![1.0; path.time_s.len()],
         };
         let disturbance = Hats { form, time_s: &path.time_s, share, amount };
-        let chamber: chamber::Chamber<Tangent> = self.fit.chamber().lift();
         let shown: Vec<Tangent> = if form == Form::Reading {
             times.iter().map(|time| disturbance.amounts(*time)[0]).collect()
         } else {
-            let local: Vec<Tangent> = self.fit.locals[k].iter().map(|x| Tangent::from(*x)).collect();
-            let run = fit::run(t, &chamber, self.fit.hypothesis.effects, &local);
+            let lifted = |x: &[f64]| x.iter().map(|x| Tangent::from(*x)).collect::<Vec<_>>();
+            let h = &self.fit.hypothesis;
+            let setting = h.setting(t, &lifted(&self.fit.rig), &[], &lifted(&self.fit.own[k]));
+            let run = fit::run(t, &setting, h.model.effects);
             Run { relative_tolerance: 1e-7, ..run }.disturbed(&times, &disturbance, |_, _| ()).ok()?
         };
         let mut shown = shown.into_iter();
@@ -380,18 +381,18 @@ impl<'a> Search<'a> {
                 out[(row, j)] = mean.tangent[j];
             }
         }
-        whiten(blocks, &mut out);
+        t.whitener.apply_to(&mut out);
         Some(out)
     }
 
     /// The best coefficients given that every fitted parameter adapts: gain, rank, values and standard deviations.
     fn solve(&self, responses: &[DMatrix<f64>]) -> Option<(f64, usize, Vec<f64>, Vec<f64>)> {
-        let g = self.fit.globals.len();
+        let (free, g) = (self.fit.rig.len(), self.fit.information.nrows());
         let (mut ww, mut wj, mut jj) = (DMatrix::zeros(KNOTS, KNOTS), DMatrix::zeros(KNOTS, g), DMatrix::zeros(g, g));
         let (mut wr, mut jr) = (DVector::zeros(KNOTS), DVector::zeros(g));
         for (w, l) in responses.iter().zip(&self.fit.linear) {
-            let w = project_out(w, &l.by_local);
-            let j = project_out(&l.by_global, &l.by_local);
+            let w = project_out(w, &l.by_own);
+            let j = project_out(&l.by_rig, &l.by_own);
             ww += w.tr_mul(&w);
             wj += w.tr_mul(&j);
             jj += j.tr_mul(&j);
@@ -399,8 +400,13 @@ impl<'a> Search<'a> {
             wr += w.tr_mul(&r);
             jr += j.tr_mul(&r);
         }
-        // Globals at a bound do not adapt.
-        let free: Vec<usize> = (0..g).filter(|&i| !self.fit.at_bound[i] && jj[(i, i)] > 0.0).collect();
+        // What the rig states has its tolerance for a prior.
+        for k in free..g {
+            jj[(k, k)] += 1.0;
+        }
+        // Numbers at a bound do not adapt.
+        let bound = |i: usize| self.fit.at_bound.get(i).copied().unwrap_or(false);
+        let free: Vec<usize> = (0..g).filter(|&i| !bound(i) && jj[(i, i)] > 0.0).collect();
         if !free.is_empty() {
             let square = DMatrix::from_fn(free.len(), free.len(), |i, j| jj[(free[i], free[j])]);
             let cross = DMatrix::from_fn(KNOTS, free.len(), |i, j| wj[(i, free[j])]);

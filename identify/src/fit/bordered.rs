@@ -1,0 +1,118 @@
+//! Normal equations with a border: the numbers of the rig in every row, those of a record in its rows only.
+//!
+//! The records' own numbers are eliminated one record at a time (Schur complement), so that the matrix that is solved has
+//! the size of the rig's numbers however many records there are.
+
+use super::Linear;
+use crate::parameters::Hypothesis;
+use nalgebra::{DMatrix, DVector};
+
+/// The normal equations.
+pub struct System {
+    rig: usize,
+    whole: DMatrix<f64>,
+    right: DVector<f64>,
+    parts: Vec<Part>,
+}
+
+/// One record's share.
+struct Part {
+    coupling: DMatrix<f64>,
+    own: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl Part {
+    fn is_absent(&self) -> bool {
+        self.own.iter().all(|v| *v == 0.0)
+    }
+}
+
+impl System {
+    /// Of the linearised records; `rig` is the number of their common columns.
+    pub fn new(linear: &[Linear], rig: usize) -> Self {
+        let mut whole = DMatrix::zeros(rig, rig);
+        let mut right = DVector::zeros(rig);
+        let mut parts = Vec::with_capacity(linear.len());
+        for l in linear {
+            let r = DVector::from_column_slice(&l.residual);
+            whole += l.by_rig.tr_mul(&l.by_rig);
+            right += l.by_rig.tr_mul(&r);
+            parts.push(Part {
+                coupling: l.by_rig.tr_mul(&l.by_own),
+                own: l.by_own.tr_mul(&l.by_own),
+                right: l.by_own.tr_mul(&r),
+            });
+        }
+        Self { rig, whole, right, parts }
+    }
+
+    /// Normal matrix and right side of the rig's numbers, the records' own eliminated.
+    pub fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let (mut matrix, mut right) = (self.whole.clone(), self.right.clone());
+        for part in self.parts.iter().filter(|p| !p.is_absent()) {
+            let inverse = damped(&part.own, damping).cholesky()?;
+            let solved = inverse.solve(&part.coupling.transpose());
+            matrix -= &part.coupling * &solved;
+            right -= &part.coupling * inverse.solve(&part.right);
+        }
+        Some((matrix, right))
+    }
+
+    /// A step in all coordinates and the decrease of χ² it promises; coordinates at a bound that they push against rest.
+    pub fn step(&self, h: &Hypothesis, x: &[f64], damping: f64) -> Option<(Vec<f64>, Vec<Vec<f64>>, f64)> {
+        let (matrix, right) = self.reduced(damping)?;
+        let mut free: Vec<usize> = (0..self.rig).filter(|&i| self.whole[(i, i)] > 0.0).collect();
+        let mut step = vec![0.0; self.rig];
+        while !free.is_empty() {
+            let n = free.len();
+            let mut sub = DMatrix::from_fn(n, n, |i, j| matrix[(free[i], free[j])]);
+            let rhs = DVector::from_fn(n, |i, _| right[free[i]]);
+            for (i, &f) in free.iter().enumerate() {
+                sub[(i, i)] += (damping + 1e-14) * self.whole[(f, f)];
+            }
+            let solution = sub.cholesky()?.solve(&rhs);
+            let pushed: Vec<usize> = free
+                .iter()
+                .enumerate()
+                .filter(|&(k, &i)| {
+                    let b = h.axes[i].bounds;
+                    (x[i] <= b[0] && solution[k] < 0.0) || (x[i] >= b[1] && solution[k] > 0.0)
+                })
+                .map(|(_, &i)| i)
+                .collect();
+            if pushed.is_empty() {
+                for (k, &i) in free.iter().enumerate() {
+                    let b = h.axes[i].bounds;
+                    // A logarithm may change by at most a factor of e² at a time.
+                    let most = if h.axes[i].logarithmic { 2.0 } else { f64::INFINITY };
+                    step[i] = solution[k].clamp(-most, most).clamp(b[0] - x[i], b[1] - x[i]);
+                }
+                break;
+            }
+            free.retain(|i| !pushed.contains(i));
+        }
+        let rig = DVector::from_column_slice(&step);
+        let mut promised = 2.0 * self.right.dot(&rig) - rig.dot(&(&self.whole * &rig));
+        let mut own_steps = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            if part.is_absent() {
+                own_steps.push(vec![0.0; part.right.len()]);
+                continue;
+            }
+            let rhs = &part.right - part.coupling.tr_mul(&rig);
+            let own = damped(&part.own, damping).cholesky()?.solve(&rhs);
+            promised += 2.0 * own.dot(&rhs) - own.dot(&(&part.own * &own));
+            own_steps.push(own.as_slice().to_vec());
+        }
+        Some((step, own_steps, promised))
+    }
+}
+
+fn damped(matrix: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
+    let mut m = matrix.clone();
+    for i in 0..m.nrows() {
+        m[(i, i)] *= 1.0 + damping + 1e-14;
+    }
+    m
+}

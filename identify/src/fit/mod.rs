@@ -1,0 +1,410 @@
+//! All records of a rig at once: weighted least squares by Levenberg–Marquardt with bounds.
+//!
+//! Minimises Σ v², v the whitened block residuals ([`whiten`]). The normal equations are bordered: each record's own numbers
+//! appear in its rows only and are eliminated record by record ([`bordered`]), so that the system solved has the size of the
+//! rig's numbers. Sensitivities are exact (dual numbers, in several passes where there are many). Records are simulated in
+//! parallel and summed in order: the same data gives the same bits on any number of threads.
+//!
+//! What the rig states within a tolerance stays as stated in the fit. At its end the problem is linearised in those numbers
+//! too, with their priors: [`Fit::chi2`] is the sum of squares at the stated numbers, [`Fit::marginal`] that at the best
+//! numbers within the tolerances, their own squares included.
+
+pub mod bordered;
+pub mod covariance;
+pub mod whiten;
+
+use crate::forward::Run;
+use crate::parameters::{Hypothesis, Setting};
+use crate::record::prepare::{Block, Data, Prepared};
+use bordered::System;
+use chamber::Chamber;
+use chamber::dual::Dual;
+use chamber::effects::EffectSet;
+use chamber::integrate::IntegrationError;
+use chamber::real::{Real, Scalar};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Integration error relative to the states: a hundredth of a typical sensor's noise.
+pub const RELATIVE_TOLERANCE: f64 = 3e-8;
+/// A step that promises less than this much of χ² ends the fit.
+const SETTLED: f64 = 2e-3;
+const MOST_ITERATIONS: usize = 40;
+/// Derivatives in one pass of the simulation at the most.
+const WIDEST: usize = 12;
+
+/// Which blocks take part: the number of leading blocks of each record.
+pub type Selection = [usize];
+
+/// Residuals and sensitivities of one record's blocks, whitened: each of standard deviation one, independent of the others.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// (mean − model)/σ.
+    pub residual: Vec<f64>,
+    /// d(model/σ)/d(coordinate of the rig), a row for each block; behind the free ones, where wanted, the stated ones.
+    pub by_rig: DMatrix<f64>,
+    /// d(model/σ)/d(own coordinate).
+    pub by_own: DMatrix<f64>,
+}
+
+/// A fitted hypothesis.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// What was fitted.
+    pub hypothesis: Hypothesis,
+    /// The rig's coordinates.
+    pub rig: Vec<f64>,
+    /// Each record's own coordinates.
+    pub own: Vec<Vec<f64>>,
+    /// Σ of squares of the whitened residuals.
+    pub chi2: f64,
+    /// The same where what the rig states may move within its tolerance, squares of those moves included.
+    pub marginal: f64,
+    /// How far the stated numbers then move, in units of their tolerance.
+    pub moved: Vec<f64>,
+    /// How far the rig's free coordinates move with them.
+    pub follow: Vec<f64>,
+    /// Blocks that took part.
+    pub blocks: usize,
+    /// The linearised problem at the solution, record by record; its columns include the stated numbers.
+    pub linear: Vec<Linear>,
+    /// Normal matrix of the rig's free and stated numbers, priors included, with the records' own eliminated.
+    pub information: DMatrix<f64>,
+    /// Free numbers of the rig that ended at a bound.
+    pub at_bound: Vec<bool>,
+    /// Iterations used.
+    pub iterations: usize,
+    /// Whether the iteration ended at a minimum rather than at its limit.
+    pub converged: bool,
+}
+
+impl Fit {
+    /// The fitted chamber.
+    pub fn chamber(&self) -> Chamber {
+        self.hypothesis.chamber(&self.rig)
+    }
+
+    /// What a record is simulated with, at the stated numbers.
+    pub fn setting(&self, trace: &Prepared, own: &[f64]) -> Setting<f64> {
+        self.hypothesis.setting(trace, &self.rig, &[], own)
+    }
+
+    /// [`Fit::marginal`] with tolerances so many times as wide.
+    pub fn marginal_widened(&self, factor: f64) -> f64 {
+        let (free, all) = (self.rig.len(), self.information.nrows());
+        let Some((mut matrix, right)) = System::new(&self.linear, all).reduced(0.0) else { return self.chi2 };
+        for k in free..all {
+            matrix[(k, k)] += 1.0 / (factor * factor);
+        }
+        best_move(&matrix, &right, &self.at_bound).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
+    }
+
+    /// Number of free parameters beyond those that every record has.
+    pub fn freedom(&self) -> usize {
+        let records = self.linear.iter().filter(|l| !l.residual.is_empty()).count();
+        let temperatures = if self.hypothesis.model.initial_temperature { records } else { 0 };
+        self.hypothesis.axes.len() + self.hypothesis.own.len() * records + temperatures
+    }
+}
+
+/// Why a fit failed: the record whose simulation failed at the very begin, and how.
+pub type Failure = (usize, IntegrationError);
+
+/// Fits a hypothesis to the selected blocks, beginning from coordinates; where it does not converge, once more from where it
+/// stopped.
+///
+/// # Errors
+/// [`Failure`].
+pub fn fit(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    selection: &Selection,
+) -> Result<Fit, Failure> {
+    let first = descend(data, hypothesis, rig, own, selection, MOST_ITERATIONS)?;
+    let found = if first.converged {
+        first
+    } else {
+        descend(data, hypothesis, first.rig, first.own, selection, MOST_ITERATIONS)?
+    };
+    finish(data, hypothesis, found, selection)
+}
+
+/// The sum of squares and the coordinates after so many iterations: to choose among starts.
+///
+/// # Errors
+/// [`Failure`].
+pub fn trial(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    selection: &Selection,
+    iterations: usize,
+) -> Result<Descent, Failure> {
+    descend(data, hypothesis, rig, own, selection, iterations)
+}
+
+/// Where a descent has come to.
+#[derive(Clone, Debug)]
+pub struct Descent {
+    /// The rig's coordinates.
+    pub rig: Vec<f64>,
+    /// Each record's own coordinates.
+    pub own: Vec<Vec<f64>>,
+    /// Σ of squares.
+    pub chi2: f64,
+    /// Iterations used.
+    pub iterations: usize,
+    /// Whether it ended at a minimum.
+    pub converged: bool,
+}
+
+fn descend(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    mut rig: Vec<f64>,
+    mut own: Vec<Vec<f64>>,
+    selection: &Selection,
+    most_iterations: usize,
+) -> Result<Descent, Failure> {
+    let free = hypothesis.axes.len();
+    let own_axes: Vec<_> = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
+    let linearise = |rig: &[f64], own: &[Vec<f64>]| linearise(data, hypothesis, rig, own, selection, false);
+    let mut linear = linearise(&rig, &own)?;
+    let mut chi2 = total(&linear);
+    let mut system = System::new(&linear, free);
+    let (mut damping, mut iterations, mut converged) = (1e-4, 0, false);
+    'outer: while iterations < most_iterations {
+        iterations += 1;
+        for _ in 0..12 {
+            let Some((step, own_steps, promised)) = system.step(hypothesis, &rig, damping) else {
+                damping = (damping * 10.0).max(1e-6);
+                continue;
+            };
+            if promised < SETTLED {
+                converged = true;
+                break 'outer;
+            }
+            let trial = moved(&rig, &step, hypothesis.axes.iter().map(|axis| axis.bounds));
+            let trial_own: Vec<Vec<f64>> = own
+                .iter()
+                .zip(&own_steps)
+                .zip(&own_axes)
+                .map(|((x, step), axes)| moved(x, step, axes.iter().map(|axis| axis.bounds)))
+                .collect();
+            if let Ok(next) = linearise(&trial, &trial_own) {
+                let next_chi2 = total(&next);
+                if next_chi2 < chi2 {
+                    let gained = chi2 - next_chi2;
+                    (rig, own, linear, chi2) = (trial, trial_own, next, next_chi2);
+                    system = System::new(&linear, free);
+                    damping = if gained > 0.7 * promised { damping * 0.1 } else { damping }.max(1e-9);
+                    if gained < SETTLED {
+                        converged = true;
+                        break 'outer;
+                    }
+                    continue 'outer;
+                }
+            }
+            damping = (damping * 10.0).max(1e-3);
+            if damping > 1e8 {
+                // No direction goes down: a minimum to the accuracy of the simulation.
+                converged = true;
+                break 'outer;
+            }
+        }
+        break;
+    }
+    Ok(Descent { rig, own, chi2, iterations, converged })
+}
+
+/// Linearises in everything at the solution.
+fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Selection) -> Result<Fit, Failure> {
+    let Descent { rig, own, chi2, iterations, converged } = found;
+    let linear = linearise(data, hypothesis, &rig, &own, selection, true)?;
+    let (free, stated) = (hypothesis.axes.len(), hypothesis.stated.len());
+    let at_bound: Vec<bool> =
+        rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
+    let mut information = DMatrix::zeros(free + stated, free + stated);
+    let (mut marginal, mut shift, mut follow) = (chi2, vec![0.0; stated], vec![0.0; free]);
+    if let Some((mut matrix, right)) = System::new(&linear, free + stated).reduced(0.0) {
+        for k in free..free + stated {
+            matrix[(k, k)] += 1.0;
+        }
+        if let Some((gain, x)) = best_move(&matrix, &right, &at_bound) {
+            marginal = (chi2 - gain).max(0.0);
+            shift = x[free..].to_vec();
+            follow = x[..free].to_vec();
+        }
+        information = matrix;
+    }
+    Ok(Fit {
+        hypothesis: hypothesis.clone(),
+        chi2,
+        marginal,
+        moved: shift,
+        follow,
+        blocks: linear.iter().map(|l| l.residual.len()).sum(),
+        information,
+        rig,
+        own,
+        linear,
+        at_bound,
+        iterations,
+        converged,
+    })
+}
+
+/// How much of χ² the best move of all numbers but those at a bound takes away, and that move.
+fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, at_bound: &[bool]) -> Option<(f64, Vec<f64>)> {
+    let n = right.len();
+    let free: Vec<usize> =
+        (0..n).filter(|&i| !at_bound.get(i).copied().unwrap_or(false) && matrix[(i, i)] > 0.0).collect();
+    let scale: Vec<f64> = free.iter().map(|&i| 1.0 / matrix[(i, i)].sqrt()).collect();
+    let m = free.len();
+    let sub = DMatrix::from_fn(m, m, |i, j| {
+        matrix[(free[i], free[j])] * scale[i] * scale[j] + if i == j { 1e-12 } else { 0.0 }
+    });
+    let rhs = DVector::from_fn(m, |i, _| right[free[i]] * scale[i]);
+    let solution = sub.cholesky()?.solve(&rhs);
+    let mut x = vec![0.0; n];
+    for (i, &f) in free.iter().enumerate() {
+        x[f] = solution[i] * scale[i];
+    }
+    Some((solution.dot(&rhs), x))
+}
+
+/// Coordinates after a step, within their bounds.
+fn moved(x: &[f64], step: &[f64], bounds: impl Iterator<Item = [f64; 2]>) -> Vec<f64> {
+    x.iter().zip(step).zip(bounds).map(|((x, step), [low, high])| (x + step).clamp(low, high)).collect()
+}
+
+/// Residuals and sensitivities of all selected blocks, or the record whose simulation failed and why.
+fn linearise(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &[f64],
+    own: &[Vec<f64>],
+    selection: &Selection,
+    with_stated: bool,
+) -> Result<Vec<Linear>, Failure> {
+    (0..data.traces.len())
+        .into_par_iter()
+        .map(|k| {
+            let x = Coordinates { rig, stated: if with_stated { hypothesis.stated.len() } else { 0 }, own: &own[k] };
+            record(&data.traces[k], hypothesis, &x, selection[k]).map_err(|e| (k, e))
+        })
+        .collect()
+}
+
+/// Where one record is linearised.
+struct Coordinates<'a> {
+    rig: &'a [f64],
+    /// How many of the stated numbers take part, each at zero.
+    stated: usize,
+    own: &'a [f64],
+}
+
+impl Coordinates<'_> {
+    fn count(&self) -> usize {
+        self.rig.len() + self.stated + self.own.len()
+    }
+}
+
+fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> Result<Linear, IntegrationError> {
+    let count = x.count();
+    // Columns: residual, free, stated, own.
+    let mut columns = DMatrix::zeros(blocks, 1 + count);
+    if blocks > 0 {
+        for first in (0..count).step_by(WIDEST) {
+            // No wider than need be.
+            match (count - first).min(WIDEST) {
+                ..=3 => pass::<3>(t, h, x, first, &mut columns)?,
+                4 => pass::<4>(t, h, x, first, &mut columns)?,
+                5..=6 => pass::<6>(t, h, x, first, &mut columns)?,
+                7..=8 => pass::<8>(t, h, x, first, &mut columns)?,
+                _ => pass::<WIDEST>(t, h, x, first, &mut columns)?,
+            }
+        }
+        t.whitener.apply_to(&mut columns);
+    }
+    let rig = x.rig.len() + x.stated;
+    let out = Linear {
+        residual: columns.column(0).iter().copied().collect(),
+        by_rig: columns.columns(1, rig).into_owned(),
+        by_own: columns.columns(1 + rig, x.own.len()).into_owned(),
+    };
+    if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
+}
+
+/// The residual, and the derivatives by N coordinates from the `first` on.
+fn pass<const N: usize>(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    first: usize,
+    columns: &mut DMatrix<f64>,
+) -> Result<(), IntegrationError> {
+    let variable = |value: f64, place: usize| -> Dual<N> {
+        if (first..first + N).contains(&place) { Dual::variable(value, place - first) } else { Dual::from(value) }
+    };
+    let behind = x.rig.len() + x.stated;
+    let rig: Vec<Dual<N>> = x.rig.iter().enumerate().map(|(i, v)| variable(*v, i)).collect();
+    let stated: Vec<Dual<N>> = (0..x.stated).map(|i| variable(0.0, x.rig.len() + i)).collect();
+    let own: Vec<Dual<N>> = x.own.iter().enumerate().map(|(i, v)| variable(*v, behind + i)).collect();
+    let setting = h.setting(t, &rig, &stated, &own);
+    let blocks = &t.blocks[..columns.nrows()];
+    let mut shown = run(t, &setting, h.model.effects).pressures(&points(blocks))?.into_iter();
+    let last = x.count().min(first + N);
+    for (row, block) in blocks.iter().enumerate() {
+        let model = mean(block, &mut shown);
+        columns[(row, 0)] = block.mean_pa - model.value;
+        for place in first..last {
+            columns[(row, 1 + place)] = model.tangent[place - first];
+        }
+    }
+    Ok(())
+}
+
+/// The model along a record.
+pub fn run<'a, R: Real>(t: &'a Prepared, setting: &'a Setting<R>, set: EffectSet) -> Run<'a, R> {
+    let Setting { chamber, start, warmer } = setting;
+    Run { chamber, set, start: *start, warmer: *warmer, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE }
+}
+
+/// Times at which the blocks' means need the model.
+pub fn points(blocks: &[Block]) -> Vec<f64> {
+    let mut times = Vec::with_capacity(2 * blocks.len());
+    for b in blocks {
+        times.push(b.points_s[0]);
+        if b.rows > 1 {
+            times.push(b.points_s[1]);
+        }
+    }
+    times
+}
+
+/// The model's mean over a block, from its values at [`points`].
+pub fn mean<R: Real>(block: &Block, shown: &mut impl Iterator<Item = R>) -> R {
+    let first = shown.next().unwrap_or(R::ZERO);
+    if block.rows > 1 { (first + shown.next().unwrap_or(R::ZERO)) * 0.5 } else { first }
+}
+
+fn total(linear: &[Linear]) -> f64 {
+    linear.iter().flat_map(|l| &l.residual).map(|r| r * r).sum()
+}
+
+/// Every block of every record.
+pub fn all_blocks(data: &Data) -> Vec<usize> {
+    data.traces.iter().map(|t| t.blocks.len()).collect()
+}
+
+/// The model's reading at every row of a record, Pa, for plain numbers.
+///
+/// # Errors
+/// Where the state leaves what the equations can follow.
+pub fn readings<R: Scalar>(t: &Prepared, setting: &Setting<R>, set: EffectSet) -> Result<Vec<R>, IntegrationError> {
+    run(t, setting, set).pressures(&t.time_s)
+}

@@ -1,0 +1,313 @@
+//! Block residuals made independent of each other and of unit variance: the innovations of a Kalman filter over a record.
+//!
+//! A block's residual is the sum of white noise, of the recording's coloured noise and hum ([`Noise`]), and of what
+//! blocks have in common: the error of a hold's mean position and of its slope, the time at which the move before it was
+//! over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step). Each of these is a linear state, so that the filter is linear in the
+//! number of blocks, and the same operator applies to residuals and to every column of sensitivities.
+//!
+//! An Ornstein–Uhlenbeck process x of variance σ² and time constant τ averaged over a block of length T = u τ, given x at
+//! its begin: mean g x, variance σ² (f − g²), covariance with x at the end σ² g (1 − e^(−u)), where
+//! g = (1 − e^(−u))/u and f = 2 (u − 1 + e^(−u))/u². Source: R. E. Kalman, J. Basic Eng. 82 (1960) 35; innovations as
+//! residuals of a grey-box model: N. R. Kristensen, H. Madsen and S. B. Jørgensen, Automatica 40 (2004) 225.
+
+use crate::record::noise::Noise;
+use nalgebra::DMatrix;
+use std::f64::consts::TAU;
+
+/// Most states of the filter: two coloured processes, the hum's two, three that a segment has in common, one of rounding.
+const MOST: usize = 8;
+
+/// Where and how one mean of readings was taken. Times in s, deviations in Pa.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Begin of the mean.
+    pub begin_s: f64,
+    /// Its end; equal to the begin for a single reading.
+    pub end_s: f64,
+    /// Variance of its white part, Pa².
+    pub variance: f64,
+    /// Deviations that the means of one segment have in common.
+    pub common_sd_pa: [f64; 3],
+    /// The segment.
+    pub segment: usize,
+    /// Deviation by rounding, where the readings stick.
+    pub rounding_sd_pa: f64,
+    /// Correlation of its rounding with that of the mean before it: zero where that stuck to another step.
+    pub rounding_keeps: f64,
+}
+
+type Vector = [f64; MOST];
+
+/// Which states take part, and where they are.
+#[derive(Clone, Copy, Debug, Default)]
+struct Layout {
+    colours: usize,
+    hum: Option<usize>,
+    held: Option<usize>,
+    dwell: Option<usize>,
+    count: usize,
+}
+
+impl Layout {
+    fn of(noise: &Noise, places: &[Place]) -> Self {
+        let colours = noise.colours.len().min(2);
+        let mut count = colours;
+        let mut next = |wanted: bool, states: usize| {
+            count += if wanted { states } else { 0 };
+            wanted.then_some(count - states)
+        };
+        let hum = next(noise.hum.is_some(), 2);
+        let held = next(places.iter().any(|p| p.common_sd_pa != [0.0; 3]), 3);
+        let dwell = next(places.iter().any(|p| p.rounding_sd_pa > 0.0), 1);
+        Self { colours, hum, held, dwell, count }
+    }
+
+    /// States that begin anew at a mean which follows another.
+    fn renewed(&self, place: &Place, before: Option<&Place>) -> impl Iterator<Item = usize> + use<> {
+        let segment = before.is_none_or(|b| b.segment != place.segment);
+        self.held.filter(|_| segment).map(|at| at..at + 3).into_iter().flatten()
+    }
+}
+
+/// What the filter does at one mean.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    observe: Vector,
+    keep: Vector,
+    /// Cosine and sine of the hum's way to the next mean, damping included.
+    turn: [f64; 2],
+    gain: Vector,
+    per_sd: f64,
+}
+
+/// The operator that makes a record's residuals white.
+#[derive(Clone, Debug, Default)]
+pub struct Whitener {
+    layout: Layout,
+    steps: Vec<Step>,
+}
+
+impl Whitener {
+    /// For means at these places, under that noise.
+    pub fn new(noise: &Noise, places: &[Place]) -> Self {
+        let layout = Layout::of(noise, places);
+        let mut covariance = [[0.0; MOST]; MOST];
+        for (k, colour) in noise.colours.iter().take(layout.colours).enumerate() {
+            covariance[k][k] = colour.sd_pa * colour.sd_pa;
+        }
+        if let (Some(at), Some(hum)) = (layout.hum, noise.hum) {
+            covariance[at][at] = hum.sd_pa * hum.sd_pa;
+            covariance[at + 1][at + 1] = hum.sd_pa * hum.sd_pa;
+        }
+        if let Some(at) = layout.dwell {
+            covariance[at][at] = 1.0;
+        }
+        let mut steps: Vec<Step> = Vec::with_capacity(places.len());
+        for (i, place) in places.iter().enumerate() {
+            for state in layout.renewed(place, i.checked_sub(1).map(|b| &places[b])) {
+                renew(&mut covariance, state);
+                // What begins anew forgets what it was.
+                if let Some(before) = steps.last_mut() {
+                    (before.keep[state], before.gain[state]) = (0.0, 0.0);
+                }
+            }
+            steps.push(step(&layout, noise, place, places.get(i + 1), &mut covariance));
+        }
+        Self { layout, steps }
+    }
+
+    /// Σ ln of the first innovations' variances: what a likelihood needs beside the squares.
+    pub fn log_determinant_of(&self, count: usize) -> f64 {
+        self.steps.iter().take(count).map(|step| -2.0 * step.per_sd.ln()).sum()
+    }
+
+    /// Whitens the first values of a column in place; it may be shorter than the record.
+    pub fn apply(&self, column: &mut [f64]) {
+        let count = self.layout.count;
+        let mut state = [0.0; MOST];
+        for (step, value) in self.steps.iter().zip(column) {
+            let mut innovation = *value;
+            for k in 0..count {
+                innovation -= step.observe[k] * state[k];
+            }
+            *value = innovation * step.per_sd;
+            carry(&self.layout, step, &mut state);
+            for k in 0..count {
+                state[k] += step.gain[k] * innovation;
+            }
+        }
+    }
+
+    /// Whitens every column.
+    pub fn apply_to(&self, columns: &mut DMatrix<f64>) {
+        for mut column in columns.column_iter_mut() {
+            self.apply(column.as_mut_slice());
+        }
+    }
+}
+
+/// Takes a state on to the next mean.
+#[inline]
+fn carry(layout: &Layout, step: &Step, state: &mut Vector) {
+    let turned = layout.hum.map(|at| {
+        let ([c, s], [cos, sin]) = ([state[at], state[at + 1]], step.turn);
+        (at, [cos * c + sin * s, cos * s - sin * c])
+    });
+    for k in 0..layout.count {
+        state[k] *= step.keep[k];
+    }
+    if let Some((at, turned)) = turned {
+        state[at..at + 2].copy_from_slice(&turned);
+    }
+}
+
+/// Gives a state its prior variance of one, independent of the others.
+fn renew(covariance: &mut [Vector; MOST], state: usize) {
+    covariance[state] = [0.0; MOST];
+    covariance.iter_mut().for_each(|row| row[state] = 0.0);
+    covariance[state][state] = 1.0;
+}
+
+/// What the filter does at one mean; the covariance goes on to the next one.
+fn step(layout: &Layout, noise: &Noise, place: &Place, next: Option<&Place>, covariance: &mut [Vector; MOST]) -> Step {
+    let count = layout.count;
+    let length = place.end_s - place.begin_s;
+    let gap = next.map_or(0.0, |n| (n.begin_s - place.end_s).max(0.0));
+    let mut out = Step { observe: [0.0; MOST], keep: [1.0; MOST], turn: [0.0; 2], gain: [0.0; MOST], per_sd: 0.0 };
+    let (mut cross, mut added) = ([0.0; MOST], [0.0; MOST]);
+    let mut own = place.variance;
+    for (k, colour) in noise.colours.iter().take(layout.colours).enumerate() {
+        let (variance, u) = (colour.sd_pa * colour.sd_pa, length / colour.time_s);
+        let [g, f] = averages(u);
+        let (decay, wait) = ((-u).exp(), (-gap / colour.time_s).exp());
+        (out.observe[k], out.keep[k]) = (g, decay * wait);
+        own += variance * (f - g * g).max(0.0);
+        cross[k] = variance * g * (1.0 - decay) * wait;
+        added[k] = variance * (1.0 - (decay * wait).powi(2));
+    }
+    if let (Some(at), Some(hum)) = (layout.hum, noise.hum) {
+        let angle = 0.5 * TAU * hum.frequency_hz * length;
+        out.observe[at] = if angle > 1e-6 { angle.sin() / angle } else { 1.0 };
+        let middle = |p: &Place| 0.5 * (p.begin_s + p.end_s);
+        let ahead = next.map_or(0.0, |n| middle(n) - middle(place));
+        let damping = (-ahead / hum.coherence_s).exp();
+        let (sin, cos) = (TAU * hum.frequency_hz * ahead).sin_cos();
+        out.turn = [cos * damping, sin * damping];
+        added[at] = hum.sd_pa * hum.sd_pa * (1.0 - damping * damping);
+        added[at + 1] = added[at];
+    }
+    if let Some(at) = layout.held {
+        out.observe[at..at + 3].copy_from_slice(&place.common_sd_pa);
+    }
+    if let Some(at) = layout.dwell {
+        out.observe[at] = place.rounding_sd_pa;
+        out.keep[at] = next.map_or(0.0, |n| n.rounding_keeps);
+        added[at] = 1.0 - out.keep[at] * out.keep[at];
+    }
+
+    // P Hᵀ and S = H P Hᵀ + R; both and P itself taken on to the next mean.
+    let mut along = [0.0; MOST];
+    for i in 0..count {
+        along[i] = (0..count).map(|j| covariance[i][j] * out.observe[j]).sum();
+    }
+    let variance = own + (0..count).map(|i| out.observe[i] * along[i]).sum::<f64>();
+    carry(layout, &out, &mut along);
+    for k in 0..count {
+        out.gain[k] = (along[k] + cross[k]) / variance;
+    }
+    for _ in 0..2 {
+        for row in covariance.iter_mut().take(count) {
+            carry(layout, &out, row);
+        }
+        for i in 0..count {
+            for j in 0..i {
+                let swapped = covariance[i][j];
+                covariance[i][j] = covariance[j][i];
+                covariance[j][i] = swapped;
+            }
+        }
+    }
+    for i in 0..count {
+        for j in 0..count {
+            covariance[i][j] -= out.gain[i] * out.gain[j] * variance;
+        }
+        covariance[i][i] += added[i];
+    }
+    out.per_sd = 1.0 / variance.sqrt();
+    out
+}
+
+/// g and f of a mean over u time constants.
+fn averages(u: f64) -> [f64; 2] {
+    if u < 1e-3 {
+        return [1.0 - u / 2.0 + u * u / 6.0, 1.0 - u / 3.0 + u * u / 12.0];
+    }
+    let decay = (-u).exp();
+    [(1.0 - decay) / u, 2.0 * (u - 1.0 + decay) / (u * u)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::noise::{Colour, Hum};
+
+    /// The covariance of the means, written out.
+    fn covariance(noise: &Noise, places: &[Place]) -> DMatrix<f64> {
+        DMatrix::from_fn(places.len(), places.len(), |i, j| {
+            let (a, b) = if i <= j { (&places[i], &places[j]) } else { (&places[j], &places[i]) };
+            let mut sum = if i == j { a.variance } else { 0.0 };
+            for colour in &noise.colours {
+                let u = |p: &Place| (p.end_s - p.begin_s) / colour.time_s;
+                let share = match i == j {
+                    true => averages(u(a))[1],
+                    false => averages(u(a))[0] * averages(u(b))[0] * (-(b.begin_s - a.end_s) / colour.time_s).exp(),
+                };
+                sum += colour.sd_pa * colour.sd_pa * share;
+            }
+            if let Some(hum) = noise.hum {
+                let weight = |p: &Place| {
+                    let angle = 0.5 * TAU * hum.frequency_hz * (p.end_s - p.begin_s);
+                    if angle > 0.0 { angle.sin() / angle } else { 1.0 }
+                };
+                let ahead = 0.5 * (b.begin_s + b.end_s - a.begin_s - a.end_s);
+                sum += hum.sd_pa.powi(2)
+                    * weight(a)
+                    * weight(b)
+                    * (TAU * hum.frequency_hz * ahead).cos()
+                    * (-ahead / hum.coherence_s).exp();
+            }
+            if a.segment == b.segment {
+                sum += (0..3).map(|k| a.common_sd_pa[k] * b.common_sd_pa[k]).sum::<f64>();
+            }
+            let (first, last) = (i.min(j), i.max(j));
+            let kept: f64 = places[first + 1..=last].iter().map(|p| p.rounding_keeps).product();
+            sum + kept * a.rounding_sd_pa * b.rounding_sd_pa
+        })
+    }
+
+    #[test]
+    fn the_filter_is_a_root_of_the_inverse_covariance() {
+        let noise = Noise {
+            colours: vec![Colour { sd_pa: 3.0, time_s: 0.4 }, Colour { sd_pa: 1.5, time_s: 5.0 }],
+            hum: Some(Hum { sd_pa: 2.0, frequency_hz: 0.7, coherence_s: 3.0 }),
+            ..Noise::white(1.0)
+        };
+        let place = |k: usize| Place {
+            begin_s: 0.1 * k as f64,
+            end_s: 0.1 * k as f64 + if k % 3 == 0 { 0.0 } else { 0.08 },
+            variance: 1.0 + 0.1 * k as f64,
+            common_sd_pa: [0.5, 0.1 * k as f64, -0.2],
+            segment: k / 5,
+            rounding_sd_pa: if k > 4 { 1.2 } else { 0.0 },
+            rounding_keeps: if k % 4 == 0 { 0.0 } else { 0.7 },
+        };
+        let places: Vec<Place> = (0..14).map(place).collect();
+        let whitener = Whitener::new(&noise, &places);
+        let mut root = DMatrix::identity(14, 14);
+        whitener.apply_to(&mut root);
+        let product = root.transpose() * root * covariance(&noise, &places);
+        assert!((product - DMatrix::<f64>::identity(14, 14)).norm() < 1e-9);
+        let determinant = covariance(&noise, &places).determinant().ln();
+        assert!((whitener.log_determinant_of(14) - determinant).abs() < 1e-9);
+    }
+}

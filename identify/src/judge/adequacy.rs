@@ -1,0 +1,66 @@
+//! Is what a fit leaves no more than noise, or no more than anybody minds?
+//!
+//! Two statistical tests against the recording's noise: the sum of squares of the whitened blocks, and, far sharper where
+//! the rest has a shape, the largest gain of any family of missing terms ([`crate::discrepancy`]): χ² with the family's
+//! rank. And a practical one: the systematic misfit ([`misfit`]) against the accuracy that the rig asks for. Either is enough.
+
+use crate::discrepancy::{Missing, Search};
+use crate::fit::Fit;
+use crate::judge::misfit;
+use crate::judge::policy::{FAMILY_PROBABILITY, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS};
+use crate::record::prepare::Data;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// What the tests say.
+#[derive(Clone, Debug)]
+pub struct Adequacy {
+    /// Whether the residual is no more than noise.
+    pub is_noise: bool,
+    /// Systematic misfit, Pa.
+    pub systematic_pa: f64,
+    /// Whether that is no more than the accuracy asked for.
+    pub is_good_enough: bool,
+    /// Sum of squares of whitened blocks above its expectation, in standard deviations.
+    pub squares_deviations: f64,
+    /// Probability of the best family's gain under noise.
+    pub family_probability: f64,
+    /// Families of missing terms, most significant first.
+    pub families: Vec<Missing>,
+}
+
+/// Tests a fit's residual.
+pub fn test(data: &Data, fit: &Fit) -> Adequacy {
+    let own: usize = fit.own.iter().map(Vec::len).sum();
+    let freedom = (fit.blocks as f64 - fit.hypothesis.axes.len() as f64 - own as f64).max(1.0);
+    let uncertain = freedom * data.noise.variance_error.max(NOISE_MODEL_SHARE);
+    let squares_deviations = (fit.marginal - freedom) / (2.0 * freedom + uncertain * uncertain).sqrt();
+    let mut families = Search::new(data, fit).map(|s| s.all()).unwrap_or_default();
+    families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
+    let family_probability = families.first().map_or(1.0, probability);
+    let systematic_pa = misfit::systematic(data, &misfit::residuals_moved(data, fit));
+    Adequacy {
+        is_noise: squares_deviations < SQUARES_DEVIATIONS && family_probability > FAMILY_PROBABILITY,
+        systematic_pa,
+        is_good_enough: systematic_pa < data.accuracy_pa(),
+        squares_deviations,
+        family_probability,
+        families,
+    }
+}
+
+impl Adequacy {
+    /// Whether the model will do: what remains is noise, or nobody minds it.
+    pub fn is_adequate(&self) -> bool {
+        self.is_noise || self.is_good_enough
+    }
+
+    /// Whether what `before` left is accounted for: adequate, or next to nothing beside it.
+    pub fn settles(&self, before: &Adequacy) -> bool {
+        self.is_adequate() || self.systematic_pa < NEXT_TO_NOTHING * before.systematic_pa
+    }
+}
+
+/// Probability that noise alone gives a family its gain.
+fn probability(m: &Missing) -> f64 {
+    ChiSquared::new(m.rank as f64).map_or(1.0, |c| c.sf(m.gain))
+}

@@ -1,0 +1,14 @@
+//! How much a fit is worth: BIC of the whitened blocks.
+//!
+//! BIC = n ln(S/n) + k ln n, S the sum of squares of the whitened residuals with the stated numbers free within their
+//! tolerances ([`Fit::marginal`]), n the number of blocks, k the free numbers. The noise's size counts as unknown: close to
+//! noise, differences of BIC are those of χ²; far from it, they are relative, so that a model which misses the data's shape does not
+//! make every correction decisive. Source: G. Schwarz, Ann. Stat. 6 (1978) 461.
+
+use crate::fit::Fit;
+
+/// BIC of a fit.
+pub fn bic(fit: &Fit) -> f64 {
+    let n = fit.blocks as f64;
+    n * (fit.marginal.max(f64::MIN_POSITIVE) / n).ln() + fit.freedom() as f64 * n.ln()
+}

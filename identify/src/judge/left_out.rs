@@ -1,0 +1,156 @@
+//! The error on data that took no part in the fit: repeats left out in turn; without repeats, the last third of each
+//! record, simulated on from its beginning.
+//!
+//! A left-out record brings its own initial pressure (and temperature, where it starts in motion): no row is judged by
+//! what it helped to find, but each half of a record's rows, in alternating runs, with the initial state that the other
+//! half asks for. The mean before the first move alone would be a few rows' noise, several times as large after a push.
+
+use crate::fit::{self, Fit, readings};
+use crate::parameters::Own;
+use crate::record::prepare::{Data, Prepared};
+use chamber::dual::Dual;
+use nalgebra::{SMatrix, SVector};
+use rayon::prelude::*;
+
+/// One way of leaving data out: the blocks that are fitted, and the rows that are judged.
+#[derive(Clone, Debug)]
+pub struct Fold {
+    /// Leading blocks of each trace that are fitted.
+    pub selection: Vec<usize>,
+    /// Rows of each trace that are judged: from this row on (all rows: 0; none: the trace's length).
+    pub judged_from: Vec<usize>,
+}
+
+/// The folds of a rig: each repeat of all experiments in turn; without repeats each record in turn, if there are enough of
+/// them; else the last third of every record.
+pub fn folds(data: &Data) -> Vec<Fold> {
+    /// From so many records on each can be left out in turn …
+    const FEWEST_RECORDS: usize = 4;
+    /// … several of them at a time, so that there are not more folds than this.
+    const MOST_FOLDS: usize = 4;
+    let without = |out: &dyn Fn(usize, &Prepared) -> bool| {
+        let kept = data.traces.iter().enumerate().map(|(k, t)| (t, !out(k, t)));
+        let (selection, judged_from) =
+            kept.map(|(t, kept)| if kept { (t.blocks.len(), t.time_s.len()) } else { (0, 0) }).unzip();
+        Fold { selection, judged_from }
+    };
+    let repeats = data.traces.iter().map(|t| t.repeat).max().unwrap_or(0) + 1;
+    if repeats > 1 {
+        let has_repeats: Vec<bool> =
+            (0..data.experiments.len()).map(|e| data.traces.iter().filter(|t| t.experiment == e).count() > 1).collect();
+        return (0..repeats)
+            .map(|repeat| without(&|_, t| t.repeat == repeat && has_repeats[t.experiment]))
+            .filter(|f| f.selection.contains(&0) && f.selection.iter().any(|n| *n > 0))
+            .collect();
+    }
+    if data.traces.len() >= FEWEST_RECORDS {
+        let folds = data.traces.len().min(MOST_FOLDS);
+        return (0..folds).map(|fold| without(&|k, _| k % folds == fold)).collect();
+    }
+    let cut = |t: &Prepared| 2 * t.time_s.len() / 3;
+    vec![Fold {
+        selection: data.traces.iter().map(|t| t.blocks.iter().filter(|b| b.end <= cut(t)).count()).collect(),
+        judged_from: data.traces.iter().map(cut).collect(),
+    }]
+}
+
+/// Root mean square of measured − predicted, Pa, over all judged rows of all folds; `None` where a fold cannot be fitted.
+pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
+    let mut squares = 0.0;
+    let mut rows = 0;
+    for fold in folds {
+        let h = &fitted.hypothesis;
+        let refit = fit::fit(data, h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()?;
+        let parts: Option<Vec<(f64, usize)>> = (0..data.traces.len())
+            .into_par_iter()
+            .filter(|&k| fold.judged_from[k] < data.traces[k].time_s.len())
+            .map(|k| {
+                let t = &data.traces[k];
+                if fold.selection[k] == 0 {
+                    return by_other_half(data, &refit, k);
+                }
+                let model = readings(t, &refit.setting(t, &refit.own[k]), h.model.effects).ok()?;
+                let judged = (fold.judged_from[k]..t.time_s.len()).filter(|&i| t.readout.is_data(i));
+                Some(judged.fold((0.0, 0), |(sum, n), i| (sum + (t.pressure_pa[i] - model[i]).powi(2), n + 1)))
+            })
+            .collect();
+        for (sum, n) in parts? {
+            squares += sum;
+            rows += n;
+        }
+    }
+    (rows > 0).then(|| (squares / rows as f64).sqrt())
+}
+
+/// Σ of squares of a left-out record's residual and its rows, each half of them with the record's own numbers that the other
+/// half asks for.
+fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<(f64, usize)> {
+    let own = own_numbers(data, fitted, k, usize::MAX)?;
+    match own.len() {
+        1 => halves::<1>(data, fitted, k, &own),
+        2 => halves::<2>(data, fitted, k, &own),
+        3..=4 => halves::<4>(data, fitted, k, &own),
+        _ => halves::<8>(data, fitted, k, &own),
+    }
+}
+
+fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> Option<(f64, usize)> {
+    const RUN: usize = 16;
+    let (t, h) = (&data.traces[k], &fitted.hypothesis);
+    let variables: Vec<Dual<N>> = own.iter().enumerate().map(|(i, x)| Dual::variable(*x, i)).collect();
+    let rig: Vec<Dual<N>> = fitted.rig.iter().map(|x| Dual::from(*x)).collect();
+    let model = readings(t, &h.setting(t, &rig, &[], &variables), h.model.effects).ok()?;
+    // Runs longer than the noise remembers, but several of them in each half.
+    let memory = (4.0 * data.noise.correlation_s() / t.row_s()) as usize;
+    let length = RUN.max(memory).min(t.time_s.len() / 8).max(1);
+    let half = |i: usize| (i / length) % 2;
+    // Close to the best the readings are linear in the record's own numbers: one step each.
+    let steps: Option<Vec<SVector<f64, N>>> = (0..2)
+        .map(|other| {
+            let (mut square, mut right) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
+            for i in (0..model.len()).filter(|&i| half(i) == other && t.readout.is_data(i)) {
+                let slope = SVector::<f64, N>::from(model[i].tangent);
+                square += slope * slope.transpose();
+                right += slope * (t.pressure_pa[i] - model[i].value);
+            }
+            for i in own.len()..N {
+                square[(i, i)] = 1.0;
+            }
+            Some(square.cholesky()?.solve(&right))
+        })
+        .collect();
+    let steps = steps?;
+    let judged = (0..model.len()).filter(|&i| t.readout.is_data(i));
+    Some(judged.fold((0.0, 0), |(sum, n), i| {
+        let step = &steps[1 - half(i)];
+        let left = t.pressure_pa[i] - model[i].value - SVector::<f64, N>::from(model[i].tangent).dot(step);
+        (sum + left * left, n + 1)
+    }))
+}
+
+/// A record's own numbers from its rows before `until`, the rig's held.
+pub fn own_numbers(data: &Data, fitted: &Fit, k: usize, until: usize) -> Option<Vec<f64>> {
+    let mut held = fitted.hypothesis.clone();
+    held.base = fitted.chamber();
+    held.axes.clear();
+    held.stated.clear();
+    let selection: Vec<usize> = (0..data.traces.len())
+        .map(|i| if i == k { data.traces[k].blocks.iter().filter(|b| b.end <= until).count() } else { 0 })
+        .collect();
+    let mut first = held.first_owns(data);
+    // The initial pressure that the rest asks for is where to begin.
+    if let Some(begin) = from_rest(&data.traces[k], fitted, &first[k]) {
+        let place = held.own_of(&data.traces[k]).iter().position(|a| a.slot == Own::Pressure);
+        place.into_iter().for_each(|i| first[k][i] = begin);
+    }
+    let mut own = fit::fit(data, &held, Vec::new(), first, &selection).ok()?.own;
+    Some(own.swap_remove(k))
+}
+
+/// The initial pressure, over its first guess, with which the model's mean over the rest is the measured one.
+fn from_rest(t: &Prepared, fitted: &Fit, own: &[f64]) -> Option<f64> {
+    let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);
+    let run =
+        fit::run(t, &fitted.setting(t, own), fitted.hypothesis.model.effects).pressures(&t.time_s[..rest]).ok()?;
+    Some(t.pressure_pa[..rest].iter().sum::<f64>() / run.iter().sum::<f64>())
+}

@@ -1,0 +1,136 @@
+//! What a fit leaves, in Pa: all of it, and the part that is systematic.
+//!
+//! The systematic part is what remains beyond noise. Where an experiment has repeats it is what their residuals have in
+//! common, √(mean of products), which needs no model of the noise; elsewhere √(rms² − variance expected of noise and
+//! position). Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
+
+use crate::fit::{Fit, readings};
+use crate::record::prepare::{Data, Prepared};
+use crate::record::stroke::Phase;
+use rayon::prelude::*;
+
+/// Row residuals (measured − model), Pa, record by record.
+pub fn residuals(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
+    let set = fit.hypothesis.model.effects;
+    data.traces
+        .par_iter()
+        .zip(&fit.own)
+        .map(|(t, own)| match readings(t, &fit.setting(t, own), set) {
+            Ok(model) => t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect(),
+            Err(_) => vec![f64::NAN; t.pressure_pa.len()],
+        })
+        .collect()
+}
+
+/// The same with what the rig states moved within its tolerances, where the fit asks for it.
+pub fn residuals_moved(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
+    let h = &fit.hypothesis;
+    data.traces
+        .par_iter()
+        .zip(&fit.own)
+        .enumerate()
+        .map(|(k, (t, own))| {
+            let l = &fit.linear[k];
+            if l.residual.is_empty() {
+                return vec![f64::NAN; t.pressure_pa.len()];
+            }
+            // The rig's free numbers and the record's own adapt with the stated ones: to first order, from the normal equations.
+            let (rig, own) = adapted(fit, k, own);
+            match readings(t, &h.setting(t, &rig, &fit.moved, &own), h.model.effects) {
+                Ok(model) => t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect(),
+                Err(_) => vec![f64::NAN; t.pressure_pa.len()],
+            }
+        })
+        .collect()
+}
+
+/// The free coordinates at the best move of the stated ones.
+fn adapted(fit: &Fit, k: usize, own: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    use nalgebra::DVector;
+    let free = fit.rig.len();
+    let rig: Vec<f64> = fit.rig.iter().zip(&fit.follow).map(|(x, step)| x + step).collect();
+    let l = &fit.linear[k];
+    let all: Vec<f64> = fit.follow.iter().chain(&fit.moved).copied().collect();
+    debug_assert_eq!(all.len(), l.by_rig.ncols());
+    debug_assert_eq!(free, fit.follow.len());
+    let left = DVector::from_column_slice(&l.residual) - &l.by_rig * DVector::from_vec(all);
+    let step = l.by_own.tr_mul(&l.by_own).cholesky().map(|square| square.solve(&l.by_own.tr_mul(&left)));
+    let own = own.iter().enumerate().map(|(i, x)| x + step.as_ref().map_or(0.0, |s| s[i])).collect();
+    (rig, own)
+}
+
+/// Root mean square over all rows that are data, Pa.
+pub fn rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
+    let (mut sum, mut rows) = (0.0, 0usize);
+    for (t, residual) in data.traces.iter().zip(residuals) {
+        for (r, is_data) in residual.iter().zip(t.data_rows()) {
+            if is_data {
+                sum += r * r;
+                rows += 1;
+            }
+        }
+    }
+    (sum / rows.max(1) as f64).sqrt()
+}
+
+/// The systematic part, Pa.
+pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for experiment in 0..data.experiments.len() {
+        let repeats: Vec<usize> = (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect();
+        let traces: Vec<&Prepared> = repeats.iter().map(|&k| &data.traces[k]).collect();
+        let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
+        let alike = traces.len() > 1 && traces.iter().all(|t| phases(t) == phases(traces[0]));
+        for (&k, t) in repeats.iter().zip(&traces) {
+            for (segment, s) in t.course.motion.segments.iter().enumerate() {
+                let rows = (s.end - s.first) as f64;
+                let mean = if alike && s.phase != Phase::Move {
+                    in_common(data, residuals, &repeats, segment)
+                } else {
+                    beyond_noise(data, t, &residuals[k], segment)
+                };
+                sum += mean * rows;
+                weight += rows;
+            }
+        }
+    }
+    (sum / f64::max(weight, 1.0)).max(0.0).sqrt()
+}
+
+/// Mean product of the residuals of different repeats at the same place of a segment, Pa².
+fn in_common(data: &Data, residuals: &[Vec<f64>], repeats: &[usize], segment: usize) -> f64 {
+    let part = |k: usize| -> Vec<f64> {
+        let (t, s) = (&data.traces[k], &data.traces[k].course.motion.segments[segment]);
+        (s.first..s.end).filter(|&i| t.readout.is_data(i)).map(|i| residuals[k][i]).collect()
+    };
+    let parts: Vec<Vec<f64>> = repeats.iter().map(|&k| part(k)).collect();
+    let from_end = data.traces[repeats[0]].course.motion.segments[segment].phase == Phase::Rest;
+    let length = parts.iter().map(Vec::len).min().unwrap_or(0);
+    let aligned: Vec<&[f64]> =
+        parts.iter().map(|own| if from_end { &own[own.len() - length..] } else { &own[..length] }).collect();
+    let (mut sum, mut pairs) = (0.0, 0.0);
+    for (i, a) in aligned.iter().enumerate() {
+        for b in &aligned[i + 1..] {
+            sum += a.iter().zip(*b).map(|(x, y)| x * y).sum::<f64>();
+            pairs += length as f64;
+        }
+    }
+    sum / f64::max(pairs, 1.0)
+}
+
+/// Mean square of a segment's residual less what noise and position leave open, Pa².
+fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> f64 {
+    let noise = data.noise.total_pa().powi(2);
+    let (mut sum, mut rows) = (0.0, 0usize);
+    let shift_s = t.course.motion.segments[segment].shift_s;
+    for b in t.blocks.iter().filter(|b| b.segment == segment) {
+        let common: f64 = b.common_sd_pa.iter().map(|c| c * c).sum();
+        for i in (b.first..b.end).filter(|&i| t.readout.is_data(i)) {
+            let (low, high) = (i.saturating_sub(1), (i + 1).min(residual.len() - 1));
+            let rate = (t.pressure_pa[high] - t.pressure_pa[low]) / (t.time_s[high] - t.time_s[low]);
+            sum += residual[i].powi(2) - noise - b.by_position_pa.powi(2) - common - (rate * shift_s).powi(2);
+            rows += 1;
+        }
+    }
+    sum / rows.max(1) as f64
+}

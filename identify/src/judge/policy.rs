@@ -1,0 +1,38 @@
+//! Every threshold of a diagnosis, with its reason.
+
+/// ΔBIC from which on a term may enter: "very strong" evidence (R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995)
+/// 773); the logarithm of the number of candidates comes on top, as the best of many is chosen.
+pub const DECISIVE: f64 = 10.0;
+/// ΔBIC below which two sets of terms cannot be told apart ("positive" evidence ends there).
+pub const INDISTINGUISHABLE: f64 = 6.0;
+/// Terms beyond the paper's model at the most: more are a fit to anything.
+pub const MOST_TERMS: usize = 4;
+/// Sets that go on to the next term.
+pub const GO_ON: usize = 3;
+/// Single terms that are joined in pairs where none of them is enough alone.
+pub const PAIRED: usize = 6;
+/// Better sets of each round whose error on left-out data is judged.
+pub const JUDGED: usize = 4;
+
+/// A family of missing terms whose gain has less than this probability under noise is no noise: well under one false alarm
+/// in a thousand clean rigs with nineteen families each.
+pub const FAMILY_PROBABILITY: f64 = 2e-5;
+/// A sum of squares this many standard deviations above its expectation is no noise.
+pub const SQUARES_DEVIATIONS: f64 = 4.5;
+/// The estimate of the noise is itself uncertain beyond its statistics (the colour's form is a model): this share of the
+/// expected sum of squares is not held against a fit.
+pub const NOISE_MODEL_SHARE: f64 = 0.05;
+
+/// An effect is believed only if it stays decisive with the stated geometry this many times as uncertain as stated.
+pub const GEOMETRY_WIDENED: f64 = 5.0;
+/// Systematic error on left-out data, of that without a term, below which the term predicts decisively better although more
+/// than noise remains.
+pub const PREDICTS_BETTER: f64 = 0.5;
+/// What named effects leave, of the paper's model's systematic error, that is next to nothing beside it: the course of a
+/// fast stroke between two rows, and the like.
+pub const NEXT_TO_NOTHING: f64 = 0.02;
+
+/// λ0 that a gas in a cylinder can have, W/(m² K).
+pub const PLAUSIBLE_COEFFICIENT: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
+/// A change of the gas's mass from rest to rest beyond this share, with nothing to be seen in between, is an open port.
+pub const OPENED: f64 = 0.05;

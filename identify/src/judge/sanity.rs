@@ -1,0 +1,112 @@
+//! Contradictions that only a fit shows: gauge pressure taken for absolute, a dead volume below zero by far.
+
+use crate::error::Error;
+use crate::fit::covariance::covariance;
+use crate::fit::{self, Fit};
+use crate::judge::policy;
+use crate::parameters::Sizes;
+use crate::record::line::Line;
+use crate::record::prepare::Data;
+use crate::record::stroke::Phase;
+
+/// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume.
+pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
+    let h = &fitted.hypothesis;
+    let Some(i) = h.axes.iter().position(|a| a.slot == crate::parameters::Slot::DeadVolume) else { return Ok(()) };
+    let dead_volume_m3 = h.axes[i].value(fitted.rig[i]);
+    let half_width_m3 = 1.96 * covariance(fitted, false)[(i, i)].sqrt() * h.axes[i].scale;
+    let swept_m3 = data.piston_area_m2 * data.smallest_position_m();
+    if swept_m3 > 0.0
+        && (dead_volume_m3 + half_width_m3 < -0.05 * swept_m3 || (fitted.at_bound[i] && dead_volume_m3 < 0.0))
+    {
+        return Err(Error::NegativeDeadVolume { dead_volume_m3, half_width_m3, swept_m3 });
+    }
+    Ok(())
+}
+
+/// Refuses a heat transfer coefficient that no gas in a cylinder has.
+pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
+    let chamber = fitted.chamber();
+    let coefficient = chamber.heat_transfer.coefficient;
+    if policy::PLAUSIBLE_COEFFICIENT.contains(&coefficient) {
+        return Ok(());
+    }
+    let time_constant_s = Sizes::of(data, &chamber).relaxation;
+    Err(Error::ImplausibleCoefficient { coefficient, time_constant_s })
+}
+
+/// Refuses a record whose gas changes its mass between two rests by more than what happens while the piston is held.
+pub fn closed(data: &Data, fitted: &Fit) -> Result<(), Error> {
+    /// Rows at a hold's end that are looked at, and at the least.
+    const ROWS: std::ops::RangeInclusive<usize> = 5..=50;
+    /// A change is sudden if it is so many times what the holds' own slopes make of it.
+    const SUDDEN: f64 = 5.0;
+    let set = fitted.hypothesis.model.effects;
+    for (t, own) in data.traces.iter().zip(&fitted.own) {
+        let held: Vec<_> = t.course.motion.segments.iter().filter(|s| s.phase != Phase::Move).collect();
+        if held.len() < 2 {
+            continue;
+        }
+        let Ok(model) = fit::readings(t, &fitted.setting(t, own), set) else { continue };
+        // Mass over that of the model at a hold's end, and its rate there, 1/s.
+        let ends: Vec<(f64, f64, f64)> = held
+            .iter()
+            .filter(|s| s.end - s.first >= 2 * ROWS.start())
+            .map(|s| {
+                let rows = s.end - ((s.end - s.first) / 2).clamp(*ROWS.start(), *ROWS.end())..s.end;
+                let ratio: Vec<f64> = rows.clone().map(|i| t.pressure_pa[i] / model[i]).collect();
+                let line = Line::through(&t.time_s[rows], &ratio);
+                (line.middle_s, line.mean, line.slope)
+            })
+            .collect();
+        for pair in ends.windows(2) {
+            let [(from_s, before, slope), (to_s, after, later)] = [pair[0], pair[1]];
+            let change = after / before - 1.0;
+            let drift = slope.abs().max(later.abs()) * (to_s - from_s);
+            if change.abs() > policy::OPENED.max(SUDDEN * drift) {
+                return Err(Error::PortOpened { trace: t.path.clone(), from_s, to_s, change });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses gauge pressure: adding the ambient pressure to every reading takes away nine tenths of the misfit, and the
+/// offset that fits best is the ambient pressure within a seventh.
+pub fn gauge(data: &Data, fitted: &Fit) -> Result<(), Error> {
+    const SHARE_LEFT: f64 = 0.1;
+    const NEARLY: f64 = 0.15;
+    let ambient_pa = data.ambient_pressure_pa;
+    let misfit = |share: f64| {
+        let shifted = shifted(data, share * ambient_pa);
+        let h = &fitted.hypothesis;
+        fit::fit(&shifted, h, fitted.rig.clone(), h.first_owns(&shifted), &fit::all_blocks(&shifted))
+            .map_or(f64::INFINITY, |f| f.chi2)
+    };
+    let as_gauge = misfit(1.0);
+    if as_gauge - fitted.blocks as f64 > SHARE_LEFT * (fitted.chi2 - fitted.blocks as f64) {
+        return Ok(());
+    }
+    // The parabola of χ² through three offsets.
+    let (low, high) = (misfit(0.9), misfit(1.1));
+    let curvature = low + high - 2.0 * as_gauge;
+    if curvature.is_finite() && curvature > 0.0 {
+        let best = 1.0 + 0.05 * (low - high) / curvature;
+        if (best - 1.0).abs() < NEARLY {
+            let half_width_pa =
+                1.96 * ambient_pa * (0.02 / curvature * (as_gauge / fitted.blocks as f64).max(1.0)).sqrt();
+            return Err(Error::Gauge { offset_pa: best * ambient_pa, half_width_pa, ambient_pa });
+        }
+    }
+    Ok(())
+}
+
+fn shifted(data: &Data, by_pa: f64) -> Data {
+    let mut data = data.clone();
+    for t in &mut data.traces {
+        t.initial_pressure_pa += by_pa;
+        t.pressure_pa.iter_mut().for_each(|p| *p += by_pa);
+        t.blocks.iter_mut().for_each(|b| b.mean_pa += by_pa);
+    }
+    data
+}

@@ -1,0 +1,340 @@
+//! What a diagnosis says: the contract's JSON, the numbers of the report, the model that follows.
+
+use crate::discrepancy::{Missing, Path, Search};
+use crate::error::Error;
+use crate::fit::Fit;
+use crate::fit::covariance::{self, Estimate, Undetermined};
+use crate::judge::misfit;
+use crate::outcome::next_experiment::{self, NextExperiment};
+use crate::outcome::probability;
+use crate::outcome::recording::{self, NoiseFound, RecordFound};
+use crate::parameters::{Model, names};
+use crate::record::prepare::Data;
+use crate::search::{self, Candidate, Found, Verdict};
+use chamber::Chamber;
+use chamber::effects::{CARDS, EffectSet};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Numbers by name, in a fixed order.
+pub type Estimates = Vec<(String, Estimate)>;
+
+/// Errors against what the sensor recorded, Pa.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Rmse {
+    /// On the data fitted.
+    pub fit: f64,
+    /// On data left out of the fit.
+    pub held_out: Option<f64>,
+}
+
+/// A model and how far it is off.
+#[derive(Clone, Debug, Serialize)]
+pub struct Side {
+    /// Its errors.
+    pub rmse_pa: Rmse,
+    /// Its parameters.
+    #[serde(serialize_with = "as_map")]
+    pub parameters: Estimates,
+}
+
+/// One step of the search: a model with one term more than the step before it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// Its effects.
+    pub effects: Vec<&'static str>,
+    /// Its errors.
+    pub rmse_pa: Rmse,
+}
+
+/// A set of terms that was tried.
+#[derive(Clone, Debug, Serialize)]
+pub struct Tried {
+    /// Its terms, joined by " + ".
+    pub effect: String,
+    /// BIC of the baseline less its own.
+    pub delta_bic: f64,
+    /// Error on left-out data, Pa, where it was judged.
+    pub held_out_rmse_pa: Option<f64>,
+    /// All its parameters.
+    #[serde(serialize_with = "as_map")]
+    pub parameters: Estimates,
+}
+
+/// A missing term without a name.
+#[derive(Clone, Debug, Serialize)]
+pub struct Unnamed {
+    /// The balance it belongs to.
+    pub balance: &'static str,
+    /// What is missing, and its unit.
+    pub quantity: &'static str,
+    /// Unit of [`Unnamed::value`].
+    pub unit: &'static str,
+    /// What it follows.
+    pub variable: &'static str,
+    /// Unit of [`Unnamed::at`].
+    pub variable_unit: &'static str,
+    /// Values of the variable.
+    pub at: Vec<f64>,
+    /// The missing term there.
+    pub value: Vec<f64>,
+    /// Its standard deviation there.
+    pub sd: Vec<f64>,
+    /// Share of the residual's squares beyond noise that it takes away, to first order.
+    pub share: f64,
+}
+
+/// Where the interval of λ0 comes from.
+#[derive(Clone, Debug, Serialize)]
+pub struct Budget {
+    /// What is uncertain: the records, or a number that the rig states within a tolerance.
+    pub source: String,
+    /// Its share of the variance.
+    pub share: f64,
+}
+
+/// The result of `diagnose`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// adequate, explained, improved or unexplained.
+    pub verdict: &'static str,
+    /// The effects in the model, the one that entered first at the head.
+    pub effects: Vec<&'static str>,
+    /// Posterior probability of every effect that has one worth mention.
+    #[serde(serialize_with = "as_map")]
+    pub probabilities: Vec<(String, f64)>,
+    /// The way from the paper's model to the one found.
+    pub steps: Vec<Step>,
+    /// What is systematic in the residual of the model found, Pa.
+    pub remaining_pa: f64,
+    /// The systematic misfit that does not matter, Pa.
+    pub accuracy_pa: f64,
+    /// The noise of the recording.
+    pub noise: NoiseFound,
+    /// What each record has for itself.
+    pub records: Vec<RecordFound>,
+    /// Groups of effects that the data cannot tell apart.
+    pub indistinguishable: Vec<Vec<String>>,
+    /// Where the evidence points.
+    pub balance: &'static str,
+    /// Noise of the pressure readings, all kinds together, Pa.
+    pub noise_pa: f64,
+    /// The paper's model.
+    pub before: Side,
+    /// The model found; the paper's where there is no effect.
+    pub after: Side,
+    /// Everything tried, the best evidence first.
+    pub candidates: Vec<Tried>,
+    /// What the interval of λ0 is made of.
+    pub lambda0_budget: Vec<Budget>,
+    /// What remains, as free functions of one variable, the best first; empty where that is noise.
+    pub missing: Vec<Unnamed>,
+    /// Parameters, or combinations of them, that the data hardly determines.
+    pub undetermined: Vec<Undetermined>,
+    /// What to measure next.
+    pub next_experiments: Vec<NextExperiment>,
+    /// What was assumed, left out or noticed.
+    pub assumptions: Vec<String>,
+}
+
+/// A diagnosis with what a report draws.
+pub struct Diagnosed {
+    /// The result.
+    pub diagnosis: Diagnosis,
+    /// The prepared data.
+    pub data: Data,
+    /// How it was found.
+    pub found: Found,
+    /// Row residuals before, Pa, record by record.
+    pub residuals_before: Vec<Vec<f64>>,
+    /// Row residuals after, Pa.
+    pub residuals_after: Vec<Vec<f64>>,
+    /// The paper's model's variables along each record.
+    pub paths: Vec<Path>,
+}
+
+impl Diagnosed {
+    /// The chamber to go on with: with the effects found, else the paper's model.
+    pub fn chamber(&self) -> Chamber {
+        settled(&self.found).fit.chamber()
+    }
+
+    /// How well that chamber's numbers are known.
+    pub fn uncertainty(&self) -> records::Uncertainty {
+        uncertainty(&settled(&self.found).fit, matches!(self.found.verdict, Verdict::Adequate | Verdict::Explained))
+    }
+}
+
+fn settled(found: &Found) -> &Candidate {
+    if found.verdict == Verdict::Unexplained { &found.baseline } else { &found.chosen }
+}
+
+/// Diagnoses a rig. `progress` is told what is being done and how far it is, 0 to 1.
+///
+/// # Errors
+/// [`Error`]: data that cannot be what it should be.
+pub fn diagnose(rig: &records::Rig, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Diagnosed, Error> {
+    let (data, found) = search::search(Data::prepare(rig)?, progress)?;
+    Ok(describe(data, found))
+}
+
+/// Puts a finished search into words and numbers.
+pub fn describe(data: Data, found: Found) -> Diagnosed {
+    let after = settled(&found);
+    let adequacy =
+        if found.verdict == Verdict::Unexplained { &found.baseline_adequacy } else { &found.chosen_adequacy };
+    let residuals_before = misfit::residuals(&data, &found.baseline.fit);
+    let residuals_after =
+        if after.model == Model::PAPER { residuals_before.clone() } else { misfit::residuals(&data, &after.fit) };
+    let before = side(&data, &found.baseline, &residuals_before, found.baseline_adequacy.is_adequate());
+    let after_side = side(&data, after, &residuals_after, adequacy.is_adequate());
+    let effects: Vec<&'static str> = in_order(&found, after.model.of_rig());
+    let open = matches!(found.verdict, Verdict::Unexplained | Verdict::Improved);
+    let missing = if open { unnamed(after, &adequacy.families) } else { Vec::new() };
+    let balance = match (found.verdict, effects.first()) {
+        (Verdict::Adequate, _) => "none",
+        (Verdict::Unexplained, _) | (_, None) => missing.first().map_or("none", |m| m.balance),
+        (_, Some(first)) => chamber::effects::find(first).map_or("none", |(_, card)| card.balance.name()),
+    };
+    let steps = steps(&data, &found);
+    let diagnosis = Diagnosis {
+        verdict: found.verdict.name(),
+        effects,
+        probabilities: probability::of_effects(&found),
+        steps,
+        remaining_pa: adequacy.systematic_pa,
+        accuracy_pa: data.accuracy_pa(),
+        noise: NoiseFound::of(&data),
+        records: recording::records(&data, &after.fit, &residuals_after, adequacy.is_adequate()),
+        indistinguishable: if after.model == Model::PAPER { Vec::new() } else { groups(&after.model, &found.alike) },
+        balance,
+        noise_pa: data.noise.total_pa(),
+        before,
+        after: after_side,
+        candidates: found.tried.iter().map(|c| tried(&data, c)).collect(),
+        lambda0_budget: covariance::budget(&after.fit, 0, adequacy.is_adequate())
+            .into_iter()
+            .map(|(source, share)| Budget { source, share })
+            .collect(),
+        missing,
+        undetermined: covariance::undetermined(&after.fit),
+        next_experiments: next_experiment::next(&data, &found),
+        assumptions: recording::notes(&data, Some(&found)),
+    };
+    let paths = Search::new(&data, &found.baseline.fit).map(|s| s.paths().to_vec()).unwrap_or_default();
+    Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, found }
+}
+
+/// What a model file keeps of a fit's intervals: names, 95 % intervals and covariance of the free numbers, SI units.
+pub fn uncertainty(fit: &Fit, residual_is_noise: bool) -> records::Uncertainty {
+    let covariance = covariance::covariance(fit, residual_is_noise);
+    let estimates = covariance::estimates(fit, &covariance);
+    records::Uncertainty {
+        parameters: estimates.iter().map(|(name, _)| name.clone()).collect(),
+        ci95: estimates.iter().map(|(_, e)| e.ci95).collect(),
+        covariance: covariance::of_values(fit, &covariance),
+    }
+}
+
+/// Values with intervals of a fit.
+pub fn parameters(data: &Data, fit: &Fit, residual_is_noise: bool) -> Estimates {
+    let covariance = covariance::covariance(fit, residual_is_noise);
+    let mut out = covariance::estimates(fit, &covariance);
+    if data.dead_volume_known {
+        let value = data.dead_volume_m3;
+        out.insert(1, ("dead_volume_m3".to_owned(), Estimate { value, ci95: [value; 2], unit: "m3".to_owned() }));
+    }
+    out
+}
+
+fn side(data: &Data, c: &Candidate, residuals: &[Vec<f64>], is_noise: bool) -> Side {
+    let rmse_pa = Rmse { fit: misfit::rms(data, residuals), held_out: c.held_out_pa };
+    Side { rmse_pa, parameters: parameters(data, &c.fit, is_noise) }
+}
+
+fn steps(data: &Data, found: &Found) -> Vec<Step> {
+    let kept = if found.verdict == Verdict::Unexplained { 1 } else { found.steps.len() };
+    found.steps[..kept]
+        .iter()
+        .map(|c| Step {
+            effects: names(c.model.effects),
+            rmse_pa: Rmse { fit: misfit::rms(data, &misfit::residuals(data, &c.fit)), held_out: c.held_out_pa },
+        })
+        .collect()
+}
+
+fn tried(data: &Data, c: &Candidate) -> Tried {
+    Tried {
+        effect: terms(&c.model),
+        delta_bic: c.delta_bic,
+        held_out_rmse_pa: c.held_out_pa,
+        parameters: parameters(data, &c.fit, c.fit.marginal < 1.2 * c.fit.blocks as f64),
+    }
+}
+
+/// A model's terms, joined by " + ".
+pub fn terms(model: &Model) -> String {
+    let of_rig = names(model.of_rig()).into_iter().map(str::to_owned);
+    let of_records = names(model.own).into_iter().map(|n| format!("{n} (each record its own)"));
+    let start = model.initial_temperature.then(|| "initial_temperature (each record its own)".to_owned());
+    of_rig.chain(of_records).chain(start).collect::<Vec<_>>().join(" + ")
+}
+
+/// The effects of a set as they entered; those that entered together by the evidence each has alone.
+fn in_order(found: &Found, set: EffectSet) -> Vec<&'static str> {
+    let step = |e: usize| found.steps.iter().position(|s| s.model.effects.has(e)).unwrap_or(usize::MAX);
+    let alone = |e: usize| {
+        let single = found.tried.iter().find(|c| c.model == Model::with(EffectSet::one(e)));
+        single.map_or(f64::MIN, |c| c.delta_bic)
+    };
+    let mut effects: Vec<usize> = set.iter().collect();
+    effects.sort_by(|a, b| step(*a).cmp(&step(*b)).then(alone(*b).total_cmp(&alone(*a))));
+    effects.into_iter().map(|e| CARDS[e].name).collect()
+}
+
+/// For each effect of the chosen set, those that could stand in its place; sets that differ in more are written whole.
+fn groups(chosen: &Model, alike: &[Model]) -> Vec<Vec<String>> {
+    let mut out: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for other in alike {
+        let gone: Vec<usize> = chosen.effects.iter().filter(|e| !other.effects.has(*e)).collect();
+        let new: Vec<usize> = other.effects.iter().filter(|e| !chosen.effects.has(*e)).collect();
+        if let ([gone], [new]) = (gone.as_slice(), new.as_slice()) {
+            out.entry(CARDS[*gone].name.to_owned()).or_default().push(CARDS[*new].name.to_owned());
+        } else {
+            out.entry(terms(chosen)).or_default().push(terms(other));
+        }
+    }
+    out.into_iter().map(|(first, rest)| [vec![first], rest].concat()).collect()
+}
+
+fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
+    let n = c.fit.blocks as f64;
+    let squares = c.fit.marginal;
+    let beyond = (squares - n).max(1.0);
+    // What takes away most for its number of coefficients comes first.
+    let worth = |m: &Missing| -n * ((squares - m.gain).max(1.0) / squares).ln() - m.rank as f64 * n.ln();
+    let mut best: Vec<&Missing> = families.iter().collect();
+    best.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    best.iter()
+        .take(6)
+        .map(|m| Unnamed {
+            balance: m.form.balance().name(),
+            quantity: m.form.name().0,
+            unit: m.form.name().1,
+            variable: m.variable.name().0,
+            variable_unit: m.variable.name().1,
+            at: m.at.clone(),
+            value: m.value.clone(),
+            sd: m.sd.clone(),
+            share: (m.gain / beyond).min(1.0),
+        })
+        .collect()
+}
+
+/// Serializes named numbers as one object.
+pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
+    numbers: &[(String, T)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(numbers.iter().map(|(k, v)| (k, v)))
+}

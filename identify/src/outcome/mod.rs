@@ -1,0 +1,7 @@
+//! Results for programs and reports.
+
+pub mod diagnosis;
+pub mod identification;
+pub mod next_experiment;
+pub mod probability;
+pub mod recording;

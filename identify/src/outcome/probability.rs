@@ -1,0 +1,33 @@
+//! How probable each effect is: posterior odds over all sets of terms that were tried.
+//!
+//! P(set) ∝ e^(−BIC/(2 T)); an effect has the sum over the sets that hold it. T = 1 would be the textbook's (Raftery, 1995);
+//! [`TEMPER`] is larger, as the search tries many sets and the noise's model is one itself, and is calibrated on synthetic rigs.
+
+use crate::search::Found;
+use chamber::effects::{CARDS, COUNT};
+
+/// How much flatter than the textbook's the odds are.
+const TEMPER: f64 = 2.0;
+/// What is less probable than this is left out.
+const WORTH_MENTION: f64 = 0.01;
+
+/// Probability of each effect of the rig, the most probable first.
+pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
+    let sets = found.tried.iter().chain([&found.baseline, &found.chosen]);
+    let best = sets.clone().map(|c| c.delta_bic).fold(f64::MIN, f64::max);
+    let (mut sum, mut each) = (0.0, [0.0; COUNT]);
+    let mut seen = Vec::new();
+    for c in sets {
+        if seen.contains(&c.model) {
+            continue;
+        }
+        seen.push(c.model);
+        let weight = ((c.delta_bic - best) / (2.0 * TEMPER)).exp();
+        sum += weight;
+        c.model.of_rig().iter().for_each(|e| each[e] += weight);
+    }
+    let mut out: Vec<(String, f64)> =
+        (0..COUNT).map(|e| (CARDS[e].name.to_owned(), each[e] / sum)).filter(|(_, p)| *p >= WORTH_MENTION).collect();
+    out.sort_by(|a, b| b.1.total_cmp(&a.1));
+    out
+}

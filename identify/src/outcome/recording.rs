@@ -1,0 +1,171 @@
+//! What a diagnosis says of the recording: its noise, what each record has for itself, what was assumed and left out.
+
+use super::diagnosis::{Estimates, as_map};
+use crate::fit::Fit;
+use crate::fit::covariance;
+use crate::parameters::Slot;
+use crate::record::prepare::Data;
+use crate::record::readout::Between;
+use crate::report::number;
+use crate::search::{Found, Verdict};
+use chamber::effects::{CARDS, EffectSet};
+use serde::Serialize;
+
+/// The noise of a recording.
+#[derive(Clone, Debug, Serialize)]
+pub struct NoiseFound {
+    /// White, Pa.
+    pub white_pa: f64,
+    /// Coloured, hum included, Pa.
+    pub coloured_pa: f64,
+    /// Correlation time of the coloured noise, s.
+    pub correlation_s: f64,
+    /// Frequency of a hum, Hz.
+    pub hum_hz: Option<f64>,
+    /// Step between readings, Pa; zero where none is seen.
+    pub step_pa: f64,
+    /// Readings left out as far off.
+    pub outliers: usize,
+    /// Readings in a second, where that is less often than rows.
+    pub readout_hz: Option<f64>,
+}
+
+impl NoiseFound {
+    /// Of a rig's data.
+    pub fn of(data: &Data) -> Self {
+        let noise = &data.noise;
+        Self {
+            white_pa: noise.white_pa,
+            coloured_pa: noise.coloured_pa(),
+            correlation_s: noise.correlation_s(),
+            hum_hz: noise.hum.map(|h| h.frequency_hz),
+            step_pa: noise.step_pa,
+            outliers: data.outliers(),
+            readout_hz: data.traces.iter().find_map(|t| t.readout.rate_hz(t.row_s())),
+        }
+    }
+}
+
+/// What one record has for itself.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecordFound {
+    /// Its file.
+    pub trace: String,
+    /// Its own numbers.
+    #[serde(serialize_with = "as_map")]
+    pub parameters: Estimates,
+    /// Its error, Pa.
+    pub rmse_pa: f64,
+}
+
+/// Each record's own numbers and error.
+pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], residual_is_noise: bool) -> Vec<RecordFound> {
+    let rig = covariance::covariance(fit, residual_is_noise);
+    (0..data.traces.len())
+        .map(|k| {
+            let t = &data.traces[k];
+            let own = covariance::of_record(fit, k, &rig);
+            let axes = fit.hypothesis.own_of(t);
+            let estimate = |(i, axis): (usize, &crate::parameters::Axis<crate::parameters::Own>)| {
+                let variance = own.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
+                (axis.slot.name(), covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit()))
+            };
+            let data_rows = residuals[k].iter().zip(t.data_rows()).filter(|(_, is_data)| *is_data);
+            let (sum, rows) = data_rows.fold((0.0, 0usize), |(sum, n), (r, _)| (sum + r * r, n + 1));
+            RecordFound {
+                trace: t.path.display().to_string(),
+                parameters: axes.iter().enumerate().map(estimate).collect(),
+                rmse_pa: (sum / rows.max(1) as f64).sqrt(),
+            }
+        })
+        .collect()
+}
+
+/// What was assumed where the rig says nothing, what was left out, what was noticed.
+pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
+    let mut out = Vec::new();
+    if data.ambient_temperature_assumed {
+        out.push(format!(
+            "the ambient temperature is not stated: {:.2} K assumed, ± {:.0} K; pressures alone do not determine it (lambda0 follows it to the power 1.5, and its interval includes that)",
+            data.ambient_temperature_k, data.tolerance.ambient_temperature_k
+        ));
+    }
+    let noise = &data.noise;
+    if let Some(stated) = noise.stated_pa.filter(|s| (s / noise.total_pa() - 1.0).abs() > 0.2) {
+        out.push(format!("the rig states a noise of {stated:.1} Pa, the records show {:.1} Pa", noise.total_pa()));
+    }
+    if noise.sticks {
+        out.push(format!(
+            "the readings stick to steps of {} Pa: their rounding counts as noise",
+            number(noise.step_pa, 3)
+        ));
+    }
+    for t in data.traces.iter().filter(|t| !t.readout.outliers.is_empty()) {
+        let times: Vec<String> = t.readout.outliers.iter().take(3).map(|&i| format!("{:.3} s", t.time_s[i])).collect();
+        let more = if t.readout.outliers.len() > 3 { ", …" } else { "" };
+        out.push(format!(
+            "{}: {} readings far off are left out (at {}{more} from its first row)",
+            t.path.display(),
+            t.readout.outliers.len(),
+            times.join(", ")
+        ));
+    }
+    for t in data.traces.iter().filter(|t| t.backward_rows > 0) {
+        out.push(format!("{}: {} rows are left out, as their time does not go on", t.path.display(), t.backward_rows));
+    }
+    let slow: Vec<_> = data.traces.iter().filter(|t| t.readout.period > 1).collect();
+    if let Some(t) = slow.first() {
+        let between = match t.readout.between {
+            Between::Held => "repeat the last reading",
+            _ => "lie on straight lines",
+        };
+        out.push(format!(
+            "the pressure is read at {:.3} Hz and the rows in between {between}: only the readings count ({} of {} records)",
+            t.readout.rate_hz(t.row_s()).unwrap_or(0.0),
+            slow.len(),
+            data.traces.len()
+        ));
+    }
+    for t in data.traces.iter().filter(|t| !t.starts_at_rest) {
+        out.push(format!("{} starts in motion: its initial temperature is fitted", t.path.display()));
+    }
+    if let Some(found) = found {
+        out.extend(of_search(data, found));
+    }
+    out
+}
+
+/// What the search noticed.
+fn of_search(data: &Data, found: &Found) -> Vec<String> {
+    let mut out = Vec::new();
+    let fit = &found.chosen.fit;
+    let shown = |slot: Slot, moved: f64, scale: f64| match slot {
+        Slot::Bore => {
+            format!("a bore of {:.2} mm for {:.2} mm", 1e3 * data.bore_m * (1.0 + moved * scale), 1e3 * data.bore_m)
+        }
+        Slot::PositionScale => format!("positions {:+.2} % larger than recorded", 100.0 * moved * scale),
+        Slot::PositionZero => format!("a position zero moved by {:+.2} mm", 1e3 * moved * scale),
+        _ => format!("surroundings {:+.1} K warmer than stated", moved * scale),
+    };
+    for (axis, moved) in fit.hypothesis.stated.iter().zip(&fit.moved).filter(|(_, moved)| moved.abs() > 3.0) {
+        out.push(format!(
+            "the records ask for {}, {:.1} times the tolerance: check it",
+            shown(axis.slot, *moved, axis.scale),
+            moved.abs()
+        ));
+    }
+    if let Some(effects) = found.by_geometry {
+        let names: Vec<&str> = effects.iter().map(|e: usize| CARDS[e].name).collect();
+        out.push(format!(
+            "{} would explain part of the residual, but so would a bore or position scale a few tolerances off: check those first",
+            names.join(" and ")
+        ));
+    }
+    if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
+        out.push("the records differ in how they were recorded (see records), not in physics".to_owned());
+    }
+    if !found.chosen.fit.converged {
+        out.push("the last fit did not settle within its iterations: take its numbers with care".to_owned());
+    }
+    out
+}

@@ -1,0 +1,113 @@
+//! Data that cannot be what it should be, found before anything is fitted.
+
+use crate::error::Error;
+use crate::record::readout::Readout;
+use crate::record::stroke::{Motion, Phase, extent};
+use records::Trace;
+
+/// Fewest rows of a trace.
+pub const FEWEST_ROWS: usize = 20;
+/// A run of equal extreme readings this long is a sensor at the end of its range.
+const LONGEST_HONEST_RUN: usize = 5;
+
+/// Pressures that a pneumatic chamber can have on the whole, Pa.
+const PLAUSIBLE_PRESSURE_PA: std::ops::RangeInclusive<f64> = 1e3..=1e8;
+
+/// Enough rows?
+pub fn rows(trace: &Trace) -> Result<(), Error> {
+    if trace.time_s.len() < FEWEST_ROWS {
+        return Err(Error::TooFewSamples { trace: trace.path.clone(), rows: trace.time_s.len(), least: FEWEST_ROWS });
+    }
+    Ok(())
+}
+
+/// A move, a pressure that answers it the right way round, and a sensor within its range?
+pub fn trace(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout) -> Result<(), Error> {
+    let path = || trace.path.clone();
+    units(trace, pressure_pa)?;
+    let (low, high) = extent(&trace.position_m);
+    if !motion.segments.iter().any(|s| s.phase == Phase::Move) || high - low < 20.0 * motion.noise_m {
+        return Err(Error::NoMove { trace: path(), range_m: high - low, noise_m: motion.noise_m });
+    }
+    let (least, most) = extent(pressure_pa);
+    if most - least < 0.1 * (high - low) / high.abs().max(low.abs()) * least {
+        return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low });
+    }
+    saturation(trace, pressure_pa, motion, readout, (least, most))?;
+    let correlation = correlation(&trace.position_m, pressure_pa);
+    if correlation > 0.5 {
+        return Err(Error::WrongSign { trace: path(), correlation });
+    }
+    Ok(())
+}
+
+/// Pressures and times that no cylinder on a bench has: the unit of their column is wrong.
+fn units(trace: &Trace, pressure_pa: &[f64]) -> Result<(), Error> {
+    let mut sorted = pressure_pa.to_vec();
+    let middle = sorted.len() / 2;
+    let median_pa = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+    if !PLAUSIBLE_PRESSURE_PA.contains(&median_pa) {
+        return Err(Error::ImplausiblePressure { trace: trace.path.clone(), median_pa });
+    }
+    Ok(())
+}
+
+/// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row.
+fn saturation(
+    trace: &Trace,
+    pressure_pa: &[f64],
+    motion: &Motion,
+    readout: &Readout,
+    (least, most): (f64, f64),
+) -> Result<(), Error> {
+    let rows: Vec<usize> = (0..pressure_pa.len()).filter(|&i| readout.is_data(i)).collect();
+    let equal = rows.windows(2).filter(|w| pressure_pa[w[0]] == pressure_pa[w[1]]).count();
+    let still = equal as f64 / (rows.len() - 1).max(1) as f64;
+    for (extreme, high) in [(most, true), (least, false)] {
+        let run = longest_run(&rows, pressure_pa, extreme);
+        let (Some(&first), Some(&last)) = (run.first(), run.last()) else { continue };
+        let moves = motion.segments.iter().any(|s| {
+            let inside = first.max(s.first)..(last + 1).min(s.end);
+            let stroke = extent(&trace.position_m[s.first..s.end]);
+            s.phase == Phase::Move && inside.len() >= LONGEST_HONEST_RUN * readout.period && {
+                let part = extent(&trace.position_m[inside]);
+                part.1 - part.0 > 0.1 * (stroke.1 - stroke.0)
+            }
+        });
+        if run.len() >= LONGEST_HONEST_RUN && (moves || (still < 0.2 && run.len() > 2 * LONGEST_HONEST_RUN)) {
+            let from_s = trace.time_s[first];
+            return Err(Error::Saturated {
+                trace: trace.path.clone(),
+                rows: run.len(),
+                from_s,
+                value_pa: extreme,
+                high,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The longest run of that value.
+fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
+    let (mut best, mut length) = (0..0, 0);
+    for (k, &i) in rows.iter().enumerate() {
+        length = if values[i] == of { length + 1 } else { 0 };
+        if length > best.len() {
+            best = k + 1 - length..k + 1;
+        }
+    }
+    &rows[best]
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len() as f64;
+    let (ma, mb) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        ab += (x - ma) * (y - mb);
+        aa += (x - ma).powi(2);
+        bb += (y - mb).powi(2);
+    }
+    ab / (aa * bb).sqrt().max(f64::MIN_POSITIVE)
+}

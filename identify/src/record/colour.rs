@@ -1,0 +1,363 @@
+//! The coloured part of a recording's noise, from the residuals of a fit.
+//!
+//! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
+//! they have in common (Helmert contrasts, each with the covariance of one record). Without repeats the late parts of rests
+//! and holds are used, free of a constant and a slope each (restricted likelihood). White noise alone, with one or with two
+//! Ornstein–Uhlenbeck processes, and with a line are compared by BIC; each by maximum likelihood, the innovations from a
+//! Kalman filter ([`Whitener`]). Source: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood).
+
+use crate::fit::whiten::{Place, Whitener};
+use crate::record::noise::{Colour, Hum, Noise};
+use crate::record::prepare::{Data, Prepared};
+use crate::record::stroke::Phase;
+use std::f64::consts::TAU;
+
+/// Rows after a move that are left out: there the position's noise and the move's course count.
+const AFTER_MOVE: usize = 10;
+/// Longest window, points; longer ones are averaged down to it.
+const LONGEST: usize = 1500;
+/// Most points looked at in all.
+const MOST_POINTS: usize = 30_000;
+/// Fewest points that say anything about colour.
+const FEWEST_POINTS: usize = 120;
+
+/// Noise of a rig in one window, Pa, at equal distances.
+struct Window {
+    values: Vec<f64>,
+    /// Time from one value to the next, s.
+    distance_s: f64,
+    /// Readings in each value.
+    averaged: usize,
+}
+
+/// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
+/// change: step, what the rig states.
+pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
+    if before.sticks {
+        // What a sticking sensor shows between its steps is rounding, which has a model of its own.
+        return before.clone();
+    }
+    let (mut windows, pure) = windows(data, residuals);
+    let points: usize = windows.iter().map(|w| w.values.len()).sum();
+    if points < FEWEST_POINTS {
+        return before.clone();
+    }
+    while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
+        windows = windows.into_iter().step_by(2).collect();
+    }
+    let likelihood = Likelihood { windows: &windows, free: !pure };
+    let start = Noise { colours: Vec::new(), hum: None, ..before.clone() };
+    let longest_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
+    let mut best = likelihood.scaled(&start);
+    let more = |parameters: f64| parameters * (likelihood.points() as f64).ln() + 8.0;
+    for count in 1..=2 {
+        let trial = likelihood.with_another_colour(&best.1, longest_s);
+        if trial.0 + more(2.0) < best.0 {
+            best = trial;
+        } else if count == 1 {
+            break;
+        }
+    }
+    if let Some(hum) = likelihood.line(&best.1) {
+        let trial = likelihood.scaled(&Noise { hum: Some(hum), ..best.1.clone() });
+        if trial.0 + more(2.0) < best.0 {
+            best = trial;
+        }
+    }
+    let mut noise = best.1;
+    let rows = likelihood.points() as f64;
+    noise.variance_error = (2.0 / (rows - 2.0).max(1.0)).sqrt();
+    if let Some(stated) = noise.stated_pa.filter(|s| *s > 1.2 * noise.total_pa()) {
+        let scale = stated / noise.total_pa();
+        noise = scale_by(&noise, scale);
+    }
+    noise
+}
+
+fn scale_by(noise: &Noise, factor: f64) -> Noise {
+    let mut out = noise.clone();
+    out.white_pa *= factor;
+    out.colours.iter_mut().for_each(|c| c.sd_pa *= factor);
+    out.hum.iter_mut().for_each(|h| h.sd_pa *= factor);
+    out
+}
+
+/// Windows of noise, and whether they are contrasts of repeats.
+fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
+    let mut out = Vec::new();
+    for experiment in 0..data.experiments.len() {
+        let repeats: Vec<usize> = (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect();
+        contrasts(data, residuals, &repeats, &mut out);
+    }
+    if !out.is_empty() {
+        return (out, true);
+    }
+    for (t, residual) in data.traces.iter().zip(residuals) {
+        for s in 0..t.course.motion.segments.len() {
+            let quiet = quiet_rows(t, s, true);
+            out.extend(window(t, quiet.iter().map(|&i| residual[i]).collect()));
+        }
+    }
+    (out, false)
+}
+
+/// Rows of a rest or hold that are data, or of its later half; none of a move.
+fn quiet_rows(t: &Prepared, segment: usize, late: bool) -> Vec<usize> {
+    let s = &t.course.motion.segments[segment];
+    let first = match s.phase {
+        Phase::Move => return Vec::new(),
+        Phase::Rest => s.first,
+        Phase::Hold if late => s.first + (s.end - s.first) / 2,
+        Phase::Hold => s.first + AFTER_MOVE,
+    };
+    (first..s.end).filter(|&i| t.readout.is_data(i)).collect()
+}
+
+fn contrasts(data: &Data, residuals: &[Vec<f64>], repeats: &[usize], out: &mut Vec<Window>) {
+    let traces: Vec<&Prepared> = repeats.iter().map(|&k| &data.traces[k]).collect();
+    let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
+    let Some(first) = traces.first().filter(|_| traces.len() > 1) else { return };
+    if traces.iter().any(|t| phases(t) != phases(first) || t.readout.period != first.readout.period) {
+        return;
+    }
+    for (segment, phase) in phases(first).into_iter().enumerate() {
+        let rows: Vec<Vec<usize>> = traces.iter().map(|t| quiet_rows(t, segment, false)).collect();
+        let length = rows.iter().map(Vec::len).min().unwrap_or(0);
+        // Rests are compared from their ends, holds from their begins.
+        let aligned = |k: usize, i: usize| {
+            let own = &rows[k];
+            let place = if phase == Phase::Rest { own.len() - length + i } else { i };
+            residuals[repeats[k]][own[place]]
+        };
+        for order in 1..repeats.len() {
+            let norm = ((order * (order + 1)) as f64).sqrt();
+            let values: Vec<f64> = (0..length)
+                .map(|i| ((0..order).map(|k| aligned(k, i)).sum::<f64>() - order as f64 * aligned(order, i)) / norm)
+                .collect();
+            out.extend(window(first, values));
+        }
+    }
+}
+
+fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
+    if values.len() < 8 || values.iter().any(|v| !v.is_finite()) {
+        return None;
+    }
+    let averaged = values.len().div_ceil(LONGEST);
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let values: Vec<f64> = values.chunks_exact(averaged).map(mean).collect();
+    let row_s = t.time_s.last().map_or(0.01, |last| last / (t.time_s.len() - 1) as f64);
+    Some(Window { values, distance_s: row_s * (t.readout.period * averaged) as f64, averaged })
+}
+
+struct Likelihood<'a> {
+    windows: &'a [Window],
+    /// Whether each window has a constant and a slope of its own.
+    free: bool,
+}
+
+impl Likelihood<'_> {
+    fn points(&self) -> usize {
+        self.windows.iter().map(|w| w.values.len()).sum()
+    }
+
+    /// −2 ln L with the noise's size at its maximum, and the noise of that size.
+    fn scaled(&self, shape: &Noise) -> (f64, Noise) {
+        let (mut squares, mut determinants, mut freedom) = (0.0, 0.0, 0.0);
+        let mut known: Option<(usize, f64, usize, Whitener, [Vec<f64>; 2])> = None;
+        let mut order: Vec<&Window> = self.windows.iter().collect();
+        order.sort_by(|a, b| (b.values.len(), b.averaged).cmp(&(a.values.len(), a.averaged)));
+        for window in order {
+            let n = window.values.len();
+            let fits = known.as_ref().is_some_and(|k| k.1 == window.distance_s && k.2 == window.averaged);
+            if !fits {
+                let whitener = whitener(shape, window);
+                let mut basis = [vec![1.0; n], (0..n).map(|i| i as f64 / n as f64 - 0.5).collect()];
+                basis.iter_mut().for_each(|b| whitener.apply(b));
+                known = Some((n, window.distance_s, window.averaged, whitener, basis));
+            }
+            let Some((_, _, _, whitener, basis)) = &known else { continue };
+            let mut values = window.values.clone();
+            whitener.apply(&mut values);
+            determinants += whitener.log_determinant_of(n);
+            squares += values.iter().map(|v| v * v).sum::<f64>();
+            freedom += n as f64;
+            if self.free {
+                let [aa, ab, bb] = [[0, 0], [0, 1], [1, 1]].map(|[i, j]| dot(&basis[i][..n], &basis[j][..n]));
+                let [ay, by] = [0, 1].map(|i| dot(&basis[i][..n], &values));
+                let determinant = aa * bb - ab * ab;
+                squares -= (bb * ay * ay - 2.0 * ab * ay * by + aa * by * by) / determinant;
+                determinants += determinant.ln();
+                freedom -= 2.0;
+            }
+        }
+        let variance = (squares / freedom).max(f64::MIN_POSITIVE);
+        (freedom * (1.0 + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
+    }
+
+    /// The best noise with one more coloured process.
+    fn with_another_colour(&self, noise: &Noise, longest_s: f64) -> (f64, Noise) {
+        let shortest_s = 2.0 * self.windows.iter().map(|w| w.distance_s).fold(f64::INFINITY, f64::min);
+        let steps = 7;
+        let ratio = (2.0 * longest_s / shortest_s).max(4.0).powf(1.0 / f64::from(steps - 1));
+        let mut best = (f64::INFINITY, noise.clone());
+        for k in 0..steps {
+            for share in [0.1, 0.4, 1.0, 3.0] {
+                let colour = Colour { sd_pa: share * noise.white_pa, time_s: shortest_s * ratio.powi(k) };
+                let trial = self.scaled(&with(noise, colour));
+                if trial.0 < best.0 {
+                    best = trial;
+                }
+            }
+        }
+        self.improved(best, 2.0 * longest_s)
+    }
+
+    /// Every colour's size and time moved, up and down by factors that shrink, as long as that helps.
+    fn improved(&self, mut best: (f64, Noise), longest_s: f64) -> (f64, Noise) {
+        let mut factor: f64 = 1.8;
+        while factor > 1.06 {
+            let mut moved = false;
+            for k in 0..best.1.colours.len() {
+                for (size, time) in
+                    [(factor, 1.0), (1.0 / factor, 1.0), (1.0, factor), (1.0, 1.0 / factor), (factor, factor * factor)]
+                {
+                    let mut trial = best.1.clone();
+                    trial.colours[k].sd_pa *= size;
+                    trial.colours[k].time_s = (trial.colours[k].time_s * time).min(longest_s);
+                    let trial = self.scaled(&trial);
+                    if trial.0 < best.0 - 1e-3 {
+                        (best, moved) = (trial, true);
+                    }
+                }
+            }
+            if !moved {
+                factor = factor.sqrt();
+            }
+        }
+        best
+    }
+
+    /// A line that stands out of the innovations' periodogram.
+    fn line(&self, noise: &Noise) -> Option<Hum> {
+        const STANDS_OUT: f64 = 12.0;
+        let longest = self.windows.iter().max_by_key(|w| w.values.len())?;
+        let span_s = longest.distance_s * longest.values.len() as f64;
+        let whitened: Vec<(f64, Vec<f64>)> = self
+            .windows
+            .iter()
+            .map(|w| {
+                let mut values = w.values.clone();
+                whitener(noise, w).apply(&mut values);
+                (w.distance_s, values)
+            })
+            .collect();
+        let highest_hz = 0.5 / longest.distance_s;
+        let count = ((2.0 * span_s * highest_hz) as usize).min(600);
+        let powers: Vec<(f64, f64)> = (1..count)
+            .map(|k| 0.5 * k as f64 / span_s)
+            .map(|f| (f, whitened.iter().map(|(h, values)| power(values, TAU * f * h)).sum::<f64>()))
+            .collect();
+        let mean = whitened.len() as f64;
+        let (frequency_hz, power) = powers.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        // Under noise the sum of n periodograms has mean n and deviation √n.
+        if power < mean + STANDS_OUT * mean.sqrt() + STANDS_OUT {
+            return None;
+        }
+        let trial = |share: f64| Hum { sd_pa: share * noise.white_pa, frequency_hz, coherence_s: 5.0 * span_s };
+        [0.1, 0.2, 0.4, 0.8, 1.6]
+            .map(|share| (self.scaled(&Noise { hum: Some(trial(share)), ..noise.clone() }).0, trial(share)))
+            .into_iter()
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, hum)| hum)
+    }
+}
+
+fn with(noise: &Noise, colour: Colour) -> Noise {
+    let mut out = noise.clone();
+    out.colours.push(colour);
+    out
+}
+
+fn whitener(noise: &Noise, window: &Window) -> Whitener {
+    let length = window.distance_s * (window.averaged - 1) as f64 / window.averaged as f64;
+    let places: Vec<Place> = (0..window.values.len())
+        .map(|i| Place {
+            begin_s: i as f64 * window.distance_s,
+            end_s: i as f64 * window.distance_s + length,
+            variance: noise.white_pa.powi(2) / window.averaged as f64,
+            ..Place::default()
+        })
+        .collect();
+    Whitener::new(noise, &places)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// |Σ v e^(−i ω k)|²/n, by Goertzel's recurrence.
+fn power(values: &[f64], angle: f64) -> f64 {
+    let twice = 2.0 * angle.cos();
+    let (mut s1, mut s2) = (0.0, 0.0);
+    for v in values {
+        (s1, s2) = (v + twice * s1 - s2, s1);
+    }
+    (s1 * s1 + s2 * s2 - twice * s1 * s2) / values.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    const ROW_S: f64 = 0.01;
+
+    fn windows_of(mut next: impl FnMut(usize) -> f64) -> Vec<Window> {
+        (0..20).map(|_| Window { values: (0..600).map(&mut next).collect(), distance_s: ROW_S, averaged: 1 }).collect()
+    }
+
+    #[test]
+    fn white_noise_has_no_colour_and_no_line() {
+        let mut random = Random::new(1);
+        let windows = windows_of(|_| 80.0 * random.normal());
+        let likelihood = Likelihood { windows: &windows, free: false };
+        let white = likelihood.scaled(&Noise::white(1.0));
+        assert!((white.1.white_pa / 80.0 - 1.0).abs() < 0.03);
+        assert!(likelihood.with_another_colour(&white.1, 6.0).0 > white.0 - 12.0);
+        assert_eq!(likelihood.line(&white.1), None);
+    }
+
+    #[test]
+    fn the_size_and_the_time_of_coloured_noise_are_found() {
+        let mut random = Random::new(2);
+        let (keep, mut state) = ((-ROW_S / 0.2f64).exp(), 0.0);
+        let windows = windows_of(|i| {
+            state = if i == 0 {
+                100.0 * random.normal()
+            } else {
+                keep * state + 100.0 * (1.0 - keep * keep).sqrt() * random.normal()
+            };
+            state + 40.0 * random.normal()
+        });
+        let likelihood = Likelihood { windows: &windows, free: false };
+        let white = likelihood.scaled(&Noise::white(1.0));
+        let (deviance, found) = likelihood.with_another_colour(&white.1, 6.0);
+        assert!(deviance < white.0 - 1000.0);
+        assert!((found.white_pa / 40.0 - 1.0).abs() < 0.1, "{found:?}");
+        assert!((found.colours[0].sd_pa / 100.0 - 1.0).abs() < 0.15, "{found:?}");
+        assert!((found.colours[0].time_s / 0.2 - 1.0).abs() < 0.3, "{found:?}");
+    }
+
+    #[test]
+    fn hum_is_found_by_its_frequency() {
+        let mut random = Random::new(3);
+        let windows = windows_of(|i| 120.0 * (TAU * 1.3 * ROW_S * i as f64 + 0.4).sin() + 60.0 * random.normal());
+        let likelihood = Likelihood { windows: &windows, free: true };
+        let white = likelihood.scaled(&Noise::white(1.0));
+        let hum = likelihood.line(&white.1).unwrap();
+        assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");
+        let (_, noise) = likelihood.scaled(&Noise { hum: Some(hum), ..white.1 });
+        assert!((noise.white_pa / 60.0 - 1.0).abs() < 0.1, "{noise:?}");
+    }
+}

@@ -1,0 +1,13 @@
+//! From the rows of a record to what a fit sees: the stroke, the readout, the noise, bad input, block means.
+
+pub mod checks;
+pub mod clock;
+pub mod colour;
+pub mod line;
+pub mod noise;
+pub mod outliers;
+pub mod prepare;
+pub mod ramp;
+pub mod readout;
+pub mod spline;
+pub mod stroke;

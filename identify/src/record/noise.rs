@@ -1,0 +1,261 @@
+//! The noise of a recording: white, coloured, hum, and the step of its readings.
+//!
+//! y = Q[h(gas) + coloured + hum + white]. Coloured noise is a sum of at most two Ornstein–Uhlenbeck processes, each with
+//! a standard deviation in Pa and a correlation time in s; two of them stand for 1/f wander over the scales of a record
+//! (M. S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white
+//! part from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals.
+
+use crate::record::readout::Readout;
+use crate::record::stroke::{Motion, Phase};
+
+/// Coloured noise: an Ornstein–Uhlenbeck process.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour {
+    /// Standard deviation, Pa.
+    pub sd_pa: f64,
+    /// Correlation time, s.
+    pub time_s: f64,
+}
+
+/// A line in the spectrum, such as mains hum that the sampling has moved to a low frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hum {
+    /// Standard deviation (the amplitude over √2), Pa.
+    pub sd_pa: f64,
+    /// Its frequency in the record, Hz.
+    pub frequency_hz: f64,
+    /// Over which time its phase is kept, s.
+    pub coherence_s: f64,
+}
+
+/// Noise of the pressure readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Standard deviation of the white part of one reading, as the mean of many readings shows it, Pa.
+    pub white_pa: f64,
+    /// Coloured parts.
+    pub colours: Vec<Colour>,
+    /// Hum.
+    pub hum: Option<Hum>,
+    /// Step between readings, Pa; zero where none is seen.
+    pub step_pa: f64,
+    /// Whether readings stick to a step, as the noise is too small to move them off it.
+    pub sticks: bool,
+    /// Relative standard error of the variance.
+    pub variance_error: f64,
+    /// What the rig states, Pa.
+    pub stated_pa: Option<f64>,
+}
+
+/// Rows of a window.
+const WINDOW: usize = 40;
+/// Coefficients of the polynomial about which a window's readings scatter.
+const COEFFICIENTS: usize = 5;
+const LARGEST_LAG: usize = 12;
+/// Readings stick where at least this share of neighbours is equal.
+const STUCK_SHARE: f64 = 0.6;
+
+impl Noise {
+    /// White noise of that standard deviation, Pa.
+    pub fn white(sd_pa: f64) -> Self {
+        Self {
+            white_pa: sd_pa,
+            colours: Vec::new(),
+            hum: None,
+            step_pa: 0.0,
+            sticks: false,
+            variance_error: 0.0,
+            stated_pa: None,
+        }
+    }
+
+    /// Standard deviation of one reading, all kinds of noise together, Pa.
+    pub fn total_pa(&self) -> f64 {
+        let coloured = self.coloured_pa();
+        (self.white_pa.powi(2) + coloured.powi(2) + self.rounding_pa().powi(2)).sqrt()
+    }
+
+    /// Standard deviation of coloured noise and hum, Pa.
+    pub fn coloured_pa(&self) -> f64 {
+        let hum = self.hum.map_or(0.0, |h| h.sd_pa);
+        (self.colours.iter().map(|c| c.sd_pa * c.sd_pa).sum::<f64>() + hum * hum).sqrt()
+    }
+
+    /// Correlation time of the coloured noise, s, by variance; zero where there is none.
+    pub fn correlation_s(&self) -> f64 {
+        let power: f64 = self.colours.iter().map(|c| c.sd_pa * c.sd_pa).sum();
+        let weighted: f64 = self.colours.iter().map(|c| c.sd_pa * c.sd_pa * c.time_s).sum();
+        if power > 0.0 { weighted / power } else { 0.0 }
+    }
+
+    /// Standard deviation of the rounding where readings stick, Pa; where they do not it is part of the white noise.
+    pub fn rounding_pa(&self) -> f64 {
+        if self.sticks { self.step_pa / 12.0f64.sqrt() } else { 0.0 }
+    }
+
+    /// White noise and step from the quiet parts of all records of a rig: late windows of rests and holds.
+    ///
+    /// The scatter is that about a polynomial of the fourth degree, since a fast relaxation still bends within a window.
+    pub fn from_quiet_parts<'a>(records: &[Quiet<'a>], stated_pa: Option<f64>, stated_step_pa: Option<f64>) -> Self {
+        let mut variances = Vec::new();
+        let mut products = [0.0; LARGEST_LAG + 1];
+        let mut differences = Vec::new();
+        let (mut equal, mut neighbours) = (0usize, 0usize);
+        for quiet in records {
+            for rows in quiet.windows() {
+                let values: Vec<f64> = rows.iter().map(|&i| quiet.pressure_pa[i]).collect();
+                let times: Vec<f64> = rows.iter().map(|&i| quiet.time_s[i]).collect();
+                let rest = polynomial_residual::<COEFFICIENTS>(&times, &values);
+                let freedom = (rows.len() - COEFFICIENTS) as f64;
+                variances.push((rest.iter().map(|r| r * r).sum::<f64>() / freedom, freedom));
+                for (lag, product) in products.iter_mut().enumerate().take(rows.len()) {
+                    *product += rest.iter().zip(&rest[lag..]).map(|(a, b)| a * b).sum::<f64>();
+                }
+                equal += values.windows(2).filter(|w| w[0] == w[1]).count();
+                neighbours += values.len() - 1;
+                differences.extend(values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9));
+            }
+        }
+        let step_pa = stated_step_pa.unwrap_or_else(|| lattice(&mut differences));
+        let sticks = step_pa > 0.0 && neighbours > 0 && equal as f64 > STUCK_SHARE * neighbours as f64;
+        let freedom: f64 = variances.iter().map(|(_, f)| f).sum();
+        let variance = robust_mean(&mut variances) * correlation_rows(&products, freedom);
+        let floor = step_pa / 12.0f64.sqrt();
+        let mut white_pa = if variances.is_empty() { stated_pa.unwrap_or(0.0) } else { variance.sqrt() };
+        if !sticks {
+            white_pa = white_pa.max(floor);
+        }
+        // Between its steps a sticking sensor hides its noise.
+        white_pa = white_pa.max(1e-3).max(if sticks { 0.25 * floor } else { 0.0 });
+        if let Some(stated) = stated_pa.filter(|s| *s > 1.2 * white_pa) {
+            // Who states more than the scatter shows has reasons: calibration, hysteresis.
+            white_pa = stated;
+        }
+        let variance_error = (2.0 / freedom.max(1.0)).sqrt();
+        Self { step_pa, sticks, variance_error, stated_pa, ..Self::white(white_pa) }
+    }
+}
+
+/// A record's rows as the estimate of its noise sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Quiet<'a> {
+    /// Times, s.
+    pub time_s: &'a [f64],
+    /// Pressures, Pa.
+    pub pressure_pa: &'a [f64],
+    /// The stroke.
+    pub motion: &'a Motion,
+    /// Which rows are data.
+    pub readout: &'a Readout,
+}
+
+impl Quiet<'_> {
+    /// Windows of rows that are data, in the quiet parts.
+    fn windows(&self) -> Vec<Vec<usize>> {
+        let mut out = Vec::new();
+        for s in self.motion.segments.iter().filter(|s| s.phase != Phase::Move) {
+            // A rest is quiet throughout, a hold in its later half.
+            let from = if s.phase == Phase::Rest { s.first } else { s.first + (s.end - s.first) / 2 };
+            let rows: Vec<usize> = (from..s.end).filter(|&i| self.readout.is_data(i)).collect();
+            let size = WINDOW.min(rows.len());
+            if size >= 16 {
+                out.extend(rows.chunks_exact(size).map(<[usize]>::to_vec));
+            }
+        }
+        out
+    }
+}
+
+/// The spacing of the readings' lattice, Pa: the smallest common difference, zero where differences are not its multiples.
+pub fn lattice(differences: &mut [f64]) -> f64 {
+    const NEARLY: f64 = 0.1;
+    differences.sort_by(f64::total_cmp);
+    let Some(&smallest) = differences.get(differences.len() / 100) else { return 0.0 };
+    let cluster: Vec<f64> = differences.iter().copied().take_while(|d| *d < (1.0 + NEARLY) * smallest).collect();
+    let step = cluster.iter().sum::<f64>() / cluster.len() as f64;
+    let on_lattice =
+        |d: &&f64| ((*d / step) - (*d / step).round()).abs() < NEARLY * (*d / step).round().max(1.0).min(2.0);
+    let share = differences.iter().filter(on_lattice).count() as f64 / differences.len() as f64;
+    if share > 0.9 { step } else { 0.0 }
+}
+
+/// Over how many rows a reading is correlated with its neighbours: 1 + 2 Σ ρ_k; white noise: 1.
+fn correlation_rows(products: &[f64], freedom: f64) -> f64 {
+    let mut rows = 1.0;
+    if products[0] > 0.0 {
+        let significant = 3.0 / freedom.sqrt();
+        for product in &products[1..] {
+            // Fitting the polynomial takes some of a window's degrees of freedom, spread over the lags.
+            let rho = product / products[0] + COEFFICIENTS as f64 / WINDOW as f64 * 0.5;
+            if rho < significant + 0.05 {
+                break;
+            }
+            rows += 2.0 * rho;
+        }
+    }
+    rows
+}
+
+/// Mean of the windows' variances, or their median where a few windows hold more than noise.
+fn robust_mean(variances: &mut [(f64, f64)]) -> f64 {
+    let freedom: f64 = variances.iter().map(|(_, f)| f).sum();
+    if freedom == 0.0 {
+        return 0.0;
+    }
+    let mean = variances.iter().map(|(v, f)| v * f).sum::<f64>() / freedom;
+    variances.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (middle, f) = variances[variances.len() / 2];
+    // Median of χ²_f/f, Wilson and Hilferty.
+    let median = middle / (1.0 - 2.0 / (9.0 * f)).powi(3);
+    if mean > 1.15 * median && median > 0.0 { median } else { mean }
+}
+
+/// Residual about a polynomial of K coefficients, by Gram–Schmidt on the powers of centred time.
+fn polynomial_residual<const K: usize>(t: &[f64], y: &[f64]) -> Vec<f64> {
+    let n = t.len();
+    let centre = t.iter().sum::<f64>() / n as f64;
+    let scale = t.iter().map(|t| (t - centre).abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let mut rest = y.to_vec();
+    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(K);
+    for k in 0..K {
+        let mut b: Vec<f64> = t.iter().map(|t| ((t - centre) / scale).powi(k as i32)).collect();
+        for other in &basis {
+            let share: f64 = b.iter().zip(other).map(|(x, o)| x * o).sum();
+            b.iter_mut().zip(other).for_each(|(x, o)| *x -= share * o);
+        }
+        let norm = b.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if norm < 1e-9 {
+            continue;
+        }
+        b.iter_mut().for_each(|x| *x /= norm);
+        let share: f64 = rest.iter().zip(&b).map(|(r, x)| r * x).sum();
+        rest.iter_mut().zip(&b).for_each(|(r, x)| *r -= share * x);
+        basis.push(b);
+    }
+    rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    #[test]
+    fn a_parabola_leaves_no_residual_and_a_cubic_does() {
+        let t: Vec<f64> = (0..40).map(|k| 5.0 + f64::from(k) * 0.01).collect();
+        let parabola: Vec<f64> = t.iter().map(|t| 3e5 - 2e3 * t + 50.0 * t * t).collect();
+        let cubic: Vec<f64> = t.iter().map(|t| 1e6 * (t - 5.2).powi(3)).collect();
+        assert!(polynomial_residual::<3>(&t, &parabola).iter().all(|r| r.abs() < 1e-6));
+        assert!(polynomial_residual::<3>(&t, &cubic).iter().any(|r| r.abs() > 100.0));
+    }
+
+    #[test]
+    fn the_step_of_readings_is_the_spacing_of_their_lattice_and_unrounded_readings_have_none() {
+        let mut random = Random::new(5);
+        let mut rounded: Vec<f64> = (0..3000).map(|_| (random.normal() * 60.0 / 15.25).round().abs() * 15.25).collect();
+        rounded.retain(|d| *d > 0.0);
+        assert!((lattice(&mut rounded) - 15.25).abs() < 1e-6);
+        let mut smooth: Vec<f64> = (0..3000).map(|_| (random.normal() * 60.0).abs()).collect();
+        assert_eq!(lattice(&mut smooth), 0.0);
+    }
+}

@@ -1,0 +1,156 @@
+//! Which rows of a record are data: a sensor read out more slowly than the rows fills the rows in between with what it
+//! showed last, or with straight lines; those rows say nothing new.
+//!
+//! A held readout repeats each reading, also while the pressure changes by many times its noise; an interpolated one
+//! bends at every k-th row only. Rows marked as outliers are no data either.
+
+use crate::record::noise::lattice;
+
+/// How the rows between two readings came to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// Every row is a reading.
+    Nothing,
+    /// The last reading repeated.
+    Held,
+    /// Straight lines.
+    Interpolated,
+}
+
+/// Which rows are readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Readout {
+    /// What stands between two readings.
+    pub between: Between,
+    /// Rows from one reading to the next; 1 where every row is one.
+    pub period: usize,
+    /// The first row that is a reading.
+    pub first: usize,
+    /// Rows that are no data although they are readings, ascending.
+    pub outliers: Vec<usize>,
+}
+
+/// Longest period that is looked for, rows.
+const LONGEST: usize = 60;
+/// At least so many readings must be in a record for a period to be believed.
+const FEWEST_READINGS: usize = 20;
+
+impl Readout {
+    /// Every row is a reading.
+    pub fn every_row() -> Self {
+        Self { between: Between::Nothing, period: 1, first: 0, outliers: Vec::new() }
+    }
+
+    /// Looks for a slower readout in a pressure's rows.
+    pub fn detect(pressure_pa: &[f64]) -> Self {
+        held(pressure_pa).or_else(|| interpolated(pressure_pa)).unwrap_or_else(Self::every_row)
+    }
+
+    /// Whether a row is data.
+    #[inline]
+    pub fn is_data(&self, row: usize) -> bool {
+        row >= self.first % self.period
+            && (row - self.first % self.period).is_multiple_of(self.period)
+            && self.outliers.binary_search(&row).is_err()
+    }
+
+    /// Readings in a second where rows come `row_s` apart; `None` where every row is a reading.
+    pub fn rate_hz(&self, row_s: f64) -> Option<f64> {
+        (self.period > 1).then(|| 1.0 / (self.period as f64 * row_s))
+    }
+}
+
+/// Changes fall on every k-th row only, although nearly every reading differs from the one before it.
+fn held(pressure_pa: &[f64]) -> Option<Readout> {
+    let changes: Vec<usize> = (1..pressure_pa.len()).filter(|&i| pressure_pa[i] != pressure_pa[i - 1]).collect();
+    if changes.len() < FEWEST_READINGS || 2 * changes.len() > pressure_pa.len() {
+        return None;
+    }
+    // The most frequent distance between changes, and nothing shorter.
+    let period = changes.windows(2).map(|w| w[1] - w[0]).min()?;
+    if !(2..=LONGEST).contains(&period) {
+        return None;
+    }
+    let first = changes[0] % period;
+    let on_grid = changes.iter().filter(|&&i| i % period == first).count();
+    // A sensor that sticks to its steps changes on any row; a slow one on its own rows, and mostly on all of them.
+    let readings = pressure_pa.len() / period;
+    (on_grid == changes.len() && 2 * changes.len() > readings).then(|| Readout {
+        between: Between::Held,
+        period,
+        first,
+        outliers: Vec::new(),
+    })
+}
+
+/// Second differences vanish, to the rounding of the readings, but at every k-th row.
+fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
+    /// Mean square at the other rows over that at the k-th rows, where rows are not rounded.
+    const SMALL: f64 = 0.01;
+    /// The same at the least, where rounding hides part of it.
+    const CLEAR: f64 = 0.6;
+    let rows = &pressure_pa[..pressure_pa.len().min(20_000)];
+    let mut differences: Vec<f64> = rows.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9).collect();
+    let step = lattice(&mut differences);
+    // Rounding passes a second difference with variance 6 step²/12.
+    let rounding = 1.5 * 0.5 * step * step;
+    let squares: Vec<f64> = rows.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).collect();
+    // The longest period: its divisors would pass too.
+    (2..=LONGEST.min(squares.len() / FEWEST_READINGS)).rev().find_map(|period| {
+        let mut sums = vec![0.0; period];
+        for (i, square) in squares.iter().enumerate() {
+            sums[(i + 1) % period] += square;
+        }
+        let first = (0..period).max_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
+        let others = (sums.iter().sum::<f64>() - sums[first]) / (period - 1) as f64;
+        let mean_square = others * period as f64 / squares.len() as f64;
+        let straight = others < SMALL * sums[first] || (mean_square < rounding && others < CLEAR * sums[first]);
+        // A sensor that sticks to its steps bends here and there; an interpolated one at nearly every reading.
+        let places = (0..squares.len()).filter(|i| (i + 1) % period == first);
+        let bends = places.clone().filter(|&i| squares[i] > 0.0).count();
+        (straight && 2 * bends > places.count()).then(|| Readout {
+            between: Between::Interpolated,
+            period,
+            first,
+            outliers: Vec::new(),
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    fn readings(n: usize) -> Vec<f64> {
+        let mut random = Random::new(11);
+        (0..n).map(|i| 3e5 - 8e4 * (-(i as f64) / 30.0).exp() + 60.0 * random.normal()).collect()
+    }
+
+    #[test]
+    fn a_held_readout_is_found_with_its_period_and_begin() {
+        let slow = readings(100);
+        let rows: Vec<f64> = (0..960).map(|i| slow[(i + 7) / 10]).collect();
+        let found = Readout::detect(&rows);
+        assert_eq!((found.between, found.period, found.first), (Between::Held, 10, 3));
+        assert!(found.is_data(3) && found.is_data(13) && !found.is_data(4));
+    }
+
+    #[test]
+    fn an_interpolated_readout_is_found() {
+        let slow = readings(101);
+        let rows: Vec<f64> = (0..1000)
+            .map(|i| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0)
+            .map(|p| (p / 15.25).round() * 15.25)
+            .collect();
+        let found = Readout::detect(&rows);
+        assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 10, 0));
+    }
+
+    #[test]
+    fn readings_of_every_row_and_readings_that_stick_to_a_step_are_left_whole() {
+        assert_eq!(Readout::detect(&readings(1000)), Readout::every_row());
+        let stuck: Vec<f64> = readings(1000).iter().map(|p| (p / 390.0).round() * 390.0).collect();
+        assert_eq!(Readout::detect(&stuck).period, 1);
+    }
+}

@@ -1,0 +1,64 @@
+//! The paper's model fitted to everything, with outliers left out and the noise that its residual shows.
+
+use crate::error::Error;
+use crate::fit::{self, Fit};
+use crate::judge::misfit;
+use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
+use crate::record::noise::Noise;
+use crate::record::prepare::Data;
+use crate::record::{colour, outliers};
+
+/// Fits the paper's model; the data come back without outliers and with the noise that it shows.
+///
+/// # Errors
+/// Where its simulation fails at the very begin.
+pub fn fitted(data: Data) -> Result<(Data, Fit), Error> {
+    let first = from_scratch(&data)?;
+    let residuals = misfit::residuals(&data, &first);
+    let spikes: Vec<Vec<usize>> = data
+        .traces
+        .iter()
+        .zip(&residuals)
+        .map(|(t, r)| outliers::in_residuals(t, r, data.noise.white_pa.max(data.noise.step_pa)))
+        .collect();
+    let cleaned = spikes.iter().any(|s| !s.is_empty());
+    let data = if cleaned { data.without(&spikes) } else { data };
+    let noise = colour::estimate(&data, &residuals, &data.noise);
+    if !cleaned && is_alike(&noise, &data.noise) {
+        return Ok((data, first));
+    }
+    let data = data.with_noise(noise);
+    let again = fit::fit(&data, &first.hypothesis, first.rig.clone(), first.own.clone(), &fit::all_blocks(&data));
+    let fit = again.map_err(|(k, source)| Error::Simulation { trace: data.traces[k].path.clone(), source })?;
+    Ok((data, fit))
+}
+
+/// Whether two noises weigh data alike.
+pub fn is_alike(a: &Noise, b: &Noise) -> bool {
+    const NEARLY: f64 = 0.05;
+    let near = |x: f64, y: f64| (x - y).abs() <= NEARLY * x.abs().max(y.abs());
+    near(a.white_pa, b.white_pa)
+        && a.colours.len() == b.colours.len()
+        && a.colours.iter().zip(&b.colours).all(|(a, b)| near(a.sd_pa, b.sd_pa) && near(a.time_s, b.time_s))
+        && a.hum.is_some() == b.hum.is_some()
+}
+
+fn from_scratch(data: &Data) -> Result<Fit, Error> {
+    let first = first_chamber(data);
+    let h = Hypothesis::new(data, Model::PAPER, &first, &Sizes::of(data, &first));
+    let selection = fit::all_blocks(data);
+    // λ0 may be far from the first guess: the best of three starts.
+    let mut failure = None;
+    let fits: Vec<Fit> = [0.0, 2.0, -2.0]
+        .iter()
+        .filter_map(|offset| {
+            let mut x = h.coordinates(&first);
+            x[0] += offset;
+            fit::fit(data, &h, x, h.first_owns(data), &selection).map_err(|e| failure = Some(e)).ok()
+        })
+        .collect();
+    fits.into_iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)).ok_or_else(|| match failure {
+        Some((k, source)) => Error::Simulation { trace: data.traces[k].path.clone(), source },
+        None => Error::Method("no start of the fit could be simulated".to_owned()),
+    })
+}

@@ -1,0 +1,391 @@
+//! From a rig's residual to the terms that explain it, or to the statement that none of the known ones does.
+//!
+//! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
+//! better sets with every further term (a beam), until what is left is adequate, no term enters, or [`policy::MOST_TERMS`] are
+//! in. A term is an effect of the rig, an effect of the recording that each record has for itself, or initial temperatures.
+//! It enters by decisive evidence and a lower error on left-out data; at the end each has to be decisive beside the others
+//! and with the geometry far more uncertain than stated, or it goes out again.
+
+pub mod baseline;
+pub mod starts;
+pub mod terms;
+
+use crate::error::Error;
+use crate::fit::{self, Fit};
+use crate::judge::adequacy::{self, Adequacy};
+use crate::judge::evidence::bic;
+use crate::judge::left_out::{self, Fold};
+use crate::judge::{misfit, policy, sanity};
+use crate::parameters::{Model, Sizes};
+use crate::record::colour;
+use crate::record::prepare::Data;
+use chamber::effects::EffectSet;
+use rayon::prelude::*;
+pub use records::Verdict;
+use starts::fit_model;
+
+/// A model that was fitted.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The model.
+    pub model: Model,
+    /// Its fit.
+    pub fit: Fit,
+    /// BIC of the paper's model less its own.
+    pub delta_bic: f64,
+    /// Error on left-out data, Pa, where it was judged.
+    pub held_out_pa: Option<f64>,
+}
+
+/// All that the search found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// How it ended.
+    pub verdict: Verdict,
+    /// The paper's model.
+    pub baseline: Candidate,
+    /// What it leaves.
+    pub baseline_adequacy: Adequacy,
+    /// Every model tried, best evidence first.
+    pub tried: Vec<Candidate>,
+    /// The model to go on with; the paper's where nothing entered.
+    pub chosen: Candidate,
+    /// What that leaves.
+    pub chosen_adequacy: Adequacy,
+    /// The way to the chosen model, the paper's first, each with one term more.
+    pub steps: Vec<Candidate>,
+    /// Models with as many terms as the chosen one that the data cannot tell from it.
+    pub alike: Vec<Model>,
+    /// An effect that would enter only with the geometry exactly as stated.
+    pub by_geometry: Option<EffectSet>,
+}
+
+/// Searches. `progress` is told what is being done and how far it is. The data come back with outliers left out and the noise as
+/// the best model shows it.
+///
+/// # Errors
+/// Where the data contradict the model in a way that has a name: see [`sanity`].
+pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
+    progress("fitting the paper's model", 0.0);
+    let (data, baseline) = baseline::fitted(data)?;
+    sanity::coefficient(&data, &baseline)?;
+    sanity::closed(&data, &baseline)?;
+    let adequacy = adequacy::test(&data, &baseline);
+    if !adequacy.is_adequate() {
+        sanity::gauge(&data, &baseline)?;
+    }
+    let mut search = Search::new(data, baseline, adequacy);
+    progress("one term at a time", 0.1);
+    search.first_round();
+    for round in 2..=policy::MOST_TERMS {
+        if !search.goes_on(round) {
+            break;
+        }
+        progress("further terms", 0.1 + 0.2 * round as f64);
+        if !search.round() {
+            break;
+        }
+    }
+    progress("checking what was found", 0.9);
+    let found = search.conclude()?;
+    progress("done", 1.0);
+    Ok(found)
+}
+
+struct Search {
+    data: Data,
+    sizes: Sizes,
+    folds: Vec<Fold>,
+    baseline: Candidate,
+    baseline_adequacy: Adequacy,
+    tried: Vec<Candidate>,
+    chosen: Candidate,
+    chosen_adequacy: Adequacy,
+    steps: Vec<Candidate>,
+}
+
+impl Search {
+    fn new(data: Data, baseline: Fit, adequacy: Adequacy) -> Self {
+        let sizes = Sizes::of(&data, &baseline.chamber());
+        let folds = left_out::folds(&data);
+        let mut baseline = Candidate { model: Model::PAPER, fit: baseline, delta_bic: 0.0, held_out_pa: None };
+        baseline.held_out_pa = left_out::rmse(&data, &baseline.fit, &folds);
+        Self {
+            sizes,
+            folds,
+            tried: Vec::new(),
+            chosen: baseline.clone(),
+            chosen_adequacy: adequacy.clone(),
+            steps: vec![baseline.clone()],
+            baseline,
+            baseline_adequacy: adequacy,
+            data,
+        }
+    }
+
+    /// Every term alone.
+    fn first_round(&mut self) {
+        let models = terms::added_to(&self.data, &Model::PAPER);
+        let mut singles = self.fit_all(&models);
+        if let Some(best) = singles.first().filter(|c| c.delta_bic > policy::DECISIVE) {
+            if self.noise_anew(&best.fit.clone()) {
+                singles = self.refitted(singles);
+            }
+        }
+        self.judge(&mut singles, usize::MAX);
+        self.tried = singles;
+        self.take_best(self.tried.clone());
+    }
+
+    /// Whether a further term is worth looking for.
+    fn goes_on(&self, round: usize) -> bool {
+        let enough = self.chosen_adequacy.is_adequate();
+        // One more round where a term has entered: another one may be hidden behind it.
+        if enough { self.chosen.model.terms() + 1 == round && round == 2 } else { true }
+    }
+
+    /// The better sets, each with every further term; whether a set entered.
+    fn round(&mut self) -> bool {
+        let mut models: Vec<Model> = Vec::new();
+        let enough = self.chosen_adequacy.is_adequate();
+        let beam = if enough { 1 } else { policy::GO_ON };
+        let size = self.chosen.model.terms();
+        let level = size.max(1);
+        let mut parts: Vec<Model> = Vec::new();
+        if size > 0 {
+            parts.push(self.chosen.model);
+        }
+        let best = self.tried.iter().filter(|c| c.model.terms() == level && c.delta_bic > 0.0).map(|c| c.model);
+        parts.extend(best.filter(|m| *m != self.chosen.model));
+        for part in parts.iter().take(beam) {
+            models.extend(terms::added_to(&self.data, part));
+        }
+        if level == 1 && !enough {
+            models.extend(terms::pairs(&parts[..parts.len().min(policy::PAIRED)]));
+        }
+        let mut fresh: Vec<Model> = Vec::new();
+        for model in models {
+            if !fresh.contains(&model) && self.tried.iter().all(|c| c.model != model) {
+                fresh.push(model);
+            }
+        }
+        let mut found = self.fit_all(&fresh);
+        self.judge(&mut found, policy::JUDGED);
+        self.tried.extend(found.iter().cloned());
+        sort(&mut self.tried);
+        self.take_best(found)
+    }
+
+    /// Lets the best of these enter that may; whether one did.
+    fn take_best(&mut self, mut candidates: Vec<Candidate>) -> bool {
+        let among = candidates.len().max(2) as f64;
+        candidates.retain(|c| self.enters(c, among));
+        sort(&mut candidates);
+        let Some(best) = candidates.into_iter().next() else { return false };
+        let best = self.freed(&best).unwrap_or(best);
+        self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
+        self.steps.push(best.clone());
+        self.chosen = best;
+        true
+    }
+
+    /// Decisive evidence over the chosen model, and left-out data predicted better by more than nobody minds.
+    fn enters(&self, c: &Candidate, among: f64) -> bool {
+        let over = &self.chosen;
+        let lower = match (c.held_out_pa, over.held_out_pa) {
+            (Some(a), Some(b)) => b * b - a * a > self.least_gain().powi(2),
+            (Some(_), None) => true,
+            _ => false,
+        };
+        c.fit.converged && lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
+    }
+
+    /// The error that a term has to take off left-out data, Pa.
+    fn least_gain(&self) -> f64 {
+        self.data.accuracy_pa()
+    }
+
+    /// The same set with its secondary parameters free, where that is decisively better.
+    fn freed(&self, c: &Candidate) -> Option<Candidate> {
+        let model = Model { secondary: c.model.of_rig(), ..c.model };
+        let fit = fit_model(&self.data, model, &c.fit, &self.sizes)?;
+        if fit.hypothesis.axes.len() == c.fit.hypothesis.axes.len() || bic(&c.fit) - bic(&fit) < policy::DECISIVE {
+            return None;
+        }
+        Some(self.judged(self.candidate(fit)))
+    }
+
+    fn candidate(&self, fit: Fit) -> Candidate {
+        Candidate {
+            model: fit.hypothesis.model,
+            delta_bic: bic(&self.baseline.fit) - bic(&fit),
+            fit,
+            held_out_pa: None,
+        }
+    }
+
+    fn judged(&self, mut c: Candidate) -> Candidate {
+        c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
+        c
+    }
+
+    fn judge(&self, candidates: &mut [Candidate], most: usize) {
+        let count = candidates.len().min(most);
+        candidates[..count].par_iter_mut().for_each(|c| {
+            if c.held_out_pa.is_none() {
+                c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
+            }
+        });
+    }
+
+    /// Fits each model from the largest part of it that is there; best evidence first.
+    fn fit_all(&self, models: &[Model]) -> Vec<Candidate> {
+        let mut out: Vec<Candidate> = models
+            .par_iter()
+            .filter_map(|model| fit_model(&self.data, *model, self.part_of(model), &self.sizes))
+            .map(|fit| self.candidate(fit))
+            .collect();
+        sort(&mut out);
+        out
+    }
+
+    fn part_of(&self, model: &Model) -> &Fit {
+        let known = self.tried.iter().chain([&self.chosen]).filter(|c| terms::is_part(&c.model, model));
+        known
+            .min_by_key(|c| (usize::MAX - c.model.terms(), c.fit.marginal as u64))
+            .map_or(&self.baseline.fit, |c| &c.fit)
+    }
+
+    /// Estimates the noise from what this fit leaves; whether it is another one. The paper's model is then fitted anew.
+    fn noise_anew(&mut self, best: &Fit) -> bool {
+        let residuals = misfit::residuals(&self.data, best);
+        let noise = colour::estimate(&self.data, &residuals, &self.data.noise);
+        if baseline::is_alike(&noise, &self.data.noise) {
+            return false;
+        }
+        self.data = self.data.clone().with_noise(noise);
+        let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
+        self.baseline_adequacy = adequacy::test(&self.data, &fit);
+        self.baseline = self.judged(Candidate { fit, ..self.baseline.clone() });
+        self.chosen = self.baseline.clone();
+        self.chosen_adequacy = self.baseline_adequacy.clone();
+        self.steps = vec![self.baseline.clone()];
+        true
+    }
+
+    fn refit(&self, fit: &Fit) -> Option<Fit> {
+        fit::fit(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &fit::all_blocks(&self.data)).ok()
+    }
+
+    fn refitted(&self, candidates: Vec<Candidate>) -> Vec<Candidate> {
+        let mut out: Vec<Candidate> =
+            candidates.par_iter().filter_map(|c| Some(self.candidate(self.refit(&c.fit)?))).collect();
+        sort(&mut out);
+        out
+    }
+
+    /// Terms that are not decisive beside the others go out again; so do effects that a wrong geometry can stand for.
+    fn conclude(mut self) -> Result<(Data, Found), Error> {
+        let mut by_geometry = None;
+        while self.chosen.model.terms() > 0 {
+            let weakest = self
+                .without_one()
+                .into_iter()
+                .min_by(|a, b| self.needed(a).total_cmp(&self.needed(b)))
+                .map(|less| (self.needed(&less), self.needed_in_wide_geometry(&less), less));
+            let Some((needed, wide, less)) = weakest else { break };
+            if needed > policy::DECISIVE && wide > policy::DECISIVE {
+                break;
+            }
+            if needed > policy::DECISIVE {
+                by_geometry = Some(self.chosen.model.effects.without(less.model.effects));
+            }
+            self.steps.retain(|s| terms::is_part(&s.model, &less.model) && s.model != less.model);
+            self.chosen_adequacy = adequacy::test(&self.data, &less.fit);
+            self.chosen = self.judged(less);
+            self.steps.push(self.chosen.clone());
+        }
+        let verdict = self.verdict();
+        let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
+        sanity::dead_volume(&self.data, &settled.fit)?;
+        let alike = self.alike();
+        if self.steps.last().is_none_or(|s| s.model != self.chosen.model) {
+            self.steps.push(self.chosen.clone());
+        }
+        let found = Found {
+            verdict,
+            baseline: self.baseline,
+            baseline_adequacy: self.baseline_adequacy,
+            tried: self.tried,
+            chosen: self.chosen,
+            chosen_adequacy: self.chosen_adequacy,
+            steps: self.steps,
+            alike,
+            by_geometry,
+        };
+        Ok((self.data, found))
+    }
+
+    /// The chosen model without each of its terms in turn.
+    fn without_one(&self) -> Vec<Candidate> {
+        let models = terms::without_one(&self.chosen.model);
+        models
+            .into_iter()
+            .filter_map(|model| {
+                if model == Model::PAPER {
+                    return Some(self.baseline.clone());
+                }
+                if let Some(known) = self.tried.iter().find(|c| c.model == model) {
+                    return Some(known.clone());
+                }
+                fit_model(&self.data, model, self.part_of(&model), &self.sizes).map(|fit| self.candidate(fit))
+            })
+            .collect()
+    }
+
+    /// Evidence of the chosen model over one with a term less.
+    fn needed(&self, less: &Candidate) -> f64 {
+        self.chosen.delta_bic - less.delta_bic
+    }
+
+    /// The same with the geometry far more uncertain than stated.
+    fn needed_in_wide_geometry(&self, less: &Candidate) -> f64 {
+        let wide = |fit: &Fit| {
+            let n = fit.blocks as f64;
+            let squares = fit.marginal_widened(policy::GEOMETRY_WIDENED);
+            n * (squares.max(f64::MIN_POSITIVE) / n).ln() + fit.freedom() as f64 * n.ln()
+        };
+        wide(&less.fit) - wide(&self.chosen.fit)
+    }
+
+    fn verdict(&self) -> Verdict {
+        let nothing_named = self.chosen.model.of_rig().is_empty();
+        if self.chosen.model.terms() == 0 {
+            return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
+        }
+        if self.chosen_adequacy.settles(&self.baseline_adequacy) {
+            return if nothing_named { Verdict::Adequate } else { Verdict::Explained };
+        }
+        let noise = self.data.noise.total_pa();
+        let systematic = |rms: Option<f64>| rms.map(|r| (r * r - noise * noise).max(0.0).sqrt());
+        match (systematic(self.chosen.held_out_pa), systematic(self.baseline.held_out_pa)) {
+            (Some(after), Some(before)) if after < policy::PREDICTS_BETTER * before => Verdict::Improved,
+            _ => Verdict::Unexplained,
+        }
+    }
+
+    fn alike(&self) -> Vec<Model> {
+        let size = self.chosen.model.terms();
+        self.tried
+            .iter()
+            .filter(|c| size > 0 && c.model != self.chosen.model && c.model.terms() == size)
+            .filter(|c| Model { secondary: EffectSet::NONE, ..self.chosen.model } != c.model)
+            .filter(|c| self.chosen.delta_bic - c.delta_bic < policy::INDISTINGUISHABLE)
+            .map(|c| c.model)
+            .collect()
+    }
+}
+
+fn sort(candidates: &mut [Candidate]) {
+    candidates.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+}

@@ -1,0 +1,110 @@
+//! Fits of a model with terms added, each from several starts where its error surface has several valleys.
+
+use crate::fit::{self, Descent, Fit, Selection};
+use crate::parameters::{Hypothesis, Model, Sizes};
+use crate::record::prepare::Data;
+use chamber::Chamber;
+use chamber::card::Unit;
+use chamber::effects::{CARDS, PARAMETER_OFFSETS};
+use rayon::prelude::*;
+
+/// Iterations of a trial start before the best go on.
+const TRIAL_ITERATIONS: usize = 4;
+/// How many starts go on to the end.
+const GO_ON: usize = 2;
+
+/// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew.
+pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
+    let selection = fit::all_blocks(data);
+    let begun = trials(data, model, part, sizes, &selection);
+    let most = begun.len().min(GO_ON);
+    begun
+        .into_iter()
+        .take(most)
+        .filter_map(|(h, start)| fit::fit(data, &h, start.rig, start.own, &selection).ok())
+        .min_by(|a, b| a.marginal.total_cmp(&b.marginal))
+}
+
+/// The starts of `model`, each a few iterations on, the best first; a single one is left where it begins.
+fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Selection) -> Vec<(Hypothesis, Descent)> {
+    let base = part.chamber();
+    let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
+    let starts = starts(&base, &fresh, sizes);
+    let begun = |start: &Chamber| {
+        let h = Hypothesis::new(data, model, start, sizes);
+        let own = owns(data, &h, part);
+        (h.coordinates(start), own, h)
+    };
+    if let [start] = &starts[..] {
+        let (rig, own, h) = begun(start);
+        return vec![(h, Descent { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false })];
+    }
+    // Trials see one repeat of each experiment only.
+    let few: Vec<usize> = data.traces.iter().zip(selection).map(|(t, n)| if t.repeat == 0 { *n } else { 0 }).collect();
+    let few = if few.iter().all(|n| *n == 0) { selection.to_vec() } else { few };
+    let mut trials: Vec<(Hypothesis, Descent)> = starts
+        .par_iter()
+        .filter_map(|start| {
+            let (rig, own, h) = begun(start);
+            let found = fit::trial(data, &h, rig, own, &few, TRIAL_ITERATIONS).ok()?;
+            Some((h, found))
+        })
+        .collect();
+    trials.sort_by(|a, b| a.1.chi2.total_cmp(&b.1.chi2));
+    trials
+}
+
+/// Each record's own numbers to begin from: what the part has found of them, first guesses of the rest.
+fn owns(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
+    data.traces
+        .iter()
+        .zip(&part.own)
+        .map(|(t, known)| {
+            let known_axes = part.hypothesis.own_of(t);
+            let found = |slot| known_axes.iter().position(|a| a.slot == slot).map(|i| known[i]);
+            let first = h.first_own(t);
+            h.own_of(t).iter().zip(first).map(|(axis, first)| found(axis.slot).unwrap_or(first)).collect()
+        })
+        .collect()
+}
+
+/// Chambers to begin from: all combinations of the fresh effects' parameter starts.
+fn starts(base: &Chamber, fresh: &[usize], sizes: &Sizes) -> Vec<Chamber> {
+    let mut out = vec![*base];
+    for &e in fresh {
+        let free: Vec<usize> = (0..CARDS[e].parameters.len()).filter(|&p| CARDS[e].parameters[p].fitted).collect();
+        for &p in &free {
+            let values = parameter_starts(e, p, free.len(), sizes);
+            out = out
+                .iter()
+                .flat_map(|chamber| {
+                    values.iter().map(move |v| {
+                        let mut c = *chamber;
+                        c.effects.0[PARAMETER_OFFSETS[e] + p] = *v;
+                        c
+                    })
+                })
+                .collect();
+        }
+    }
+    out
+}
+
+/// A parameter that changes nothing at a neutral value inside its bounds starts there; one whose neutral value is the
+/// lower bound starts above it, at several sizes where a second parameter shapes the same effect.
+fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes) -> Vec<f64> {
+    let p = &CARDS[effect].parameters[parameter];
+    let (low, high) = (*p.bounds.start(), *p.bounds.end());
+    if p.neutral > low {
+        return vec![p.neutral];
+    }
+    let size = sizes.size_of(p.unit, p.typical);
+    let factors: &[f64] = match (free, p.unit) {
+        (1, Unit::Second) => &[0.3, 3.0],
+        (1, _) => &[0.1],
+        (_, Unit::JoulePerKelvin) => &[0.1, 1.0, 10.0],
+        (_, Unit::One) => &[0.4, 1.6],
+        (_, _) => &[0.05, 0.5, 5.0],
+    };
+    factors.iter().map(|f| (f * size).clamp(low, high)).collect()
+}

@@ -1,0 +1,74 @@
+//! What a model can gain or lose in one step: an effect of the rig, an effect of the recording that each record has for itself,
+//! the records' initial temperatures.
+
+use crate::parameters::Model;
+use crate::record::prepare::Data;
+use chamber::card::Card;
+use chamber::effects::{self, EffectSet};
+
+/// The model with one term more, each way there is.
+pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
+    let mut out = Vec::new();
+    for (e, card) in effects::all().filter(|(e, _)| !model.effects.has(*e)) {
+        let one = EffectSet::one(e);
+        let effects = model.effects.union(one);
+        out.push(Model { effects, secondary: EffectSet::NONE, ..*model });
+        if of_record(card) && data.traces.len() > 1 {
+            out.push(Model { effects, own: model.own.union(one), secondary: EffectSet::NONE, ..*model });
+        }
+    }
+    if !model.initial_temperature {
+        out.push(Model { initial_temperature: true, secondary: EffectSet::NONE, ..*model });
+    }
+    out
+}
+
+/// All pairs of these models that share no effect.
+pub fn pairs(models: &[Model]) -> Vec<Model> {
+    let mut out = Vec::new();
+    for (i, a) in models.iter().enumerate() {
+        for b in &models[i + 1..] {
+            if a.effects.iter().all(|e| !b.effects.has(e)) {
+                out.push(Model {
+                    effects: a.effects.union(b.effects),
+                    own: a.own.union(b.own),
+                    secondary: EffectSet::NONE,
+                    initial_temperature: a.initial_temperature || b.initial_temperature,
+                });
+            }
+        }
+    }
+    out
+}
+
+/// The model with one term less, each way there is.
+pub fn without_one(model: &Model) -> Vec<Model> {
+    let mut out: Vec<Model> = model
+        .effects
+        .iter()
+        .map(|e| {
+            let one = EffectSet::one(e);
+            Model {
+                effects: model.effects.without(one),
+                own: model.own.without(one),
+                secondary: EffectSet::NONE,
+                ..*model
+            }
+        })
+        .collect();
+    if model.initial_temperature {
+        out.push(Model { initial_temperature: false, secondary: EffectSet::NONE, ..*model });
+    }
+    out
+}
+
+/// Whether every term of `part` is one of `whole`, in the same scope.
+pub fn is_part(part: &Model, whole: &Model) -> bool {
+    whole.effects.contains(part.effects)
+        && part.effects.iter().all(|e| part.own.has(e) == whole.own.has(e))
+        && (whole.initial_temperature || !part.initial_temperature)
+}
+
+fn of_record(card: &Card) -> bool {
+    matches!(card.name, "record_delay" | "sensor_drift")
+}
