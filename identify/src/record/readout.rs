@@ -95,26 +95,23 @@ fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
     // Rounding passes a second difference with variance 6 step²/12.
     let rounding = 1.5 * 0.5 * step * step;
     let squares: Vec<f64> = rows.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).collect();
-    // The longest period: its divisors would pass too.
-    (2..=LONGEST.min(squares.len() / FEWEST_READINGS)).rev().find_map(|period| {
+    let candidates = (2..=LONGEST.min(squares.len() / FEWEST_READINGS)).filter_map(|period| {
         let mut sums = vec![0.0; period];
         for (i, square) in squares.iter().enumerate() {
             sums[(i + 1) % period] += square;
         }
         let first = (0..period).max_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
         let others = (sums.iter().sum::<f64>() - sums[first]) / (period - 1) as f64;
-        let mean_square = others * period as f64 / squares.len() as f64;
-        let straight = others < SMALL * sums[first] || (mean_square < rounding && others < CLEAR * sums[first]);
+        let readings = squares.len() as f64 / period as f64;
+        let straight = others < SMALL * sums[first] || (others / readings < rounding && others < CLEAR * sums[first]);
         // A sensor that sticks to its steps bends here and there; an interpolated one at nearly every reading.
         let places = (0..squares.len()).filter(|i| (i + 1) % period == first);
         let bends = places.clone().filter(|&i| squares[i] > 0.0).count();
-        (straight && 2 * bends > places.count()).then(|| Readout {
-            between: Between::Interpolated,
-            period,
-            first,
-            outliers: Vec::new(),
-        })
-    })
+        let readout = Readout { between: Between::Interpolated, period, first, outliers: Vec::new() };
+        (straight && 2 * bends > places.count()).then(|| ((sums[first] - others) / readings.sqrt(), readout))
+    });
+    // Where several periods pass, as divisors of the true one do, that which stands out most.
+    candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, readout)| readout)
 }
 
 #[cfg(test)]
