@@ -47,7 +47,7 @@ pub enum Error {
         time_constant_s: f64,
     },
     /// The chamber was opened within a record.
-    #[error("{}: the mass of gas changes by {:.0} % between t = {from_s:.2} s and t = {to_s:.2} s, more than any leak that shows while the piston is held: the port seems to have been open; give each cycle its own part of the file with from_s and to_s",
+    #[error("{}: at the same position the pressure changes by {:.0} % between t = {from_s:.2} s and t = {to_s:.2} s, more than any leak that shows while the piston is held: the port seems to have been open; give each cycle its own part of the file with from_s and to_s",
         trace.display(), 100.0 * change)]
     PortOpened {
         /// The trace.
@@ -56,7 +56,7 @@ pub enum Error {
         from_s: f64,
         /// End of the rest after it, s.
         to_s: f64,
-        /// Relative change of the mass.
+        /// Relative change of the pressure.
         change: f64,
     },
     /// The piston does not move.

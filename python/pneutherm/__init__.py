@@ -50,7 +50,7 @@ class Diagnosis:
     """What `diagnose` found.
 
     Attributes:
-        verdict: ``"adequate"``, ``"explained"`` or ``"unexplained"``.
+        verdict: ``"adequate"``, ``"explained"``, ``"improved"`` or ``"unexplained"``.
         effects: the effects that explain the residual; empty unless explained.
         balance: ``"none"``, ``"mass"``, ``"energy"``, ``"volume"`` or ``"sensor"``: where the evidence points.
         indistinguishable: sets of effects that the data cannot tell apart.

@@ -226,7 +226,7 @@ def diagnosed(program, folder, answer):
         return row | {"right": "no", "verdict": "refused: " + run.stderr.strip(), "found": "", "s": f"{seconds:.1f}"}
     found = json.loads((folder / "diagnosis.json").read_text())
     named = found["effects"]
-    right = {"none": found["verdict"] == "adequate", "outside": not named}.get(answer["effect"], named == [answer["effect"]])
+    right = {"none": found["verdict"] == "adequate", "outside": found["verdict"] in ("unexplained", "improved")}.get(answer["effect"], named == [answer["effect"]])
     if answer["effect"] == "outside":
         row["effect"] = next(iter(answer["parameters"])) + " (outside)"
     row |= {"right": "yes" if right else "no", "verdict": found["verdict"], "found": " + ".join(named)}

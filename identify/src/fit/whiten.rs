@@ -10,6 +10,9 @@
 //! g = (1 − e^(−u))/u and f = 2 (u − 1 + e^(−u))/u². Source: R. E. Kalman, J. Basic Eng. 82 (1960) 35; innovations as
 //! residuals of a grey-box model: N. R. Kristensen, H. Madsen and S. B. Jørgensen, Automatica 40 (2004) 225.
 
+// Vectors and matrices by index read as their formulas.
+#![allow(clippy::needless_range_loop)]
+
 use crate::record::noise::Noise;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -294,12 +297,12 @@ mod tests {
         };
         let place = |k: usize| Place {
             begin_s: 0.1 * k as f64,
-            end_s: 0.1 * k as f64 + if k % 3 == 0 { 0.0 } else { 0.08 },
+            end_s: 0.1 * k as f64 + if k.is_multiple_of(3) { 0.0 } else { 0.08 },
             variance: 1.0 + 0.1 * k as f64,
             common_sd_pa: [0.5, 0.1 * k as f64, -0.2],
             segment: k / 5,
             rounding_sd_pa: if k > 4 { 1.2 } else { 0.0 },
-            rounding_keeps: if k % 4 == 0 { 0.0 } else { 0.7 },
+            rounding_keeps: if k.is_multiple_of(4) { 0.0 } else { 0.7 },
         };
         let places: Vec<Place> = (0..14).map(place).collect();
         let whitener = Whitener::new(&noise, &places);

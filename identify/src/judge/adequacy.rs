@@ -37,7 +37,8 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     let mut families = Search::new(data, fit).map(|s| s.all()).unwrap_or_default();
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
     let family_probability = families.first().map_or(1.0, probability);
-    let systematic_pa = misfit::systematic(data, &misfit::residuals_moved(data, fit));
+    let systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit))
+        .min(misfit::systematic(data, &misfit::residuals_moved(data, fit)));
     Adequacy {
         is_noise: squares_deviations < SQUARES_DEVIATIONS && family_probability > FAMILY_PROBABILITY,
         systematic_pa,

@@ -34,5 +34,3 @@ pub const NEXT_TO_NOTHING: f64 = 0.02;
 
 /// λ0 that a gas in a cylinder can have, W/(m² K).
 pub const PLAUSIBLE_COEFFICIENT: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
-/// A change of the gas's mass from rest to rest beyond this share, with nothing to be seen in between, is an open port.
-pub const OPENED: f64 = 0.05;

@@ -5,9 +5,7 @@ use crate::fit::covariance::covariance;
 use crate::fit::{self, Fit};
 use crate::judge::policy;
 use crate::parameters::Sizes;
-use crate::record::line::Line;
 use crate::record::prepare::Data;
-use crate::record::stroke::Phase;
 
 /// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume.
 pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
@@ -33,42 +31,6 @@ pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
     }
     let time_constant_s = Sizes::of(data, &chamber).relaxation;
     Err(Error::ImplausibleCoefficient { coefficient, time_constant_s })
-}
-
-/// Refuses a record whose gas changes its mass between two rests by more than what happens while the piston is held.
-pub fn closed(data: &Data, fitted: &Fit) -> Result<(), Error> {
-    /// Rows at a hold's end that are looked at, and at the least.
-    const ROWS: std::ops::RangeInclusive<usize> = 5..=50;
-    /// A change is sudden if it is so many times what the holds' own slopes make of it.
-    const SUDDEN: f64 = 5.0;
-    let set = fitted.hypothesis.model.effects;
-    for (t, own) in data.traces.iter().zip(&fitted.own) {
-        let held: Vec<_> = t.course.motion.segments.iter().filter(|s| s.phase != Phase::Move).collect();
-        if held.len() < 2 {
-            continue;
-        }
-        let Ok(model) = fit::readings(t, &fitted.setting(t, own), set) else { continue };
-        // Mass over that of the model at a hold's end, and its rate there, 1/s.
-        let ends: Vec<(f64, f64, f64)> = held
-            .iter()
-            .filter(|s| s.end - s.first >= 2 * ROWS.start())
-            .map(|s| {
-                let rows = s.end - ((s.end - s.first) / 2).clamp(*ROWS.start(), *ROWS.end())..s.end;
-                let ratio: Vec<f64> = rows.clone().map(|i| t.pressure_pa[i] / model[i]).collect();
-                let line = Line::through(&t.time_s[rows], &ratio);
-                (line.middle_s, line.mean, line.slope)
-            })
-            .collect();
-        for pair in ends.windows(2) {
-            let [(from_s, before, slope), (to_s, after, later)] = [pair[0], pair[1]];
-            let change = after / before - 1.0;
-            let drift = slope.abs().max(later.abs()) * (to_s - from_s);
-            if change.abs() > policy::OPENED.max(SUDDEN * drift) {
-                return Err(Error::PortOpened { trace: t.path.clone(), from_s, to_s, change });
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Refuses gauge pressure: adding the ambient pressure to every reading takes away nine tenths of the misfit, and the

@@ -129,7 +129,6 @@ type Steps = [(usize, Result<TimeConstant, paper::Error>)];
 fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
     let (data, fit) = baseline::fitted(data)?;
     sanity::coefficient(&data, &fit)?;
-    sanity::closed(&data, &fit)?;
     let adequacy = adequacy::test(&data, &fit);
     if !adequacy.is_adequate() {
         sanity::gauge(&data, &fit)?;

@@ -150,6 +150,28 @@ fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
     Some(Window { values, distance_s: row_s * (t.readout.period * averaged) as f64, averaged })
 }
 
+/// A whitener that serves every window of this distance and of no more values, with a constant and a slope whitened by it.
+struct Ruler {
+    distance_s: f64,
+    averaged: usize,
+    whitener: Whitener,
+    basis: [Vec<f64>; 2],
+}
+
+impl Ruler {
+    fn new(shape: &Noise, window: &Window) -> Self {
+        let n = window.values.len();
+        let whitener = whitener(shape, window);
+        let mut basis = [vec![1.0; n], (0..n).map(|i| i as f64 / n as f64 - 0.5).collect()];
+        basis.iter_mut().for_each(|b| whitener.apply(b));
+        Self { distance_s: window.distance_s, averaged: window.averaged, whitener, basis }
+    }
+
+    fn fits(&self, window: &Window) -> bool {
+        self.distance_s == window.distance_s && self.averaged == window.averaged
+    }
+}
+
 struct Likelihood<'a> {
     windows: &'a [Window],
     /// Whether each window has a constant and a slope of its own.
@@ -164,19 +186,16 @@ impl Likelihood<'_> {
     /// −2 ln L with the noise's size at its maximum, and the noise of that size.
     fn scaled(&self, shape: &Noise) -> (f64, Noise) {
         let (mut squares, mut determinants, mut freedom) = (0.0, 0.0, 0.0);
-        let mut known: Option<(usize, f64, usize, Whitener, [Vec<f64>; 2])> = None;
+        let mut known: Option<Ruler> = None;
         let mut order: Vec<&Window> = self.windows.iter().collect();
-        order.sort_by(|a, b| (b.values.len(), b.averaged).cmp(&(a.values.len(), a.averaged)));
+        order.sort_by_key(|w| std::cmp::Reverse((w.values.len(), w.averaged)));
         for window in order {
             let n = window.values.len();
-            let fits = known.as_ref().is_some_and(|k| k.1 == window.distance_s && k.2 == window.averaged);
-            if !fits {
-                let whitener = whitener(shape, window);
-                let mut basis = [vec![1.0; n], (0..n).map(|i| i as f64 / n as f64 - 0.5).collect()];
-                basis.iter_mut().for_each(|b| whitener.apply(b));
-                known = Some((n, window.distance_s, window.averaged, whitener, basis));
-            }
-            let Some((_, _, _, whitener, basis)) = &known else { continue };
+            let ruler = match known.take() {
+                Some(ruler) if ruler.fits(window) => ruler,
+                _ => Ruler::new(shape, window),
+            };
+            let Ruler { whitener, basis, .. } = known.insert(ruler);
             let mut values = window.values.clone();
             whitener.apply(&mut values);
             determinants += whitener.log_determinant_of(n);

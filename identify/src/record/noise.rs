@@ -174,7 +174,7 @@ pub fn lattice(differences: &mut [f64]) -> f64 {
     let cluster: Vec<f64> = differences.iter().copied().take_while(|d| *d < (1.0 + NEARLY) * smallest).collect();
     let step = cluster.iter().sum::<f64>() / cluster.len() as f64;
     let on_lattice =
-        |d: &&f64| ((*d / step) - (*d / step).round()).abs() < NEARLY * (*d / step).round().max(1.0).min(2.0);
+        |d: &&f64| ((*d / step) - (*d / step).round()).abs() < NEARLY * (*d / step).round().clamp(1.0, 2.0);
     let share = differences.iter().filter(on_lattice).count() as f64 / differences.len() as f64;
     if share > 0.9 { step } else { 0.0 }
 }

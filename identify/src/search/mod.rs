@@ -69,7 +69,6 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     progress("fitting the paper's model", 0.0);
     let (data, baseline) = baseline::fitted(data)?;
     sanity::coefficient(&data, &baseline)?;
-    sanity::closed(&data, &baseline)?;
     let adequacy = adequacy::test(&data, &baseline);
     if !adequacy.is_adequate() {
         sanity::gauge(&data, &baseline)?;
@@ -127,10 +126,9 @@ impl Search {
     fn first_round(&mut self) {
         let models = terms::added_to(&self.data, &Model::PAPER);
         let mut singles = self.fit_all(&models);
-        if let Some(best) = singles.first().filter(|c| c.delta_bic > policy::DECISIVE) {
-            if self.noise_anew(&best.fit.clone()) {
-                singles = self.refitted(singles);
-            }
+        let best = singles.first().filter(|c| c.delta_bic > policy::DECISIVE).map(|c| c.fit.clone());
+        if best.is_some_and(|best| self.noise_anew(&best)) {
+            singles = self.refitted(singles);
         }
         self.judge(&mut singles, usize::MAX);
         self.tried = singles;
