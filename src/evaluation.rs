@@ -25,7 +25,8 @@ pub fn method(name: &str) -> anyhow::Result<Method> {
 /// A file that is refused, a rig that cannot be identified, a file that cannot be written.
 pub fn identify(rig: &Path, method: Method, model: Option<&Path>) -> anyhow::Result<Identification> {
     let rig = Rig::read(rig)?;
-    let found = identify::identify(&rig, method).with_context(|| rig.path.display().to_string())?;
+    let mut found = identify::identify(&rig, method).with_context(|| rig.path.display().to_string())?;
+    found.assumptions.extend(rig.notes());
     if let Some(path) = model {
         output::write(path, identified_model(&rig, &found).to_toml()?.as_bytes())?;
     }
@@ -43,7 +44,8 @@ pub fn diagnose(
     progress: &(dyn Fn(&str, f64) + Sync),
 ) -> anyhow::Result<(Rig, Diagnosed)> {
     let rig = Rig::read(rig)?;
-    let found = identify::diagnose(&rig, progress).with_context(|| rig.path.display().to_string())?;
+    let mut found = identify::diagnose(&rig, progress).with_context(|| rig.path.display().to_string())?;
+    found.diagnosis.assumptions.extend(rig.notes());
     if let Some(path) = report {
         output::write(path, identify::report::html(&rig, &found).as_bytes())?;
     }

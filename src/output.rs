@@ -13,6 +13,12 @@ pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if is_stdout(path) { print(bytes) } else { Ok(records::write_atomically(path, bytes)?) }
 }
 
+/// Tells something that is no error, on standard error.
+pub fn note(text: &str) {
+    // When standard error is gone there is nobody to tell.
+    let _ = writeln!(io::stderr(), "note: {text}");
+}
+
 /// Writes to standard output. Unlike `print!` it does not panic when the reader has gone.
 pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();

@@ -50,17 +50,25 @@ pub const COLUMNS: [Column; 7] = [
     Column { name: "heat_flow_w", unit: "W", doc: "Heat flow into the gas", of: |s| s.heat_flow },
 ];
 
+/// A simulated motion.
+pub struct Simulated {
+    /// One for each row of the motion.
+    pub samples: Vec<Sample>,
+    /// What was done to the motion's rows to read them, in sentences.
+    pub notes: Vec<String>,
+}
+
 /// Simulates: one sample for each row of the motion.
 ///
 /// # Errors
 /// A file that is refused, a motion that leaves no gas, no pressure to begin from.
-pub fn samples(request: &Request) -> anyhow::Result<Vec<Sample>> {
+pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     let model = Model::read(&request.model)?;
     let motion = read_motion(&request.motion, request.rig.as_deref())?;
     let signals = signals(&model, &motion);
     check_volume(&model, &motion)?;
     let start = start(request, &model, &motion, &signals)?;
-    along(&model, start, &signals, &motion, motion.len())
+    Ok(Simulated { samples: along(&model, start, &signals, &motion, motion.len())?, notes: motion.notes() })
 }
 
 fn read_motion(path: &Path, rig: Option<&Path>) -> anyhow::Result<Trace> {

@@ -76,7 +76,7 @@ fn simulate(
     initial_pressure_pa: Option<f64>,
 ) -> PyResult<Table> {
     interruptible(py, move || {
-        let samples = simulation::samples(&Request { model, motion, rig, initial_pressure_pa })?;
+        let samples = simulation::simulated(&Request { model, motion, rig, initial_pressure_pa })?.samples;
         Table::of_samples(&samples)
     })
 }

@@ -55,7 +55,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// What is wrong, and where in the file.
-        problem: TraceProblem,
+        problem: Box<TraceProblem>,
     },
     /// A model cannot be expressed in a model file.
     #[error("the model cannot be written: {0}")]

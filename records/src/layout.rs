@@ -1,94 +1,14 @@
-//! How a trace file is laid out: which column holds which quantity, in which unit, and what separates columns.
+//! How a trace file is laid out: which column holds which quantity, in which unit, and how its text is written.
 //! The `[columns]` and `[format]` tables of a rig file.
 
 use crate::error::Error;
+use crate::format::Format;
 use crate::key::{Bounds, KeyProblem};
 use crate::table::Table;
+use crate::units::{CLOCK, VOLT};
 
-/// What a column of a trace can hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Time.
-    Time,
-    /// Pressure in the chamber.
-    Pressure,
-    /// Position of the piston face.
-    Position,
-    /// Temperature of the surroundings.
-    AmbientTemperature,
-    /// Temperature of the gas.
-    GasTemperature,
-    /// Mass flow into the chamber.
-    MassFlow,
-}
-
-/// A unit: its name, and the factor and offset that turn a number of it into SI.
-type UnitRow = (&'static str, (f64, f64));
-
-impl Quantity {
-    /// All of them.
-    pub const ALL: [Quantity; 6] = [
-        Quantity::Time,
-        Quantity::Pressure,
-        Quantity::Position,
-        Quantity::AmbientTemperature,
-        Quantity::GasTemperature,
-        Quantity::MassFlow,
-    ];
-
-    /// Its key in `[columns]`.
-    pub fn key(self) -> &'static str {
-        match self {
-            Quantity::Time => "time",
-            Quantity::Pressure => "pressure",
-            Quantity::Position => "position",
-            Quantity::AmbientTemperature => "ambient_temperature",
-            Quantity::GasTemperature => "gas_temperature",
-            Quantity::MassFlow => "mass_flow",
-        }
-    }
-
-    /// The column's name where `[columns]` names no other.
-    pub fn default_name(self) -> &'static str {
-        match self {
-            Quantity::Time => "time_s",
-            Quantity::Pressure => "pressure_pa",
-            Quantity::Position => "position_m",
-            Quantity::AmbientTemperature => "ambient_temperature_k",
-            Quantity::GasTemperature => "gas_temperature_k",
-            Quantity::MassFlow => "mass_flow_kg_per_s",
-        }
-    }
-
-    /// The SI unit that it is read into.
-    pub fn si_unit(self) -> &'static str {
-        self.units()[0].0
-    }
-
-    /// Names of the units that are read, SI first.
-    pub fn unit_names(self) -> impl Iterator<Item = &'static str> {
-        self.units().iter().map(|(name, _)| *name)
-    }
-
-    /// Known units, SI first.
-    fn units(self) -> &'static [UnitRow] {
-        match self {
-            Quantity::Time => &[("s", (1.0, 0.0)), ("ms", (1e-3, 0.0)), ("us", (1e-6, 0.0)), ("min", (60.0, 0.0))],
-            // psi = lbf/in² = 0.45359237 · 9.80665 / 0.0254² Pa
-            Quantity::Pressure => &[
-                ("Pa", (1.0, 0.0)),
-                ("kPa", (1e3, 0.0)),
-                ("MPa", (1e6, 0.0)),
-                ("bar", (1e5, 0.0)),
-                ("mbar", (1e2, 0.0)),
-                ("psi", (0.453_592_37 * 9.806_65 / (0.0254 * 0.0254), 0.0)),
-            ],
-            Quantity::Position => &[("m", (1.0, 0.0)), ("mm", (1e-3, 0.0)), ("in", (0.0254, 0.0))],
-            Quantity::AmbientTemperature | Quantity::GasTemperature => &[("K", (1.0, 0.0)), ("degC", (1.0, 273.15))],
-            Quantity::MassFlow => &[("kg/s", (1.0, 0.0)), ("g/s", (1e-3, 0.0))],
-        }
-    }
-}
+pub use crate::format::Separator;
+pub use crate::units::Quantity;
 
 /// One quantity's column. Its SI value is `factor · number + offset`.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,8 +29,8 @@ pub struct Column {
 
 impl Column {
     fn default_of(quantity: Quantity) -> Self {
-        let (unit, (factor, offset)) = quantity.units()[0];
-        Self { name: quantity.default_name().to_owned(), unit, factor, offset, mapped: false, gauge: false }
+        let name = quantity.default_name().to_owned();
+        Self { name, unit: quantity.si_unit(), factor: 1.0, offset: 0.0, mapped: false, gauge: false }
     }
 
     /// The SI value of a number in this column.
@@ -118,15 +38,11 @@ impl Column {
     pub fn si(&self, number: f64) -> f64 {
         self.factor * number + self.offset
     }
-}
 
-/// What stands between the columns of a row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Separator {
-    /// That byte.
-    Byte(u8),
-    /// Any number of blanks and tabs. A header that has commas is split at those.
-    Whitespace,
+    /// Whether it holds clock times.
+    pub fn is_clock(&self) -> bool {
+        self.unit == CLOCK
+    }
 }
 
 /// How a trace file is laid out.
@@ -134,14 +50,14 @@ pub enum Separator {
 pub struct Layout {
     /// One for each of [`Quantity::ALL`].
     pub columns: [Column; 6],
-    /// What stands between columns.
-    pub separator: Separator,
+    /// How its text is written, as far as that is stated.
+    pub format: Format,
 }
 
 impl Default for Layout {
-    /// SI columns under their default names, separated by commas.
+    /// SI columns under their default names.
     fn default() -> Self {
-        Self { columns: Quantity::ALL.map(Column::default_of), separator: Separator::Byte(b',') }
+        Self { columns: Quantity::ALL.map(Column::default_of), format: Format::default() }
     }
 }
 
@@ -153,25 +69,13 @@ impl Layout {
 
     /// Reads `[columns]` and `[format]` under `root`; gauge pressures count from `ambient_pressure_pa`, where it is given.
     pub(crate) fn read(root: &Table<'_>, ambient_pressure_pa: Option<f64>) -> Result<Self, Error> {
-        let mut layout = Self::default();
-        if let Some(columns) = root.table("columns")? {
-            columns.allow(&Quantity::ALL.map(Quantity::key))?;
-            for (quantity, column) in Quantity::ALL.iter().zip(&mut layout.columns) {
-                if let Some(table) = columns.table(quantity.key())? {
-                    *column = read_column(&table, *quantity, ambient_pressure_pa)?;
-                }
+        let mut layout = Self { format: Format::read(root)?, ..Self::default() };
+        let Some(columns) = root.table("columns")? else { return Ok(layout) };
+        columns.allow(&Quantity::ALL.map(Quantity::key))?;
+        for (quantity, column) in Quantity::ALL.iter().zip(&mut layout.columns) {
+            if let Some(table) = columns.table(quantity.key())? {
+                *column = read_column(&table, *quantity, ambient_pressure_pa)?;
             }
-        }
-        if let Some(format) = root.table("format")? {
-            format.allow(&["separator"])?;
-            let separators = [
-                (",", Separator::Byte(b',')),
-                (";", Separator::Byte(b';')),
-                ("tab", Separator::Byte(b'\t')),
-                ("whitespace", Separator::Whitespace),
-                ("\t", Separator::Byte(b'\t')),
-            ];
-            layout.separator = format.choice("separator", &separators)?.unwrap_or(layout.separator);
         }
         Ok(layout)
     }
@@ -179,17 +83,24 @@ impl Layout {
 
 fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Option<f64>) -> Result<Column, Error> {
     match quantity {
-        Quantity::Pressure => table.allow(&["name", "unit", "reference"])?,
-        Quantity::Position => table.allow(&["name", "unit", "sign", "offset_m"])?,
-        _ => table.allow(&["name", "unit"])?,
+        Quantity::Pressure => table.allow(&["name", "unit", "scale", "offset", "reference"])?,
+        Quantity::Position => table.allow(&["name", "unit", "scale", "offset", "sign", "offset_m"])?,
+        _ => table.allow(&["name", "unit", "scale", "offset"])?,
     }
     let name = table.text("name")?.ok_or_else(|| table.missing("name", "the column's name in the header"))?;
-    let units = quantity.units();
-    let (factor, offset) = table.choice("unit", units)?.unwrap_or(units[0].1);
-    let unit = units.iter().find(|row| row.1 == (factor, offset)).map_or(quantity.si_unit(), |row| row.0);
-    let mut column = Column { name: name.trim().to_owned(), unit, factor, offset, mapped: true, gauge: false };
-    if table.choice("reference", &[("absolute", false), ("gauge", true)])?.unwrap_or(false) {
-        column.gauge = true;
+    let units: Vec<_> = quantity.units().iter().map(|unit| (unit.name, unit)).collect();
+    let unit = table.choice("unit", &units)?.unwrap_or(units[0].1);
+    let scale = read_scale(table, quantity, unit.name)?;
+    let added = table.number("offset", &Bounds::Finite)?.unwrap_or(0.0);
+    let mut column = Column {
+        name: name.trim().to_owned(),
+        unit: unit.name,
+        factor: unit.factor * scale,
+        offset: unit.factor * added + unit.offset,
+        mapped: true,
+        gauge: table.choice("reference", &[("absolute", false), ("gauge", true)])?.unwrap_or(false),
+    };
+    if column.gauge {
         column.offset += ambient_pressure_pa.ok_or_else(|| {
             let problem = "gauge pressures count from the surroundings': say [ambient] pressure_pa as well";
             table.refuse("reference", KeyProblem::Contradiction(problem.to_owned()))
@@ -201,7 +112,22 @@ fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Optio
             return Err(table.refuse("sign", problem));
         }
         column.factor *= sign;
+        column.offset *= sign;
     }
     column.offset += table.number("offset_m", &Bounds::Finite)?.unwrap_or(0.0);
     Ok(column)
+}
+
+/// How much of the unit a number of the column is: 1 unless stated.
+fn read_scale(table: &Table<'_>, quantity: Quantity, unit: &str) -> Result<f64, Error> {
+    let scale = table.number("scale", &Bounds::Finite)?;
+    if scale == Some(0.0) {
+        let problem = KeyProblem::OutOfBounds { value: 0.0, expected: "a number other than zero".to_owned() };
+        return Err(table.refuse("scale", problem));
+    }
+    if scale.is_none() && unit == VOLT {
+        let si = quantity.si_unit();
+        return Err(table.missing("scale", &format!("how many {si} a volt is (and in offset, {si} at zero volts),")));
+    }
+    Ok(scale.unwrap_or(1.0))
 }

@@ -7,7 +7,7 @@
 //! | [`measurement`] | how well its quantities are known: sensor, accuracy, tolerances |
 //! | [`model`] | an identified chamber: [`Model`] |
 //! | [`uncertainty`], [`provenance`] | how well its parameters are known, where they come from |
-//! | [`layout`] | which column of a trace is what, in which unit |
+//! | [`layout`], [`units`], [`format`] | which column of a trace is what, in which unit, and how its text is written |
 //! | [`document`], [`table`], [`key`] | TOML files, each complaint with file, line and key |
 //! | [`error`] | what can be wrong with a file, in sentences |
 //!
@@ -16,6 +16,7 @@
 pub mod atomic;
 pub mod document;
 pub mod error;
+pub mod format;
 pub mod gas;
 pub mod key;
 pub mod layout;
@@ -28,6 +29,7 @@ pub mod rig;
 pub mod table;
 pub mod trace;
 pub mod uncertainty;
+pub mod units;
 
 pub use atomic::write_atomically;
 pub use document::Document;
@@ -40,5 +42,5 @@ pub use names::nearest;
 pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use table::Table;
-pub use trace::{Need, Reading, Trace, Window};
+pub use trace::{LeftOut, Need, Reading, Trace, Window};
 pub use uncertainty::Uncertainty;

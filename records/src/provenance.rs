@@ -87,7 +87,7 @@ impl Provenance {
             let inside = folder.and_then(|folder| trace.path.strip_prefix(folder).ok()).unwrap_or(&trace.path);
             SourceTrace { path: inside.to_string_lossy().into_owned(), sha256: trace.sha256.clone() }
         };
-        let traces = rig.experiments.iter().flat_map(|e| &e.traces).map(source).collect();
+        let traces = rig.traces().map(source).collect();
         Self { traces, ..Self::today() }
     }
 

@@ -126,10 +126,22 @@ impl Rig {
             let traces = traces.iter().map(|path| Trace::read(path, &reading)).collect::<Result<_, _>>()?;
             rig.experiments.push(Experiment { name, traces });
         }
-        let mut traces = rig.experiments.iter().flat_map(|experiment| &experiment.traces);
-        let ambient_known = rig.ambient.temperature_k.is_some() || traces.all(|t| t.ambient_temperature_k.is_some());
+        let recorded = rig.traces().all(|trace| trace.ambient_temperature_k.is_some());
+        let ambient_known = rig.ambient.temperature_k.is_some() || recorded;
         rig.tolerance = stated_tolerance.or(Tolerance::default_of(rig.cylinder.bore_m, ambient_known));
         Ok(rig)
+    }
+}
+
+impl Rig {
+    /// All its traces, experiment by experiment.
+    pub fn traces(&self) -> impl Iterator<Item = &Trace> {
+        self.experiments.iter().flat_map(|experiment| &experiment.traces)
+    }
+
+    /// What was done to the rows of its traces' files, in sentences ([`Trace::notes`]).
+    pub fn notes(&self) -> Vec<String> {
+        self.traces().flat_map(Trace::notes).collect()
     }
 }
 

@@ -211,6 +211,20 @@ fn contradictions_are_refused() {
 }
 
 #[test]
+fn columns_and_formats_that_cannot_be_are_refused() {
+    let columns = |column: &str| format!("[cylinder]\nbore_m = 0.02\n[columns]\n{column}\n");
+    refusal(&columns("pressure = { name = \"U\", unit = \"V\" }"), &["columns.pressure.scale: missing", "Pa a volt"]);
+    refusal(&columns("pressure = { name = \"U\", scale = 0 }"), &["columns.pressure.scale", "other than zero"]);
+    refusal(&columns("time = { name = \"t\", unit = \"V\", scale = 1 }"), &["columns.time.unit", "`V` is not known"]);
+    let format = |format: &str| format!("[cylinder]\nbore_m = 0.02\n[format]\n{format}\n");
+    refusal(&format("separator = \",\"\ndecimal = \",\""), &["line 5: format.decimal", "commas separate"]);
+    refusal(&format("decimal = \"'\""), &["line 4: format.decimal"]);
+    refusal(&format("encoding = \"latin1\""), &["line 4: format.encoding", "did you mean `latin-1`?"]);
+    refusal(&format("skip_lines = -1"), &["line 4: format.skip_lines", "zero or above"]);
+    refusal(&format("skip = 1"), &["line 4: format.skip", "`skip_lines`"]);
+}
+
+#[test]
 fn a_rig_without_experiments_cannot_be_evaluated() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("rig.toml"), "[cylinder]\nbore_m = 0.02\n").unwrap();

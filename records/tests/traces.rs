@@ -111,7 +111,16 @@ fn other_names_units_and_signs_are_mapped() {
 
 #[test]
 fn every_unit_has_its_factor() {
-    let units = [("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6), ("bar", 1e5), ("mbar", 1e2), ("psi", 6894.757293168361)];
+    let units = [
+        ("Pa", 1.0),
+        ("hPa", 1e2),
+        ("kPa", 1e3),
+        ("MPa", 1e6),
+        ("bar", 1e5),
+        ("mbar", 1e2),
+        ("psi", 6894.757293168361),
+        ("atm", 101325.0),
+    ];
     for (unit, factor) in units {
         let bench = Bench::with_rig(&format!("[columns]\npressure = {{ name = \"p\", unit = \"{unit}\" }}\n"));
         let trace = bench.read("time_s,p,position_m\n0,2,0.1\n1,2,0.1\n2,2,0.1\n").unwrap();
@@ -143,11 +152,14 @@ fn a_missing_column_offers_the_nearest_and_lists_those_there() {
 }
 
 #[test]
-fn another_separator_is_recognised_and_named() {
-    let message = Bench::new().refusal("time_s;pressure_pa;position_m\n0;1e5;0.1\n");
-    assert_says(&message, &["no column `time_s`", "separator = \";\""]);
-    assert_says(&Bench::new().refusal("time_s\tposition_m\n0\t1\n"), &["separator = \"tab\""]);
-    assert_says(&Bench::new().refusal("time_s  position_m\n0 1\n"), &["separator = \"whitespace\""]);
+fn separators_are_found_and_a_wrong_one_is_named() {
+    let plain = Bench::new().read(table(&GOOD)).unwrap();
+    for separator in [";", "\t", " ", "   "] {
+        let trace = Bench::new().read(table(&GOOD).replace(',', separator)).unwrap();
+        assert_eq!((&trace.time_s, &trace.pressure_pa), (&plain.time_s, &plain.pressure_pa), "{separator:?}");
+    }
+    let stated = Bench::with_rig("[format]\nseparator = \";\"\n");
+    assert_says(&stated.refusal(table(&GOOD)), &["line 1", "no column `time_s`", "leave out separator"]);
 }
 
 #[test]
@@ -172,6 +184,7 @@ fn a_missing_header_is_told_from_a_missing_column() {
 
 #[test]
 fn values_that_are_no_finite_numbers_are_refused_where_they_stand() {
+    // One row in three cannot be left out.
     for (value, says) in [
         ("NaN", "`NaN` is not a finite number"),
         ("inf", "`inf` is not a finite number"),
@@ -180,7 +193,7 @@ fn values_that_are_no_finite_numbers_are_refused_where_they_stand() {
         ("n/a", "`n/a` is not a number"),
         ("", "the field is empty"),
         ("1e5 Pa", "`1e5 Pa` is not a number"),
-        ("\"100000,5\"", "not a comma"),
+        ("\"100000,5\"", "for decimal commas say decimal = \",\""),
     ] {
         let message = Bench::new().refusal(table(&[GOOD[0], GOOD[1], &format!("0.02,{value},0.1")]));
         assert_says(&message, &["trace.csv: line 4, column `pressure_pa`", says]);
@@ -191,9 +204,11 @@ fn values_that_are_no_finite_numbers_are_refused_where_they_stand() {
 fn decimal_commas_are_recognised() {
     let message = Bench::new().refusal(table(&["0,00,101300,0,100000,1"]));
     assert_says(&message, &["line 2", "fields where the header names 3", "decimal commas"]);
-    let semicolons = Bench::with_rig("[format]\nseparator = \";\"\n");
-    let message = semicolons.refusal("time_s;pressure_pa;position_m\n0,01;1e5;0.1\n");
-    assert_says(&message, &["line 2, column `time_s`", "`0,01`", "decimal point, not a comma"]);
+    let points = Bench::with_rig("[format]\nseparator = \";\"\ndecimal = \".\"\n");
+    let message = points.refusal("time_s;pressure_pa;position_m\n0,01;1e5;0,1\n");
+    assert_says(&message, &["line 2, column `time_s`", "`0,01`", "decimal = \",\""]);
+    let commas = Bench::new().read(table(&GOOD).replace(',', ";").replace('.', ",")).unwrap();
+    assert_eq!(commas.pressure_pa, Bench::new().read(table(&GOOD)).unwrap().pressure_pa);
 }
 
 #[test]
@@ -202,11 +217,12 @@ fn a_row_cut_short_is_refused() {
 }
 
 #[test]
-fn time_that_stands_still_or_falls_is_refused() {
+fn a_time_that_stands_still_in_a_short_record_is_refused() {
     let still = Bench::new().refusal(table(&[GOOD[0], GOOD[1], "0.01,101300,0.1"]));
-    assert_says(&still, &["line 4, column `time_s`", "does not increase", "0.01 s after 0.01 s"]);
-    let falling = Bench::new().refusal(table(&[GOOD[0], GOOD[2], "", GOOD[1]]));
-    assert_says(&falling, &["line 5", "0.01 s after 0.02 s"]);
+    assert_says(
+        &still,
+        &["line 4, column `time_s`", "does not increase", "0.01 s stands there twice", "one of 3 rows"],
+    );
 }
 
 #[test]
@@ -235,7 +251,7 @@ fn a_position_beyond_the_cylinder_is_refused_but_not_the_noise_at_its_end() {
 #[test]
 fn a_stroke_of_the_wrong_sign_is_noticed_without_knowing_the_stroke() {
     let message = Bench::new().refusal(table(&["0,1e5,-0.05", "1,1e5,-0.08", "2,1e5,-0.1"]));
-    assert_says(&message, &["line 4, column `position_m`", "-0.1 m is below zero"]);
+    assert_says(&message, &["line 2, column `position_m`", "-0.05 m is below zero", "3 of 3 rows"]);
 }
 
 #[test]
@@ -268,10 +284,8 @@ fn a_window_keeps_its_rows_and_looks_at_no_other() {
 fn what_is_no_text_is_refused() {
     let bench = Bench::new();
     assert_says(&bench.refusal(b"\x7fELF\x02\x01\x01\0\0\0\0"), &["line 1", "binary data"]);
-    assert_says(&bench.refusal(b"\xff\xfet\0i\0m\0e\0"), &["line 1", "UTF-16"]);
-    assert_says(&bench.refusal(b"time_s,pressure_pa,position_m,T(\xb0C)\n"), &["line 1", "not UTF-8"]);
-    let late = [table(&GOOD).as_bytes(), b"0.04,1e5,0.1\xe9\n"].concat();
-    assert_says(&bench.refusal(late), &["line 6", "not UTF-8"]);
+    let stated = Bench::with_rig("[format]\nencoding = \"utf-8\"\n");
+    assert_says(&stated.refusal(b"time_s,pressure_pa,position_m,T(\xb0C)\n"), &["line 1", "not UTF-8"]);
     assert_says(&bench.refusal("x".repeat(3 << 20)), &["line 1", "a line of more than"]);
     assert_says(&bench.refusal(table(&["0,\"1e5,0.1"])), &["line 2", "quote"]);
 }
@@ -295,6 +309,149 @@ fn files_that_cannot_be_read_are_named_with_the_reason() {
     assert_says(&message, &["absent.csv: cannot be read: No such file"]);
     let message = Trace::read(bench.folder.path(), &reading).unwrap_err().to_string();
     assert_says(&message, &["it is a folder"]);
+}
+
+/// A record of 200 rows, some of them spoiled.
+fn spoiled(spoil: impl Fn(usize, &mut Vec<String>)) -> String {
+    let row = |k: usize| format!("{:.2},{},{:.4}", k as f64 * 0.01, 101300 + k, 0.1 - 1e-4 * k as f64);
+    let mut rows: Vec<String> = (0..200).map(row).collect();
+    (0..200).rev().for_each(|k| spoil(k, &mut rows));
+    table(&rows.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+#[test]
+fn single_bad_rows_are_left_out_and_named() {
+    for (bad, says) in [
+        ("0.50,,0.1", "column `pressure_pa`: `` is not a number, the field is empty"),
+        ("0.50,NaN,0.1", "column `pressure_pa`: `NaN` is not a finite number"),
+        ("0.50,-,0.1", "column `pressure_pa`: `-` is not a number"),
+        ("0.50,OVER,0.1", "`OVER` is not a number"),
+        ("0.50,-36000,0.1", "-36000.0 Pa cannot be an absolute pressure"),
+        ("0.50,101350", "2 fields where the header names 3 columns"),
+        ("0.49,101350,0.1", "column `time_s`: time does not increase, 0.49 s stands there twice"),
+        ("0.20,101350,0.1", "time does not increase, 0.2 s after 0.49 s"),
+        ("1e9,101350,0.1", "time does not increase, 1000000000.0 s after 0.49 s"),
+        ("0.50,101350,-0.3", "position -0.3 m is below zero"),
+        ("\"0.50,101350,0.1", "a quote is opened but not closed"),
+        ("end of block", "1 fields where the header names 3 columns"),
+    ] {
+        let spoil = |k: usize, rows: &mut Vec<String>| {
+            if k == 50 {
+                rows[k] = bad.to_owned();
+            }
+        };
+        let trace = Bench::new().read(spoiled(spoil)).unwrap();
+        assert_eq!((trace.len(), trace.left_out.len(), trace.sorted), (199, 1, false), "{bad}");
+        assert!(!trace.time_s.contains(&0.5) && trace.time_s.windows(2).all(|pair| pair[0] < pair[1]), "{bad}");
+        let left_out = &trace.left_out[0];
+        assert_eq!(left_out.line, 52, "{bad}");
+        assert_says(&left_out.to_string(), &["line 52, ", says]);
+        let notes = trace.notes();
+        assert_eq!(notes.len(), 1);
+        assert_says(&notes[0], &["trace.csv: 1 row is left out: line 52", says]);
+    }
+    assert!(Bench::new().read(table(&GOOD)).unwrap().notes().is_empty());
+}
+
+#[test]
+fn one_row_in_fifty_may_be_bad_and_no_more() {
+    let bad = |every: usize| {
+        spoiled(move |k, rows| {
+            if k % every == every - 1 {
+                rows[k] = format!("{k},NaN,0.1");
+            }
+        })
+    };
+    let trace = Bench::new().read(bad(50)).unwrap();
+    assert_eq!(trace.left_out.iter().map(|row| row.line).collect::<Vec<_>>(), [51, 101, 151, 201]);
+    assert_says(&trace.notes()[0], &["4 rows are left out: line 51", "line 201"]);
+    let message = Bench::new().refusal(bad(40));
+    assert_says(&message, &["line 41, column `pressure_pa`", "5 of 200 rows", "lines 41, 81, 121, 161, 201)"]);
+    let message = Bench::new().refusal(bad(2));
+    assert_says(&message, &["line 3, column `pressure_pa`", "100 of 200 rows", "lines 3, 5, 7, 9, 11, ...)"]);
+}
+
+#[test]
+fn unsorted_rows_are_sorted_and_records_one_after_the_other_refused() {
+    let plain = Bench::new().read(spoiled(|_, _| {})).unwrap();
+    let shuffled = spoiled(|k, rows| rows.swap(k, k * 7919 % 200));
+    let at_last = |change: fn(&mut Vec<String>)| {
+        spoiled(move |k, rows| {
+            if k == 0 {
+                change(rows);
+            }
+        })
+    };
+    let blocks = at_last(|rows| rows.rotate_left(80));
+    for unsorted in [shuffled, blocks] {
+        let trace = Bench::new().read(unsorted).unwrap();
+        assert_eq!((trace.time_s, trace.pressure_pa), (plain.time_s.clone(), plain.pressure_pa.clone()));
+        assert!(trace.sorted && trace.left_out.is_empty());
+    }
+    let two = at_last(|rows| rows.extend(rows.clone()));
+    assert_says(&Bench::new().refusal(two), &["line 202, column `time_s`", "starts again, 0.0 s after 1.99 s", "cut"]);
+    let coarse = spoiled(|k, rows| rows[k] = format!("{:.1}{}", (k / 10) as f64 * 0.1, &rows[k][4..]));
+    assert_says(&Bench::new().refusal(coarse), &["stands there twice", "of 200 rows"]);
+}
+
+#[test]
+fn numbers_of_a_sensor_are_scaled_to_its_quantity() {
+    let bench = Bench::with_rig(
+        r#"
+        [columns]
+        time = { name = "t" }
+        pressure = { name = "U1", unit = "bar", scale = 2.5, offset = -1.25 }
+        position = { name = "U2", unit = "V", scale = 0.02, offset = 0.01, sign = -1, offset_m = 0.3 }
+        "#,
+    );
+    let trace = bench.read("t,U1,U2\n0,1,0\n1,2,5\n2,3,10\n").unwrap();
+    assert_eq!(trace.pressure_pa.unwrap(), [125000.0, 375000.0, 625000.0]);
+    assert!(trace.position_m.iter().zip([0.29, 0.19, 0.09]).all(|(a, b)| (a - b).abs() < 1e-15));
+}
+
+#[test]
+fn clock_times_count_from_the_first_row() {
+    let rows = "Zeit;p;x\n23:59:59,9;1;1\n00:00:00,1;1;1\n00:00:00,3;1;1\n";
+    for time in ["{ name = \"Zeit\" }", "{ name = \"Zeit\", unit = \"clock\" }"] {
+        let columns = "pressure = { name = \"p\", unit = \"bar\" }\nposition = { name = \"x\" }\n";
+        let bench = Bench::with_rig(&format!("[columns]\ntime = {time}\n{columns}"));
+        let trace = bench.read(rows).unwrap();
+        assert!(trace.time_s.iter().zip([0.0, 0.2, 0.4]).all(|(a, b)| (a - b).abs() < 1e-9), "{:?}", trace.time_s);
+        let message = bench.refusal(rows.replace("00:00:00,1", "noon"));
+        assert_says(&message, &["line 3, column `Zeit`: `noon` is not a clock time"]);
+    }
+}
+
+#[test]
+fn a_units_line_that_contradicts_the_rig_is_refused() {
+    let text = "time_s,pressure_pa,position_m\n[s],[bar],[m]\n0,1,0.1\n1,1,0.1\n2,1,0.1\n";
+    let message = Bench::new().refusal(text);
+    assert_says(&message, &["line 2, column `pressure_pa`", "unit is bar there, but Pa by the rig", "unit = \"bar\""]);
+    let bench = Bench::with_rig("[columns]\npressure = { name = \"pressure_pa\", unit = \"bar\" }\n");
+    assert_eq!(bench.read(text).unwrap().pressure_pa.unwrap(), [1e5; 3]);
+}
+
+#[test]
+fn header_blocks_comments_and_encodings_do_not_matter() {
+    let plain = Bench::new().read(table(&GOOD)).unwrap();
+    let text = format!("Prüfstand 3\nNotes, by hand\n\n# Größe\n{}", table(&GOOD).replace("0.02,", "# hold\n0.02,"));
+    let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
+    let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for bytes in [text.as_bytes(), &latin, &wide, &[b"\xff\xfe", &wide[..]].concat()] {
+        let trace = Bench::new().read(bytes).unwrap();
+        assert_eq!((&trace.time_s, &trace.pressure_pa), (&plain.time_s, &plain.pressure_pa));
+        assert!(trace.left_out.is_empty());
+    }
+    let format = "[format]\nskip_lines = 3\ncomment = \"#\"\ndecimal = \".\"\nencoding = \"latin-1\"\n";
+    assert_eq!(Bench::with_rig(format).read(latin).unwrap().time_s, plain.time_s);
+}
+
+#[test]
+fn a_file_without_a_header_has_numbered_columns() {
+    let column = |quantity: &str, k: usize| format!("{quantity} = {{ name = \"column {k}\" }}\n");
+    let columns = [column("time", 1), column("pressure", 3), column("position", 2)].concat();
+    let trace = Bench::with_rig(&format!("[columns]\n{columns}")).read("0 0.1 1e5\n1 0.1 1e5\n2 0.1 1e5\n").unwrap();
+    assert_eq!((trace.position_m, trace.pressure_pa.unwrap()), (vec![0.1; 3], vec![1e5; 3]));
 }
 
 /// Whatever bytes a file has, reading ends with a trace or a sentence.

@@ -42,13 +42,14 @@ fn pressure(text: &str) -> Result<f64, String> {
 
 /// Simulates and writes the table.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let samples = simulation::samples(&Request {
+    let simulated = simulation::simulated(&Request {
         model: args.model.clone(),
         motion: args.motion.clone(),
         rig: args.rig.clone(),
         initial_pressure_pa: args.initial_pressure,
     })?;
-    output::write(&args.output, table(&samples).as_bytes())
+    simulated.notes.iter().for_each(|note| output::note(note));
+    output::write(&args.output, table(&simulated.samples).as_bytes())
 }
 
 fn table(samples: &[Sample]) -> String {

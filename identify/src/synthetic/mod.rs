@@ -385,6 +385,8 @@ impl Recipe {
             ambient_temperature_k,
             gas_temperature_k: None,
             mass_flow_kg_per_s: None,
+            left_out: Vec::new(),
+            sorted: false,
             time_s,
         }
     }

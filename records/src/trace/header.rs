@@ -1,44 +1,44 @@
-//! The header line of a trace, matched with the layout.
+//! The columns of a trace, matched with the layout.
 
-use super::lines;
+use super::dialect::Dialect;
 use super::problem::TraceProblem;
 use super::read::{Need, Reading};
-use crate::layout::{Column, Quantity, Separator};
+use crate::format::Separator;
+use crate::layout::{Column, Quantity};
 use crate::nearest;
+use crate::units::{CLOCK, VOLT};
 
-/// The header's line, matched with the layout.
+/// The header, matched with the layout.
 pub struct Header<'a> {
-    /// Its line.
+    /// Its line, or that of the first row where there is none.
     pub line: usize,
-    /// How many columns it names.
-    pub names: usize,
     /// The quantities that are there, in the order of [`Quantity::ALL`]: which, in which field, how laid out.
     pub found: Vec<(Quantity, usize, &'a Column)>,
 }
 
 impl<'a> Header<'a> {
-    /// Matches the header `text` with the columns of `reading`.
-    pub fn read(line: usize, text: &str, reading: &Reading<'a>) -> Result<Self, TraceProblem> {
-        let names = names(line, text, reading.layout.separator)?;
-        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-            return Err(TraceProblem::NoHeader { line });
-        }
+    /// Matches the file's columns with those of `reading`.
+    pub fn read(dialect: &Dialect, reading: &Reading<'a>) -> Result<Self, TraceProblem> {
+        let line = dialect.header.unwrap_or(dialect.first_row);
         let mut found = Vec::new();
         for quantity in Quantity::ALL {
             let column = reading.layout.column(quantity);
-            // A `#` before the header is not part of the first name, whichever way the rig writes it.
-            let wanted = column.name.trim_start_matches('#').trim();
-            let mut places = names.iter().enumerate().filter(|(_, name)| *name == wanted);
-            match (places.next(), places.next()) {
-                (Some(_), Some(_)) => return Err(TraceProblem::DoubleColumn { line, column: wanted.to_owned() }),
-                (Some((place, _)), None) => found.push((quantity, place, column)),
+            match dialect.place(&column.name) {
+                (_, Some(second)) => {
+                    let second = second + 1;
+                    return Err(TraceProblem::DoubleColumn { line, column: column.name.clone(), second });
+                }
+                (Some(place), None) => {
+                    check_unit(dialect, quantity, place, column)?;
+                    found.push((quantity, place, column));
+                }
                 (None, _) if needed(quantity, column, reading.need) => {
-                    return Err(missing(line, text, wanted, &names, reading.layout.separator));
+                    return Err(missing(line, &column.name, dialect, reading));
                 }
                 (None, _) => {}
             }
         }
-        Ok(Self { line, names: names.len(), found })
+        Ok(Self { line, found })
     }
 
     /// Which of the found columns holds that quantity.
@@ -55,49 +55,56 @@ fn needed(quantity: Quantity, column: &Column, need: Need) -> bool {
     }
 }
 
-fn names(line: usize, text: &str, separator: Separator) -> Result<Vec<String>, TraceProblem> {
-    let text = text.trim();
-    let text = text.strip_prefix('#').unwrap_or(text);
-    let separator = match separator {
-        // Some loggers separate their header by commas and their rows by blanks.
-        Separator::Whitespace if text.contains(',') => Separator::Byte(b','),
-        other => other,
-    };
-    let mut fields = Vec::new();
-    if !lines::split(text, separator, &mut fields) {
-        return Err(TraceProblem::OpenQuote { line });
-    }
-    // A comma at the end of the header names no column.
-    while fields.last().is_some_and(|field| field.is_empty()) {
-        fields.pop();
-    }
-    Ok(fields
-        .into_iter()
-        .map(|field| text[field].replace("\"\"", "\"").trim_start_matches('#').trim().to_owned())
-        .collect())
-}
-
-fn missing(line: usize, text: &str, wanted: &str, names: &[String], separator: Separator) -> TraceProblem {
-    let hint = match (nearest(wanted, names.iter().map(String::as_str)), other_separator(text, names, separator)) {
-        (_, Some(other)) => {
-            format!(", the line looks separated otherwise: say separator = \"{other}\" in the rig's [format]")
+/// Refuses a units line that contradicts the layout. A voltage may be scaled to any unit, a clock has none.
+fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Column) -> Result<(), TraceProblem> {
+    let Some((line, units)) = &dialect.units else { return Ok(()) };
+    let unit = units.get(place).and_then(|unit| quantity.unit_spelled(unit));
+    match unit {
+        Some(unit)
+            if unit.name != column.unit && ![unit.name, column.unit].iter().any(|u| [VOLT, CLOCK].contains(u)) =>
+        {
+            let (found, expected) = (unit.name, column.unit);
+            Err(TraceProblem::OtherUnit { line: *line, column: column.name.clone(), found, expected })
         }
-        (Some(near), None) => format!(", did you mean `{near}`? Say so in the rig's [columns]"),
-        (None, None) => ", other names are told in the rig's [columns]".to_owned(),
-    };
-    let there = names.iter().map(|name| format!("`{name}`")).collect();
-    TraceProblem::MissingColumn { line, column: wanted.to_owned(), there, hint }
+        _ => Ok(()),
+    }
 }
 
-/// A separator that splits what the given one leaves in one piece.
-fn other_separator(text: &str, names: &[String], separator: Separator) -> Option<&'static str> {
-    if names.len() > 1 {
-        return None;
+fn missing(line: usize, wanted: &str, dialect: &Dialect, reading: &Reading<'_>) -> TraceProblem {
+    let near = nearest(wanted, dialect.names.iter().map(String::as_str));
+    let stated = reading.layout.format.separator.is_some();
+    let hint = if dialect.header.is_none() {
+        ", as there is no header line: name the columns by number in the rig's [columns]".to_owned()
+    } else if stated && dialect.names.len() == 1 && another_separates(&dialect.names[0], dialect.separator) {
+        format!(
+            ", the line is not separated by {:?}: leave out separator in the rig's [format]",
+            dialect.separator.name()
+        )
+    } else if let Some(near) = near {
+        format!(", did you mean `{near}`? Say so in the rig's [columns]")
+    } else {
+        ", other names are told in the rig's [columns]; `pneutherm look` writes them".to_owned()
+    };
+    let there = dialect.names.iter().map(|name| format!("`{}`", name.chars().take(40).collect::<String>()));
+    TraceProblem::MissingColumn { line, column: wanted.to_owned(), there: at_most(there, 12), hint }
+}
+
+/// The first so many, and that there are more.
+fn at_most(items: impl Iterator<Item = String>, count: usize) -> Vec<String> {
+    let mut items: Vec<String> = items.collect();
+    if items.len() > count {
+        let more = items.len() - count;
+        items.truncate(count);
+        items.push(format!("and {more} more"));
     }
-    let all =
-        [(";", ";", Separator::Byte(b';')), (",", ",", Separator::Byte(b',')), ("\t", "tab", Separator::Byte(b'\t'))];
-    all.into_iter()
-        .find(|(sign, _, other)| *other != separator && text.contains(sign))
-        .map(|(_, name, _)| name)
-        .or_else(|| text.trim().contains(' ').then_some("whitespace"))
+    items
+}
+
+/// Whether a separator splits what the given one leaves in one piece.
+fn another_separates(name: &str, separator: Separator) -> bool {
+    Separator::ALL.iter().any(|(_, other)| match other {
+        _ if *other == separator => false,
+        Separator::Byte(byte) => name.as_bytes().contains(byte),
+        Separator::Whitespace => name.trim().contains(' '),
+    })
 }

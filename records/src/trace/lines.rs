@@ -1,16 +1,26 @@
-//! The lines of a text file with their numbers and fields: bounded in memory, hashed on the way.
+//! The lines of a text file with their numbers: decoded to UTF-8, bounded in memory, the file's bytes hashed on the way.
 
 use super::problem::TraceProblem;
-use crate::layout::Separator;
+use crate::format::Encoding;
+use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
+use encoding_rs_io::DecodeReaderBytesBuilder;
 use sha2::{Digest, Sha256};
+use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::fmt::Write;
-use std::io::{self, BufRead, BufReader, Read};
-use std::ops::Range;
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::rc::Rc;
 
 /// The largest trace, bytes.
 pub const MAX_BYTES: u64 = 512 << 20;
-/// The longest line, bytes.
+/// The longest line, bytes of UTF-8.
 const MAX_LINE: u64 = 1 << 20;
+/// How much of a file is looked at to find its encoding, bytes.
+const FIRST_BYTES: u64 = 4096;
+/// How much of a file is looked at to find its columns, lines ...
+const HEAD_LINES: usize = 300;
+/// ... and bytes of UTF-8.
+const HEAD_BYTES: usize = 1 << 18;
 
 /// Why no next line could be had.
 pub enum Stop {
@@ -32,76 +42,195 @@ impl From<TraceProblem> for Stop {
     }
 }
 
+/// A line that is not blank, with its number.
+pub type Line = (usize, String);
+
 /// A file read line by line.
-pub struct Lines<R> {
-    source: BufReader<R>,
-    hash: Sha256,
-    bytes: u64,
+pub struct Lines<'a> {
+    source: BufReader<Box<dyn Read + 'a>>,
+    hashed: Rc<RefCell<Hashed>>,
+    encoding: Encoding,
+    /// No encoding is stated: a line that is not UTF-8 is taken for Latin-1.
+    free: bool,
     /// Of the current line, from 1.
     number: usize,
     buffer: Vec<u8>,
+    text: String,
+    /// Lines that were looked at and are still to be given.
+    head: VecDeque<Line>,
 }
 
-impl<R: Read> Lines<R> {
-    /// Begins at the first line.
-    pub fn new(source: R) -> Self {
-        Self {
+impl<'a> Lines<'a> {
+    /// Begins at the first line. Without an encoding the file's first bytes tell.
+    pub fn new(source: impl Read + 'a, stated: Option<Encoding>) -> Result<Self, Stop> {
+        let hashed = Rc::new(RefCell::new(Hashed { hash: Sha256::new(), bytes: 0 }));
+        let mut source = Hashing { source, hashed: Rc::clone(&hashed) };
+        let mut first = Vec::new();
+        source.by_ref().take(FIRST_BYTES).read_to_end(&mut first)?;
+        let encoding = stated.map_or_else(|| guessed(&first), |stated| among_utf16(stated, &first));
+        let mark: &[u8] = match encoding {
+            Encoding::Utf8 => b"\xef\xbb\xbf",
+            Encoding::Utf16Le => b"\xff\xfe",
+            Encoding::Utf16Be => b"\xfe\xff",
+            Encoding::Latin1 => b"",
+        };
+        let begin = if first.starts_with(mark) { mark.len() as u64 } else { 0 };
+        let mut whole = Cursor::new(first).chain(source);
+        whole.get_mut().0.set_position(begin);
+        let source: Box<dyn Read + 'a> = match encoding {
+            Encoding::Utf8 => Box::new(whole),
+            Encoding::Latin1 => decoded(WINDOWS_1252, whole),
+            Encoding::Utf16Le => decoded(UTF_16LE, whole),
+            Encoding::Utf16Be => decoded(UTF_16BE, whole),
+        };
+        Ok(Self {
             source: BufReader::with_capacity(1 << 16, source),
-            hash: Sha256::new(),
-            bytes: 0,
+            hashed,
+            encoding,
+            free: stated.is_none(),
             number: 0,
             buffer: Vec::new(),
+            text: String::new(),
+            head: VecDeque::new(),
+        })
+    }
+
+    /// Passes over that many lines.
+    pub fn skip(&mut self, lines: usize) -> Result<(), Stop> {
+        while self.number < lines && self.read_line()? {}
+        Ok(())
+    }
+
+    /// The next lines, enough to see how the file is laid out; [`Lines::next_filled`] gives them again.
+    pub fn head(&mut self) -> Result<&VecDeque<Line>, Stop> {
+        let (mut head, mut bytes) = (std::mem::take(&mut self.head), 0);
+        while head.len() < HEAD_LINES && bytes < HEAD_BYTES {
+            let Some((number, line)) = self.next_filled()? else { break };
+            bytes += line.len();
+            head.push_back((number, line.to_owned()));
         }
+        self.head = head;
+        Ok(&self.head)
     }
 
     /// The next line that is not blank, with its number and without its end; `None` after the last.
+    #[inline]
     pub fn next_filled(&mut self) -> Result<Option<(usize, &str)>, Stop> {
+        if let Some((number, line)) = self.head.pop_front() {
+            self.text = line;
+            return Ok(Some((number, &self.text)));
+        }
         loop {
-            self.buffer.clear();
-            let read = self.source.by_ref().take(MAX_LINE).read_until(b'\n', &mut self.buffer)? as u64;
-            if read == 0 {
+            if !self.read_line()? {
                 return Ok(None);
             }
-            self.number += 1;
-            self.bytes += read;
-            self.hash.update(&self.buffer);
-            self.refuse_what_is_no_text(read)?;
             if self.buffer.iter().any(|byte| !byte.is_ascii_whitespace()) {
                 break;
             }
         }
-        let line = match self.number {
-            1 => self.buffer.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&self.buffer),
-            _ => &self.buffer,
-        };
-        let what = "bytes that are not UTF-8";
-        let line = std::str::from_utf8(line).map_err(|_| TraceProblem::NotText { line: self.number, what })?;
-        Ok(Some((self.number, line.trim_end_matches(['\n', '\r']))))
+        let number = self.number;
+        let line = self.decode()?;
+        Ok(Some((number, line.trim_end_matches(['\n', '\r']))))
     }
 
-    fn refuse_what_is_no_text(&self, read: u64) -> Result<(), TraceProblem> {
+    /// Reads the next line; `false` after the last.
+    fn read_line(&mut self) -> Result<bool, Stop> {
+        self.buffer.clear();
+        let read = self.source.by_ref().take(MAX_LINE).read_until(b'\n', &mut self.buffer)? as u64;
+        self.number += usize::from(read > 0);
         let line = self.number;
-        if self.bytes > MAX_BYTES {
-            return Err(too_large(&format!("more than {} MB", MAX_BYTES >> 20)));
+        if self.hashed.borrow().bytes > MAX_BYTES {
+            return Err(too_large(&format!("more than {} MB", MAX_BYTES >> 20)).into());
         }
-        if line == 1 && (self.buffer.starts_with(b"\xff\xfe") || self.buffer.starts_with(b"\xfe\xff")) {
-            return Err(TraceProblem::NotText { line, what: "text in UTF-16" });
-        }
-        if self.buffer.contains(&0) {
-            return Err(TraceProblem::NotText { line, what: "binary data" });
+        if self.buffer.contains(&0) || (line == 1 && self.buffer.iter().any(is_control)) {
+            return Err(TraceProblem::NotText { line, what: "binary data" }.into());
         }
         if read == MAX_LINE && !self.buffer.ends_with(b"\n") {
-            return Err(TraceProblem::NotText { line, what: "a line of more than a million bytes" });
+            return Err(TraceProblem::NotText { line, what: "a line of more than a million bytes" }.into());
         }
-        Ok(())
+        Ok(read > 0)
     }
 
-    /// SHA-256 of what was read so far, in hexadecimal digits.
-    pub fn sha256(self) -> String {
-        self.hash.finalize().iter().fold(String::new(), |mut text, byte| {
+    fn decode(&mut self) -> Result<&str, TraceProblem> {
+        if std::str::from_utf8(&self.buffer).is_err() {
+            if !self.free {
+                return Err(TraceProblem::NotText { line: self.number, what: "bytes that are not UTF-8" });
+            }
+            self.encoding = Encoding::Latin1;
+            let line = WINDOWS_1252.decode_without_bom_handling(&self.buffer).0.into_owned();
+            self.buffer = line.into_bytes();
+        }
+        // Checked, or made, above: never empty for want of UTF-8.
+        Ok(std::str::from_utf8(&self.buffer).unwrap_or_default())
+    }
+
+    /// The encoding, as far as the lines given so far tell.
+    #[allow(dead_code)] // `look` asks for it
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// SHA-256 of the bytes read so far, in hexadecimal digits.
+    pub fn sha256(&self) -> String {
+        let hash = self.hashed.borrow().hash.clone().finalize();
+        hash.iter().fold(String::new(), |mut text, byte| {
             let _ = write!(text, "{byte:02x}");
             text
         })
+    }
+}
+
+fn decoded<'a>(encoding: &'static encoding_rs::Encoding, source: impl Read + 'a) -> Box<dyn Read + 'a> {
+    Box::new(DecodeReaderBytesBuilder::new().encoding(Some(encoding)).build(source))
+}
+
+/// A byte that no text has.
+fn is_control(byte: &u8) -> bool {
+    *byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0b | 0x0c | 0x1a | 0x1b)
+}
+
+/// The encoding that a file's first bytes speak for: a byte order mark, or zeros in every other byte.
+fn guessed(first: &[u8]) -> Encoding {
+    match first {
+        [0xff, 0xfe, ..] => return Encoding::Utf16Le,
+        [0xfe, 0xff, ..] => return Encoding::Utf16Be,
+        _ => {}
+    }
+    let zeros = |begin| first.iter().skip(begin).step_by(2).filter(|byte| **byte == 0).count();
+    let (even, odd, most) = (zeros(0), zeros(1), first.len() * 2 / 5);
+    match (even, odd) {
+        (0, odd) if odd > most => Encoding::Utf16Le,
+        (even, 0) if even > most => Encoding::Utf16Be,
+        _ => Encoding::Utf8,
+    }
+}
+
+/// Where UTF-16 is stated the file's own mark says which of the two.
+fn among_utf16(stated: Encoding, first: &[u8]) -> Encoding {
+    match (stated, guessed(first)) {
+        (Encoding::Utf16Le, Encoding::Utf16Be) => Encoding::Utf16Be,
+        (stated, _) => stated,
+    }
+}
+
+struct Hashed {
+    hash: Sha256,
+    bytes: u64,
+}
+
+/// Hashes and counts what is read through it.
+struct Hashing<R> {
+    source: R,
+    hashed: Rc<RefCell<Hashed>>,
+}
+
+impl<R: Read> Read for Hashing<R> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let read = self.source.read(into)?;
+        let mut hashed = self.hashed.borrow_mut();
+        hashed.hash.update(&into[..read]);
+        hashed.bytes += read as u64;
+        Ok(read)
     }
 }
 
@@ -110,102 +239,56 @@ pub fn too_large(found: &str) -> TraceProblem {
     TraceProblem::TooLarge { found: found.to_owned(), limit: format!("{} MB", MAX_BYTES >> 20) }
 }
 
-/// Splits a line into fields, blanks and quotes around them taken off. `false` when a quote is not closed.
-///
-/// Quotes follow RFC 4180, but that a field never goes on in the next line and a doubled quote stays doubled.
-pub fn split(line: &str, separator: Separator, fields: &mut Vec<Range<usize>>) -> bool {
-    fields.clear();
-    match separator {
-        Separator::Whitespace => split_at_blanks(line, fields),
-        Separator::Byte(byte) => return split_at(line, byte, fields),
-    }
-    true
-}
-
-fn split_at_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
-    let mut begin = None;
-    for (i, byte) in line.bytes().enumerate() {
-        match (byte.is_ascii_whitespace(), begin) {
-            (false, None) => begin = Some(i),
-            (true, Some(from)) => {
-                fields.push(from..i);
-                begin = None;
-            }
-            _ => {}
-        }
-    }
-    fields.extend(begin.map(|from| from..line.len()));
-}
-
-fn split_at(line: &str, separator: u8, fields: &mut Vec<Range<usize>>) -> bool {
-    let bytes = line.as_bytes();
-    let mut from = 0;
-    loop {
-        let content = from + bytes[from..].iter().take_while(|byte| **byte == b' ').count();
-        let quoted = bytes.get(content) == Some(&b'"');
-        let end = if quoted { closing_quote(bytes, content + 1) } else { Some(content) };
-        let Some(end) = end else { return false };
-        let next = bytes[end..].iter().position(|byte| *byte == separator).map(|i| end + i);
-        let field = if quoted { content + 1..end } else { from..next.unwrap_or(bytes.len()) };
-        fields.push(trimmed(line, field));
-        match next {
-            Some(next) => from = next + 1,
-            None => return true,
-        }
-    }
-}
-
-/// Where the quote that ends a field stands, a doubled one being part of the field.
-fn closing_quote(bytes: &[u8], mut at: usize) -> Option<usize> {
-    loop {
-        at += bytes[at..].iter().position(|byte| *byte == b'"')?;
-        if bytes.get(at + 1) != Some(&b'"') {
-            return Some(at);
-        }
-        at += 2;
-    }
-}
-
-fn trimmed(line: &str, field: Range<usize>) -> Range<usize> {
-    let text = &line[field.clone()];
-    let begin = field.start + (text.len() - text.trim_start().len());
-    begin..begin + text.trim().len()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn fields(line: &str, separator: Separator) -> Vec<&str> {
-        let mut ranges = Vec::new();
-        assert!(split(line, separator, &mut ranges), "{line}");
-        ranges.into_iter().map(|range| &line[range]).collect()
-    }
-
-    #[test]
-    fn fields_lose_blanks_and_quotes_but_not_what_is_in_them() {
-        let comma = Separator::Byte(b',');
-        assert_eq!(fields(r#"1, 2.5 ,"a, b", "c" ,"#, comma), ["1", "2.5", "a, b", "c", ""]);
-        assert_eq!(fields("1\t\t3", Separator::Byte(b'\t')), ["1", "", "3"]);
-        assert_eq!(fields("  0.00 4.1   -2\t7 ", Separator::Whitespace), ["0.00", "4.1", "-2", "7"]);
-        assert_eq!(fields(r#""say ""x""";2"#, Separator::Byte(b';')), [r#"say ""x"""#, "2"]);
-    }
-
-    #[test]
-    fn an_open_quote_is_seen() {
-        assert!(!split("\"1,2", Separator::Byte(b','), &mut Vec::new()));
-        assert!(!split("\"", Separator::Byte(b','), &mut Vec::new()));
+    fn lines(bytes: &[u8], stated: Option<Encoding>) -> (Vec<Line>, Encoding, String) {
+        let mut lines = Lines::new(bytes, stated).ok().unwrap();
+        let mut all = Vec::new();
+        while let Some((number, line)) = lines.next_filled().ok().unwrap() {
+            all.push((number, line.to_owned()));
+        }
+        (all, lines.encoding(), lines.sha256())
     }
 
     #[test]
     fn the_hash_is_that_of_the_bytes() {
-        let mut lines = Lines::new(&b"\xef\xbb\xbfa\r\n\r\n\nb\n"[..]);
-        assert!(matches!(lines.next_filled(), Ok(Some((1, "a")))));
-        assert!(matches!(lines.next_filled(), Ok(Some((4, "b")))));
-        assert!(matches!(lines.next_filled(), Ok(None)));
+        let (all, encoding, hash) = lines(b"\xef\xbb\xbfa\r\n\r\n\nb\n", None);
+        assert_eq!((all, encoding), (vec![(1, "a".to_owned()), (4, "b".to_owned())], Encoding::Utf8));
         // printf '\xef\xbb\xbfa\r\n\r\n\nb\n' | sha256sum
-        assert_eq!(lines.sha256(), HASH);
+        assert_eq!(hash, "691ca06aa362820289b1c12005afc55adadd714c011720d65666c82142579ec3");
     }
 
-    const HASH: &str = "691ca06aa362820289b1c12005afc55adadd714c011720d65666c82142579ec3";
+    #[test]
+    fn the_head_is_given_again() {
+        let mut lines = Lines::new(&b"a\nb\n\nc\n"[..], None).ok().unwrap();
+        lines.skip(1).ok().unwrap();
+        assert_eq!(lines.head().ok().unwrap().len(), 2);
+        assert!(matches!(lines.next_filled(), Ok(Some((2, "b")))));
+        assert!(matches!(lines.next_filled(), Ok(Some((4, "c")))));
+        assert!(matches!(lines.next_filled(), Ok(None)));
+    }
+
+    #[test]
+    fn every_encoding_gives_the_same_text() {
+        let text = "Druck [°C]\r\n1,5\r\n";
+        let bytes = |unit: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(unit).collect::<Vec<u8>>();
+        let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
+        let (little, big) = (bytes(u16::to_le_bytes), bytes(u16::to_be_bytes));
+        let marked = [b"\xff\xfe", &little[..]].concat();
+        for (bytes, encoding) in [
+            (text.as_bytes(), Encoding::Utf8),
+            (&latin, Encoding::Latin1),
+            (&little, Encoding::Utf16Le),
+            (&marked, Encoding::Utf16Le),
+            (&big, Encoding::Utf16Be),
+        ] {
+            for stated in [None, Some(encoding)] {
+                let (all, found, _) = lines(bytes, stated);
+                let expected = vec![(1, "Druck [°C]".to_owned()), (2, "1,5".to_owned())];
+                assert_eq!((all, found), (expected, encoding), "{encoding:?} {stated:?}");
+            }
+        }
+    }
 }

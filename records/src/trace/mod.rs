@@ -1,12 +1,21 @@
 //! One record over time, in SI units: strictly increasing times, at least three rows, every number finite.
+//!
+//! Single rows that cannot be used are left out and named in [`Trace::left_out`]; more than one in fifty are refused.
 
+mod clock;
+mod dialect;
+mod fields;
 mod header;
+mod left_out;
 mod lines;
+mod order;
 mod problem;
 mod read;
 mod rest;
+mod rows;
 
-pub use problem::TraceProblem;
+pub use left_out::LeftOut;
+pub use problem::{RowProblem, TraceProblem};
 pub use read::{Need, Reading, Window};
 
 use crate::error::Error;
@@ -31,6 +40,10 @@ pub struct Trace {
     pub gas_temperature_k: Option<Vec<f64>>,
     /// Mass flow into the chamber, kg/s, negative out of it.
     pub mass_flow_kg_per_s: Option<Vec<f64>>,
+    /// Rows of the file that could not be used, by line; at most one in fifty.
+    pub left_out: Vec<LeftOut>,
+    /// Whether the file's rows came in another order than that of time.
+    pub sorted: bool,
 }
 
 impl Trace {
@@ -40,6 +53,13 @@ impl Trace {
     /// [`Error`] names the file, the line, the column and the value.
     pub fn read(path: &Path, reading: &Reading<'_>) -> Result<Self, Error> {
         read::read(path, reading)
+    }
+
+    /// What was done to the file's rows to make them a record, in sentences; none where they are as the file has them.
+    pub fn notes(&self) -> Vec<String> {
+        let sorted = self.sorted.then(|| "the rows are not in the order of time; they were sorted".to_owned());
+        let path = self.path.display();
+        sorted.into_iter().chain(left_out::sentence(&self.left_out)).map(|note| format!("{path}: {note}")).collect()
     }
 
     /// Number of rows.

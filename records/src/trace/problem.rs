@@ -16,24 +16,12 @@ pub enum TraceProblem {
         limit: String,
     },
     /// Not a text file.
-    #[error("line {line}: {what}; a table in UTF-8 text is expected")]
+    #[error("line {line}: {what}; a table in text is expected")]
     NotText {
         /// The line.
         line: usize,
         /// What stands there instead.
         what: &'static str,
-    },
-    /// A quoted field that does not end.
-    #[error("line {line}: a quote is opened but not closed")]
-    OpenQuote {
-        /// The line.
-        line: usize,
-    },
-    /// A first line of numbers.
-    #[error("line {line}: the first line holds numbers; a header line with the columns' names is expected before them")]
-    NoHeader {
-        /// The line.
-        line: usize,
     },
     /// A column that is not there.
     #[error("line {line}: there is no column `{column}`{hint}; the columns are {}", there.join(", "))]
@@ -48,12 +36,28 @@ pub enum TraceProblem {
         hint: String,
     },
     /// A column name that two columns have.
-    #[error("line {line}: two columns are named `{column}`")]
+    #[error("line {line}: two columns are named `{column}`; say which by its number, as in name = \"column {second}\"")]
     DoubleColumn {
         /// The header's line.
         line: usize,
         /// The name.
         column: String,
+        /// The second one's number, from 1.
+        second: usize,
+    },
+    /// A units line that says something else than the rig file.
+    #[error(
+        "line {line}, column `{column}`: its unit is {found} there, but {expected} by the rig's [columns]; say unit = \"{found}\""
+    )]
+    OtherUnit {
+        /// The units line.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The unit in the file.
+        found: &'static str,
+        /// That of the rig file, or the default.
+        expected: &'static str,
     },
     /// A header without rows.
     #[error("there is no row after the header in line {line}")]
@@ -69,43 +73,26 @@ pub enum TraceProblem {
         /// Of which part of the file, with a blank at its end.
         part: String,
     },
-    /// A row with other fields than the header has names.
-    #[error("line {line}: {found} fields where the header names {expected} columns{hint}")]
-    FieldCount {
-        /// The line.
+    /// More rows that cannot be used than may be left out.
+    #[error("line {line}, {problem}{}", how_many(*bad, *rows, lines))]
+    BadRows {
+        /// The first such line.
         line: usize,
-        /// Its fields.
-        found: usize,
-        /// The header's.
-        expected: usize,
-        /// What may help.
-        hint: &'static str,
+        /// What is wrong with it.
+        problem: Box<RowProblem>,
+        /// How many there are.
+        bad: usize,
+        /// Among how many.
+        rows: usize,
+        /// The first few of their lines.
+        lines: Vec<usize>,
     },
-    /// Something else than a number.
-    #[error("line {line}, column `{column}`: `{value}` is not a number{hint}")]
-    NotANumber {
-        /// The line.
-        line: usize,
-        /// The column.
-        column: String,
-        /// What stands there, shortened.
-        value: String,
-        /// What may help.
-        hint: &'static str,
-    },
-    /// Not-a-number or infinity.
-    #[error("line {line}, column `{column}`: `{value}` is not a finite number; drop the row or mend it")]
-    NotFinite {
-        /// The line.
-        line: usize,
-        /// The column.
-        column: String,
-        /// What stands there.
-        value: String,
-    },
-    /// Time that stands still or runs backward.
-    #[error("line {line}, column `{column}`: time does not increase: {value:?} s after {before:?} s")]
-    TimeNotIncreasing {
+    /// A clock that starts again.
+    #[error(
+        "line {line}, column `{column}`: time starts again, {value:?} s after {before:?} s; several records in one file \
+         have to be cut into one file each"
+    )]
+    TimeRestarts {
         /// The line.
         line: usize,
         /// The column.
@@ -115,11 +102,75 @@ pub enum TraceProblem {
         /// That of the row before, s.
         before: f64,
     },
+}
+
+fn how_many(bad: usize, rows: usize, lines: &[usize]) -> String {
+    if bad == 1 {
+        return format!("; it is one of {rows} rows, and one in fifty may be left out");
+    }
+    let more = if bad > lines.len() { ", ..." } else { "" };
+    let lines: Vec<String> = lines.iter().map(usize::to_string).collect();
+    format!("; {bad} of {rows} rows cannot be used (lines {}{more}), one in fifty may be left out", lines.join(", "))
+}
+
+/// What is wrong with one row of a trace.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RowProblem {
+    /// A quoted field that does not end.
+    #[error("a quote is opened but not closed")]
+    OpenQuote,
+    /// A row with other fields than the header has names.
+    #[error("{found} fields where the header names {expected} columns{hint}")]
+    FieldCount {
+        /// Its fields.
+        found: usize,
+        /// The header's.
+        expected: usize,
+        /// What may help.
+        hint: &'static str,
+    },
+    /// Something else than a number.
+    #[error("column `{column}`: `{value}` is not a {kind}{hint}")]
+    NotANumber {
+        /// The column.
+        column: String,
+        /// What stands there, shortened.
+        value: String,
+        /// What is expected.
+        kind: &'static str,
+        /// What may help.
+        hint: &'static str,
+    },
+    /// Not-a-number or infinity.
+    #[error("column `{column}`: `{value}` is not a finite number")]
+    NotFinite {
+        /// The column.
+        column: String,
+        /// What stands there.
+        value: String,
+    },
+    /// A time that another row has already.
+    #[error("column `{column}`: time does not increase, {value:?} s stands there twice")]
+    TimeRepeats {
+        /// The column.
+        column: String,
+        /// The time, s.
+        value: f64,
+    },
+    /// A time out of order.
+    #[error("column `{column}`: time does not increase, {value:?} s after {before:?} s")]
+    TimeOutOfOrder {
+        /// The column.
+        column: String,
+        /// The time, s.
+        value: f64,
+        /// That of the row before, s.
+        before: f64,
+    },
     /// A pressure at or below vacuum.
-    #[error("line {line}, column `{column}`: {value:?} Pa cannot be an absolute pressure{hint}")]
+    #[error("column `{column}`: {value:?} Pa cannot be an absolute pressure{hint}")]
     NotAbsolute {
-        /// The line.
-        line: usize,
         /// The column.
         column: String,
         /// The pressure, Pa.
@@ -128,10 +179,8 @@ pub enum TraceProblem {
         hint: &'static str,
     },
     /// A temperature that no chamber has.
-    #[error("line {line}, column `{column}`: {value:?} K cannot be{hint}")]
+    #[error("column `{column}`: {value:?} K cannot be{hint}")]
     Temperature {
-        /// The line.
-        line: usize,
         /// The column.
         column: String,
         /// The temperature, K.
@@ -140,10 +189,8 @@ pub enum TraceProblem {
         hint: &'static str,
     },
     /// A piston beyond the cylinder's end.
-    #[error("line {line}, column `{column}`: position {value:?} m is beyond the stroke of {stroke:?} m")]
+    #[error("column `{column}`: position {value:?} m is beyond the stroke of {stroke:?} m")]
     BeyondStroke {
-        /// The line.
-        line: usize,
         /// The column.
         column: String,
         /// The position, m.
@@ -153,12 +200,10 @@ pub enum TraceProblem {
     },
     /// A piston on the wrong side of the chamber's end.
     #[error(
-        "line {line}, column `{column}`: position {value:?} m is below zero; it counts from the chamber's end: \
-         say sign and offset_m in the rig's [columns] position"
+        "column `{column}`: position {value:?} m is below zero; it counts from the chamber's end: say sign and offset_m \
+         in the rig's [columns] position"
     )]
     NegativePosition {
-        /// The line.
-        line: usize,
         /// The column.
         column: String,
         /// The position, m.

@@ -1,0 +1,65 @@
+//! Rows that are left out of a trace: which, and why. More than one in fifty are refused.
+
+use super::problem::{RowProblem, TraceProblem};
+use std::fmt;
+
+/// One row in so many may be left out.
+pub const ONE_IN: usize = 50;
+/// How many lines a sentence names.
+const NAMED: usize = 5;
+/// How many rows are kept with their reason while a file is read: more than may be left out of the longest.
+const MOST: usize = super::read::MAX_ROWS / ONE_IN + 1;
+
+/// A row that is no part of the trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Its line in the file, from 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub reason: RowProblem,
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}, {}", self.line, self.reason)
+    }
+}
+
+/// Rows left out while a file is read.
+#[derive(Debug, Default)]
+pub struct BadRows {
+    found: Vec<LeftOut>,
+    count: usize,
+}
+
+impl BadRows {
+    pub fn push(&mut self, line: usize, reason: RowProblem) {
+        self.count += 1;
+        if self.found.len() < MOST {
+            self.found.push(LeftOut { line, reason });
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The rows left out, by line, if they are few among `rows`, those kept included.
+    pub fn few_among(mut self, rows: usize) -> Result<Vec<LeftOut>, TraceProblem> {
+        self.found.sort_by_key(|row| row.line);
+        if self.count * ONE_IN <= rows {
+            return Ok(self.found);
+        }
+        let lines = self.found.iter().take(NAMED).map(|row| row.line).collect();
+        let first = self.found.swap_remove(0);
+        Err(TraceProblem::BadRows { line: first.line, problem: Box::new(first.reason), bad: self.count, rows, lines })
+    }
+}
+
+/// A sentence on the rows left out, if any: how many, and the first ones with their reasons.
+pub fn sentence(left_out: &[LeftOut]) -> Option<String> {
+    let first: Vec<String> = left_out.iter().take(NAMED).map(LeftOut::to_string).collect();
+    let (count, more) = (left_out.len(), if left_out.len() > NAMED { "; ..." } else { "" });
+    let rows = if count == 1 { "row is" } else { "rows are" };
+    (count > 0).then(|| format!("{count} {rows} left out: {}{more}", first.join("; ")))
+}

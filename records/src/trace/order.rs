@@ -1,0 +1,92 @@
+//! Rows in the order of time: which do not fit into it, and whether sorting is what they need.
+
+/// What the times of a file need.
+#[derive(Debug, PartialEq)]
+pub enum Order {
+    /// They increase.
+    Increasing,
+    /// They increase but for these rows, which can be left out.
+    But(Vec<usize>),
+    /// The rows came in another order; all of them, sorted by time.
+    Sorted(Vec<usize>),
+    /// From that row on time runs through the same values again: another record.
+    Restarts(usize),
+}
+
+/// Looks at the times; up to `few` rows may be left out.
+pub fn of(times: &[f64], few: usize) -> Order {
+    if times.windows(2).all(|pair| pair[0] < pair[1]) {
+        return Order::Increasing;
+    }
+    let odd = odd_rows(times);
+    if odd.len() <= few {
+        return Order::But(odd);
+    }
+    let falls: Vec<usize> = (1..times.len()).filter(|&i| times[i] < times[i - 1]).collect();
+    // Rows shuffled one by one fall often; what falls seldom is made of runs, which must not overlap.
+    if falls.len() <= few.max(1) && times.len() > 2 * falls.len() + 2 {
+        let begins = [&[0], &falls[..]].concat();
+        let ends = falls.iter().copied().chain([times.len()]);
+        let mut runs: Vec<(usize, usize)> = begins.into_iter().zip(ends).collect();
+        runs.sort_by(|a, b| times[a.0].total_cmp(&times[b.0]));
+        let overlap = runs.windows(2).find(|pair| times[pair[1].0] <= times[pair[0].1 - 1]);
+        if let Some(pair) = overlap {
+            return Order::Restarts(pair[0].0.max(pair[1].0));
+        }
+    }
+    let mut rows: Vec<usize> = (0..times.len()).collect();
+    rows.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
+    Order::Sorted(rows)
+}
+
+/// The fewest rows without which times increase: all but those of a longest increasing subsequence (patience sorting).
+fn odd_rows(times: &[f64]) -> Vec<usize> {
+    // For each length the row that ends such a subsequence at the earliest time, and for each row the one before it.
+    let mut ends: Vec<usize> = Vec::new();
+    let mut before = vec![usize::MAX; times.len()];
+    for (row, time) in times.iter().enumerate() {
+        let place = ends.partition_point(|end| times[*end] < *time);
+        if place > 0 {
+            before[row] = ends[place - 1];
+        }
+        // Of two rows with one time the first stays.
+        match ends.get_mut(place) {
+            Some(end) if times[*end] == *time => {}
+            Some(end) => *end = row,
+            None => ends.push(row),
+        }
+    }
+    let mut kept = vec![false; times.len()];
+    let mut row = ends.last().copied().unwrap_or(usize::MAX);
+    while row != usize::MAX {
+        kept[row] = true;
+        row = before[row];
+    }
+    (0..times.len()).filter(|row| !kept[*row]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_that_repeats_or_jumps_is_the_odd_one() {
+        assert_eq!(of(&[0.0, 1.0, 2.0], 0), Order::Increasing);
+        assert_eq!(of(&[0.0, 1.0, 1.0, 2.0], 1), Order::But(vec![2]));
+        assert_eq!(of(&[0.0, 1.0, 1e9, 2.0, 3.0], 1), Order::But(vec![2]));
+        assert_eq!(of(&[0.0, 1.0, 2.0, 0.0, 3.0, 4.0], 1), Order::But(vec![3]));
+    }
+
+    #[test]
+    fn shuffled_rows_are_sorted() {
+        assert_eq!(of(&[0.0, 2.0, 1.0, 4.0, 3.0], 0), Order::Sorted(vec![0, 2, 1, 4, 3]));
+        assert_eq!(of(&[3.0, 2.0, 1.0], 0), Order::Sorted(vec![2, 1, 0]));
+    }
+
+    #[test]
+    fn runs_in_another_order_are_sorted_but_a_clock_that_starts_again_is_told() {
+        assert_eq!(of(&[4.0, 5.0, 6.0, 7.0, 0.0, 1.0, 2.0, 3.0], 0), Order::Sorted(vec![4, 5, 6, 7, 0, 1, 2, 3]));
+        assert_eq!(of(&[0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0], 0), Order::Restarts(4));
+        assert_eq!(of(&[0.0, 1.0, 2.0, 3.0, 0.5, 1.5, 2.5, 3.5], 0), Order::Restarts(4));
+    }
+}

@@ -1,0 +1,276 @@
+//! The rows of a trace: each line split, read and checked; what cannot be used left out and named.
+
+use super::clock::Clock;
+use super::dialect::Dialect;
+use super::fields::{self, number};
+use super::header::Header;
+use super::left_out::{BadRows, LeftOut};
+use super::order::{self, Order};
+use super::problem::{RowProblem, TraceProblem};
+use super::read::{MAX_ROWS, Reading};
+use crate::format::{Decimal, Separator};
+use crate::layout::{Column, Quantity};
+use crate::limits;
+use std::ops::Range;
+
+/// What a gas in a cylinder can have, K.
+const GAS_TEMPERATURE_K: std::ops::RangeInclusive<f64> = 20.0..=5000.0;
+/// How far a measured position may be beyond an end, as a share of the stroke (or, unknown, of the travel): noise.
+const POSITION_SLACK: f64 = 0.01;
+
+/// The rows read so far.
+pub struct Rows<'a> {
+    dialect: &'a Dialect,
+    header: &'a Header<'a>,
+    reading: &'a Reading<'a>,
+    /// One for each column found, time first.
+    columns: Vec<Vec<f64>>,
+    lines: LineNumbers,
+    bad: BadRows,
+    /// All rows that were looked at, within the window or not.
+    seen: usize,
+    clock: Option<Clock>,
+    fields: Vec<Range<usize>>,
+}
+
+/// What a file's rows come to.
+pub struct Table {
+    /// One for each column found, time first, in the order of time.
+    pub columns: Vec<Vec<f64>>,
+    /// The rows that are no part of it.
+    pub left_out: Vec<LeftOut>,
+    /// Whether the rows came in another order.
+    pub sorted: bool,
+}
+
+impl<'a> Rows<'a> {
+    pub fn new(dialect: &'a Dialect, header: &'a Header<'a>, reading: &'a Reading<'a>) -> Self {
+        Self {
+            dialect,
+            header,
+            reading,
+            columns: vec![Vec::new(); header.found.len()],
+            lines: LineNumbers::default(),
+            bad: BadRows::default(),
+            seen: 0,
+            clock: None,
+            fields: Vec::new(),
+        }
+    }
+
+    /// Takes a line.
+    pub fn take(&mut self, line: usize, text: &str) -> Result<(), TraceProblem> {
+        self.seen += 1;
+        if self.seen > MAX_ROWS {
+            let limit = format!("{MAX_ROWS} rows");
+            return Err(TraceProblem::TooLarge { found: format!("more than {MAX_ROWS} rows"), limit });
+        }
+        let mut fields = std::mem::take(&mut self.fields);
+        match self.values(text, &mut fields) {
+            Ok(Some(values)) => {
+                self.lines.push(self.columns[0].len(), line);
+                self.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+            }
+            Ok(None) => {}
+            Err(problem) => self.bad.push(line, problem),
+        }
+        self.fields = fields;
+        Ok(())
+    }
+
+    /// The row's numbers, SI; `None` outside the window.
+    fn values(&mut self, text: &str, fields: &mut Vec<Range<usize>>) -> Result<Option<[f64; 6]>, RowProblem> {
+        if !fields::split(text, self.dialect.separator, fields) {
+            return Err(RowProblem::OpenQuote);
+        }
+        let (found, expected) = (fields.len(), self.dialect.names.len());
+        if found < self.dialect.fields || fields.iter().skip(expected).any(|field| !field.is_empty()) {
+            let more_by_commas = found > expected && self.dialect.separator == Separator::Byte(b',');
+            let hint = if more_by_commas { "; are there decimal commas between the commas?" } else { "" };
+            return Err(RowProblem::FieldCount { found, expected, hint });
+        }
+        let field = |place: usize| fields.get(place).map_or("", |field| &text[field.clone()]);
+        let mut values = [0.0; 6];
+        for (value, &(quantity, place, column)) in values.iter_mut().zip(&self.header.found) {
+            if quantity == Quantity::Time {
+                *value = time(&mut self.clock, column, field(place), self.dialect.decimal)?;
+                if *value < self.reading.window.from_s || *value > self.reading.window.to_s {
+                    return Ok(None);
+                }
+                continue;
+            }
+            *value = column.si(finite(column, field(place), self.dialect.decimal)?);
+            check(quantity, *value, column, self.reading.stroke_m)?;
+        }
+        Ok(Some(values))
+    }
+
+    /// How many rows were looked at.
+    pub fn seen(&self) -> usize {
+        self.seen
+    }
+
+    /// The table, once all lines are taken.
+    pub fn finish(mut self) -> Result<Table, TraceProblem> {
+        let all = self.columns[0].len() + self.bad.len();
+        self.leave_out_negative_positions();
+        let column = self.header.found[0].2;
+        let times = &self.columns[0];
+        let mut sorted = false;
+        match order::of(times, all / super::left_out::ONE_IN) {
+            Order::Increasing => {}
+            Order::But(rows) => {
+                let problems = rows.iter().map(|&row| (row, out_of_order(column, times, row))).collect();
+                self.leave_out(problems);
+            }
+            Order::Restarts(row) => {
+                let (line, column) = (self.lines.of(row), column.name.clone());
+                let (value, before) = (times[row], times[row - 1]);
+                return Err(TraceProblem::TimeRestarts { line, column, value, before });
+            }
+            Order::Sorted(rows) => {
+                sorted = true;
+                let lines = rows.iter().map(|row| self.lines.of(*row));
+                self.lines = lines.enumerate().fold(LineNumbers::default(), |mut lines, (row, line)| {
+                    lines.push(row, line);
+                    lines
+                });
+                for column in &mut self.columns {
+                    *column = rows.iter().map(|row| column[*row]).collect();
+                }
+                let times = &self.columns[0];
+                let twice = (1..times.len()).filter(|row| times[*row] == times[row - 1]);
+                let problems = twice.map(|row| (row, out_of_order(column, times, row))).collect();
+                self.leave_out(problems);
+            }
+        }
+        Ok(Table { left_out: self.bad.few_among(all)?, columns: self.columns, sorted })
+    }
+
+    /// Positions below zero, but for a sensor's noise at the end.
+    fn leave_out_negative_positions(&mut self) {
+        let Some(place) = self.header.place(Quantity::Position) else { return };
+        let (column, values) = (self.header.found[place].2, &self.columns[place]);
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let limit = -POSITION_SLACK * self.reading.stroke_m.unwrap_or(high - low);
+        if low >= limit {
+            return;
+        }
+        let problem = |value| RowProblem::NegativePosition { column: column.name.clone(), value };
+        let below = values.iter().enumerate().filter(|(_, value)| **value < limit);
+        let below = below.map(|(row, value)| (row, problem(*value))).collect();
+        self.leave_out(below);
+    }
+
+    fn leave_out(&mut self, problems: Vec<(usize, RowProblem)>) {
+        let mut keep = vec![true; self.columns[0].len()];
+        for (row, problem) in problems {
+            keep[row] = false;
+            self.bad.push(self.lines.of(row), problem);
+        }
+        for column in &mut self.columns {
+            let mut kept = keep.iter();
+            column.retain(|_| *kept.next().unwrap_or(&true));
+        }
+        self.lines.retain(&keep);
+    }
+}
+
+fn out_of_order(column: &Column, times: &[f64], row: usize) -> RowProblem {
+    let (column, value) = (column.name.clone(), times[row]);
+    match row.checked_sub(1).map(|before| times[before]) {
+        Some(before) if before != value => RowProblem::TimeOutOfOrder { column, value, before },
+        _ => RowProblem::TimeRepeats { column, value },
+    }
+}
+
+/// A time in seconds: a number, or a moment where the file's first is one.
+fn time(clock: &mut Option<Clock>, column: &Column, text: &str, decimal: Decimal) -> Result<f64, RowProblem> {
+    if clock.is_none() && (column.is_clock() || number(text, decimal).is_none()) {
+        *clock = Clock::beginning_with(text);
+    }
+    let seconds = match clock {
+        Some(clock) => clock.seconds(text),
+        None if column.is_clock() => None,
+        None => return Ok(column.si(finite(column, text, decimal)?)),
+    };
+    let kind = "clock time (12:00:00.5 or 2026-11-22T12:00:00.5)";
+    seconds.ok_or_else(|| RowProblem::NotANumber { column: column.name.clone(), value: short(text), kind, hint: "" })
+}
+
+fn short(text: &str) -> String {
+    text.chars().take(40).collect()
+}
+
+#[inline]
+fn finite(column: &Column, text: &str, decimal: Decimal) -> Result<f64, RowProblem> {
+    match number(text, decimal) {
+        Some(number) if number.is_finite() => Ok(number),
+        Some(_) => Err(RowProblem::NotFinite { column: column.name.clone(), value: short(text) }),
+        None => {
+            let other = if decimal == Decimal::Point { Decimal::Comma } else { Decimal::Point };
+            let hint = match (text.is_empty(), number(text, other), other) {
+                (true, _, _) => ", the field is empty",
+                (_, Some(_), Decimal::Comma) => "; for decimal commas say decimal = \",\" in the rig's [format]",
+                (_, Some(_), Decimal::Point) => "; for decimal points say decimal = \".\" in the rig's [format]",
+                _ => "",
+            };
+            Err(RowProblem::NotANumber { column: column.name.clone(), value: short(text), kind: "number", hint })
+        }
+    }
+}
+
+/// Refuses values that cannot be.
+#[inline]
+fn check(quantity: Quantity, value: f64, column: &Column, stroke_m: Option<f64>) -> Result<(), RowProblem> {
+    let name = || column.name.clone();
+    match quantity {
+        Quantity::Pressure if value <= 0.0 => {
+            let hint = match column.gauge {
+                true => "; it is below vacuum even with the ambient pressure added: look at its unit",
+                false => "; for a gauge column say reference = \"gauge\" in the rig's [columns] pressure",
+            };
+            Err(RowProblem::NotAbsolute { column: name(), value, hint })
+        }
+        Quantity::AmbientTemperature if !limits::TEMPERATURE_K.allow(value) => temperature(value, column),
+        Quantity::GasTemperature if !GAS_TEMPERATURE_K.contains(&value) => temperature(value, column),
+        Quantity::Position => match stroke_m {
+            Some(stroke) if value > stroke * (1.0 + POSITION_SLACK) => {
+                Err(RowProblem::BeyondStroke { column: name(), value, stroke })
+            }
+            _ => Ok(()),
+        },
+        _ => Ok(()),
+    }
+}
+
+fn temperature(value: f64, column: &Column) -> Result<(), RowProblem> {
+    let celsius = column.unit == "K" && (-100.0..150.0).contains(&value);
+    let hint = if celsius { "; for degrees Celsius say unit = \"degC\" in the rig's [columns]" } else { "" };
+    Err(RowProblem::Temperature { column: column.name.clone(), value, hint })
+}
+
+/// The line of each row, by the rows at which lines do not simply go on.
+#[derive(Default)]
+struct LineNumbers(Vec<(usize, usize)>);
+
+impl LineNumbers {
+    #[inline]
+    fn push(&mut self, row: usize, line: usize) {
+        if self.0.last().is_none_or(|(r, l)| l + (row - r) != line) {
+            self.0.push((row, line));
+        }
+    }
+
+    fn of(&self, row: usize) -> usize {
+        let at = self.0.partition_point(|(first, _)| *first <= row);
+        self.0.get(at.wrapping_sub(1)).map_or(0, |(first, line)| line + (row - first))
+    }
+
+    fn retain(&mut self, keep: &[bool]) {
+        let kept = (0..keep.len()).filter(|row| keep[*row]).map(|row| self.of(row));
+        let mut lines = Self::default();
+        kept.enumerate().for_each(|(row, line)| lines.push(row, line));
+        *self = lines;
+    }
+}

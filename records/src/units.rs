@@ -1,0 +1,193 @@
+//! The quantities that a trace's column can hold, and the units that they are read in.
+
+/// What a column of a trace can hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Time.
+    Time,
+    /// Pressure in the chamber.
+    Pressure,
+    /// Position of the piston face.
+    Position,
+    /// Temperature of the surroundings.
+    AmbientTemperature,
+    /// Temperature of the gas.
+    GasTemperature,
+    /// Mass flow into the chamber.
+    MassFlow,
+}
+
+/// A unit that is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// Its name in a rig file.
+    pub name: &'static str,
+    /// What a number of it is multiplied by to be SI ...
+    pub factor: f64,
+    /// ... and what is then added.
+    pub offset: f64,
+    /// How else column names and units lines spell it, in lower case.
+    pub spellings: &'static [&'static str],
+}
+
+const fn unit(name: &'static str, factor: f64, spellings: &'static [&'static str]) -> Unit {
+    Unit { name, factor, offset: 0.0, spellings }
+}
+
+/// A voltage: `scale` and `offset` of its column make SI of it.
+pub const VOLT: &str = "V";
+/// Clock times and dates: counted in seconds from the file's first row on.
+pub const CLOCK: &str = "clock";
+
+const VOLTS: Unit = unit(VOLT, 1.0, &["volt", "volts"]);
+/// psi = lbf/in² = 0.45359237 · 9.80665 / 0.0254² Pa
+const PSI_PA: f64 = 0.453_592_37 * 9.806_65 / (0.0254 * 0.0254);
+
+const TIME: [Unit; 8] = [
+    unit("s", 1.0, &["sec", "secs", "second", "seconds", "sek", "sekunden"]),
+    unit("ms", 1e-3, &["msec", "millisecond", "milliseconds"]),
+    unit("us", 1e-6, &["µs", "μs", "usec", "microseconds"]),
+    unit("ns", 1e-9, &["nsec", "nanoseconds"]),
+    unit("min", 60.0, &["minute", "minutes"]),
+    unit("h", 3600.0, &["hour", "hours"]),
+    unit("d", 86_400.0, &["day", "days"]),
+    unit(CLOCK, 1.0, &["hh:mm:ss", "hh:mm:ss.fff", "hms"]),
+];
+const PRESSURE: [Unit; 9] = [
+    unit("Pa", 1.0, &["pascal"]),
+    unit("hPa", 1e2, &[]),
+    unit("kPa", 1e3, &["kpaa", "kpag"]),
+    unit("MPa", 1e6, &[]),
+    unit("bar", 1e5, &["bara", "barg", "bar(a)", "bar(g)", "bar abs", "bar rel", "bar_a", "bar_g", "barabs", "barrel"]),
+    unit("mbar", 1e2, &["mbara", "mbarg"]),
+    unit("psi", PSI_PA, &["psia", "psig", "psi(a)", "psi(g)", "lbf/in2", "lbf/in²"]),
+    unit("atm", 101_325.0, &[]),
+    VOLTS,
+];
+const POSITION: [Unit; 7] = [
+    unit("m", 1.0, &["metre", "metres", "meter", "meters"]),
+    unit("cm", 1e-2, &["centimetre", "centimeter"]),
+    unit("mm", 1e-3, &["millimetre", "millimetres", "millimeter", "millimeters"]),
+    unit("um", 1e-6, &["µm", "μm", "micron", "microns"]),
+    unit("in", 0.0254, &["inch", "inches", "\""]),
+    unit("ft", 0.3048, &["foot", "feet"]),
+    VOLTS,
+];
+const TEMPERATURE: [Unit; 4] = [
+    unit("K", 1.0, &["kelvin"]),
+    Unit {
+        name: "degC",
+        factor: 1.0,
+        offset: 273.15,
+        spellings: &["c", "°c", "ºc", "deg c", "deg_c", "celsius", "grad c", "℃"],
+    },
+    Unit {
+        name: "degF",
+        factor: 5.0 / 9.0,
+        offset: 273.15 - 32.0 * 5.0 / 9.0,
+        spellings: &["f", "°f", "deg f", "fahrenheit"],
+    },
+    VOLTS,
+];
+const MASS_FLOW: [Unit; 4] = [unit("kg/s", 1.0, &[]), unit("g/s", 1e-3, &[]), unit("kg/h", 1.0 / 3600.0, &[]), VOLTS];
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Quantity; 6] = [
+        Quantity::Time,
+        Quantity::Pressure,
+        Quantity::Position,
+        Quantity::AmbientTemperature,
+        Quantity::GasTemperature,
+        Quantity::MassFlow,
+    ];
+
+    /// Its key in `[columns]`.
+    pub fn key(self) -> &'static str {
+        match self {
+            Quantity::Time => "time",
+            Quantity::Pressure => "pressure",
+            Quantity::Position => "position",
+            Quantity::AmbientTemperature => "ambient_temperature",
+            Quantity::GasTemperature => "gas_temperature",
+            Quantity::MassFlow => "mass_flow",
+        }
+    }
+
+    /// The column's name where `[columns]` names no other.
+    pub fn default_name(self) -> &'static str {
+        match self {
+            Quantity::Time => "time_s",
+            Quantity::Pressure => "pressure_pa",
+            Quantity::Position => "position_m",
+            Quantity::AmbientTemperature => "ambient_temperature_k",
+            Quantity::GasTemperature => "gas_temperature_k",
+            Quantity::MassFlow => "mass_flow_kg_per_s",
+        }
+    }
+
+    /// The SI unit that it is read into.
+    pub fn si_unit(self) -> &'static str {
+        self.units()[0].name
+    }
+
+    /// Names of the units that are read, SI first.
+    pub fn unit_names(self) -> impl Iterator<Item = &'static str> {
+        self.units().iter().map(|unit| unit.name)
+    }
+
+    /// The units that are read, SI first.
+    pub fn units(self) -> &'static [Unit] {
+        match self {
+            Quantity::Time => &TIME,
+            Quantity::Pressure => &PRESSURE,
+            Quantity::Position => &POSITION,
+            Quantity::AmbientTemperature | Quantity::GasTemperature => &TEMPERATURE,
+            Quantity::MassFlow => &MASS_FLOW,
+        }
+    }
+
+    /// The unit that a column's name or a units line spells like that, brackets around it aside.
+    pub fn unit_spelled(self, text: &str) -> Option<&'static Unit> {
+        let text = text.trim().trim_matches(['[', ']', '(', ')']).trim();
+        let lower = text.to_lowercase();
+        let exact = self.units().iter().find(|unit| unit.name == text);
+        exact.or_else(|| {
+            let alike = |unit: &&Unit| unit.name.to_lowercase() == lower || unit.spellings.contains(&lower.as_str());
+            self.units().iter().find(alike)
+        })
+    }
+}
+
+/// Whether a unit's spelling says that a pressure counts from the surroundings' (`psig`, `barg`).
+pub fn says_gauge(spelling: &str) -> bool {
+    let text = spelling.trim().trim_matches(['[', ']', '(', ')']).to_lowercase();
+    let stem = text.trim_end_matches(['(', ')', ' ', '_']);
+    ["psig", "barg", "mbarg", "kpag", "psi(g", "bar(g", "bar_g", "bar rel", "barrel"].contains(&stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_known_by_what_loggers_call_them() {
+        let name = |quantity: Quantity, text| quantity.unit_spelled(text).map(|unit| unit.name);
+        assert_eq!(name(Quantity::Pressure, "[kPa]"), Some("kPa"));
+        assert_eq!(name(Quantity::Pressure, "(psia)"), Some("psi"));
+        assert_eq!(name(Quantity::Pressure, "BAR"), Some("bar"));
+        assert_eq!(name(Quantity::AmbientTemperature, "°C"), Some("degC"));
+        assert_eq!(name(Quantity::Time, "sec"), Some("s"));
+        // Case tells these two apart.
+        assert_eq!((name(Quantity::Pressure, "MPa"), name(Quantity::Pressure, "mbar")), (Some("MPa"), Some("mbar")));
+        assert_eq!(name(Quantity::Position, "kPa"), None);
+        assert!(says_gauge("(psig)") && says_gauge("bar(g)") && !says_gauge("psia") && !says_gauge("bar"));
+    }
+
+    #[test]
+    fn a_fahrenheit_degree_has_its_zero() {
+        let unit = Quantity::GasTemperature.unit_spelled("degF").unwrap();
+        assert!((unit.factor * 212.0 + unit.offset - 373.15).abs() < 1e-12);
+        assert!((unit.factor * 32.0 + unit.offset - 273.15).abs() < 1e-12);
+    }
+}
