@@ -1,8 +1,8 @@
 //! The coloured part of a recording's noise, from the residuals of a fit.
 //!
 //! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
-//! they have in common (Helmert contrasts, each with the covariance of one record). Without repeats the late parts of rests
-//! and holds are used, free of a constant and a slope each (restricted likelihood). White noise alone, with one or with two
+//! they have in common (Helmert contrasts, each with the covariance of one record). Without repeats short windows in the late
+//! parts of rests and holds are used, free of a cubic each (restricted likelihood): what is slower may be the gas. White noise alone, with one or with two
 //! Ornstein–Uhlenbeck processes, and with a line are compared by BIC; each by maximum likelihood, the innovations from a
 //! Kalman filter ([`Whitener`]). Source: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood).
 
@@ -10,12 +10,17 @@ use crate::fit::whiten::{Place, Whitener};
 use crate::record::noise::{Colour, Hum, Noise};
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// Rows after a move that are left out: there the position's noise and the move's course count.
 const AFTER_MOVE: usize = 10;
 /// Longest window, points; longer ones are averaged down to it.
 const LONGEST: usize = 1500;
+/// Rows of a window where there are no repeats.
+const ALONE: usize = 120;
+/// Coefficients of the polynomial that such a window is free of.
+const FREE: usize = 4;
 /// Most points looked at in all.
 const MOST_POINTS: usize = 30_000;
 /// Fewest points that say anything about colour.
@@ -47,7 +52,10 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     }
     let likelihood = Likelihood { windows: &windows, free: !pure };
     let start = Noise { colours: Vec::new(), hum: None, ..before.clone() };
-    let longest_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
+    let longest_s = match pure {
+        true => data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max),
+        false => windows.iter().map(|w| w.distance_s * w.values.len() as f64).fold(0.0, f64::max),
+    };
     let mut best = likelihood.scaled(&start);
     let more = |parameters: f64| parameters * (likelihood.points() as f64).ln() + 8.0;
     for count in 1..=2 {
@@ -94,8 +102,9 @@ fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
     }
     for (t, residual) in data.traces.iter().zip(residuals) {
         for s in 0..t.course.motion.segments.len() {
-            let quiet = quiet_rows(t, s, true);
-            out.extend(window(t, quiet.iter().map(|&i| residual[i]).collect()));
+            for rows in quiet_rows(t, s, true).chunks_exact(ALONE) {
+                out.extend(window(t, rows.iter().map(|&i| residual[i]).collect()));
+            }
         }
     }
     (out, false)
@@ -150,20 +159,20 @@ fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
     Some(Window { values, distance_s: row_s * (t.readout.period * averaged) as f64, averaged })
 }
 
-/// A whitener that serves every window of this distance and of no more values, with a constant and a slope whitened by it.
+/// A whitener that serves every window of this distance and of no more values, with the powers of time whitened by it.
 struct Ruler {
     distance_s: f64,
     averaged: usize,
     whitener: Whitener,
-    basis: [Vec<f64>; 2],
+    basis: DMatrix<f64>,
 }
 
 impl Ruler {
     fn new(shape: &Noise, window: &Window) -> Self {
         let n = window.values.len();
         let whitener = whitener(shape, window);
-        let mut basis = [vec![1.0; n], (0..n).map(|i| i as f64 / n as f64 - 0.5).collect()];
-        basis.iter_mut().for_each(|b| whitener.apply(b));
+        let mut basis = DMatrix::from_fn(n, FREE, |i, k| (2.0 * i as f64 / n as f64 - 1.0).powi(k as i32));
+        whitener.apply_to(&mut basis);
         Self { distance_s: window.distance_s, averaged: window.averaged, whitener, basis }
     }
 
@@ -174,7 +183,7 @@ impl Ruler {
 
 struct Likelihood<'a> {
     windows: &'a [Window],
-    /// Whether each window has a constant and a slope of its own.
+    /// Whether each window has a cubic of its own.
     free: bool,
 }
 
@@ -202,12 +211,12 @@ impl Likelihood<'_> {
             squares += values.iter().map(|v| v * v).sum::<f64>();
             freedom += n as f64;
             if self.free {
-                let [aa, ab, bb] = [[0, 0], [0, 1], [1, 1]].map(|[i, j]| dot(&basis[i][..n], &basis[j][..n]));
-                let [ay, by] = [0, 1].map(|i| dot(&basis[i][..n], &values));
-                let determinant = aa * bb - ab * ab;
-                squares -= (bb * ay * ay - 2.0 * ab * ay * by + aa * by * by) / determinant;
-                determinants += determinant.ln();
-                freedom -= 2.0;
+                let basis = basis.rows(0, n);
+                let Some(square) = basis.tr_mul(&basis).cholesky() else { continue };
+                let right = basis.tr_mul(&DVector::from_vec(values));
+                squares -= right.dot(&square.solve(&right));
+                determinants += 2.0 * square.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+                freedom -= FREE as f64;
             }
         }
         let variance = (squares / freedom).max(f64::MIN_POSITIVE);
@@ -309,10 +318,6 @@ fn whitener(noise: &Noise, window: &Window) -> Whitener {
         })
         .collect();
     Whitener::new(noise, &places)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// |Σ v e^(−i ω k)|²/n, by Goertzel's recurrence.

@@ -116,7 +116,10 @@ impl Noise {
                 differences.extend(values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9));
             }
         }
-        let step_pa = stated_step_pa.unwrap_or_else(|| lattice(&mut differences));
+        let step_pa = stated_step_pa.unwrap_or_else(|| match lattice(&mut differences) {
+            step if step > 0.0 => step,
+            _ => records.iter().map(|q| plateau_lattice(q.pressure_pa)).fold(0.0, f64::max),
+        });
         let sticks = step_pa > 0.0 && neighbours > 0 && equal as f64 > STUCK_SHARE * neighbours as f64;
         let freedom: f64 = variances.iter().map(|(_, f)| f).sum();
         let variance = robust_mean(&mut variances) * correlation_rows(&products, freedom);
@@ -177,6 +180,19 @@ pub fn lattice(differences: &mut [f64]) -> f64 {
         |d: &&f64| ((*d / step) - (*d / step).round()).abs() < NEARLY * (*d / step).round().clamp(1.0, 2.0);
     let share = differences.iter().filter(on_lattice).count() as f64 / differences.len() as f64;
     if share > 0.9 { step } else { 0.0 }
+}
+
+/// The spacing of the levels that readings stay on for several rows, Pa: interpolation between rounded readings leaves these
+/// where the pressure stands.
+fn plateau_lattice(pressure_pa: &[f64]) -> f64 {
+    const ROWS: usize = 4;
+    const FEWEST_LEVELS: usize = 8;
+    let mut levels: Vec<f64> =
+        pressure_pa.windows(ROWS).filter(|w| w.iter().all(|p| *p == w[0])).map(|w| w[0]).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let mut differences: Vec<f64> = levels.windows(2).map(|w| w[1] - w[0]).collect();
+    if differences.len() < FEWEST_LEVELS { 0.0 } else { lattice(&mut differences) }
 }
 
 /// Over how many rows a reading is correlated with its neighbours: 1 + 2 Σ ρ_k; white noise: 1.
