@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail};
 use identify::outcome::diagnosis;
-use identify::{Diagnosed, Identification, Method};
+use identify::{Diagnosed, Identification, Method, Validated};
 use records::{Model, Provenance, Rig, Rmse};
 use std::path::Path;
 
@@ -50,6 +50,16 @@ pub fn diagnose(
         output::write(path, identify::report::html(&rig, &found).as_bytes())?;
     }
     Ok((rig, found))
+}
+
+/// Judges a model file by the records of a rig.
+///
+/// # Errors
+/// A file that is refused, records that the model cannot follow.
+pub fn validate(model: &Path, rig: &Path, whole_record: bool) -> anyhow::Result<Validated> {
+    let model = Model::read(model)?;
+    let rig = Rig::read(rig)?;
+    identify::validate(&model.chamber, &rig, whole_record).with_context(|| rig.path.display().to_string())
 }
 
 fn identified_model(rig: &Rig, found: &Identification) -> Model {

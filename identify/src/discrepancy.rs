@@ -356,7 +356,8 @@ impl<'a> Search<'a> {
     /// d(model/σ)/d(coefficient) of one trace's blocks.
     fn response(&self, k: usize, form: Form, share: Vec<[f64; KNOTS]>) -> Option<DMatrix<f64>> {
         let (t, path) = (&self.data.traces[k], &self.paths[k]);
-        let blocks = &t.blocks[..self.fit.linear[k].residual.len()];
+        let linear = &self.fit.linear[k];
+        let blocks = &t.blocks[..linear.blocks];
         let times = fit::points(blocks);
         let amount: Vec<f64> = match form {
             Form::CoefficientShare => path.heat_flow_w.clone(),
@@ -382,7 +383,7 @@ impl<'a> Search<'a> {
             }
         }
         t.whitener.apply_to(&mut out);
-        Some(out)
+        Some(out.resize_vertically(linear.residual.len(), 0.0))
     }
 
     /// The best coefficients given that every fitted parameter adapts: gain, rank, values and standard deviations.

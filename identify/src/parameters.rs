@@ -17,6 +17,9 @@ use chamber::{AreaLaw, Chamber, Geometry, HeatTransfer};
 /// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
 const FIRST_LAMBDA0: f64 = 30.0;
 
+/// By how much a gas at rest differs from its surroundings, K: a standard deviation.
+const REST_DEVIATION_K: f64 = 3.0;
+
 /// A number that holds for the whole rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
@@ -105,8 +108,8 @@ pub struct Axis<S = Slot> {
     pub scale: f64,
     /// Bounds of x.
     pub bounds: [f64; 2],
-    /// Standard deviation of x about zero before anything is measured.
-    pub prior_sd: Option<f64>,
+    /// Mean and standard deviation of x before anything is measured.
+    pub prior: Option<[f64; 2]>,
 }
 
 impl<S> Axis<S> {
@@ -267,7 +270,7 @@ impl Hypothesis {
     /// That model on a rig; begins from `base` (its free numbers too).
     pub fn new(data: &Data, model: Model, base: &Chamber, sizes: &Sizes) -> Self {
         let swept = data.piston_area_m2 * data.smallest_position_m();
-        let axis = |slot, logarithmic, scale, bounds| Axis { slot, logarithmic, scale, bounds, prior_sd: None };
+        let axis = |slot, logarithmic, scale, bounds| Axis { slot, logarithmic, scale, bounds, prior: None };
         let mut axes = vec![axis(Slot::Lambda0, true, FIRST_LAMBDA0, [-12.0, 12.0])];
         if !data.dead_volume_known {
             let scale = base.geometry.volume(data.smallest_position_m()).abs().max(1e-12);
@@ -280,7 +283,7 @@ impl Hypothesis {
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
                 let (logarithmic, scale, bounds) = coordinates_of(parameter, sizes);
                 if model.own.has(e) {
-                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior_sd: None });
+                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior: None });
                 } else {
                     axes.push(axis(Slot::Effect(e, p), logarithmic, scale, bounds));
                 }
@@ -315,10 +318,13 @@ impl Hypothesis {
 
     /// The free numbers of one record: its initial state first.
     pub fn own_of(&self, trace: &Prepared) -> Vec<Axis<Own>> {
-        let initial = |slot, scale| Axis { slot, logarithmic: false, scale, bounds: [0.2, 5.0], prior_sd: None };
+        let initial = |slot, scale| Axis { slot, logarithmic: false, scale, bounds: [0.2, 5.0], prior: None };
         let mut out = vec![initial(Own::Pressure, trace.initial_pressure_pa)];
         if !trace.starts_at_rest || self.model.initial_temperature {
-            out.push(initial(Own::Temperature, trace.initial_temperature_k));
+            let mut axis = initial(Own::Temperature, trace.initial_temperature_k);
+            // A gas at rest has nearly the temperature of its surroundings.
+            axis.prior = trace.starts_at_rest.then_some([1.0, REST_DEVIATION_K / trace.initial_temperature_k]);
+            out.push(axis);
         }
         out.extend(self.own.iter().copied());
         out
@@ -417,7 +423,7 @@ fn stated(data: &Data) -> Vec<Axis> {
     ]
     .into_iter()
     .filter(|(_, scale)| *scale > 0.0)
-    .map(|(slot, scale)| Axis { slot, logarithmic: false, scale, bounds: [-1e3, 1e3], prior_sd: Some(1.0) })
+    .map(|(slot, scale)| Axis { slot, logarithmic: false, scale, bounds: [-1e3, 1e3], prior: Some([0.0, 1.0]) })
     .collect()
 }
 

@@ -11,6 +11,7 @@ mod man;
 mod reproduce;
 mod simulate;
 mod sweep;
+mod validate;
 
 use clap::Subcommand;
 
@@ -21,6 +22,7 @@ pub enum Command {
     Simulate(simulate::Args),
     Identify(identify::Args),
     Diagnose(diagnose::Args),
+    Validate(validate::Args),
     Fmu(fmu::Args),
     Sweep(sweep::Args),
     Completions(completions::Args),
@@ -35,6 +37,7 @@ impl Command {
             Command::Simulate(args) => simulate::run(args),
             Command::Identify(args) => identify::run(args),
             Command::Diagnose(args) => diagnose::run(args),
+            Command::Validate(args) => validate::run(args),
             Command::Fmu(args) => fmu::run(args),
             Command::Sweep(args) => sweep::run(args),
             Command::Completions(args) => completions::run(args),

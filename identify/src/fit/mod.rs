@@ -37,8 +37,11 @@ const WIDEST: usize = 12;
 pub type Selection = [usize];
 
 /// Residuals and sensitivities of one record's blocks, whitened: each of standard deviation one, independent of the others.
+/// Behind the blocks stands a row for each prior of the record's own numbers.
 #[derive(Clone, Debug)]
 pub struct Linear {
+    /// Number of blocks.
+    pub blocks: usize,
     /// (mean − model)/σ.
     pub residual: Vec<f64>,
     /// d(model/σ)/d(coordinate of the rig), a row for each block; behind the free ones, where wanted, the stated ones.
@@ -246,7 +249,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         marginal,
         moved: shift,
         follow,
-        blocks: linear.iter().map(|l| l.residual.len()).sum(),
+        blocks: linear.iter().map(|l| l.blocks).sum(),
         information,
         rig,
         own,
@@ -316,6 +319,11 @@ impl Coordinates<'_> {
 fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> Result<Linear, IntegrationError> {
     let count = x.count();
     // Columns: residual, free, stated, own.
+    let own_axes = h.own_of(t);
+    let priors: Vec<(usize, [f64; 2])> = match blocks {
+        0 => Vec::new(),
+        _ => own_axes.iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect(),
+    };
     let mut columns = DMatrix::zeros(blocks, 1 + count);
     if blocks > 0 {
         for first in (0..count).step_by(WIDEST) {
@@ -331,7 +339,13 @@ fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> R
         t.whitener.apply_to(&mut columns);
     }
     let rig = x.rig.len() + x.stated;
+    let mut columns = columns.resize_vertically(blocks + priors.len(), 0.0);
+    for (k, (i, [mean, sd])) in priors.into_iter().enumerate() {
+        columns[(blocks + k, 0)] = (mean - x.own[i]) / sd;
+        columns[(blocks + k, 1 + rig + i)] = 1.0 / sd;
+    }
     let out = Linear {
+        blocks,
         residual: columns.column(0).iter().copied().collect(),
         by_rig: columns.columns(1, rig).into_owned(),
         by_own: columns.columns(1 + rig, x.own.len()).into_owned(),

@@ -7,7 +7,7 @@
 use crate::discrepancy::{Missing, Search};
 use crate::fit::Fit;
 use crate::judge::misfit;
-use crate::judge::policy::{FAMILY_PROBABILITY, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS};
+use crate::judge::policy::{FAMILY_PROBABILITY, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS, TOLERANCES};
 use crate::record::prepare::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -37,8 +37,11 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     let mut families = Search::new(data, fit).map(|s| s.all()).unwrap_or_default();
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
     let family_probability = families.first().map_or(1.0, probability);
-    let systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit))
-        .min(misfit::systematic(data, &misfit::residuals_moved(data, fit)));
+    let mut systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit));
+    // Stated numbers may move within their tolerances, not anywhere.
+    if fit.moved.iter().all(|x| x.abs() < TOLERANCES) {
+        systematic_pa = systematic_pa.min(misfit::systematic(data, &misfit::residuals_moved(data, fit)));
+    }
     Adequacy {
         is_noise: squares_deviations < SQUARES_DEVIATIONS && family_probability > FAMILY_PROBABILITY,
         systematic_pa,

@@ -6,9 +6,10 @@
 //! half asks for. The mean before the first move alone would be a few rows' noise, several times as large after a push.
 
 use crate::fit::{self, Fit, readings};
-use crate::parameters::Own;
+use crate::parameters::{Hypothesis, Own};
 use crate::record::prepare::{Data, Prepared};
 use chamber::dual::Dual;
+use chamber::integrate::IntegrationError;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
@@ -85,7 +86,7 @@ pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
 /// Σ of squares of a left-out record's residual and its rows, each half of them with the record's own numbers that the other
 /// half asks for.
 fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<(f64, usize)> {
-    let own = own_numbers(data, fitted, k, usize::MAX)?;
+    let own = own_numbers(data, fitted, k)?;
     match own.len() {
         1 => halves::<1>(data, fitted, k, &own),
         2 => halves::<2>(data, fitted, k, &own),
@@ -128,29 +129,36 @@ fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> O
     }))
 }
 
-/// A record's own numbers from its rows before `until`, the rig's held.
-pub fn own_numbers(data: &Data, fitted: &Fit, k: usize, until: usize) -> Option<Vec<f64>> {
+/// A record's own numbers from all of it, the rig's held.
+fn own_numbers(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
     let mut held = fitted.hypothesis.clone();
     held.base = fitted.chamber();
     held.axes.clear();
     held.stated.clear();
+    own_fit(data, &held, k, usize::MAX).ok().map(|mut fit| fit.own.swap_remove(k))
+}
+
+/// A fit of one record's own numbers to its rows before `until`; the hypothesis leaves nothing of the rig free.
+///
+/// # Errors
+/// Where the simulation fails at the very begin.
+pub fn own_fit(data: &Data, held: &Hypothesis, k: usize, until: usize) -> Result<Fit, IntegrationError> {
+    let t = &data.traces[k];
     let selection: Vec<usize> = (0..data.traces.len())
-        .map(|i| if i == k { data.traces[k].blocks.iter().filter(|b| b.end <= until).count() } else { 0 })
+        .map(|i| if i == k { t.blocks.iter().filter(|b| b.end <= until).count() } else { 0 })
         .collect();
     let mut first = held.first_owns(data);
     // The initial pressure that the rest asks for is where to begin.
-    if let Some(begin) = from_rest(&data.traces[k], fitted, &first[k]) {
-        let place = held.own_of(&data.traces[k]).iter().position(|a| a.slot == Own::Pressure);
+    if let Some(begin) = from_rest(t, held, &first[k]) {
+        let place = held.own_of(t).iter().position(|a| a.slot == Own::Pressure);
         place.into_iter().for_each(|i| first[k][i] = begin);
     }
-    let mut own = fit::fit(data, &held, Vec::new(), first, &selection).ok()?.own;
-    Some(own.swap_remove(k))
+    fit::fit(data, held, Vec::new(), first, &selection).map_err(|(_, source)| source)
 }
 
 /// The initial pressure, over its first guess, with which the model's mean over the rest is the measured one.
-fn from_rest(t: &Prepared, fitted: &Fit, own: &[f64]) -> Option<f64> {
+fn from_rest(t: &Prepared, held: &Hypothesis, own: &[f64]) -> Option<f64> {
     let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);
-    let run =
-        fit::run(t, &fitted.setting(t, own), fitted.hypothesis.model.effects).pressures(&t.time_s[..rest]).ok()?;
+    let run = fit::run(t, &held.setting(t, &[], &[], own), held.model.effects).pressures(&t.time_s[..rest]).ok()?;
     Some(t.pressure_pa[..rest].iter().sum::<f64>() / run.iter().sum::<f64>())
 }

@@ -76,6 +76,8 @@ pub fn rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
 /// The systematic part, Pa.
 pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
+    // What the position leaves open in a move is an upper limit: it must not make up for what holds leave.
+    let mut moving = 0.0;
     for experiment in 0..data.experiments.len() {
         let repeats: Vec<usize> = (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect();
         let traces: Vec<&Prepared> = repeats.iter().map(|&k| &data.traces[k]).collect();
@@ -89,12 +91,14 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
                 } else {
                     beyond_noise(data, t, &residuals[k], segment)
                 };
-                sum += mean * rows;
+                *if s.phase == Phase::Move { &mut moving } else { &mut sum } += mean * rows;
                 weight += rows;
             }
         }
     }
-    (sum / f64::max(weight, 1.0)).max(0.0).sqrt()
+    let mean = (sum + f64::max(moving, 0.0)) / f64::max(weight, 1.0);
+    // A residual that is no number is not small.
+    if mean.is_finite() { mean.max(0.0).sqrt() } else { f64::INFINITY }
 }
 
 /// Mean product of the residuals of different repeats at the same place of a segment, Pa².

@@ -25,6 +25,8 @@ pub const NOISE_MODEL_SHARE: f64 = 0.05;
 
 /// An effect is believed only if it stays decisive with the stated geometry this many times as uncertain as stated.
 pub const GEOMETRY_WIDENED: f64 = 5.0;
+/// So many tolerances a stated number may move before that counts as a contradiction rather than as uncertainty.
+pub const TOLERANCES: f64 = 3.0;
 /// Systematic error on left-out data, of that without a term, below which the term predicts decisively better although more
 /// than noise remains.
 pub const PREDICTS_BETTER: f64 = 0.5;

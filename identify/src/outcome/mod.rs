@@ -5,3 +5,4 @@ pub mod identification;
 pub mod next_experiment;
 pub mod probability;
 pub mod recording;
+pub mod validation;

@@ -3,6 +3,7 @@
 use super::diagnosis::{Estimates, as_map};
 use crate::fit::Fit;
 use crate::fit::covariance;
+use crate::judge::policy::TOLERANCES;
 use crate::parameters::Slot;
 use crate::record::prepare::Data;
 use crate::record::readout::Between;
@@ -147,7 +148,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         Slot::PositionZero => format!("a position zero moved by {:+.2} mm", 1e3 * moved * scale),
         _ => format!("surroundings {:+.1} K warmer than stated", moved * scale),
     };
-    for (axis, moved) in fit.hypothesis.stated.iter().zip(&fit.moved).filter(|(_, moved)| moved.abs() > 3.0) {
+    for (axis, moved) in fit.hypothesis.stated.iter().zip(&fit.moved).filter(|(_, moved)| moved.abs() > TOLERANCES) {
         out.push(format!(
             "the records ask for {}, {:.1} times the tolerance: check it",
             shown(axis.slot, *moved, axis.scale),

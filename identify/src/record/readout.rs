@@ -94,7 +94,8 @@ fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
     let step = lattice(&mut differences);
     // Rounding passes a second difference with variance 6 step²/12.
     let rounding = 1.5 * 0.5 * step * step;
-    let squares: Vec<f64> = rows.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).collect();
+    let mut squares: Vec<f64> = rows.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).collect();
+    limit(&mut squares);
     let candidates = (2..=LONGEST.min(squares.len() / FEWEST_READINGS)).filter_map(|period| {
         let mut sums = vec![0.0; period];
         for (i, square) in squares.iter().enumerate() {
@@ -112,6 +113,20 @@ fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
     });
     // Where several periods pass, as divisors of the true one do, that which stands out most.
     candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, readout)| readout)
+}
+
+/// Keeps a few large bends, as of a push, from standing for a period.
+fn limit(squares: &mut [f64]) {
+    /// Squares below this are rounding of the arithmetic, Pa².
+    const NOTHING: f64 = 1e-12;
+    const MOST: f64 = 25.0;
+    let mut bends: Vec<f64> = squares.iter().copied().filter(|s| *s > NOTHING).collect();
+    if bends.is_empty() {
+        return;
+    }
+    let middle = bends.len() / 2;
+    let most = MOST * *bends.select_nth_unstable_by(middle, f64::total_cmp).1;
+    squares.iter_mut().for_each(|s| *s = if *s > NOTHING { s.min(most) } else { 0.0 });
 }
 
 #[cfg(test)]
@@ -142,6 +157,14 @@ mod tests {
             .collect();
         let found = Readout::detect(&rows);
         assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 10, 0));
+    }
+
+    #[test]
+    fn a_fast_push_is_no_slow_readout() {
+        let mut random = Random::new(12);
+        let push = |i: usize| if i < 300 { 1e5 } else { 3e5 - 9e4 * (1.0 - (-((i - 300) as f64) / 80.0).exp()) };
+        let rows: Vec<f64> = (0..1400).map(|i| push(i) + 40.0 * random.normal()).collect();
+        assert_eq!(Readout::detect(&rows), Readout::every_row());
     }
 
     #[test]

@@ -5,10 +5,12 @@ mod svg;
 
 use crate::discrepancy::Variable;
 use crate::outcome::diagnosis::{Diagnosed, Diagnosis, Rmse, Unnamed};
+use crate::outcome::validation::Validated;
 use chamber::effects;
 pub use page::number;
 use page::{chosen_row, row};
 use std::fmt::Write;
+use std::path::Path;
 use svg::{Chart, Curve, escape};
 
 const BEFORE: &str = "#c2410c";
@@ -35,6 +37,65 @@ pub fn html(rig: &records::Rig, found: &Diagnosed) -> String {
     next(&mut out, d);
     data(&mut out, rig, found);
     out.push_str("</body></html>\n");
+    out
+}
+
+/// The page of a validation.
+pub fn validation_html(model: &Path, rig: &Path, found: &Validated) -> String {
+    let v = &found.validation;
+    let mut out = page::head(&format!("{} on {}", model.display(), rig.display()));
+    let how =
+        if v.whole_record { "all of each record" } else { "each record's rest and first move; what follows is judged" };
+    let _ = write!(
+        out,
+        "<h1>A model on records that took no part</h1><p class=\"source\">{} on {}</p>\
+         <p class=\"verdict\">The error is <b>{} Pa rms</b>; the recording's noise is {} Pa.</p>\
+         <p>The records' own numbers are fitted to {how}; everything else is the model's.</p>",
+        escape(&model.display().to_string()),
+        escape(&rig.display().to_string()),
+        number(v.rmse_pa, 4),
+        number(v.noise_pa, 3)
+    );
+    let names: Vec<&str> =
+        v.records.first().map_or(Vec::new(), |r| r.parameters.iter().map(|(n, _)| n.as_str()).collect());
+    let head: String = names.iter().map(|n| format!("<th>{n}</th>")).collect();
+    let _ = write!(out, "<table><tr><th>record</th><th>error, Pa rms</th><th>judged from, s</th>{head}</tr>");
+    for r in &v.records {
+        let mut cells = vec![r.trace.clone(), number(r.rmse_pa, 4), number(r.judged_from_s, 4)];
+        let value = |name: &&str| {
+            r.parameters.iter().find(|(n, _)| n == name).map_or("–".to_owned(), |(_, e)| number(e.value, 5))
+        };
+        cells.extend(names.iter().map(value));
+        out.push_str(&row(&cells.iter().map(String::as_str).collect::<Vec<_>>()));
+    }
+    out.push_str("</table><h2>Records and residuals</h2>");
+    for ((t, residual), r) in found.data.traces.iter().zip(&found.residuals).zip(&v.records) {
+        // A page of some hundred kilobytes: every record with no more points than a screen shows.
+        let step = t.time_s.len().div_ceil(2000);
+        let series = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+            (0..t.time_s.len()).step_by(step).map(|i| (t.time_s[i], value(i))).collect()
+        };
+        let pressures = [
+            Curve { points: series(&|i| t.pressure_pa[i] / 1e5), colour: MEASURED, label: "measured", dots: true },
+            Curve {
+                points: series(&|i| (t.pressure_pa[i] - residual[i]) / 1e5),
+                colour: AFTER,
+                label: "model",
+                dots: false,
+            },
+        ];
+        let left =
+            [Curve { points: series(&|i| residual[i]), colour: AFTER, label: "measured − model", dots: false }];
+        let pressure = Chart { title: &r.trace, x: "time, s", y: "pressure, bar", band: None, size: WIDE };
+        let rest = Chart { title: "", x: "time, s", y: "residual, Pa", band: Some(2.0 * v.noise_pa), size: WIDE };
+        let _ = write!(
+            out,
+            "<div class=\"charts pair\"><figure>{}</figure><figure>{}</figure></div>",
+            pressure.draw(&pressures),
+            rest.draw(&left)
+        );
+    }
+    let _ = write!(out, "<p class=\"small\">pneutherm {}</p></body></html>\n", env!("CARGO_PKG_VERSION"));
     out
 }
 

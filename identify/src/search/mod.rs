@@ -198,9 +198,9 @@ impl Search {
         c.fit.converged && lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
     }
 
-    /// The error that a term has to take off left-out data, Pa.
+    /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic.
     fn least_gain(&self) -> f64 {
-        self.data.accuracy_pa()
+        self.data.accuracy_pa().min(self.chosen_adequacy.systematic_pa * 0.5f64.sqrt())
     }
 
     /// The same set with its secondary parameters free, where that is decisively better.

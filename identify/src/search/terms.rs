@@ -3,7 +3,7 @@
 
 use crate::parameters::Model;
 use crate::record::prepare::Data;
-use chamber::card::Card;
+use chamber::card::{Card, Unit};
 use chamber::effects::{self, EffectSet};
 
 /// The model with one term more, each way there is.
@@ -13,7 +13,7 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
         let one = EffectSet::one(e);
         let effects = model.effects.union(one);
         out.push(Model { effects, secondary: EffectSet::NONE, ..*model });
-        if of_record(card) && data.traces.len() > 1 {
+        if is_of_record(card) && data.traces.len() > 1 {
             out.push(Model { effects, own: model.own.union(one), secondary: EffectSet::NONE, ..*model });
         }
     }
@@ -69,6 +69,17 @@ pub fn is_part(part: &Model, whole: &Model) -> bool {
         && (whole.initial_temperature || !part.initial_temperature)
 }
 
-fn of_record(card: &Card) -> bool {
+/// Effects of the recording, which each record may have for itself.
+pub fn of_record() -> EffectSet {
+    effects::all().filter(|(_, card)| is_of_record(card)).map(|(e, _)| e).collect()
+}
+
+/// Effects of the recording that grow with time.
+pub fn growing_with_time() -> EffectSet {
+    let grows = |card: &Card| card.parameters.iter().any(|p| p.unit == Unit::PascalPerSecond);
+    effects::all().filter(|(_, card)| is_of_record(card) && grows(card)).map(|(e, _)| e).collect()
+}
+
+fn is_of_record(card: &Card) -> bool {
     matches!(card.name, "record_delay" | "sensor_drift")
 }

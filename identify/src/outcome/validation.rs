@@ -1,0 +1,132 @@
+//! `validate`: a model against records that took no part in finding it.
+//!
+//! The rig's numbers are the model's. Each record brings its own: initial pressure, initial temperature where it begins in
+//! motion, and the parameters of recording effects. They are fitted to the record's begin, its rest and its first move, and
+//! the rest of it is predicted; or, with the whole record, to all of it.
+
+use super::diagnosis::{Estimates, as_map};
+use crate::error::Error;
+use crate::fit;
+use crate::fit::covariance;
+use crate::judge::{left_out, misfit};
+use crate::parameters::{Hypothesis, Model, Sizes};
+use crate::record::prepare::{Data, Prepared};
+use crate::record::stroke::Phase;
+use crate::search::terms;
+use chamber::Chamber;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use records::Rig;
+use serde::Serialize;
+
+/// One record against the model.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecordError {
+    /// Its file.
+    pub trace: String,
+    /// The record's own numbers.
+    #[serde(serialize_with = "as_map")]
+    pub parameters: Estimates,
+    /// Error over the rows judged, Pa rms.
+    pub rmse_pa: f64,
+    /// First time that is judged, s from the record's first row.
+    pub judged_from_s: f64,
+    /// Rows judged.
+    pub rows: usize,
+}
+
+/// The result of `validate`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Validation {
+    /// Whether the records' own numbers were fitted to all of each record.
+    pub whole_record: bool,
+    /// Error over all rows judged, Pa rms.
+    pub rmse_pa: f64,
+    /// Noise of the recording, Pa.
+    pub noise_pa: f64,
+    /// What is systematic in it where whole records are judged, Pa.
+    pub systematic_pa: Option<f64>,
+    /// Each record.
+    pub records: Vec<RecordError>,
+}
+
+/// A validation with what a report draws.
+pub struct Validated {
+    /// The result.
+    pub validation: Validation,
+    /// The prepared records.
+    pub data: Data,
+    /// Measured less model, row by row, Pa.
+    pub residuals: Vec<Vec<f64>>,
+}
+
+/// Validates a chamber on a rig's records.
+///
+/// # Errors
+/// [`Error`]: data that cannot be what it should be, a record that the model cannot follow.
+pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
+    let data = Data::prepare(rig)?;
+    // What grows with time cannot be told from a record's begin: its own only where the model has it.
+    let own =
+        terms::of_record().without(terms::growing_with_time()).union(chamber.active().intersection(terms::of_record()));
+    let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
+    let mut hypothesis = Hypothesis::new(&data, model, chamber, &Sizes::of(&data, chamber));
+    hypothesis.axes.clear();
+    hypothesis.stated.clear();
+    let judged_from: Vec<usize> = data.traces.iter().map(|t| if whole_record { 0 } else { begin_of(t) }).collect();
+    let until = |k: usize| if whole_record { usize::MAX } else { judged_from[k] };
+    let found: Vec<_> = (0..data.traces.len())
+        .into_par_iter()
+        .map(|k| {
+            let t = &data.traces[k];
+            let fit = left_out::own_fit(&data, &hypothesis, k, until(k))
+                .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
+            let model = fit::readings(t, &fit.setting(t, &fit.own[k]), model.effects)
+                .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
+            let residual: Vec<f64> = t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect();
+            let variance = covariance::of_record(&fit, k, &DMatrix::zeros(0, 0));
+            let parameters = hypothesis
+                .own_of(t)
+                .iter()
+                .enumerate()
+                .map(|(i, axis)| {
+                    let variance = variance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
+                    (axis.slot.name(), covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit()))
+                })
+                .collect();
+            Ok((parameters, residual))
+        })
+        .collect::<Result<_, Error>>()?;
+    let (mut squares, mut count) = (0.0, 0usize);
+    let mut records = Vec::with_capacity(found.len());
+    let mut residuals = Vec::with_capacity(found.len());
+    for ((parameters, residual), (t, &from)) in found.into_iter().zip(data.traces.iter().zip(&judged_from)) {
+        let judged = (from..residual.len()).filter(|&i| t.readout.is_data(i));
+        let (sum, rows) = judged.fold((0.0, 0usize), |(sum, n), i| (sum + residual[i] * residual[i], n + 1));
+        squares += sum;
+        count += rows;
+        records.push(RecordError {
+            trace: t.path.display().to_string(),
+            parameters,
+            rmse_pa: (sum / rows.max(1) as f64).sqrt(),
+            judged_from_s: t.time_s.get(from).copied().unwrap_or(0.0),
+            rows,
+        });
+        residuals.push(residual);
+    }
+    let validation = Validation {
+        whole_record,
+        rmse_pa: (squares / count.max(1) as f64).sqrt(),
+        noise_pa: data.noise.total_pa(),
+        systematic_pa: whole_record.then(|| misfit::systematic(&data, &residuals)),
+        records,
+    };
+    Ok(Validated { validation, data, residuals })
+}
+
+/// The row at which the first whole move of a record is over: up to there its own numbers may be fitted.
+fn begin_of(t: &Prepared) -> usize {
+    let segments = &t.course.motion.segments;
+    let whole = segments.iter().skip(usize::from(!t.starts_at_rest)).find(|s| s.phase == Phase::Move);
+    whole.or_else(|| segments.iter().find(|s| s.phase == Phase::Move)).map_or(t.time_s.len(), |s| s.end)
+}

@@ -1,0 +1,31 @@
+//! A model on records that took no part: the error is the noise where the model is the truth, and tells where it is not.
+
+use identify::synthetic::Recipe;
+
+#[test]
+fn the_true_model_predicts_other_records_to_their_noise() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
+    for whole_record in [true, false] {
+        let found = identify::validate(&recipe.chamber, &recipe.rig(), whole_record).unwrap().validation;
+        assert!(found.rmse_pa < 1.15 * found.noise_pa, "{} against {}", found.rmse_pa, found.noise_pa);
+        assert_eq!(found.records.len(), recipe.tests.len());
+        assert!(found.records.iter().all(|r| (r.judged_from_s == 0.0) == whole_record && r.rows > 50));
+    }
+}
+
+#[test]
+fn a_model_with_another_coefficient_is_told_by_its_error() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(22) };
+    let mut other = recipe.chamber;
+    other.heat_transfer.coefficient *= 1.2;
+    let found = identify::validate(&other, &recipe.rig(), true).unwrap().validation;
+    assert!(found.rmse_pa > 3.0 * found.noise_pa, "{} against {}", found.rmse_pa, found.noise_pa);
+}
+
+#[test]
+fn a_delay_of_each_record_is_its_own_and_no_fault_of_the_model() {
+    let mut late = Recipe { repeats: 1, ..Recipe::from_seed(23) };
+    late.faults.pressure_delay_s = identify::synthetic::recording::Scattered { common: 0.03, between: 0.005 };
+    let found = identify::validate(&late.chamber, &late.rig(), true).unwrap().validation;
+    assert!(found.rmse_pa < 1.5 * found.noise_pa, "{} against {}", found.rmse_pa, found.noise_pa);
+}

@@ -1,0 +1,64 @@
+//! `pneutherm validate`: a model against records that took no part in finding it.
+
+use crate::{evaluation, output};
+use identify::Validation;
+use identify::report::number;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Judge a model by records that took no part in finding it
+#[derive(clap::Args)]
+#[command(after_help = "\
+Example:
+  pneutherm validate model.toml other-day/rig.toml
+  pneutherm validate model.toml other-day --whole-record --json validation.json --report validation.html
+
+Each record brings its own initial pressure, delay and gauge offset (and initial temperature, where it begins in motion). They
+are fitted to its rest and its first move, and what follows is judged; with --whole-record they are fitted to all of
+it, and all of it is judged. Everything else is the model's. Pressures in Pa.")]
+pub struct Args {
+    /// The model file
+    model: PathBuf,
+    /// The rig file of the records, or the folder that holds its rig.toml
+    rig: PathBuf,
+    /// Fit each record's own numbers to all of it
+    #[arg(long)]
+    whole_record: bool,
+    /// Write the result as JSON to this file, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a report for people to this file: one self-contained page
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+/// Validates, writes what was asked for, and prints the table unless standard output is taken.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let found = evaluation::validate(&args.model, &args.rig, args.whole_record)?;
+    if let Some(path) = &args.json {
+        output::write(path, &[serde_json::to_vec_pretty(&found.validation)?, b"\n".to_vec()].concat())?;
+    }
+    if let Some(path) = &args.report {
+        output::write(path, identify::report::validation_html(&args.model, &args.rig, &found).as_bytes())?;
+    }
+    let taken = [&args.json, &args.report].into_iter().flatten().any(|p| output::is_stdout(p));
+    if taken { Ok(()) } else { output::print(table(&found.validation).as_bytes()) }
+}
+
+fn table(v: &Validation) -> String {
+    let mut out = String::new();
+    let how = if v.whole_record { "all of each record" } else { "each record's rest and first move" };
+    let _ = writeln!(out, "own numbers of the records fitted to {how}\n");
+    let _ = writeln!(out, "{:>12} {:>10} {:>14}   record and its own numbers", "error Pa", "rows", "judged from s");
+    for r in &v.records {
+        let own: Vec<String> =
+            r.parameters.iter().map(|(name, e)| format!("{name} = {} {}", number(e.value, 5), e.unit)).collect();
+        let _ = writeln!(out, "{:>12.1} {:>10} {:>14.2}   {}", r.rmse_pa, r.rows, r.judged_from_s, r.trace);
+        let _ = writeln!(out, "{:>41}{}", "", own.join(", "));
+    }
+    let _ = writeln!(out, "\nerror {:.1} Pa rms; noise of the recording {:.1} Pa", v.rmse_pa, v.noise_pa);
+    if let Some(systematic) = v.systematic_pa {
+        let _ = writeln!(out, "systematic part {:.1} Pa rms", systematic);
+    }
+    out
+}
