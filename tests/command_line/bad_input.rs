@@ -1,6 +1,6 @@
 //! Bad input ends with exit code 1 and one sentence that names file, line and key or column; nothing is written.
 
-use crate::common::{Bench, MODEL, RIG, motion};
+use crate::common::{Bench, MODEL, RIG, motion, text};
 
 const CALL: [&str; 8] = ["simulate", "model.toml", "--motion", "motion.csv", "--rig", "rig.toml", "-o", "out.csv"];
 
@@ -16,16 +16,25 @@ fn refused(file: &str, content: impl AsRef<[u8]>, parts: &[&str]) {
 
 #[test]
 fn in_a_motion() {
-    let with = |row: &str| format!("{}{row}\n", motion());
     refused("motion.csv", motion().replace("position_m", "positon_m"), &["motion.csv: line 1", "`positon_m`"]);
-    refused("motion.csv", with("2.5,NaN,0.05"), &["motion.csv: line 202, column `pressure_pa`", "NaN"]);
-    refused("motion.csv", with("2.5,1e5,wide"), &["motion.csv: line 202, column `position_m`", "`wide`"]);
-    refused("motion.csv", with("1.5,1e5,0.05"), &["motion.csv: line 202, column `time_s`", "does not increase"]);
-    refused("motion.csv", with("2.5,-20,0.05"), &["motion.csv: line 202, column `pressure_pa`", "gauge"]);
-    refused("motion.csv", with("2.5,1e5,0.3"), &["motion.csv: line 202, column `position_m`", "stroke of 0.12 m"]);
     refused("motion.csv", "", &["motion.csv: the file is empty"]);
     refused("motion.csv", "time_s,pressure_pa,position_m\n", &["motion.csv: there is no row"]);
     refused("motion.csv", b"PK\x03\x04\0\0\0", &["motion.csv: line 1: binary data"]);
+}
+
+#[test]
+fn a_lone_bad_row_of_a_motion_is_left_out_and_named() {
+    let bench = Bench::new();
+    for (row, says) in [
+        ("2.5,NaN,0.05", "line 202, column `pressure_pa`"),
+        ("2.5,1e5,wide", "line 202, column `position_m`"),
+        ("2.5,-20,0.05", "line 202, column `pressure_pa`"),
+        ("2.5,1e5,0.3", "line 202, column `position_m`: position 0.3 m is beyond the stroke of 0.12 m"),
+    ] {
+        bench.file("motion.csv", format!("{}{row}\n", motion()));
+        let notes = text(&bench.call(0, &CALL).stderr);
+        assert!(notes.contains("1 row is left out") && notes.contains(says), "`{says}` is not in: {notes}");
+    }
 }
 
 #[test]

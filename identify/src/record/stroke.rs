@@ -354,10 +354,10 @@ mod tests {
         let curve = thinned(&t, &x, [None, None], 1e-5).unwrap();
         let near = Cell::new(0);
         let (mut off, mut speed_off): (f64, f64) = (0.0, 0.0);
-        for i in 50..950 {
-            let (place, speed) = curve.at(t[i] + 0.007, &near);
-            off += (place - truth(t[i] + 0.007)).powi(2) / 900.0;
-            speed_off += (speed - 0.52 * (1.3 * (t[i] + 0.007)).cos()).powi(2) / 900.0;
+        for between in t[50..950].iter().map(|t| t + 0.007) {
+            let (place, speed) = curve.at(between, &near);
+            off += (place - truth(between)).powi(2) / 900.0;
+            speed_off += (speed - 0.52 * (1.3 * between).cos()).powi(2) / 900.0;
         }
         assert!(off.sqrt() < 0.6e-5, "{}", off.sqrt());
         // Rows themselves give the speed to 1.4e-5/0.02 m/s.

@@ -95,7 +95,7 @@ pub fn validation_html(model: &Path, rig: &Path, found: &Validated) -> String {
             rest.draw(&left)
         );
     }
-    let _ = write!(out, "<p class=\"small\">pneutherm {}</p></body></html>\n", env!("CARGO_PKG_VERSION"));
+    let _ = writeln!(out, "<p class=\"small\">pneutherm {}</p></body></html>", env!("CARGO_PKG_VERSION"));
     out
 }
 
