@@ -1,7 +1,7 @@
 //! How probable each effect is: posterior odds over all sets of terms that were tried.
 //!
 //! P(set) ∝ e^(−BIC/(2 T)); an effect has the sum over the sets that hold it. T = 1 would be the textbook's (Raftery, 1995);
-//! [`TEMPER`] is larger, as the search tries many sets and the noise's model is one itself, and is calibrated on synthetic rigs.
+//! `TEMPER` is larger, as the search tries many sets and the noise's model is one itself, and is calibrated on synthetic rigs.
 
 use crate::search::Found;
 use chamber::effects::{CARDS, COUNT};
