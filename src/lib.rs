@@ -30,7 +30,7 @@ const AFTER_HELP: &str = "\
 From a record to an FMU:
   pneutherm identify examples/cylinder                  coefficient, dead volume, mass
   pneutherm diagnose examples/cylinder -o model.toml    what the model misses, and the model that has it
-  pneutherm fmu model.toml -o Chamber.fmu               for Simulink, OpenModelica, FMPy, ...
+  pneutherm fmu model.toml -o Chamber.fmu               FMI 2.0: Model Exchange and co-simulation
 
 Files: traces are CSV, rigs, models and studies are TOML; `-` means standard output where a file is written.
 

@@ -1,5 +1,7 @@
 //! Charging, discharging, strokes and effects against independent integrations and conservation laws.
 
+#![allow(unsafe_code, reason = "a host calls C functions")]
+
 mod common;
 
 use chamber::balance::{Boundary, pressure_temperature_rates};
@@ -9,7 +11,7 @@ use chamber::signals::Signals;
 use chamber::simulate::{Start, simulate};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use common::Host;
-use fmu::variables::camel;
+use fmu::table::camel;
 
 fn reference() -> Chamber {
     Chamber::new(Gas::AIR, Geometry::new(0.02, 0.0, 2e-6, AreaLaw::Total), HeatTransfer::at_paper_reference(26.5))

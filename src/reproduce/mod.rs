@@ -11,6 +11,7 @@ mod trend;
 
 use anyhow::{Context, Result};
 use document::Block;
+use fmu::package::identity::Identity;
 use paper::section31::Timing;
 use std::path::{Path, PathBuf};
 use studies::Law;
@@ -44,7 +45,10 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
         reference_pressure::section(),
         trend::section(&measured, [&models[0], &models[1]], &studied, &flat)?,
     ];
-    out.bytes("Chamber.fmu", &crate::commands::fmu::package(&models[0], models[0].to_toml()?.as_bytes())?)?;
+    out.bytes(
+        "Chamber.fmu",
+        &crate::commands::fmu::package(&Identity::reference(), &models[0], models[0].to_toml()?.as_bytes())?,
+    )?;
     out.json("section31.json", section31::lines(&section31))?;
     out.text("section31.md", &sections[0].markdown())?;
     out.text("table4.csv", &tables::table4(&measured)?)?;

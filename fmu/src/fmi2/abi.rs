@@ -1,80 +1,29 @@
-//! The C boundary: the 34 functions of FMI 2.0 for co-simulation, and the only `unsafe` of the project.
+//! The C functions of FMI 2.0 for Model Exchange and co-simulation: each turns its pointers into slices and hands over to
+//! the [`Instance`](crate::protocol::instance::Instance). Signatures: fmi2FunctionTypes.h of FMI 2.0.5.
 //!
-//! Each function checks its pointers, turns them into slices, and hands over to [`Instance`]; what comes back is logged
-//! and turned into a status. No panic crosses the boundary: an instance that broke down answers `fmi2Error` until it is
-//! reset, all others live on. Signatures: fmi2FunctionTypes.h of FMI 2.0.5.
+//! Every function is safe to call as the standard has it: with a component that `fmi2Instantiate` made and
+//! `fmi2FreeInstance` has not freed, from one thread at a time, and with arrays as long as the lengths beside them say.
 
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
-use crate::block::{self, Block};
-use crate::host::{CEnum, Callbacks, Host};
-use crate::instance::Instance;
-use crate::refusal::{Category, Refusal, Status};
-use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::ptr::NonNull;
+use super::host::{Callbacks, EventInfo, Host};
+use crate::boundary::{self, CEnum, Component, Result, elements, elements_mut, place, text};
+use crate::plant::simulation::Kind;
+use crate::protocol::refusal::Refusal;
+use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::slice;
 
-/// The start values; the packager overwrites them in the library's file.
-static START_VALUES: [u8; block::LENGTH] = block::AS_BUILT;
-
-/// Elements that one call may have: far more than there are variables.
-const LONGEST: usize = 1 << 20;
-const TRUE: c_int = 1;
 const FALSE: c_int = 0;
+const TRUE: c_int = 1;
 
-/// What the host holds as `fmi2Component`.
-pub struct Component {
-    host: Host,
-    instance: Instance,
-    broken: bool,
-}
-
-type Result<T> = std::result::Result<T, Refusal>;
-
-/// Runs `call` on the component; logs a refusal; keeps a panic from the host.
-unsafe fn guarded(c: *mut c_void, function: &'static str, call: impl FnOnce(&mut Component) -> Result<()>) -> CEnum {
-    let Some(component) = (unsafe { c.cast::<Component>().as_mut() }) else { return Status::Error as CEnum };
-    let outcome = catch_unwind(AssertUnwindSafe(|| {
-        let outcome = if component.broken { Err(Refusal::Broken) } else { call(component) };
-        match outcome {
-            Ok(()) => Status::Ok,
-            Err(refusal) => component.host.refused(function, &refusal),
-        }
-    }));
-    let status = outcome.unwrap_or_else(|panic| {
-        component.broken = true;
-        // Reporting must not fail either: a logger that unwinds is the host's own affair, but never ends the process here.
-        let _ = catch_unwind(AssertUnwindSafe(|| component.host.broke_down(function, &*panic)));
-        Status::Error
-    });
-    status as CEnum
-}
-
-/// The `length` elements at `data`; none when the length is zero, whatever the pointer.
-unsafe fn elements<'a, T>(data: *const T, length: usize, argument: &'static str) -> Result<&'a [T]> {
-    if length == 0 {
-        return Ok(&[]);
-    }
-    if length > LONGEST {
-        return Err(Refusal::TooLong { argument, length, limit: LONGEST });
-    }
-    if data.is_null() || !data.is_aligned() {
-        return Err(Refusal::Null { argument });
-    }
-    Ok(unsafe { slice::from_raw_parts(data, length) })
-}
-
-/// As [`elements`], to be written.
-unsafe fn elements_mut<'a, T>(data: *mut T, length: usize, argument: &'static str) -> Result<&'a mut [T]> {
-    unsafe { elements(data, length, argument)? };
-    let data = NonNull::new(data).filter(|_| length > 0).unwrap_or(NonNull::dangling());
-    Ok(unsafe { slice::from_raw_parts_mut(data.as_ptr(), length) })
-}
-
-/// Text of a C string, `None` where it is NULL.
-unsafe fn text(data: *const c_char) -> Option<String> {
-    if data.is_null() { None } else { Some(unsafe { CStr::from_ptr(data) }.to_string_lossy().into_owned()) }
+/// Runs `call` on the component behind `c`.
+unsafe fn guarded(
+    c: *mut c_void,
+    function: &'static str,
+    call: impl FnOnce(&mut Component<Host>) -> Result<()>,
+) -> CEnum {
+    // SAFETY: the host's component, as the standard has it.
+    unsafe { boundary::guarded::<Host>(c, function, call) }
 }
 
 /// `fmi2GetTypesPlatform`.
@@ -97,6 +46,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     n_categories: usize,
     categories: *const *const c_char,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SetDebugLogging", |component| {
             let mut chosen = Vec::new();
@@ -104,7 +54,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
                 let name = text(category).ok_or(Refusal::Null { argument: "categories[i]" })?;
                 chosen.push(name);
             }
-            component.host.choose(logging_on != FALSE, &chosen)
+            component.choose(logging_on != FALSE, &chosen)
         })
     }
 }
@@ -120,48 +70,25 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: c_int,
     logging_on: c_int,
 ) -> *mut c_void {
-    let outcome = catch_unwind(AssertUnwindSafe(|| unsafe {
-        let callbacks = *functions.as_ref()?;
+    // SAFETY: callbacks and texts are the host's, as the standard has it.
+    unsafe {
+        let Some(callbacks) = functions.as_ref() else { return std::ptr::null_mut() };
         let name = text(instance_name);
-        let host = Host::new(callbacks, name.as_deref().unwrap_or("(no name)"), logging_on != FALSE);
-        let refuse = |why: &str| {
-            host.log(Status::Error, Category::Error, &format!("fmi2Instantiate refused: {why}"));
-            None
+        let host = Host::new(*callbacks, name.as_deref().unwrap_or("(no name)"));
+        let kind = match fmu_type {
+            0 => Ok(Kind::ModelExchange),
+            1 => Ok(Kind::CoSimulation),
+            _ => Err("fmuType is neither fmi2ModelExchange nor fmi2CoSimulation"),
         };
-        if name.is_none_or(|name| name.is_empty()) {
-            return refuse("instanceName is NULL or empty");
-        }
-        const CO_SIMULATION: CEnum = 1;
-        if fmu_type != CO_SIMULATION {
-            return refuse("fmuType is not fmi2CoSimulation, the only one this FMU offers");
-        }
-        // Volatile: the packager changes these bytes after compilation.
-        let block: [u8; block::LENGTH] = std::ptr::read_volatile(&raw const START_VALUES);
-        let Some(block) = Block::decode(&block) else {
-            return refuse("the start values inside the library are damaged: package the FMU again");
-        };
-        match text(guid) {
-            Some(asked) if asked == block.guid => {}
-            Some(asked) => {
-                let own = &block.guid;
-                return refuse(&format!(
-                    "guid {asked} is not the library's {own}: description and library are of different FMUs"
-                ));
-            }
-            None => return refuse("fmuGUID is NULL"),
-        }
-        let instance = Instance::new(&block.starts, &block.guid);
-        Some(Box::into_raw(Box::new(Component { host, instance, broken: false })))
-    }));
-    outcome.ok().flatten().map_or(std::ptr::null_mut(), <*mut Component>::cast)
+        boundary::instantiate(host, logging_on != FALSE, name, text(guid), kind)
+    }
 }
 
 /// `fmi2FreeInstance`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: *mut c_void) {
-    if !c.is_null() {
-        let _ = catch_unwind(|| drop(unsafe { Box::from_raw(c.cast::<Component>()) }));
-    }
+    // SAFETY: the host's component, freed once.
+    unsafe { boundary::free::<Host>(c) };
 }
 
 /// `fmi2SetupExperiment`.
@@ -176,6 +103,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 ) -> CEnum {
     let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
     let stop = (stop_time_defined != FALSE).then_some(stop_time);
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SetupExperiment", |component| component.instance.setup_experiment(tolerance, start_time, stop))
     }
@@ -184,38 +112,35 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 /// `fmi2EnterInitializationMode`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2EnterInitializationMode", |component| component.instance.enter_initialization()) }
 }
 
 /// `fmi2ExitInitializationMode`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2ExitInitializationMode", |component| component.instance.exit_initialization()) }
 }
 
 /// `fmi2Terminate`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Terminate(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2Terminate", |component| component.instance.terminate()) }
 }
 
 /// `fmi2Reset`: allowed always, also after a break-down.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(c: *mut c_void) -> CEnum {
-    if let Some(component) = unsafe { c.cast::<Component>().as_mut() } {
-        component.broken = false;
-    }
-    unsafe {
-        guarded(c, "fmi2Reset", |component| {
-            component.instance.reset();
-            Ok(())
-        })
-    }
+    // SAFETY: the host's component.
+    unsafe { boundary::reset::<Host>(c) }
 }
 
 /// `fmi2GetReal`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut f64) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetReal", |component| {
             component.instance.get_real(elements(vr, nvr, "vr")?, elements_mut(value, nvr, "value")?)
@@ -226,6 +151,7 @@ pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, nvr: usi
 /// `fmi2GetInteger`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut c_int) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetInteger", |component| {
             component.instance.get_integer(elements(vr, nvr, "vr")?, elements_mut(value, nvr, "value")?)
@@ -233,11 +159,20 @@ pub unsafe extern "C" fn fmi2GetInteger(c: *mut c_void, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2GetBoolean`: there is no Boolean variable.
+/// `fmi2GetBoolean`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, _value: *mut c_int) -> CEnum {
+pub unsafe extern "C" fn fmi2GetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut c_int) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
-        guarded(c, "fmi2GetBoolean", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "Boolean"))
+        guarded(c, "fmi2GetBoolean", |component| {
+            let (references, values) = (elements(vr, nvr, "vr")?, elements_mut(value, nvr, "value")?);
+            let mut booleans = vec![false; nvr];
+            component.instance.get_boolean(references, &mut booleans)?;
+            for (value, boolean) in values.iter_mut().zip(booleans) {
+                *value = if boolean { TRUE } else { FALSE };
+            }
+            Ok(())
+        })
     }
 }
 
@@ -249,6 +184,7 @@ pub unsafe extern "C" fn fmi2GetString(
     nvr: usize,
     _value: *mut *const c_char,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetString", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "String"))
     }
@@ -257,6 +193,7 @@ pub unsafe extern "C" fn fmi2GetString(
 /// `fmi2SetReal`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const f64) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SetReal", |component| {
             component.instance.set_real(elements(vr, nvr, "vr")?, elements(value, nvr, "value")?)
@@ -267,6 +204,7 @@ pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, nvr: usi
 /// `fmi2SetInteger`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const c_int) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SetInteger", |component| {
             component.instance.set_integer(elements(vr, nvr, "vr")?, elements(value, nvr, "value")?)
@@ -274,11 +212,15 @@ pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2SetBoolean`: there is no Boolean variable.
+/// `fmi2SetBoolean`: any number but zero is true.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, _value: *const c_int) -> CEnum {
+pub unsafe extern "C" fn fmi2SetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const c_int) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
-        guarded(c, "fmi2SetBoolean", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "Boolean"))
+        guarded(c, "fmi2SetBoolean", |component| {
+            let values: Vec<bool> = elements(value, nvr, "value")?.iter().map(|value| *value != FALSE).collect();
+            component.instance.set_boolean(elements(vr, nvr, "vr")?, &values)
+        })
     }
 }
 
@@ -290,6 +232,7 @@ pub unsafe extern "C" fn fmi2SetString(
     nvr: usize,
     _value: *const *const c_char,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SetString", |component| component.instance.none_of_type(elements(vr, nvr, "vr")?, "String"))
     }
@@ -298,9 +241,10 @@ pub unsafe extern "C" fn fmi2SetString(
 /// `fmi2GetFMUstate`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetFMUstate", |component| {
-            let state = state.as_mut().ok_or(Refusal::Null { argument: "FMUstate" })?;
+            let state = place(state, "FMUstate")?;
             *state = component.instance.save(state.addr()) as *mut c_void;
             Ok(())
         })
@@ -310,12 +254,14 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void
 /// `fmi2SetFMUstate`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetFMUstate(c: *mut c_void, state: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2SetFMUstate", |component| component.instance.restore(state.addr())) }
 }
 
 /// `fmi2FreeFMUstate`: nothing happens where there is no state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2FreeFMUstate", |component| {
             if let Some(state) = state.as_mut().filter(|state| !state.is_null()) {
@@ -330,9 +276,10 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_voi
 /// `fmi2SerializedFMUstateSize`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: *mut c_void, state: *mut c_void, size: *mut usize) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SerializedFMUstateSize", |component| {
-            let size = size.as_mut().ok_or(Refusal::Null { argument: "size" })?;
+            let size = place(size, "size")?;
             *size = component.instance.serialize(state.addr())?.len();
             Ok(())
         })
@@ -347,6 +294,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     bytes: *mut c_char,
     size: usize,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SerializeFMUstate", |component| {
             let serialized = component.instance.serialize(state.addr())?;
@@ -370,9 +318,10 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: usize,
     state: *mut *mut c_void,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2DeSerializeFMUstate", |component| {
-            let state = state.as_mut().ok_or(Refusal::Null { argument: "FMUstate" })?;
+            let state = place(state, "FMUstate")?;
             if bytes.is_null() || size > isize::MAX as usize {
                 return Err(Refusal::Null { argument: "serializedState" });
             }
@@ -393,6 +342,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     direction: *const f64,
     value: *mut f64,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetDirectionalDerivative", |component| {
             component.instance.directional(
@@ -414,6 +364,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     order: *const c_int,
     value: *const f64,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2SetRealInputDerivatives", |component| {
             component.instance.set_input_derivatives(
@@ -434,6 +385,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     order: *const c_int,
     value: *mut f64,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetRealOutputDerivatives", |component| {
             component.instance.output_derivatives(
@@ -453,16 +405,10 @@ pub unsafe extern "C" fn fmi2DoStep(
     communication_step_size: f64,
     _no_set_fmu_state_prior_to_current_point: c_int,
 ) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2DoStep", |component| {
-            let taken_up = component.instance.do_step(current_communication_point, communication_step_size)?;
-            if let Some(taken_up) = taken_up {
-                component.host.event(|| {
-                    let (from, to) = (taken_up.reached, taken_up.position);
-                    format!("t = {current_communication_point} s: the stroke from {from} m to position = {to} m was taken up adiabatically")
-                });
-            }
-            Ok(())
+            component.instance.do_step(current_communication_point, communication_step_size)
         })
     }
 }
@@ -471,18 +417,21 @@ pub unsafe extern "C" fn fmi2DoStep(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(c: *mut c_void) -> CEnum {
     let advice = "a step is done when fmi2DoStep returns, there is none to cancel";
+    // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2CancelStep", |_| Err(Refusal::OutOfOrder { phase: "while no step is pending", advice })) }
 }
 
 /// Steps are done when fmi2DoStep returns: of the status kinds only the times and the wish to end have an answer.
 unsafe fn no_status(c: *mut c_void, function: &'static str) -> CEnum {
     let what = "no step is pending; fmi2LastSuccessfulTime and fmi2Terminated can be asked for";
+    // SAFETY: the host's component.
     unsafe { guarded(c, function, |_| Err(Refusal::NotOffered { what })) }
 }
 
 /// `fmi2GetStatus`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStatus(c: *mut c_void, _kind: CEnum, _value: *mut CEnum) -> CEnum {
+    // SAFETY: the host's component.
     unsafe { no_status(c, "fmi2GetStatus") }
 }
 
@@ -491,11 +440,13 @@ pub unsafe extern "C" fn fmi2GetStatus(c: *mut c_void, _kind: CEnum, _value: *mu
 pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: CEnum, value: *mut f64) -> CEnum {
     const LAST_SUCCESSFUL_TIME: CEnum = 2;
     if kind != LAST_SUCCESSFUL_TIME {
+        // SAFETY: the host's component.
         return unsafe { no_status(c, "fmi2GetRealStatus") };
     }
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetRealStatus", |component| {
-            *value.as_mut().ok_or(Refusal::Null { argument: "value" })? = component.instance.time();
+            *place(value, "value")? = component.instance.time();
             Ok(())
         })
     }
@@ -504,6 +455,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: CEnum, value: *
 /// `fmi2GetIntegerStatus`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetIntegerStatus(c: *mut c_void, _kind: CEnum, _value: *mut c_int) -> CEnum {
+    // SAFETY: the host's component.
     unsafe { no_status(c, "fmi2GetIntegerStatus") }
 }
 
@@ -512,11 +464,13 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(c: *mut c_void, _kind: CEnum, _val
 pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: CEnum, value: *mut c_int) -> CEnum {
     const TERMINATED: CEnum = 3;
     if kind != TERMINATED {
+        // SAFETY: the host's component.
         return unsafe { no_status(c, "fmi2GetBooleanStatus") };
     }
+    // SAFETY: the host's component and arrays, as the standard has them.
     unsafe {
         guarded(c, "fmi2GetBooleanStatus", |_| {
-            *value.as_mut().ok_or(Refusal::Null { argument: "value" })? = FALSE;
+            *place(value, "value")? = FALSE;
             Ok(())
         })
     }
@@ -525,7 +479,119 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: CEnum, value
 /// `fmi2GetStringStatus`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStringStatus(c: *mut c_void, _kind: CEnum, _value: *mut *const c_char) -> CEnum {
+    // SAFETY: the host's component.
     unsafe { no_status(c, "fmi2GetStringStatus") }
 }
 
-const _: () = assert!(TRUE == 1 && size_of::<c_uint>() == 4 && size_of::<c_int>() == 4);
+/// `fmi2EnterEventMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterEventMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2EnterEventMode", |component| component.instance.enter_event()) }
+}
+
+/// `fmi2NewDiscreteStates`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2NewDiscreteStates(c: *mut c_void, info: *mut EventInfo) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2NewDiscreteStates", |component| {
+            let info = place(info, "fmi2eventInfo")?;
+            let event = component.instance.new_discrete_states()?;
+            let values_of_continuous_states_changed = c_int::from(event.states_changed);
+            *info = EventInfo { values_of_continuous_states_changed, ..EventInfo::default() };
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2EnterContinuousTimeMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2EnterContinuousTimeMode", |component| component.instance.enter_continuous_time()) }
+}
+
+/// `fmi2CompletedIntegratorStep`: no event follows from a step's completion, and no end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
+    c: *mut c_void,
+    _no_set_fmu_state_prior_to_current_point: c_int,
+    enter_event_mode: *mut c_int,
+    terminate_simulation: *mut c_int,
+) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2CompletedIntegratorStep", |component| {
+            let (enter, end) =
+                (place(enter_event_mode, "enterEventMode")?, place(terminate_simulation, "terminateSimulation")?);
+            component.instance.completed_step()?;
+            (*enter, *end) = (FALSE, FALSE);
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2SetTime`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetTime(c: *mut c_void, time: f64) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2SetTime", |component| component.instance.set_time(time)) }
+}
+
+/// `fmi2SetContinuousStates`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetContinuousStates(c: *mut c_void, x: *const f64, nx: usize) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2SetContinuousStates", |component| {
+            component.instance.set_continuous_states(elements(x, nx, "x")?)
+        })
+    }
+}
+
+/// `fmi2GetDerivatives`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetDerivatives(c: *mut c_void, derivatives: *mut f64, nx: usize) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2GetDerivatives", |component| {
+            component.instance.derivatives(elements_mut(derivatives, nx, "derivatives")?)
+        })
+    }
+}
+
+/// `fmi2GetEventIndicators`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetEventIndicators(c: *mut c_void, indicators: *mut f64, ni: usize) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2GetEventIndicators", |component| {
+            component.instance.event_indicators(elements_mut(indicators, ni, "eventIndicators")?)
+        })
+    }
+}
+
+/// `fmi2GetContinuousStates`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetContinuousStates(c: *mut c_void, x: *mut f64, nx: usize) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2GetContinuousStates", |component| {
+            component.instance.continuous_states(elements_mut(x, nx, "x")?)
+        })
+    }
+}
+
+/// `fmi2GetNominalsOfContinuousStates`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(c: *mut c_void, x_nominal: *mut f64, nx: usize) -> CEnum {
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2GetNominalsOfContinuousStates", |component| {
+            component.instance.nominals(elements_mut(x_nominal, nx, "x_nominal")?)
+        })
+    }
+}
+
+const _: () = assert!(size_of::<c_uint>() == 4 && size_of::<c_int>() == 4);

@@ -3,28 +3,28 @@
 //! Importers differ in whether they set start values, and in how they spell the place of the FMU's resources. Values in
 //! the library itself need neither: description and library cannot part, for both carry the guid made from the one.
 //!
-//! magic (16) · fingerprint of the table of variables (8) · CRC-32 of all that follows (4) · 0 (4) · guid (40) · area law
-//! (8) · inputs · real parameters, little-endian doubles. As built, all after the fingerprint is zero: the reference
+//! magic (16) · fingerprint of the table of variables (8) · CRC-32 of all that follows (4) · 0 (4) · guid (40) ·
+//! choices · inputs · real parameters, little-endian doubles. As built, all after the fingerprint is zero: the reference
 //! chamber with the guid of `modelDescription/modelDescription.xml`.
 
-use crate::instance::area_law_number;
-use crate::variables::{INPUTS, Parameters, REALS, Role, Starts, table};
-use chamber::AreaLaw;
+use crate::plant::values::{Choice, INPUTS, REALS, Starts};
+use crate::table::{Role, table};
 use chamber::effects::CARDS;
 use thiserror::Error;
 
 /// Length of the block in bytes.
-pub const LENGTH: usize = VALUES + 8 * (1 + INPUTS + REALS);
+pub const LENGTH: usize = VALUES + 8 * (CHOICES + INPUTS + REALS);
 const MAGIC_LENGTH: usize = 16;
 const CHECKSUM: usize = 24;
 const GUID: usize = 32;
 const VALUES: usize = GUID + 40;
+const CHOICES: usize = Choice::ALL.len();
 
 /// The first half of the mark; the second half is its complement, so that the mark stands nowhere but in the block.
 const MARK: [u8; 8] = *b"pntChmb1";
 
 /// The guid of the reviewed description, which goes with the block as built.
-pub const REFERENCE_GUID: &str = include_str!("../../modelDescription/guid.txt").trim_ascii_end();
+pub const REFERENCE_GUID: &str = include_str!("../../../modelDescription/guid.txt").trim_ascii_end();
 
 /// The block as built.
 pub const AS_BUILT: [u8; LENGTH] = {
@@ -101,8 +101,8 @@ impl Block {
         for (to, from) in out[GUID..VALUES].iter_mut().zip(self.guid.bytes()) {
             *to = from;
         }
-        let law = f64::from(area_law_number(self.starts.parameters.area_law));
-        let values = [law].into_iter().chain(self.starts.inputs).chain(self.starts.parameters.real);
+        let choices = Choice::ALL.map(|choice| f64::from(self.starts.parameters.choices.get(choice)));
+        let values = choices.into_iter().chain(self.starts.inputs).chain(self.starts.parameters.real);
         for (to, value) in out[VALUES..].chunks_exact_mut(8).zip(values) {
             to.copy_from_slice(&value.to_le_bytes());
         }
@@ -122,8 +122,10 @@ impl Block {
         }
         let guid = std::str::from_utf8(&bytes[GUID..VALUES]).ok()?.trim_end_matches('\0').to_owned();
         let mut values = bytes[VALUES..].as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk));
-        let area_law = if values.next()? == 1.0 { AreaLaw::Total } else { AreaLaw::Swept };
-        let mut starts = Starts { parameters: Parameters { real: [0.0; REALS], area_law }, inputs: [0.0; INPUTS] };
+        let mut starts = Starts::default();
+        for choice in Choice::ALL {
+            starts.parameters.choices = starts.parameters.choices.with(choice, values.next()? as i32)?;
+        }
         starts
             .inputs
             .iter_mut()
@@ -172,7 +174,7 @@ mod tests {
     fn block() -> Block {
         let mut starts = Starts::default();
         starts.parameters.real[0] = 0.032;
-        starts.parameters.area_law = AreaLaw::Swept;
+        starts.parameters.choices.area_law = chamber::AreaLaw::Swept;
         starts.inputs[0] = 0.25;
         Block { starts, guid: "{12345678-0000-0000-0000-000000000000}".into() }
     }

@@ -1,11 +1,19 @@
 //! The FMU as a file: a zip of description, documentation, icon, licences and the library of each platform at hand.
 //! The same inputs give the same bytes.
 
-use crate::block::{self, Block, BlockError};
-use crate::description::{self, MODEL_IDENTIFIER};
-use crate::documentation;
-use crate::mach_o::{self, SignatureError};
-use crate::variables::{Role, Starts, table};
+pub mod documentation;
+pub mod experiment;
+pub mod identity;
+pub mod signatures;
+pub mod start_values;
+
+use crate::fmi2::description;
+use crate::plant::values::Starts;
+use crate::table::{settable, table};
+use documentation::About;
+use identity::Identity;
+use signatures::SignatureError;
+use start_values::{Block, BlockError};
 use std::io::{Cursor, Write};
 use thiserror::Error;
 use zip::write::SimpleFileOptions;
@@ -25,6 +33,10 @@ pub struct Library<'a> {
 /// What goes into an FMU.
 #[derive(Clone, Copy, Debug)]
 pub struct Contents<'a> {
+    /// Whose model it is.
+    pub identity: &'a Identity,
+    /// What its documentation says of where the numbers come from.
+    pub about: &'a About,
     /// Start values.
     pub starts: &'a Starts,
     /// UTC time of generation, as in 2026-01-31T12:00:00Z.
@@ -88,7 +100,7 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
     if contents.libraries.is_empty() {
         return Err(PackageError::NoLibrary);
     }
-    let description = description::render(contents.starts, contents.generated);
+    let description = description::render(contents.identity, contents.starts, contents.generated);
     let block = Block { starts: *contents.starts, guid: description.guid };
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let mut add = |name: &str, bytes: &[u8], mode: u32| -> Result<(), PackageError> {
@@ -102,7 +114,7 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
     };
     add("modelDescription.xml", description.xml.as_bytes(), 0o644)?;
     add("model.png", documentation::ICON, 0o644)?;
-    for (name, bytes) in documentation::files() {
+    for (name, bytes) in documentation::files(contents.identity, contents.starts, contents.about) {
         add(&format!("documentation/{name}"), &bytes, 0o644)?;
     }
     for library in contents.libraries {
@@ -110,9 +122,16 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
         let platform = || library.platform.to_owned();
         let places =
             block.write_into(&mut bytes).map_err(|cause| PackageError::Library { platform: platform(), cause })?;
-        mach_o::sign(&mut bytes, &places, block::LENGTH)
+        signatures::sign(&mut bytes, &places, start_values::LENGTH)
             .map_err(|cause| PackageError::Signature { platform: platform(), cause })?;
-        add(&format!("binaries/{}/{MODEL_IDENTIFIER}.{}", library.platform, library.extension), &bytes, 0o755)?;
+        add(
+            &format!("binaries/{}/{}.{}", library.platform, contents.identity.identifier, library.extension),
+            &bytes,
+            0o755,
+        )?;
+    }
+    for (name, text) in experiment::files(contents.starts) {
+        add(&format!("{}/{name}", experiment::FOLDER), text.as_bytes(), 0o644)?;
     }
     if let Some(model) = contents.model_file {
         add("resources/model.toml", model, 0o644)?;
@@ -122,11 +141,7 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
 
 fn check(starts: &Starts) -> Result<(), PackageError> {
     for variable in table() {
-        let value = match variable.role {
-            Role::Input(i) => starts.inputs[i],
-            Role::Parameter(i) => starts.parameters.real[i],
-            _ => continue,
-        };
+        let Some(value) = settable(starts, variable.role) else { continue };
         if !value.is_finite() || !variable.admits(value) {
             let (min, max) = (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX));
             return Err(PackageError::StartValue {

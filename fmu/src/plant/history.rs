@@ -12,6 +12,17 @@ const FINEST: f64 = 1.0 / 32_768.0;
 /// No stretch gets longer than this share of the delay by merging, so that old ones can be forgotten.
 const COARSEST: f64 = 1.0 / 16.0;
 
+/// What the sensor showed at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// s.
+    pub time: f64,
+    /// Pa.
+    pub value: f64,
+    /// Pa/s.
+    pub rate: f64,
+}
+
 /// A stretch of the reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
@@ -29,12 +40,22 @@ impl Stretch {
         Self { from, length, reading: core::array::from_fn(|i| reading(from + length * (i as f64 / 4.0))) }
     }
 
+    /// A stretch between two moments, of which reading, Pa, and its rate, Pa/s, are known: Hermite's cubic.
+    pub fn between(from: &Reading, to: &Reading) -> Self {
+        let length = to.time - from.time;
+        Self::of(from.time, length, |t| {
+            let s = (t - from.time) / length;
+            let (rise, left) = (s * s * (3.0 - 2.0 * s), 1.0 - s);
+            from.value + (to.value - from.value) * rise + length * s * left * (left * from.rate - s * to.rate)
+        })
+    }
+
     fn end(&self) -> f64 {
         self.from + self.length
     }
 
     /// Reading and its rate at time `t`: Newton's form of the quartic.
-    fn at(&self, t: f64) -> (f64, f64) {
+    pub fn at(&self, t: f64) -> (f64, f64) {
         let s = ((t - self.from) / self.length).clamp(0.0, 1.0) * 4.0;
         let mut d = self.reading;
         for order in 1..5 {
@@ -208,6 +229,17 @@ mod tests {
         assert_ne!(record, before);
         record.rewind(&mark);
         assert_eq!(record, before);
+    }
+
+    #[test]
+    fn a_stretch_between_two_readings_is_the_cubic_through_both() {
+        let cubic = |t: f64| 1e5 + 3.0 * t - 7.0 * t * t + 2.0 * t * t * t;
+        let rate = |t: f64| 3.0 - 14.0 * t + 6.0 * t * t;
+        let [from, to] = [0.3, 0.8].map(|time| Reading { time, value: cubic(time), rate: rate(time) });
+        let stretch = Stretch::between(&from, &to);
+        for t in [0.3, 0.41, 0.55, 0.8] {
+            assert!((stretch.at(t).0 - cubic(t)).abs() < 1e-10);
+        }
     }
 
     #[test]

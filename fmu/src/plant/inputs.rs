@@ -1,9 +1,8 @@
 //! What the host imposes: values at a communication point, and their derivatives for the step that follows.
 //!
-//! u(t_k + s) = u_k + Σ d_j s^j/j!, orders 1 to 3; derivatives hold for one step. The stroke follows the position's
-//! derivatives where the host has set one, else x = position + ∫ velocity ds. Lengths in m, flows in kg/s.
+//! u(t_k + s) = u_k + Σ d_j s^j/j!, orders 1 to 3; derivatives hold for one step. Lengths in m, flows in kg/s.
 
-use crate::variables::{INPUTS, input};
+use super::values::{INPUTS, input};
 use chamber::balance::Boundary;
 use chamber::real::Real;
 
@@ -54,6 +53,11 @@ impl Inputs {
         self.led == [false; INPUTS]
     }
 
+    /// Whether a port is open, now or within the step.
+    pub fn opens_ports(&self) -> bool {
+        [input::SUPPLY_PORT, input::EXHAUST_PORT].iter().any(|port| self.value[port + 2] != 0.0 || self.led[port + 2])
+    }
+
     /// Value of an input, `s` seconds into the step.
     #[inline]
     fn at(&self, index: usize, s: f64) -> f64 {
@@ -67,24 +71,30 @@ impl Inputs {
         first + s * (second + s * (third / 2.0))
     }
 
-    /// Position and speed of the piston, `s` seconds into the step.
+    /// Position and speed of the piston as the host says, `s` seconds into the step.
     #[inline]
     pub fn stroke(&self, s: f64) -> (f64, f64) {
         if self.led[input::POSITION] {
             return (self.at(input::POSITION, s), self.rate_at(input::POSITION, s));
         }
+        self.travel_from(self.value[input::POSITION], s)
+    }
+
+    /// Position and speed of a piston that the velocity alone moves from `begin`, m.
+    #[inline]
+    pub fn travel_from(&self, begin: f64, s: f64) -> (f64, f64) {
         let [first, second, third] = self.derivative[input::VELOCITY];
         let start = self.value[input::VELOCITY];
         let travel = s * (start + s * (first / 2.0 + s * (second / 6.0 + s * (third / 24.0))));
-        (self.value[input::POSITION] + travel, self.at(input::VELOCITY, s))
+        (begin + travel, self.at(input::VELOCITY, s))
     }
 
-    /// The boundary, `s` seconds into the step.
+    /// Every input, `s` seconds into the step, as the host says; position and velocity are the stroke's.
     #[inline]
-    pub fn boundary(&self, s: f64) -> Boundary {
+    pub fn values(&self, s: f64) -> [f64; INPUTS] {
         let mut values: [f64; INPUTS] = core::array::from_fn(|i| self.at(i, s));
         (values[input::POSITION], values[input::VELOCITY]) = self.stroke(s);
-        boundary(&values)
+        values
     }
 
     /// Inputs a step later: derivatives are spent, present values are where they led.
@@ -128,10 +138,9 @@ impl Inputs {
         rate
     }
 
-    /// Times within the step, ascending, at which a linear speed or flow changes its sign: kinks of the balance.
-    pub fn sign_changes(&self, h: f64) -> ([f64; 3], usize) {
-        let mut times = [h; 3];
-        let mut count = 0;
+    /// Times within a step of `h` seconds at which a linear speed or flow changes its sign, kinks of the balance, handed to
+    /// `take`.
+    pub fn sign_changes(&self, h: f64, mut take: impl FnMut(f64)) {
         let speed = if self.led[input::POSITION] {
             let [first, second, third] = self.derivative[input::POSITION];
             (first, second, third)
@@ -143,12 +152,9 @@ impl Inputs {
         for (value, slope, curvature) in [speed, flow(input::MASS_FLOW_IN), flow(input::MASS_FLOW_OUT)] {
             let zero = -value / slope;
             if curvature == 0.0 && zero > 0.0 && zero < h {
-                times[count] = zero;
-                count += 1;
+                take(zero);
             }
         }
-        times[..count].sort_unstable_by(f64::total_cmp);
-        (times, count)
     }
 }
 
@@ -172,16 +178,21 @@ pub fn boundary<R: Real>(u: &[R; INPUTS]) -> Boundary<R> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::values::start_inputs;
     use super::*;
 
     fn moving() -> Inputs {
-        Inputs::new([0.1, 0.2, 1e-3, 290.0, -2e-3, 293.0, 1e5])
+        let mut values = start_inputs(0.1, 293.0, 1e5);
+        values[input::VELOCITY] = 0.2;
+        values[input::MASS_FLOW_IN] = 1e-3;
+        values[input::MASS_FLOW_OUT] = -2e-3;
+        Inputs::new(values)
     }
 
     #[test]
     fn without_derivatives_the_velocity_moves_the_piston() {
-        let b = moving().boundary(0.5);
-        assert_eq!((b.position, b.velocity), (0.2, 0.2));
+        let b = moving().values(0.5);
+        assert_eq!((b[input::POSITION], b[input::VELOCITY]), (0.2, 0.2));
         assert_eq!(moving().after(0.5).now[input::POSITION], 0.2);
     }
 
@@ -207,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_negative_outflow_enters() {
-        let b = moving().boundary(0.0);
+        let b = boundary(&moving().value);
         assert_eq!((b.mass_flow_in, b.mass_flow_out), (3e-3, 0.0));
     }
 
@@ -216,8 +227,10 @@ mod tests {
         let mut u = moving();
         u.set_derivative(input::MASS_FLOW_IN, 1, -1e-2);
         u.set_derivative(input::VELOCITY, 1, -4.0);
-        let (times, count) = u.sign_changes(1.0);
-        assert_eq!(count, 2);
+        let mut times = Vec::new();
+        u.sign_changes(1.0, |t| times.push(t));
+        times.sort_by(f64::total_cmp);
+        assert_eq!(times.len(), 2);
         assert!((times[0] - 0.05).abs() < 1e-15 && (times[1] - 0.1).abs() < 1e-15);
     }
 }

@@ -1,20 +1,19 @@
 //! `modelDescription.xml`, rendered from the one table of variables. The guid is a hash of everything else in it.
 
-use crate::instance::area_law_number;
-use crate::refusal::Category;
-use crate::snapshot::DEFAULT_TOLERANCE;
-use crate::structure::{self, Unknown};
-use crate::units::{QUANTITIES, UNITS};
-use crate::variables::{Role, Starts, Variability, Variable, output, place, place_of_state, table};
+use crate::package::experiment;
+use crate::package::identity::Identity;
+use crate::plant::corners::CORNERS;
+use crate::plant::simulation::DEFAULT_TOLERANCE;
+use crate::plant::values::Starts;
+use crate::protocol::message::Category;
+use crate::table::structure::{self, Unknown};
+use crate::table::units::{QUANTITIES, UNITS};
+use crate::table::{ENUMERATIONS, Role, Type, Variability, Variable, place_of_state, settable, table};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
-/// Name of the library and of the functions' home in the FMU.
-pub const MODEL_IDENTIFIER: &str = "Chamber";
 /// Communication step that the description proposes, s.
 const STEP_S: f64 = 1e-3;
-/// Duration that the description proposes, s.
-const STOP_S: f64 = 10.0;
 
 /// A description and its guid.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,17 +25,17 @@ pub struct Description {
 }
 
 /// Renders the description of a chamber with these start values. `generated` is a UTC time as in 2026-01-31T12:00:00Z.
-pub fn render(starts: &Starts, generated: Option<&str>) -> Description {
-    let draft = document(starts, generated, "");
+pub fn render(identity: &Identity, starts: &Starts, generated: Option<&str>) -> Description {
+    let draft = document(identity, starts, generated, "");
     let hash = Sha256::digest(draft.as_bytes());
     let hex: String = hash[..16].iter().map(|byte| format!("{byte:02x}")).collect();
     let guid = format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..]);
-    Description { xml: document(starts, generated, &guid), guid }
+    Description { xml: document(identity, starts, generated, &guid), guid }
 }
 
-fn document(starts: &Starts, generated: Option<&str>, guid: &str) -> String {
+fn document(identity: &Identity, starts: &Starts, generated: Option<&str>, guid: &str) -> String {
     let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    head(&mut xml, generated, guid);
+    head(&mut xml, identity, generated, guid);
     units(&mut xml);
     types(&mut xml);
     xml += "  <LogCategories>\n    <Category name=\"logAll\" description=\"All of the following\"/>\n";
@@ -44,7 +43,12 @@ fn document(starts: &Starts, generated: Option<&str>, guid: &str) -> String {
         line(&mut xml, 4, "Category", &[("name", name.into()), ("description", description.into())], true);
     }
     xml += "  </LogCategories>\n";
-    let experiment = [("startTime", 0.0), ("stopTime", STOP_S), ("tolerance", DEFAULT_TOLERANCE), ("stepSize", STEP_S)];
+    let experiment = [
+        ("startTime", 0.0),
+        ("stopTime", experiment::DURATION_S),
+        ("tolerance", DEFAULT_TOLERANCE),
+        ("stepSize", STEP_S),
+    ];
     line(&mut xml, 2, "DefaultExperiment", &experiment.map(|(name, value)| (name, number(value))), true);
     xml += "  <ModelVariables>\n";
     for (i, variable) in table().iter().enumerate() {
@@ -56,10 +60,10 @@ fn document(starts: &Starts, generated: Option<&str>, guid: &str) -> String {
     xml
 }
 
-fn head(xml: &mut String, generated: Option<&str>, guid: &str) {
+fn head(xml: &mut String, identity: &Identity, generated: Option<&str>, guid: &str) {
     let mut attributes = vec![
         ("fmiVersion", "2.0".into()),
-        ("modelName", MODEL_IDENTIFIER.into()),
+        ("modelName", identity.name.clone()),
         ("guid", guid.into()),
         (
             "description",
@@ -75,10 +79,22 @@ fn head(xml: &mut String, generated: Option<&str>, guid: &str) {
         attributes.push(("generationDateAndTime", generated.into()));
     }
     attributes.push(("variableNamingConvention", "structured".into()));
+    attributes.push(("numberOfEventIndicators", CORNERS.to_string()));
     line(xml, 0, "fmiModelDescription", &attributes, false);
     let yes = || "true".to_owned();
+    let exchange = [
+        ("modelIdentifier", identity.identifier.clone()),
+        ("needsExecutionTool", "false".into()),
+        ("completedIntegratorStepNotNeeded", "false".into()),
+        ("canBeInstantiatedOnlyOncePerProcess", "false".into()),
+        ("canNotUseMemoryManagementFunctions", yes()),
+        ("canGetAndSetFMUstate", yes()),
+        ("canSerializeFMUstate", yes()),
+        ("providesDirectionalDerivative", yes()),
+    ];
+    line(xml, 2, "ModelExchange", &exchange, true);
     let capabilities = [
-        ("modelIdentifier", MODEL_IDENTIFIER.into()),
+        ("modelIdentifier", identity.identifier.clone()),
         ("needsExecutionTool", "false".into()),
         ("canHandleVariableCommunicationStepSize", yes()),
         ("canInterpolateInputs", yes()),
@@ -127,23 +143,26 @@ fn types(xml: &mut String) {
         line(xml, 6, "Real", &attributes, true);
         *xml += "    </SimpleType>\n";
     }
-    let laws = "Lateral area that exchanges heat, beside both end faces";
-    line(xml, 4, "SimpleType", &[("name", "AreaLaw".into()), ("description", laws.into())], false);
-    *xml += "      <Enumeration>\n";
-    for (name, value, description) in
-        [("total", "1", "Of all the gas's volume, dead volume included"), ("swept", "2", "Of the swept length only")]
-    {
-        let item = [("name", name.into()), ("value", value.into()), ("description", description.into())];
-        line(xml, 8, "Item", &item, true);
+    for enumeration in ENUMERATIONS {
+        let attributes = [("name", enumeration.name.into()), ("description", enumeration.description.into())];
+        line(xml, 4, "SimpleType", &attributes, false);
+        *xml += "      <Enumeration>\n";
+        for (value, (name, description)) in (1..).zip(enumeration.items) {
+            let number: i32 = value;
+            let item =
+                [("name", (*name).into()), ("value", number.to_string()), ("description", (*description).into())];
+            line(xml, 8, "Item", &item, true);
+        }
+        *xml += "      </Enumeration>\n    </SimpleType>\n";
     }
-    *xml += "      </Enumeration>\n    </SimpleType>\n  </TypeDefinitions>\n";
+    *xml += "  </TypeDefinitions>\n";
 }
 
 fn scalar_variable(xml: &mut String, index: usize, variable: &Variable, starts: &Starts) {
     let causality = match variable.role {
         Role::Input(_) => "input",
         Role::Output(_) => "output",
-        Role::Parameter(_) | Role::AreaLaw => "parameter",
+        Role::Parameter(_) | Role::Choice(_) => "parameter",
         Role::State(_) | Role::Rate(_) => "local",
     };
     let variability = match variable.variability {
@@ -164,11 +183,13 @@ fn scalar_variable(xml: &mut String, index: usize, variable: &Variable, starts: 
         _ => {}
     }
     line(xml, 4, "ScalarVariable", &attributes, false);
-    if variable.role == Role::AreaLaw {
-        let start = area_law_number(starts.parameters.area_law).to_string();
-        line(xml, 6, "Enumeration", &[("declaredType", "AreaLaw".into()), ("start", start)], true);
-    } else {
-        line(xml, 6, "Real", &real_attributes(variable, starts), true);
+    let start = settable(starts, variable.role).unwrap_or_default();
+    match variable.is {
+        Type::Real => line(xml, 6, "Real", &real_attributes(variable, starts), true),
+        Type::Enumeration(enumeration) => {
+            line(xml, 6, "Enumeration", &[("declaredType", enumeration.name.into()), ("start", number(start))], true);
+        }
+        Type::Boolean => line(xml, 6, "Boolean", &[("start", (start != 0.0).to_string())], true),
     }
     *xml += "    </ScalarVariable>\n";
 }
@@ -180,11 +201,9 @@ fn real_attributes(variable: &Variable, starts: &Starts) -> Vec<(&'static str, S
     attributes.extend(variable.min.map(|min| ("min", number(min))));
     attributes.extend(variable.max.map(|max| ("max", number(max))));
     attributes.push(("nominal", number(variable.nominal)));
-    match variable.role {
-        Role::Input(i) => attributes.push(("start", number(starts.inputs[i]))),
-        Role::Parameter(i) => attributes.push(("start", number(starts.parameters.real[i]))),
-        Role::Rate(state) => attributes.extend(place_of_state(state).map(|i| ("derivative", (i + 1).to_string()))),
-        _ => {}
+    attributes.extend(settable(starts, variable.role).map(|start| ("start", number(start))));
+    if let Role::Rate(state) = variable.role {
+        attributes.extend(place_of_state(state).map(|i| ("derivative", (i + 1).to_string())));
     }
     attributes
 }
@@ -205,7 +224,6 @@ fn model_structure(xml: &mut String) {
         let _ = writeln!(xml, "    </{name}>");
     }
     *xml += "  </ModelStructure>\n";
-    debug_assert!(place(Role::Output(output::MASS)).is_some());
 }
 
 /// One opening (or, for a leaf, whole) tag on a line of its own.

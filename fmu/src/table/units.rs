@@ -26,7 +26,7 @@ const fn display(name: &'static str, factor: f64) -> Display {
     Display { name, factor, offset: 0.0 }
 }
 
-/// Density of air at ISO 8778's reference conditions (20 °C, 1 bar, 65 % humidity), kg/m³, behind l/min (ANR).
+/// Density of air at ISO 8778's reference conditions (20 °C, 1 bar, 65 % humidity), kg/m³, behind l/min(ANR), as for air.
 const REFERENCE_DENSITY: f64 = 1.185;
 
 /// Every unit that a variable may have.
@@ -61,7 +61,7 @@ pub const UNITS: &[Unit] = &[
     Unit {
         name: "kg/s",
         base: Some(&[("kg", 1), ("s", -1)]),
-        displays: &[display("g/s", 1e3), display("l/min", 60e3 / REFERENCE_DENSITY)],
+        displays: &[display("g/s", 1e3), display("l/min(ANR)", 60e3 / REFERENCE_DENSITY)],
     },
     Unit { name: "N", base: Some(&[("kg", 1), ("m", 1), ("s", -2)]), displays: &[display("kN", 1e-3)] },
     Unit { name: "J", base: Some(&[("kg", 1), ("m", 2), ("s", -2)]), displays: &[display("kJ", 1e-3)] },
@@ -125,6 +125,9 @@ quantities! {
     MASS_FLOW = "MassFlowRate", "kg/s", Some("g/s"), 1e-3, None;
     FORCE = "Force", "N", None, 100.0, None;
     ENERGY = "InternalEnergy", "J", None, 10.0, Some(0.0);
+    ENERGY_CHANGE = "EnergyChange", "J", None, 10.0, None;
+    MASS_CHANGE = "MassChange", "kg", Some("g"), 1e-4, None;
+    ENERGY_FLOW = "EnthalpyFlowRate", "W", None, 300.0, None;
     POWER = "HeatFlowRate", "W", None, 10.0, None;
     HEAT_CAPACITY = "HeatCapacity", "J/K", None, 1.0, Some(0.0);
     THERMAL_CONDUCTANCE = "ThermalConductance", "W/K", None, 0.1, Some(0.0);
@@ -155,6 +158,7 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
 pub fn rate_of(quantity: &Quantity) -> &'static Quantity {
     match quantity.unit {
         "kg" => &MASS_FLOW,
+        "m" => &VELOCITY,
         "J" => &POWER,
         "K" => &TEMPERATURE_RATE,
         "Pa" => &PRESSURE_RATE,

@@ -3,61 +3,9 @@
 //! `fmi2Discard` is for numbers that cannot be used: the instance stays as it was and can be used on. `fmi2Error` is
 //! for a broken protocol (wrong order, NULL, unknown references); it too leaves the instance as it was.
 
+use super::message::{Category, Status};
+use crate::plant::fault::Fault;
 use thiserror::Error;
-
-/// `fmi2Status`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Status {
-    /// All well.
-    Ok = 0,
-    /// Done, but something is to be looked at.
-    Warning = 1,
-    /// Refused for its numbers; the instance is as before.
-    Discard = 2,
-    /// Refused as a breach of the protocol, or the instance is broken.
-    Error = 3,
-}
-
-/// Log category of a message: its name is declared in the model description.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Category {
-    /// What happens inside an accepted call.
-    Events,
-    /// Warnings.
-    Warning,
-    /// Refused numbers.
-    Discard,
-    /// Refused calls.
-    Error,
-}
-
-impl Category {
-    /// Every category with what it holds, as the model description declares them.
-    pub const ALL: [(Category, &'static str, &'static str); 4] = [
-        (
-            Category::Events,
-            "logEvents",
-            "Changes within an accepted call: a stroke taken up to the host's position, an effect switched on",
-        ),
-        (Category::Warning, "logStatusWarning", "Accepted calls that deserve a look"),
-        (
-            Category::Discard,
-            "logStatusDiscard",
-            "Refused values and steps, by name and value; the instance stays as it was",
-        ),
-        (
-            Category::Error,
-            "logStatusError",
-            "Refused calls: wrong order, NULL, unknown references, damaged state bytes",
-        ),
-    ];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].1
-    }
-}
 
 /// Why a call was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -85,6 +33,16 @@ pub enum Refusal {
         length: usize,
         /// What is possible.
         limit: usize,
+    },
+    /// Another number of states or indicators than there are.
+    #[error("{argument} = {length}: this FMU has {expected}")]
+    WrongLength {
+        /// Its name in the standard.
+        argument: &'static str,
+        /// What the host said.
+        length: usize,
+        /// What there are.
+        expected: usize,
     },
     /// No variable has this reference.
     #[error("value reference {reference} belongs to no variable; the model description lists 0 to {last}")]
@@ -204,48 +162,9 @@ pub enum Refusal {
         /// Announced stop, s.
         stop: f64,
     },
-    /// Parameters that contradict each other.
-    #[error("rodDiameter = {rod} m leaves no piston area in bore = {bore} m")]
-    NoPistonArea {
-        /// m.
-        rod: f64,
-        /// m.
-        bore: f64,
-    },
-    /// No room for the gas.
-    #[error(
-        "position = {position} m leaves the gas a volume of {volume} m3; it must lie between 0 and 1e9 m3 (deadVolume = {dead_volume} m3)"
-    )]
-    NoVolume {
-        /// m.
-        position: f64,
-        /// m³.
-        volume: f64,
-        /// m³.
-        dead_volume: f64,
-    },
-    /// More gas leaves than there is.
-    #[error(
-        "a step of {step} s would empty the chamber: {mass} kg of gas, {outflow} kg/s leave; take a shorter step or a smaller massFlowOut"
-    )]
-    Emptied {
-        /// s.
-        step: f64,
-        /// kg.
-        mass: f64,
-        /// Net, kg/s.
-        outflow: f64,
-    },
-    /// No accurate step exists.
-    #[error("no accurate step of {step} s from t = {time} s ({cause}); the instance keeps the state of t = {time} s")]
-    NoStep {
-        /// s.
-        step: f64,
-        /// s.
-        time: f64,
-        /// What the integrator says.
-        cause: String,
-    },
+    /// The plant cannot go on.
+    #[error(transparent)]
+    Plant(#[from] Fault),
     /// Saved state that is none.
     #[error("{why}")]
     BadState {
@@ -274,12 +193,9 @@ impl Refusal {
     pub fn status(&self) -> Status {
         use Refusal::*;
         match self {
-            NotFinite { .. }
-            | OutOfRange { .. }
-            | BadArgument { .. }
-            | NoVolume { .. }
-            | Emptied { .. }
-            | NoStep { .. } => Status::Discard,
+            NotFinite { .. } | OutOfRange { .. } | BadArgument { .. } => Status::Discard,
+            Plant(Fault::NoPistonArea { .. }) => Status::Error,
+            Plant(_) => Status::Discard,
             NotOffered { .. } => Status::Discard,
             _ => Status::Error,
         }

@@ -3,17 +3,20 @@
 //! magic (8) · version (4) · CRC-32 of all that follows (4) · FMU's guid (40) · payload. Bytes are taken only if they are
 //! whole, of this FMU, of this version, and if what they say makes an instance: finite numbers within their bounds.
 
-use crate::inputs::{Inputs, ORDERS};
-use crate::instance::area_law_number;
-use crate::integration::Gas;
-use crate::record::{Record, Stretch};
-use crate::refusal::Refusal;
-use crate::snapshot::{Experiment, Phase, Snapshot, TOLERANCES};
-use crate::variables::{INPUTS, Role, Starts, table};
-use chamber::AreaLaw;
+use super::instance::Snapshot;
+use super::phases::Phase;
+use super::refusal::Refusal;
+use crate::plant::corners::{CORNERS, Rest, Sides};
+use crate::plant::history::{Reading, Record, Stretch};
+use crate::plant::inputs::{Inputs, ORDERS};
+use crate::plant::simulation::{Completed, Experiment, Kind, Simulation, TOLERANCES};
+use crate::plant::states::Origin;
+use crate::plant::step::Gas;
+use crate::plant::values::{Choice, INPUTS, Starts};
+use crate::table::{Role, table};
 
 const MAGIC: [u8; 8] = *b"PNTFMUS\0";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const GUID: usize = 40;
 /// How far, relative to the time or 1 s, a record may reach beyond the present time: the host's clock counts, not the sum of steps.
 const CLOCK: f64 = 1e-6;
@@ -40,10 +43,12 @@ fn padded(guid: &str) -> [u8; GUID] {
     out
 }
 
-fn payload(s: &Snapshot, out: &mut Vec<u8>) {
+fn payload(snapshot: &Snapshot, out: &mut Vec<u8>) {
+    let s = &snapshot.simulation;
     let flag = |flag: bool| f64::from(u8::from(flag));
     let mut put = |values: &[f64]| values.iter().for_each(|value| out.extend(value.to_le_bytes()));
-    put(&[f64::from(s.phase as u8), f64::from(area_law_number(s.parameters.area_law))]);
+    put(&[f64::from(snapshot.phase as u8), f64::from(s.kind as u8)]);
+    put(&Choice::ALL.map(|choice| f64::from(s.parameters.choices.get(choice))));
     put(&[s.experiment.start, flag(s.experiment.stop.is_some()), s.experiment.stop.unwrap_or(0.0)]);
     put(&[s.experiment.tolerance, s.time]);
     put(&s.parameters.real);
@@ -53,8 +58,14 @@ fn payload(s: &Snapshot, out: &mut Vec<u8>) {
     put(&s.inputs.now);
     put(&s.inputs.rate);
     put(&s.gas.states);
-    put(&[s.gas.position, s.gas.inner_step]);
+    put(&[s.gas.position, s.gas.inner_step, flag(s.gas.port_flows.is_some())]);
+    put(&s.gas.port_flows.unwrap_or_default());
+    put(&[s.origin.mass, s.origin.energy, s.origin.position]);
     put(&s.absolute);
+    put(&s.sides.above.map(flag));
+    put(&[f64::from(s.sides.rest as u8)]);
+    let Completed { reading, position, velocity } = s.completed;
+    put(&[reading.time, reading.value, reading.rate, position, velocity]);
     match &s.record {
         None => put(&[0.0]),
         Some(record) => {
@@ -119,20 +130,25 @@ impl Reader<'_> {
         }
     }
 
+    /// One of these, by the number that it is.
+    fn one_of<T: Copy>(&mut self, all: &[T], number: impl Fn(T) -> u8) -> Option<T> {
+        let value = self.real()?;
+        all.iter().copied().find(|one| f64::from(number(*one)) == value)
+    }
+
+    fn whole(&mut self) -> Option<i32> {
+        let value = self.real()?;
+        (value.fract() == 0.0 && value.abs() < 1e9).then_some(value as i32)
+    }
+
     fn snapshot(&mut self) -> Option<Snapshot> {
-        let mut s = Snapshot::new(&Starts::default());
-        s.phase = [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Terminated]
-            .into_iter()
-            .zip([0.0, 1.0, 2.0, 3.0])
-            .find_map({
-                let number = self.real()?;
-                move |(phase, n)| (n == number).then_some(phase)
-            })?;
-        s.parameters.area_law = match self.real()? {
-            1.0 => AreaLaw::Total,
-            2.0 => AreaLaw::Swept,
-            _ => return None,
-        };
+        let phase = self.one_of(&Phase::ALL, |phase| phase as u8)?;
+        let kind = self.one_of(&[Kind::ModelExchange, Kind::CoSimulation], |kind| kind as u8)?;
+        let mut s = Simulation::new(&Starts::default(), kind);
+        s.started = phase.is_started();
+        for choice in Choice::ALL {
+            s.parameters.choices = s.parameters.choices.with(choice, self.whole()?)?;
+        }
         let start = self.real()?;
         let (has_stop, stop) = (self.flag()?, self.real()?);
         let tolerance = self.real().filter(|t| TOLERANCES.contains(t))?;
@@ -140,11 +156,26 @@ impl Reader<'_> {
         s.time = self.real()?;
         s.parameters.real = self.reals()?;
         s.inputs = self.inputs()?;
-        s.gas = Gas { states: self.reals()?, position: self.real()?, inner_step: self.real()? };
+        s.gas = Gas { states: self.reals()?, position: self.real()?, inner_step: self.real()?, port_flows: None };
+        let (has_flows, flows) = (self.flag()?, self.reals()?);
+        s.gas.port_flows = has_flows.then_some(flows);
+        s.origin = Origin { mass: self.real()?, energy: self.real()?, position: self.real()? };
         s.absolute = self.reals()?;
+        s.sides = self.sides()?;
+        let reading = Reading { time: self.real()?, value: self.real()?, rate: self.real()? };
+        s.completed = Completed { reading, position: self.real()?, velocity: self.real()? };
         s.record = self.record()?;
         s.rebuild();
-        makes_sense(&s).then_some(s)
+        let snapshot = Snapshot { phase, simulation: s };
+        makes_sense(&snapshot).then_some(snapshot)
+    }
+
+    fn sides(&mut self) -> Option<Sides> {
+        let mut above = [false; CORNERS];
+        for side in &mut above {
+            *side = self.flag()?;
+        }
+        Some(Sides { above, rest: self.one_of(&[Rest::Free, Rest::Low, Rest::High], |rest| rest as u8)? })
     }
 
     fn inputs(&mut self) -> Option<Inputs> {
@@ -178,19 +209,29 @@ impl Reader<'_> {
 }
 
 /// Whether the numbers are such as an instance can have.
-fn makes_sense(s: &Snapshot) -> bool {
+fn makes_sense(snapshot: &Snapshot) -> bool {
+    let Snapshot { phase, simulation: s } = snapshot;
     let within = table().iter().all(|v| match v.role {
         Role::Input(i) => v.admits(s.inputs.value[i]),
         Role::Parameter(i) => v.admits(s.parameters.real[i]),
         _ => true,
     });
-    let under_way = matches!(s.phase, Phase::Step | Phase::Terminated);
-    let gas = !under_way || (s.gas.states[0] > 0.0 && s.gas.states[1] > 0.0 && s.absolute.iter().all(|a| *a >= 0.0));
-    let record = !under_way || s.record.is_some() == (s.delay() > 0.0);
+    let of_its_kind = match phase {
+        Phase::Step => s.kind == Kind::CoSimulation,
+        Phase::Event | Phase::Continuous => s.kind == Kind::ModelExchange,
+        _ => true,
+    };
+    // A host that integrates may have set any states.
+    let gas = !s.started
+        || s.kind == Kind::ModelExchange
+        || (s.gas.states[0] > 0.0 && s.gas.states[1] > 0.0 && s.absolute.iter().all(|a| *a >= 0.0));
+    let record = !s.started || s.record.is_some() == (s.delay() > 0.0);
     let ascending = s.record.iter().all(|record| {
         record.stretches.iter().all(|x| x.length > 0.0)
             && record.stretches.iter().zip(record.stretches.iter().skip(1)).all(|(a, b)| a.from < b.from)
-            && record.end().is_none_or(|end| end <= s.time + CLOCK * s.time.abs().max(1.0))
+            && record
+                .end()
+                .is_none_or(|end| s.kind == Kind::ModelExchange || end <= s.time + CLOCK * s.time.abs().max(1.0))
     });
-    within && gas && record && ascending && s.gas.inner_step >= 0.0
+    within && of_its_kind && gas && record && ascending && s.gas.inner_step >= 0.0
 }
