@@ -1,11 +1,11 @@
-//! The chamber as a Functional Mock-up Unit: FMI 2.0, Model Exchange and co-simulation in one.
+//! The chamber as a Functional Mock-up Unit: FMI 2.0 or 3.0, Model Exchange and co-simulation in one.
 //!
 //! | folder | holds | knows |
 //! |---|---|---|
 //! | [`plant`] | the chamber between its ports, its wall and its piston: states, rates, inputs, history | numbers by index |
 //! | [`table`] | the one table of variables with its units and dependencies | the plant |
 //! | [`protocol`] | one instance: phases of the life cycle, batches taken whole or not at all, saved states, warnings | both |
-//! | [`boundary`], [`fmi2`] | the C boundary, the only `unsafe` of the project, and the description | all of these |
+//! | [`boundary`], [`fmi2`], [`fmi3`] | the C boundary, the only `unsafe` of the project, and the descriptions, written with [`xml`] | all of these |
 //! | [`package`] | the FMU as a file: start values, signatures, documentation | all of these |
 
 #![warn(clippy::undocumented_unsafe_blocks)]
@@ -13,7 +13,9 @@
 
 pub mod boundary;
 pub mod fmi2;
+pub mod fmi3;
 pub mod package;
 pub mod plant;
 pub mod protocol;
 pub mod table;
+pub mod xml;

@@ -281,3 +281,45 @@ fn the_log_follows_the_categories_that_the_host_chooses() {
     assert_eq!(host.try_step(9.0, 1.0), ERROR);
     assert_eq!(host.messages().len(), 1, "refusals are told even with logging off");
 }
+
+/// A logger that asks the instance it hears of for a value, and counts how often it was heard.
+unsafe extern "C" fn calls_back(
+    environment: *mut std::ffi::c_void,
+    _name: *const std::ffi::c_char,
+    _status: CEnum,
+    _category: *const std::ffi::c_char,
+    _format: *const std::ffi::c_char,
+    _text: *const std::ffi::c_char,
+) {
+    let heard = unsafe { &*environment.cast::<(std::cell::Cell<*mut std::ffi::c_void>, std::cell::Cell<f64>)>() };
+    let mut pressure = f64::NAN;
+    assert_eq!(unsafe { fmi2GetReal(heard.0.get(), &reference("pressure"), 1, &mut pressure) }, OK);
+    heard.1.set(pressure);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "Miri asks for a function with variable arguments")]
+fn a_logger_may_call_back_into_the_instance_that_it_hears_of() {
+    use std::cell::Cell;
+    use std::ffi::{c_char, c_void};
+    type Fixed = unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, *const c_char);
+    type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, ...);
+    let heard = (Cell::new(null_mut::<c_void>()), Cell::new(0.0_f64));
+    let callbacks = fmu::fmi2::host::Callbacks {
+        logger: Some(unsafe { std::mem::transmute::<Fixed, Logger>(calls_back) }),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: std::ptr::from_ref(&heard).cast_mut().cast(),
+    };
+    let guid = std::ffi::CString::new(fmu::package::start_values::REFERENCE_GUID).unwrap();
+    unsafe {
+        let c = fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &callbacks, 0, 0);
+        heard.0.set(c);
+        assert_eq!(fmi2EnterInitializationMode(c), OK);
+        assert_eq!(fmi2ExitInitializationMode(c), OK);
+        assert_eq!(fmi2SetReal(c, &reference("position"), 1, &f64::NAN), DISCARD);
+        assert!(f64::abs(heard.1.get() / 101_325.0 - 1.0) < 1e-12);
+        fmi2FreeInstance(c);
+    }
+}

@@ -4,7 +4,7 @@ use crate::output;
 use anyhow::Context;
 use fmu::package::documentation::About;
 use fmu::package::identity::Identity;
-use fmu::package::{Contents, Library};
+use fmu::package::{Contents, Library, Version};
 use fmu::plant::values::{
     BASE, CRITICAL_RATIO, Choices, Parameters, REALS, Starts, StrokeInput, parameter, start_inputs,
 };
@@ -17,7 +17,7 @@ const LIBRARIES: &[Library<'static>] = include!(concat!(env!("OUT_DIR"), "/libra
 /// Where the piston stands in an FMU until its host says otherwise, m.
 const START_POSITION_M: f64 = 0.1;
 
-/// Write an FMI 2.0 FMU whose start values are a model's
+/// Write an FMU (FMI 2.0 or 3.0) whose start values are a model's
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
@@ -31,6 +31,17 @@ pub struct Args {
     /// The FMU to write
     #[arg(short, long, value_name = "FILE.fmu", default_value = "Chamber.fmu")]
     output: PathBuf,
+    /// The version of FMI
+    #[arg(long, value_name = "VERSION", default_value = "2", value_parser = version)]
+    fmi: Version,
+}
+
+fn version(text: &str) -> Result<Version, String> {
+    match text {
+        "2" => Ok(Version::Two),
+        "3" => Ok(Version::Three),
+        _ => Err("2 or 3 is expected".into()),
+    }
 }
 
 /// Reads the model, writes the FMU.
@@ -38,16 +49,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let model = Model::read(&args.model)?;
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
     let identity = Identity::of(name.unwrap_or("Chamber"));
-    let bytes = package(&identity, &model, &std::fs::read(&args.model)?)
+    let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?)
         .with_context(|| format!("{}: no FMU can be made of this model", args.model.display()))?;
     output::write(&args.output, &bytes)?;
     if !output::is_stdout(&args.output) {
         let platforms: Vec<_> = LIBRARIES.iter().map(|library| library.platform).collect();
-        let told = format!(
-            "{}: FMI 2.0, Model Exchange and co-simulation, for {}\n",
-            args.output.display(),
-            platforms.join(", ")
-        );
+        let version = if args.fmi == Version::Two { "2.0" } else { "3.0" };
+        let (path, platforms) = (args.output.display(), platforms.join(", "));
+        let told = format!("{path}: FMI {version}, Model Exchange and co-simulation, for {platforms}\n");
         output::print(told.as_bytes())?;
         if let Some(doubt) = doubt(&model) {
             output::print(format!("{doubt}\n").as_bytes())?;
@@ -103,10 +112,11 @@ fn variable_of(key: &str) -> Option<String> {
 }
 
 /// The FMU of a model, as bytes; it keeps the model's file in its resources.
-pub fn package(identity: &Identity, model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
+pub fn package(version: Version, identity: &Identity, model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
     let (starts, about) = (starts(model), about(model));
     let generated = generated(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref(), model)?;
     let contents = Contents {
+        version,
         identity,
         about: &about,
         starts: &starts,

@@ -11,6 +11,7 @@ mod trend;
 
 use anyhow::{Context, Result};
 use document::Block;
+use fmu::package::Version;
 use fmu::package::identity::Identity;
 use paper::section31::Timing;
 use std::path::{Path, PathBuf};
@@ -47,7 +48,12 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
     ];
     out.bytes(
         "Chamber.fmu",
-        &crate::commands::fmu::package(&Identity::reference(), &models[0], models[0].to_toml()?.as_bytes())?,
+        &crate::commands::fmu::package(
+            Version::Two,
+            &Identity::reference(),
+            &models[0],
+            models[0].to_toml()?.as_bytes(),
+        )?,
     )?;
     out.json("section31.json", section31::lines(&section31))?;
     out.text("section31.md", &sections[0].markdown())?;

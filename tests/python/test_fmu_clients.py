@@ -266,7 +266,8 @@ def test_only_the_interface_is_exported_and_old_systems_can_load_it(fmu, tmp_pat
     assert entries[0] == "modelDescription.xml" and "documentation/index.html" in entries and "model.png" in entries
     symbols = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True)
     exported = [line.split()[-1] for line in symbols.stdout.splitlines()]
-    assert len(exported) == 44 and all(symbol.startswith("fmi2") for symbol in exported), exported
+    of_version = {version: [symbol for symbol in exported if symbol.startswith(version)] for version in ("fmi2", "fmi3")}
+    assert len(exported) == 119 and [len(symbols) for symbols in of_version.values()] == [44, 75], exported
     assert ctypes.CDLL(library).fmi2GetVersion
 
 

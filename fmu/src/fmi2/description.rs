@@ -8,29 +8,13 @@ use crate::plant::values::Starts;
 use crate::protocol::message::Category;
 use crate::table::structure::{self, Unknown};
 use crate::table::units::{QUANTITIES, UNITS};
-use crate::table::{ENUMERATIONS, Role, Type, Variability, Variable, place_of_state, settable, table};
-use sha2::{Digest, Sha256};
+use crate::table::{ENUMERATIONS, Role, STEP_S, Type, Variability, Variable, place_of_state, settable, table};
+use crate::xml::{Description, described, line, number};
 use std::fmt::Write;
-
-/// Communication step that the description proposes, s.
-const STEP_S: f64 = 1e-3;
-
-/// A description and its guid.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Description {
-    /// The file.
-    pub xml: String,
-    /// Its guid, in braces.
-    pub guid: String,
-}
 
 /// Renders the description of a chamber with these start values. `generated` is a UTC time as in 2026-01-31T12:00:00Z.
 pub fn render(identity: &Identity, starts: &Starts, generated: Option<&str>) -> Description {
-    let draft = document(identity, starts, generated, "");
-    let hash = Sha256::digest(draft.as_bytes());
-    let hex: String = hash[..16].iter().map(|byte| format!("{byte:02x}")).collect();
-    let guid = format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..]);
-    Description { xml: document(identity, starts, generated, &guid), guid }
+    described(|guid| document(identity, starts, generated, guid))
 }
 
 fn document(identity: &Identity, starts: &Starts, generated: Option<&str>, guid: &str) -> String {
@@ -224,24 +208,4 @@ fn model_structure(xml: &mut String) {
         let _ = writeln!(xml, "    </{name}>");
     }
     *xml += "  </ModelStructure>\n";
-}
-
-/// One opening (or, for a leaf, whole) tag on a line of its own.
-fn line(xml: &mut String, indent: usize, tag: &str, attributes: &[(&str, String)], leaf: bool) {
-    let _ = write!(xml, "{:indent$}<{tag}", "");
-    for (name, value) in attributes {
-        let _ = write!(xml, " {name}=\"{}\"", escaped(value));
-    }
-    *xml += if leaf { "/>\n" } else { ">\n" };
-}
-
-/// Text as an attribute's value.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// The shortest decimal that reads back to the same number.
-pub fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 || (1e-3..1e7).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }

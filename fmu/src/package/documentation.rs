@@ -1,14 +1,16 @@
 //! The FMU's documentation: a page with equations, variables and a worked example, a picture, the licences.
 
 use super::identity::Identity;
-use crate::fmi2::description::number;
 use crate::plant::values::Starts;
 use crate::table::{Role, Variable, camel, settable, table};
+use crate::xml::{escaped, number};
 use chamber::effects;
 use std::fmt::Write;
 
 /// The FMU's icon.
 pub const ICON: &[u8] = include_bytes!("../../../modelDescription/model.png");
+/// A terminal's icon.
+pub const TERMINAL: &[u8] = include_bytes!("../../../modelDescription/terminal.png");
 const TEMPLATE: &str = include_str!("../../../modelDescription/documentation/template.html");
 const PICTURE: &str = include_str!("../../../modelDescription/documentation/chamber.svg");
 const LICENSES: [(&str, &str); 3] = [
@@ -73,10 +75,6 @@ fn origin(about: &About) -> String {
         let _ = writeln!(text, "<p>Identified from {}.</p>", records.join(", "));
     }
     text
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 fn row(variable: &Variable, start: &Starts, about: &About) -> String {

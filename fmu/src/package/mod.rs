@@ -7,9 +7,11 @@ pub mod identity;
 pub mod signatures;
 pub mod start_values;
 
-use crate::fmi2::description;
+use crate::fmi2;
+use crate::fmi3;
 use crate::plant::values::Starts;
 use crate::table::{settable, table};
+use crate::xml::Description;
 use documentation::About;
 use identity::Identity;
 use signatures::SignatureError;
@@ -30,9 +32,42 @@ pub struct Library<'a> {
     pub bytes: &'a [u8],
 }
 
+/// A version of FMI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+impl Version {
+    /// The description of an FMU of this version.
+    fn describe(self, identity: &Identity, starts: &Starts, generated: Option<&str>) -> Description {
+        match self {
+            Version::Two => fmi2::description::render(identity, starts, generated),
+            Version::Three => fmi3::description::render(identity, starts, generated),
+        }
+    }
+
+    /// A platform's folder under `binaries/`, given its name in FMI 2.0.
+    fn folder(self, platform: &str) -> String {
+        let tuple = match (self, platform) {
+            (Version::Two, _) => return platform.to_owned(),
+            (_, "linux64") => "x86_64-linux",
+            (_, "win64") => "x86_64-windows",
+            (_, "darwin64") => "x86_64-darwin",
+            (_, other) => other,
+        };
+        tuple.to_owned()
+    }
+}
+
 /// What goes into an FMU.
 #[derive(Clone, Copy, Debug)]
 pub struct Contents<'a> {
+    /// For which version of FMI.
+    pub version: Version,
     /// Whose model it is.
     pub identity: &'a Identity,
     /// What its documentation says of where the numbers come from.
@@ -100,7 +135,8 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
     if contents.libraries.is_empty() {
         return Err(PackageError::NoLibrary);
     }
-    let description = description::render(contents.identity, contents.starts, contents.generated);
+    let version = contents.version;
+    let description = version.describe(contents.identity, contents.starts, contents.generated);
     let block = Block { starts: *contents.starts, guid: description.guid };
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let mut add = |name: &str, bytes: &[u8], mode: u32| -> Result<(), PackageError> {
@@ -113,7 +149,14 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
         Ok(())
     };
     add("modelDescription.xml", description.xml.as_bytes(), 0o644)?;
-    add("model.png", documentation::ICON, 0o644)?;
+    match version {
+        Version::Two => add("model.png", documentation::ICON, 0o644)?,
+        Version::Three => {
+            add("terminalsAndIcons/terminalsAndIcons.xml", fmi3::terminals::render().as_bytes(), 0o644)?;
+            add("terminalsAndIcons/icon.png", documentation::ICON, 0o644)?;
+            add("terminalsAndIcons/terminal.png", documentation::TERMINAL, 0o644)?;
+        }
+    }
     for (name, bytes) in documentation::files(contents.identity, contents.starts, contents.about) {
         add(&format!("documentation/{name}"), &bytes, 0o644)?;
     }
@@ -125,7 +168,12 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
         signatures::sign(&mut bytes, &places, start_values::LENGTH)
             .map_err(|cause| PackageError::Signature { platform: platform(), cause })?;
         add(
-            &format!("binaries/{}/{}.{}", library.platform, contents.identity.identifier, library.extension),
+            &format!(
+                "binaries/{}/{}.{}",
+                version.folder(library.platform),
+                contents.identity.identifier,
+                library.extension
+            ),
             &bytes,
             0o755,
         )?;

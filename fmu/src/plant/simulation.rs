@@ -324,6 +324,16 @@ impl Simulation {
         Ok(corners::corners(&moment, &u, &states, &self.piston(), self.sides.rest))
     }
 
+    /// On which side of each corner the chamber is.
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room.
+    pub fn signs(&self) -> Result<[bool; CORNERS], Fault> {
+        let mut sides = Sides::default();
+        sides.settle(&self.corners()?);
+        Ok(sides.above)
+    }
+
     /// The event indicators.
     ///
     /// # Errors

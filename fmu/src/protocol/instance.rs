@@ -37,6 +37,10 @@ pub struct Instance {
     messages: Vec<Message>,
     /// Whether the host wants to hear of events.
     pub tells_events: bool,
+    /// Whether co-simulation has an event mode, which it begins in and which follows an early return.
+    pub uses_event_mode: bool,
+    /// Whether a step may end early, at an event.
+    pub returns_early: bool,
 }
 
 /// What an event's iteration has come to.
@@ -59,6 +63,8 @@ impl Instance {
             warnings: Warnings::default(),
             messages: Vec::new(),
             tells_events: false,
+            uses_event_mode: false,
+            returns_early: false,
         }
     }
 
@@ -126,8 +132,8 @@ impl Instance {
         self.need(&[Phase::Initialization], "call fmi2EnterInitializationMode first")?;
         self.now.begin()?;
         self.phase = match self.now.kind {
-            Kind::CoSimulation => Phase::Step,
-            Kind::ModelExchange => Phase::Event,
+            Kind::CoSimulation if !self.uses_event_mode => Phase::Step,
+            _ => Phase::Event,
         };
         self.outputs = None;
         Ok(())
@@ -199,7 +205,8 @@ impl Instance {
     /// # Errors
     /// Outside Model Exchange under way.
     pub fn enter_event(&mut self) -> Result<(), Refusal> {
-        self.need(&[Phase::Continuous, Phase::Event], "event mode is entered from continuous-time mode")?;
+        let step = if self.uses_event_mode { Phase::Step } else { Phase::Continuous };
+        self.need(&[Phase::Continuous, Phase::Event, step], "event mode is entered from continuous-time mode")?;
         if self.phase == Phase::Continuous {
             self.now.present()?;
             self.now.enter_event();
@@ -214,7 +221,7 @@ impl Instance {
     /// Outside event mode; where inputs leave the gas no room.
     pub fn new_discrete_states(&mut self) -> Result<Event, Refusal> {
         self.need(&[Phase::Event], "call fmi2EnterEventMode first")?;
-        let states_changed = self.now.handle_event()?;
+        let states_changed = self.now.kind == Kind::ModelExchange && self.now.handle_event()?;
         self.outputs = None;
         self.warnings.lose_track();
         Ok(Event { states_changed })
@@ -225,9 +232,51 @@ impl Instance {
     /// # Errors
     /// Outside event mode.
     pub fn enter_continuous_time(&mut self) -> Result<(), Refusal> {
+        self.need_exchange()?;
         self.need(&[Phase::Event], "continuous-time mode is entered from event mode")?;
         self.phase = Phase::Continuous;
         Ok(())
+    }
+
+    /// `fmi3EnterStepMode`.
+    ///
+    /// # Errors
+    /// Outside event mode of co-simulation.
+    pub fn enter_step(&mut self) -> Result<(), Refusal> {
+        if self.now.kind == Kind::ModelExchange {
+            return Err(Refusal::NotOffered { what: "this instance is for Model Exchange: it has no step mode" });
+        }
+        self.need(&[Phase::Event], "step mode is entered from event mode")?;
+        self.phase = Phase::Step;
+        Ok(())
+    }
+
+    /// As [`Instance::do_step`], but no further than to the first event; whether there was one. An event is located to a
+    /// billionth of the step, on its far side.
+    ///
+    /// # Errors
+    /// As for a step.
+    pub fn do_step_to_event(&mut self, point: f64, h: f64) -> Result<bool, Refusal> {
+        let mut before = self.now.clone();
+        before.time = point;
+        let sides = self.now.signs();
+        self.do_step(point, h)?;
+        let (Ok(sides), Ok(after)) = (sides, self.now.signs()) else { return Ok(false) };
+        if sides == after {
+            return Ok(false);
+        }
+        let (mut low, mut high) = (0.0, h);
+        while high - low > 1e-9 * h {
+            let middle = 0.5 * (low + high);
+            let mut trial = before.clone();
+            let passed = trial.step(middle).is_err() || trial.signs().is_ok_and(|there| there != sides);
+            if passed { high = middle } else { low = middle }
+        }
+        before.step(high)?;
+        self.now = before;
+        self.outputs = None;
+        self.warnings.lose_track();
+        Ok(true)
     }
 
     /// `fmi2CompletedIntegratorStep`.
@@ -307,6 +356,15 @@ impl Instance {
         let indicators: &mut [f64; CORNERS] = indicators.try_into().map_err(|_| wrong_length("ni", length, CORNERS))?;
         *indicators = self.now.indicators()?;
         Ok(())
+    }
+
+    /// One event indicator, as a variable of FMI 3.0.
+    ///
+    /// # Errors
+    /// Before initialization mode; states that make no gas.
+    pub fn indicator(&self, index: usize) -> Result<f64, Refusal> {
+        self.need(&Phase::KNOWN, "event indicators exist from initialization mode on")?;
+        Ok(self.now.indicators()?[index])
     }
 
     /// `fmi2GetNominalsOfContinuousStates`.
@@ -576,10 +634,7 @@ impl Instance {
         direction: &[f64],
         values: &mut [f64],
     ) -> Result<(), Refusal> {
-        self.need(
-            &[Phase::Initialization, Phase::Step, Phase::Event, Phase::Continuous, Phase::Terminated],
-            "directional derivatives exist from initialization mode on",
-        )?;
+        self.need(&Phase::KNOWN, "directional derivatives exist from initialization mode on")?;
         let seed = self.seed(known, direction)?;
         for &reference in unknown {
             let variable = real(reference)?;

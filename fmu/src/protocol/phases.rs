@@ -12,7 +12,7 @@ pub enum Phase {
     Step = 2,
     /// After termination.
     Terminated = 3,
-    /// In event mode of Model Exchange.
+    /// In event mode.
     Event = 4,
     /// In continuous-time mode of Model Exchange.
     Continuous = 5,
@@ -30,6 +30,9 @@ impl Phase {
     /// Where variables can be set.
     pub const SETTABLE: [Phase; 5] =
         [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Event, Phase::Continuous];
+    /// Where outputs are known.
+    pub const KNOWN: [Phase; 5] =
+        [Phase::Initialization, Phase::Step, Phase::Event, Phase::Continuous, Phase::Terminated];
     /// Where a host that integrates asks for states, rates and indicators.
     pub const EXCHANGE: [Phase; 4] = [Phase::Initialization, Phase::Event, Phase::Continuous, Phase::Terminated];
 

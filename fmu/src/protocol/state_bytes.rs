@@ -218,7 +218,7 @@ fn makes_sense(snapshot: &Snapshot) -> bool {
     });
     let of_its_kind = match phase {
         Phase::Step => s.kind == Kind::CoSimulation,
-        Phase::Event | Phase::Continuous => s.kind == Kind::ModelExchange,
+        Phase::Continuous => s.kind == Kind::ModelExchange,
         _ => true,
     };
     // A host that integrates may have set any states.

@@ -11,6 +11,9 @@ use chamber::effects;
 use std::sync::LazyLock;
 use units::Quantity;
 
+/// Communication step that the descriptions propose, s.
+pub const STEP_S: f64 = 1e-3;
+
 /// What a variable stands for; indices are places among its like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
