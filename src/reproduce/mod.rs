@@ -1,6 +1,5 @@
 //! What `pneutherm reproduce` writes: the paper's numbers from its own tables, ours beside them.
 
-mod document;
 mod figures;
 mod geometry_effect;
 mod reference_pressure;
@@ -10,10 +9,10 @@ mod tables;
 mod trend;
 
 use anyhow::{Context, Result};
-use document::Block;
 use fmu::package::Version;
 use fmu::package::identity::Identity;
 use paper::section31::Timing;
+use report::Block;
 use std::path::{Path, PathBuf};
 use studies::Law;
 
@@ -66,7 +65,7 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
             out.text(file, svg)?;
         }
     }
-    out.text("report.html", &document::page(TITLE, LEAD, &sections))?;
+    out.text("report.html", &report::page::page(TITLE, LEAD, &sections))?;
     Ok(out.written)
 }
 
