@@ -4,6 +4,7 @@
 //! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do.
 
 mod commands;
+mod diagnosis_page;
 pub mod evaluation;
 mod failure;
 mod output;

@@ -99,8 +99,8 @@ const LABEL_PX: f64 = 12.0;
 const TITLE_PX: f64 = 13.5;
 const ROW_PX: f64 = 18.0;
 const DIGIT_PX: f64 = 6.6;
-/// Points beyond this are thinned to the extremes of each stretch.
-const MOST_POINTS: usize = 700;
+/// Points beyond so many a px of the chart's width are thinned to the extremes of each stretch.
+const POINTS_A_PX: f64 = 1.0;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
@@ -113,7 +113,8 @@ fn failed(error: impl std::fmt::Display) -> Error {
 }
 
 fn text(px: f64) -> TextStyle<'static> {
-    TextStyle::from((FONT, px * UNITS).into_font()).color(&INK)
+    // `plotters` takes the size of a line of text, 1.24 times that of the letters.
+    TextStyle::from((FONT, 1.24 * px * UNITS).into_font()).color(&INK)
 }
 
 impl Chart<'_> {
@@ -148,7 +149,7 @@ impl Chart<'_> {
         }
         let longest = y.texts.iter().map(|t| t.chars().count()).max().unwrap_or(0) as f64;
         let left = 14.0 + DIGIT_PX * longest + if self.y.name.is_empty() { 0.0 } else { 18.0 };
-        let bottom = if self.x.name.is_empty() { 24.0 } else { 42.0 };
+        let bottom = if self.x.name.is_empty() { 22.0 } else { 38.0 };
         let mut chart = ChartBuilder::on(area)
             .margin_top(units(top))
             .margin_right(units(16.0))
@@ -176,11 +177,12 @@ impl Chart<'_> {
             .set_all_tick_mark_size(units(3.0))
             .draw()
             .map_err(failed)?;
+        let most = (POINTS_A_PX * f64::from(self.size.0)) as usize;
         for series in &self.series {
             let placed = |p: &(f64, f64)| (self.x.place(p.0), self.y.place(p.1));
             let within = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && p.0 >= x.range[0] && p.0 <= x.range[1];
             let points: Vec<(f64, f64)> = series.points.iter().map(placed).filter(within).collect();
-            draw_series(area, &mut chart, series, points)?;
+            draw_series(area, &mut chart, series, thinned(points, most))?;
         }
         for (x, y, words) in &self.texts {
             let (right, down) = on(area, &chart, (self.x.place(*x), self.y.place(*y)));
@@ -312,22 +314,22 @@ fn draw_series(
     let stroke = |px: f64| ShapeStyle { color: colour.mix(1.0), filled: false, stroke_width: units(px) as u32 };
     match series.mark {
         Mark::Line(px) => {
-            chart.draw_series(LineSeries::new(thinned(points), stroke(px))).map_err(failed)?;
+            chart.draw_series(LineSeries::new(points, stroke(px))).map_err(failed)?;
         }
         Mark::Beneath(px) => {
             let style = ShapeStyle { color: colour.mix(0.35), ..stroke(px) };
-            chart.draw_series(LineSeries::new(thinned(points), style)).map_err(failed)?;
+            chart.draw_series(LineSeries::new(points, style)).map_err(failed)?;
         }
         Mark::Dashed(px) => {
             let (dash, gap) = (units(6.0), units(4.0));
-            chart.draw_series(DashedLineSeries::new(thinned(points), dash, gap, stroke(px))).map_err(failed)?;
+            chart.draw_series(DashedLineSeries::new(points, dash, gap, stroke(px))).map_err(failed)?;
         }
         Mark::Segments(px) => {
             let parts = points.chunks_exact(2).map(|pair| PathElement::new(pair.to_vec(), stroke(px)));
             chart.draw_series(parts).map_err(failed)?;
         }
         Mark::Dots(_) | Mark::Rings(_) | Mark::Triangles(_) | Mark::Squares(..) | Mark::Diamonds(..) => {
-            for p in thinned(points) {
+            for p in points {
                 for shape in marker(series, on(area, chart, p)) {
                     area.draw(&shape).map_err(failed)?;
                 }
@@ -372,7 +374,7 @@ fn key(area: &Area<'_>, series: &Series<'_>, (left, middle): (f64, f64)) -> Resu
     let line = |from: f64, to: f64, px: f64, strength: f64| {
         let ends = [(units(left + from), units(middle)), (units(left + to), units(middle))];
         let color = colour.mix(strength);
-        area.draw(&PathElement::new(ends, ShapeStyle { color, filled: false, stroke_width: units(px) as u32 }))
+        area.draw(&PathElement::new(ends, ShapeStyle { color, filled: false, stroke_width: units(px.max(1.5)) as u32 }))
             .map_err(failed)
     };
     match series.mark {
@@ -392,12 +394,12 @@ fn key(area: &Area<'_>, series: &Series<'_>, (left, middle): (f64, f64)) -> Resu
     }
 }
 
-/// At most [`MOST_POINTS`], keeping the smallest and largest of each stretch.
-fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    if points.len() <= MOST_POINTS {
+/// At most so many, keeping the smallest and largest of each stretch.
+fn thinned(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
+    if points.len() <= most {
         return points;
     }
-    let size = points.len().div_ceil(MOST_POINTS / 2);
+    let size = points.len().div_ceil((most / 2).max(1));
     points
         .chunks(size)
         .flat_map(|chunk| {
@@ -418,8 +420,8 @@ mod tests {
         let mut points: Vec<(f64, f64)> = (0..10_000).map(|k| (f64::from(k), 0.0)).collect();
         points[4321].1 = 7.0;
         points[8765].1 = -3.0;
-        let few = thinned(points);
-        assert!(few.len() <= MOST_POINTS + 2);
+        let few = thinned(points, 700);
+        assert!(few.len() <= 702);
         assert!(few.contains(&(4321.0, 7.0)) && few.contains(&(8765.0, -3.0)));
     }
 

@@ -98,13 +98,15 @@ fn html_table(table: &Table) -> String {
     )
 }
 
-/// An SVG whose size follows the page's width.
+/// An SVG within HTML, whose size follows the page's width.
 fn scalable(svg: &str) -> String {
     let Some(begin) = svg.find("<svg") else { return svg.to_owned() };
     let svg = &svg[begin..];
     let (head, rest) = svg.split_at(svg.find('>').unwrap_or(0));
-    let kept: Vec<&str> =
-        head.split(' ').filter(|part| !part.starts_with("width=") && !part.starts_with("height=")).collect();
+    let kept: Vec<&str> = head
+        .split(' ')
+        .filter(|part| !["width=", "height=", "xmlns="].iter().any(|dropped| part.starts_with(dropped)))
+        .collect();
     format!("{}{rest}", kept.join(" "))
 }
 
@@ -149,6 +151,6 @@ mod tests {
     #[test]
     fn an_inlined_drawing_scales_with_the_page() {
         let svg = scalable("<?xml?>\n<svg width=\"9\" height=\"5\" viewBox=\"0 0 9 5\" xmlns=\"x\">\n<g/></svg>");
-        assert_eq!(svg, "<svg viewBox=\"0 0 9 5\" xmlns=\"x\">\n<g/></svg>");
+        assert_eq!(svg, "<svg viewBox=\"0 0 9 5\">\n<g/></svg>");
     }
 }

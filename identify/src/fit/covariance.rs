@@ -6,8 +6,8 @@
 
 use crate::fit::Fit;
 use crate::parameters::Axis;
-use crate::report::number;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use report::digits;
 use serde::Serialize;
 
 /// A number with its 95 % interval.
@@ -24,7 +24,7 @@ pub struct Estimate {
 impl Estimate {
     /// Its interval, for people.
     pub fn interval(&self) -> String {
-        format!("{} … {}", number(self.ci95[0], 5), number(self.ci95[1], 5))
+        format!("{} … {}", digits(self.ci95[0], 5), digits(self.ci95[1], 5))
     }
 }
 
@@ -43,7 +43,7 @@ impl Undetermined {
         let parts: Vec<String> = self.parameters.iter().map(|(name, share)| format!("{share:+.2} {name}")).collect();
         let how = match self.relative_deviation {
             far if far > 100.0 => "not at all".to_owned(),
-            near => format!("relative deviation {}", number(near, 2)),
+            near => format!("relative deviation {}", digits(near, 2)),
         };
         format!("{} ({how})", parts.join(" "))
     }

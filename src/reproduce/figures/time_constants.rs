@@ -16,15 +16,16 @@ pub fn draw(effect: &GeometryEffect) -> Result<String> {
     let (before, after) = (ratios(ONE_LAMBDA0, -0.1)?, ratios(COLUMN_HALF, 0.1)?);
     let stems = |points: &[(f64, f64)]| points.iter().flat_map(|p| [(p.0, 1.0), *p]).collect::<Vec<_>>();
     let last = effect.points.len() as f64 - 0.5;
-    let tests = effect.points.iter().enumerate().map(|(i, p)| {
-        (i as f64, format!("{}{}: {:.0} mm, {} s", p.experiment, p.actuator, p.column_m * 1e3, p.time_constant_s))
-    });
+    let tests = effect
+        .points
+        .iter()
+        .enumerate()
+        .map(|(i, p)| (i as f64, format!("{}{}: {:.0} mm", p.experiment, p.actuator, p.column_m * 1e3)));
     let chart = Chart {
         title: "Time constant of an actuator predicted from the other two",
         x: Axis {
             named: tests.collect(),
-            ..Axis::new("experiment and actuator, with the length of its gas column and its measured time constant")
-                .over(-0.5, last)
+            ..Axis::new("experiment and actuator, with the length of its gas column").over(-0.5, last)
         },
         y: Axis::new("predicted τ / measured τ"),
         series: vec![
