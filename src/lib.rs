@@ -12,6 +12,7 @@ mod output;
 mod reference;
 mod reproduce;
 pub mod simulation;
+mod validation_page;
 
 pub use failure::sentence;
 

@@ -2,7 +2,7 @@
 
 mod drawings;
 mod meaning;
-mod quantities;
+pub mod quantities;
 mod spectrum;
 
 use chamber::effects;
