@@ -97,21 +97,27 @@ impl Inputs {
         values
     }
 
-    /// Inputs a step later: derivatives are spent, present values are where they led.
-    pub fn after(&self, h: f64) -> Self {
-        let mut next = self.clone();
+    /// Goes a step of `h` seconds on: derivatives are spent, present values are where they led.
+    pub fn advance(&mut self, h: f64) {
         if self.is_plain() {
-            next.now = self.value;
-            next.now[input::POSITION] += self.value[input::VELOCITY] * h;
-            next.rate = [0.0; INPUTS];
+            self.now = self.value;
+            self.now[input::POSITION] += self.value[input::VELOCITY] * h;
+            self.rate = [0.0; INPUTS];
+            self.rate[input::POSITION] = self.now[input::VELOCITY];
         } else {
-            next.now = core::array::from_fn(|i| self.at(i, h));
-            next.rate = core::array::from_fn(|i| self.rate_at(i, h));
-            (next.now[input::POSITION], next.now[input::VELOCITY]) = self.stroke(h);
-            if self.led[input::POSITION] {
-                let [_, second, third] = self.derivative[input::POSITION];
-                next.rate[input::VELOCITY] = second + h * third;
-            }
+            *self = self.led_on(h);
+        }
+    }
+
+    /// Inputs a step later where derivatives led them.
+    fn led_on(&self, h: f64) -> Self {
+        let mut next = self.clone();
+        next.now = core::array::from_fn(|i| self.at(i, h));
+        next.rate = core::array::from_fn(|i| self.rate_at(i, h));
+        (next.now[input::POSITION], next.now[input::VELOCITY]) = self.stroke(h);
+        if self.led[input::POSITION] {
+            let [_, second, third] = self.derivative[input::POSITION];
+            next.rate[input::VELOCITY] = second + h * third;
         }
         next.rate[input::POSITION] = next.now[input::VELOCITY];
         next.derivative = [[0.0; ORDERS]; INPUTS];
@@ -193,7 +199,9 @@ mod tests {
     fn without_derivatives_the_velocity_moves_the_piston() {
         let b = moving().values(0.5);
         assert_eq!((b[input::POSITION], b[input::VELOCITY]), (0.2, 0.2));
-        assert_eq!(moving().after(0.5).now[input::POSITION], 0.2);
+        let mut later = moving();
+        later.advance(0.5);
+        assert_eq!(later.now[input::POSITION], 0.2);
     }
 
     #[test]
@@ -202,7 +210,8 @@ mod tests {
         u.set_derivative(input::POSITION, 1, -0.04);
         u.set_derivative(input::POSITION, 2, 0.02);
         assert_eq!(u.stroke(1.0), (0.1 - 0.04 + 0.01, -0.04 + 0.02));
-        let next = u.after(1.0);
+        let mut next = u.clone();
+        next.advance(1.0);
         assert_eq!(next.now[input::VELOCITY], -0.02);
         assert_eq!(next.rate[input::VELOCITY], 0.02);
         assert!(next.is_plain());

@@ -244,7 +244,7 @@ impl Simulation {
         match self.gas.after(&self.plant, &self.inputs, time, h, record) {
             Ok(gas) => {
                 self.gas = gas;
-                self.inputs = self.inputs.after(h);
+                self.inputs.advance(h);
                 self.inputs.now[input::POSITION] = self.gas.position;
                 self.time = time + h;
                 if let Some(record) = &mut self.record {

@@ -112,8 +112,9 @@ impl Gas {
         let bare = plant.set.is_empty() && !ports;
         let closed = [input::MASS_FLOW_IN, input::MASS_FLOW_OUT].iter().all(|&i| inputs.value[i] == 0.0);
         let no_step = |e: IntegrationError| Fault::no_step(h, time, e);
-        let course = Course { plant, inputs, motion, h, inner_step: self.inner_step };
-        let mut gas = if bare && closed && inputs.is_plain() && speed == 0.0 && begin == end {
+        let is_straight = inputs.is_plain() && motion.is_straight(h);
+        let course = Course { plant, inputs, motion, h, inner_step: self.inner_step, is_straight };
+        let mut gas = if bare && closed && is_straight && speed == 0.0 {
             let states = course.held(states, begin);
             Gas { states, position: end, inner_step: self.inner_step, port_flows: Some([0.0; 4]) }
         } else {
@@ -163,6 +164,8 @@ struct Course<'a> {
     motion: Motion<'a>,
     h: f64,
     inner_step: f64,
+    /// Whether only the position changes within the step, and that linearly.
+    is_straight: bool,
 }
 
 impl Course<'_> {
@@ -173,7 +176,7 @@ impl Course<'_> {
         let volume = chamber.geometry.volume(position);
         let temperature = states[ENERGY] / (states[MASS] * cv);
         let pressure = (chamber.gas.heat_capacity_ratio - 1.0) * states[ENERGY] / volume;
-        let wall = self.wall(&self.boundary_at(0.0).0);
+        let wall = self.wall();
         let later = Closed::filled(chamber, pressure, temperature, volume, wall).held(temperature, volume, self.h);
         let energy = states[MASS] * cv * later;
         states[HEAT] += energy - states[ENERGY];
@@ -182,12 +185,9 @@ impl Course<'_> {
     }
 
     /// Wall temperature without effects, K.
-    fn wall(&self, boundary: &Boundary) -> f64 {
-        if self.plant.choices.external_wall {
-            self.inputs.value[input::WALL_TEMPERATURE]
-        } else {
-            boundary.ambient_temperature
-        }
+    fn wall(&self) -> f64 {
+        let place = if self.plant.choices.external_wall { input::WALL_TEMPERATURE } else { input::AMBIENT_TEMPERATURE };
+        self.inputs.value[place]
     }
 
     /// What is imposed `s` seconds into the step; ports as if they were open.
@@ -198,16 +198,16 @@ impl Course<'_> {
         (inputs::boundary(&u), around)
     }
 
-    /// Whether only the position changes within the step, and that linearly.
-    fn is_straight(&self) -> bool {
-        self.inputs.is_plain() && self.motion.is_straight(self.h)
+    /// What is imposed at the begin of the step, with the inputs as they were set.
+    fn boundary_at_begin(&self) -> Boundary {
+        let (position, velocity) = self.motion.at(0.0);
+        Boundary { position, velocity, ..inputs::boundary(&self.inputs.value) }
     }
 
     /// Mass and energy, with heat and work.
     fn gas_alone(&self, states: [f64; ALL]) -> Result<Outcome, IntegrationError> {
-        if self.is_straight() {
-            let (mut start, _) = self.boundary_at(0.0);
-            start.ambient_temperature = self.wall(&start);
+        if self.is_straight {
+            let start = Boundary { ambient_temperature: self.wall(), ..self.boundary_at_begin() };
             self.gas_along(states, move |s| Boundary { position: start.position + start.velocity * s, ..start })
         } else {
             self.gas_along(states, |s| {
@@ -249,8 +249,9 @@ impl Course<'_> {
         time: f64,
         record: Option<(&mut Record, f64)>,
     ) -> Result<Outcome, IntegrationError> {
-        if self.is_straight() {
-            let (start, around) = self.boundary_at(0.0);
+        if self.is_straight {
+            let (start, u) = (self.boundary_at_begin(), &self.inputs.value);
+            let around = Around::of(u, self.plant.choices.external_wall, Some(self.plant.critical_ratios));
             let along = move |s: f64| (Boundary { position: start.position + start.velocity * s, ..start }, around);
             self.all_along::<N>(states, time, record, along)
         } else {
@@ -328,7 +329,7 @@ impl Course<'_> {
         let mut run = Integrator::new(0.0, states, tolerance);
         run.step = self.inner_step;
         run.max_steps = MAX_INNER_STEPS;
-        if !self.is_straight() {
+        if !self.is_straight {
             let (breaks, count) = self.breaks();
             for &until in &breaks[..count] {
                 run.advance(&rates, until, &mut on_step)?;

@@ -106,14 +106,18 @@ impl Warnings {
         }
         let states = &now.gas.states;
         let chamber = &now.plant.balance.chamber;
-        let pressure = now.plant.balance.expansion * states[ENERGY] / chamber.geometry.volume(position);
-        if pressure > HIGHEST_PRESSURE_PA {
+        let (scaled, volume) = (now.plant.balance.expansion * states[ENERGY], chamber.geometry.volume(position));
+        // Compared as products: a step need not wait for divisions.
+        if scaled > HIGHEST_PRESSURE_PA * volume {
+            let pressure = scaled / volume;
             self.once(Warning::Pressure, tell, || {
                 format!("t = {time} s: {pressure:.3e} Pa is beyond {HIGHEST_PRESSURE_PA:.0e} Pa, where this model is not valid; check position, flows and deadVolume")
             });
         }
-        let temperature = states[ENERGY] / states[MASS] * now.plant.balance.per_cv;
-        if !TEMPERATURES_K.contains(&temperature) {
+        let (kelvin, mass) = (states[ENERGY] * now.plant.balance.per_cv, states[MASS]);
+        let (coldest, hottest) = (TEMPERATURES_K.start() * mass, TEMPERATURES_K.end() * mass);
+        if kelvin < coldest || kelvin > hottest {
+            let temperature = kelvin / mass;
             self.once(Warning::Temperature, tell, || {
                 let (low, high) = (TEMPERATURES_K.start(), TEMPERATURES_K.end());
                 format!("t = {time} s: a gas at {temperature:.1} K is outside {low} to {high} K, where this model is not valid")
