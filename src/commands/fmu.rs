@@ -46,7 +46,8 @@ fn version(text: &str) -> Result<Version, String> {
 
 /// Reads the model, writes the FMU.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let model = Model::read(&args.model)?;
+    let mut model = Model::read(&args.model)?;
+    let left_out = model.leave_out_recorded_stroke();
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
     let identity = Identity::of(name.unwrap_or("Chamber"));
     let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?)
@@ -58,6 +59,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let (path, platforms) = (args.output.display(), platforms.join(", "));
         let told = format!("{path}: FMI {version}, Model Exchange and co-simulation, for {platforms}\n");
         output::print(told.as_bytes())?;
+        if let Some(note) = output::left_out(left_out) {
+            output::print(note.as_bytes())?;
+        }
         if let Some(doubt) = doubt(&model) {
             output::print(format!("{doubt}\n").as_bytes())?;
         }
@@ -135,7 +139,8 @@ fn starts(model: &Model) -> Starts {
     real[parameter::ROD_DIAMETER] = model.rod_m;
     real[parameter::DEAD_VOLUME] = chamber.geometry.dead_volume;
     real[parameter::INITIAL_PRESSURE] = model.ambient_pressure_pa;
-    real[parameter::INITIAL_TEMPERATURE] = model.ambient_temperature_k;
+    real[parameter::INITIAL_TEMPERATURE] =
+        chamber::effects::rest_temperature(&chamber.effects, model.ambient_temperature_k);
     real[parameter::LAMBDA0] = chamber.heat_transfer.coefficient;
     real[parameter::REFERENCE_PRESSURE] = chamber.heat_transfer.reference_pressure;
     real[parameter::REFERENCE_TEMPERATURE] = chamber.heat_transfer.reference_temperature;

@@ -139,6 +139,9 @@ fn told(args: &Args, study: &Study, report: &Report, elapsed: Duration) -> Strin
     for (status, count) in &report.statuses {
         let _ = writeln!(text, "{count:>12}  {status}");
     }
+    if let Some(note) = output::left_out(study.left_out) {
+        text += &note;
+    }
     let _ = match report.complete {
         true => writeln!(text, "all {} parts are there: manifest.json is written", study.parts),
         false => writeln!(text, "parts of other shards are still missing: manifest.json is not written yet"),

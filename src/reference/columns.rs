@@ -34,7 +34,10 @@ fn page() -> String {
     page += "\n## What a study can vary\n\nBy the dotted name, or its last part where that is unambiguous.\n\n";
     page += &table(
         ["quantity", "unit", "values", ""],
-        quantity::all().iter().map(|q| [code(&q.name), q.unit.to_owned(), q.allowed.to_string(), q.doc.to_owned()]),
+        (0..)
+            .zip(quantity::all())
+            .filter(|(place, _)| !quantity::is_of_recorded_stroke(*place))
+            .map(|(_, q)| [code(&q.name), q.unit.to_owned(), q.allowed.to_string(), q.doc.to_owned()]),
     );
     page
 }

@@ -128,7 +128,7 @@ const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
     (Base::InitialStroke, "test.initial_stroke_m", "m", AtLeast(0.0), "Piston position before the push"),
     (Base::FinalStroke, "test.final_stroke_m", "m", AtLeast(0.0), "Piston position after the push"),
     (Base::PushTime, "test.push_time_s", "s", Above(0.0), "Duration of the push, a linear ramp"),
-    (Base::InitialTemperature, "test.initial_temperature_k", "K", Above(0.0), "Gas temperature before the push; that of the surroundings unless given"),
+    (Base::InitialTemperature, "test.initial_temperature_k", "K", Above(0.0), "Gas temperature before the push; that of the wall at rest unless given"),
     (Base::MassFlowIn, "test.mass_flow_in_kg_per_s", "kg/s", AtLeast(0.0), "Constant flow into the chamber; 0 unless given"),
     (Base::TemperatureIn, "test.temperature_in_k", "K", Above(0.0), "Temperature of the flow into the chamber; that of the surroundings unless given"),
     (Base::MassFlowOut, "test.mass_flow_out_kg_per_s", "kg/s", AtLeast(0.0), "Constant flow out of the chamber; 0 unless given"),
@@ -173,21 +173,31 @@ pub enum NotFound {
     Ambiguous(Vec<&'static str>),
     /// None does; perhaps this one was meant.
     Unknown(Option<&'static str>),
+    /// It belongs to an effect that acts on the record of a stroke, and a test's stroke is the true one.
+    OfRecordedStroke,
 }
 
 /// Place of the quantity of that dotted name, or of the only one whose name ends with these parts.
 pub fn find(name: &str) -> Result<usize, NotFound> {
     let list = all();
     if let Some(exact) = list.iter().position(|q| q.name == name) {
-        return Ok(exact);
+        return if is_of_recorded_stroke(exact) { Err(NotFound::OfRecordedStroke) } else { Ok(exact) };
     }
     let ends = |q: &Quantity| q.name.strip_suffix(name).is_some_and(|rest| rest.ends_with('.'));
-    let found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i])).collect();
+    let found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i]) && !is_of_recorded_stroke(i)).collect();
     match found[..] {
         [one] => Ok(one),
         [] => Err(NotFound::Unknown(nearest(name))),
         _ => Err(NotFound::Ambiguous(found.into_iter().map(|i| list[i].name.as_str()).collect())),
     }
+}
+
+/// Whether the quantity at that place is of no meaning here, where no stroke is recorded.
+pub fn is_of_recorded_stroke(place: usize) -> bool {
+    place.checked_sub(BASE).is_some_and(|parameter| {
+        let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
+        effects::of_recorded_stroke().has(effect)
+    })
 }
 
 /// The known name most like this one, among the dotted ones or their last parts, as the writer seems to prefer.
@@ -217,8 +227,8 @@ mod tests {
         assert_eq!(find("bore_m"), Ok(Base::Bore as usize));
         assert_eq!(find("chamber.bore_m"), find("bore_m"));
         assert_eq!(find("volume_to_area_m"), Ok(Base::VolumeToArea as usize));
-        assert_eq!(find("conductance_m3_per_s_pa"), find("effect.leakage.conductance_m3_per_s_pa"));
-        assert_eq!(find("leakage.critical_pressure_ratio"), find("critical_pressure_ratio"));
+        assert_eq!(find("extra_area_m2"), find("effect.dead_volume_surface.extra_area_m2"));
+        assert_eq!(find("leakage.critical_pressure_ratio"), find("effect.leakage.critical_pressure_ratio"));
     }
 
     #[test]
@@ -236,12 +246,15 @@ mod tests {
     }
 
     #[test]
-    fn every_parameter_of_every_effect_can_be_varied() {
+    fn every_parameter_of_every_effect_can_be_varied_but_for_those_of_a_recorded_stroke() {
         for (index, card) in effects::all() {
             for (offset, p) in card.parameters.iter().enumerate() {
-                let place = find(&format!("effect.{}.{}", card.name, p.key())).unwrap();
-                assert_eq!(place, BASE + effects::PARAMETER_OFFSETS[index] + offset);
+                let place = BASE + effects::PARAMETER_OFFSETS[index] + offset;
+                let expected =
+                    if effects::of_recorded_stroke().has(index) { Err(NotFound::OfRecordedStroke) } else { Ok(place) };
+                assert_eq!(find(&format!("effect.{}.{}", card.name, p.key())), expected);
             }
         }
+        assert_eq!(find("delay_s"), find("effect.record_delay.delay_s"));
     }
 }

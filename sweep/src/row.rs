@@ -144,7 +144,12 @@ pub fn set_scenario(study: &Study, point: &Point, scenario: &mut Scenario) -> Re
     scenario.final_position_m = get(Base::FinalStroke);
     scenario.push_time_s = get(Base::PushTime);
     scenario.hold = Hold::Duration(get(Base::Duration));
-    scenario.initial_temperature_k = or_ambient(get(Base::InitialTemperature));
+    let initial_temperature = get(Base::InitialTemperature);
+    scenario.initial_temperature_k = if initial_temperature.is_nan() {
+        effects::rest_temperature(&scenario.chamber.effects, get(Base::AmbientTemperature))
+    } else {
+        initial_temperature
+    };
     scenario.ambient_temperature_k = get(Base::AmbientTemperature);
     scenario.ambient_pressure_pa = get(Base::AmbientPressure);
     scenario.mass_flow_in_kg_per_s = get(Base::MassFlowIn);
@@ -184,19 +189,21 @@ pub fn final_geometry(scenario: &Scenario) -> (f64, f64) {
     (volume, geometry.heat_transfer_area(volume))
 }
 
-/// τ_f = m cv/(λ(Pf, Tamb) Aq), s, with Pf the pressure of all the gas at ambient temperature after the push and
+/// τ_f = m cv/(λ(Pf, Tw) Aq), s, with Pf the pressure of all the gas at the wall's temperature at rest after the push and
 /// λ with its effects but natural convection, which has no value without a temperature difference.
 pub fn final_time_constant(scenario: &Scenario) -> f64 {
     let chamber = &scenario.chamber;
     let ambient = scenario.ambient_temperature_k;
+    let rest = effects::rest_temperature(&chamber.effects, ambient);
     let mass = scenario.initial_pressure_pa * chamber.geometry.volume(scenario.initial_position_m)
         / (chamber.gas.gas_constant * scenario.initial_temperature_k);
     let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
-    let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * ambient);
+    let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * rest);
     let natural = effects::find("natural_convection").map(|(index, _)| index);
     let set: EffectSet = chamber.active().iter().filter(|index| Some(*index) != natural).collect();
     let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-    mass * chamber.gas.cv() / (coefficient * final_geometry(scenario).1)
+    let area = effects::heat_transfer_area(set, &chamber.effects, final_geometry(scenario).1);
+    mass * chamber.gas.cv() / (coefficient * area)
 }
 
 /// Gas volume over heat transfer area at a stroke.

@@ -2,9 +2,8 @@
 
 use super::identity::Identity;
 use crate::plant::values::Starts;
-use crate::table::{Role, Variable, camel, settable, table};
+use crate::table::{Role, Variable, camel, effects_here, settable, table};
 use crate::xml::{escaped, number};
-use chamber::effects;
 use std::fmt::Write;
 
 /// The FMU's icon.
@@ -96,7 +95,7 @@ fn row(variable: &Variable, start: &Starts, about: &About) -> String {
 
 fn effects_table() -> String {
     let mut rows = String::new();
-    for (_, card) in effects::all() {
+    for (_, card) in effects_here() {
         let name = camel(card.name);
         let equation = escaped(card.equation);
         let _ = writeln!(

@@ -6,7 +6,7 @@
 use super::values::{Parameters, parameter};
 use chamber::Chamber;
 use chamber::balance::{self, Boundary, ENERGY, STATES};
-use chamber::card::Balance;
+use chamber::card::{Balance, Card};
 use chamber::effects::{self, EffectSet};
 use chamber::integrate::{IntegrationError, Integrator, Tolerance};
 use chamber::real::Scalar;
@@ -54,7 +54,7 @@ const INSTANT_S: f64 = 1e-15;
 
 /// The states once the piston is moved at once from one position to another: adiabatically, with no flow.
 ///
-/// U V^(γ−1) stays; where an effect stores gas or has states that follow the pressure, its own equations are integrated
+/// U V^(γ−1) stays; where an effect stores gas, has states or makes heat capacities vary, its own equations are integrated
 /// along the stroke.
 ///
 /// # Errors
@@ -101,10 +101,10 @@ pub fn jump<R: Scalar>(
     Ok(with_sums(&gas, states[HEAT], run.state[STATES], states[TRAVEL]))
 }
 
-/// Whether an effect in the set stores gas or has states of its own.
+/// Whether an effect in the set stores gas, has states of its own or makes heat capacities vary.
 fn follows_pressure(set: EffectSet) -> bool {
-    !set.is_empty()
-        && effects::all().any(|(i, card)| set.has(i) && (card.balance == Balance::Volume || !card.states.is_empty()))
+    let moves = |card: &Card| card.balance == Balance::Volume || !card.states.is_empty();
+    !set.intersection(effects::CALORIC).is_empty() || effects::all().any(|(i, card)| set.has(i) && moves(card))
 }
 
 #[cfg(test)]

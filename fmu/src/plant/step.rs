@@ -361,7 +361,7 @@ const MOST_BREAKS: usize = 9;
 /// What the sensor shows before delay and drift, Pa.
 pub fn reading(plant: &Plant, boundary: &Boundary, states: &[f64; STATES]) -> f64 {
     let contents = plant.balance.contents(boundary, states);
-    let at = plant.balance.conditions(boundary, &contents);
+    let at = plant.balance.conditions(plant.set, boundary, &contents);
     let own: [f64; OWN_STATES] = core::array::from_fn(|i| states[OWN + i]);
     effects::reading(plant.set, &plant.balance.chamber.effects, &own, at.pressure, 0.0)
 }

@@ -7,6 +7,7 @@ pub mod units;
 use crate::plant::states::{ALL, HEAT, TRAVEL, WORK};
 use crate::plant::values::{BASE, Choice, INPUTS, OUTPUTS, Starts, output, parameter};
 use chamber::balance::{ENERGY, MASS, STATES};
+use chamber::card::{ActsOn, Card};
 use chamber::effects;
 use std::sync::LazyLock;
 use units::Quantity;
@@ -505,8 +506,13 @@ fn push(table: &mut Vec<Variable>, rows: &[Row], variability: Variability, role:
     }
 }
 
+/// The effects that an FMU has: all but those on a record of the stroke, as here the stroke is the true one.
+pub fn effects_here() -> impl Iterator<Item = (usize, &'static Card)> {
+    effects::all().filter(|(_, card)| card.acts_on != ActsOn::RecordedStroke)
+}
+
 fn effect_parameters(table: &mut Vec<Variable>) {
-    for (index, card) in effects::all() {
+    for (index, card) in effects_here() {
         for (i, p) in card.parameters.iter().enumerate() {
             table.push(Variable {
                 name: format!("{}.{}", camel(card.name), camel(p.name)),
@@ -612,7 +618,12 @@ mod tests {
     fn real_parameters_stand_in_the_order_of_their_places() {
         let parameters: Vec<_> =
             table().iter().filter_map(|v| if let Role::Parameter(i) = v.role { Some(i) } else { None }).collect();
-        assert_eq!(parameters, (0..crate::plant::values::REALS).collect::<Vec<_>>());
+        let of_stroke = |i: usize| {
+            let effect = |i: usize| effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= i) - 1;
+            i.checked_sub(BASE).is_some_and(|i| effects::of_recorded_stroke().has(effect(i)))
+        };
+        let expected = (0..crate::plant::values::REALS).filter(|i| !of_stroke(*i));
+        assert_eq!(parameters, expected.collect::<Vec<_>>());
     }
 
     #[test]

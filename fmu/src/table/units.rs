@@ -35,6 +35,7 @@ pub const UNITS: &[Unit] = &[
     Unit { name: "s", base: Some(&[("s", 1)]), displays: &[display("ms", 1e3)] },
     Unit { name: "m", base: Some(&[("m", 1)]), displays: &[display("mm", 1e3), display("cm", 1e2)] },
     Unit { name: "m/s", base: Some(&[("m", 1), ("s", -1)]), displays: &[display("mm/s", 1e3)] },
+    Unit { name: "m2", base: Some(&[("m", 2)]), displays: &[display("cm2", 1e4)] },
     Unit {
         name: "m3",
         base: Some(&[("m", 3)]),
@@ -57,6 +58,7 @@ pub const UNITS: &[Unit] = &[
     },
     Unit { name: "K", base: Some(&[("K", 1)]), displays: &[Display { name: "degC", factor: 1.0, offset: -273.15 }] },
     Unit { name: "K/s", base: Some(&[("K", 1), ("s", -1)]), displays: &[] },
+    Unit { name: "1/K", base: Some(&[("K", -1)]), displays: &[] },
     Unit { name: "kg", base: Some(&[("kg", 1)]), displays: &[display("g", 1e3), display("mg", 1e6)] },
     Unit {
         name: "kg/s",
@@ -116,10 +118,14 @@ quantities! {
     TIME = "Time", "s", Some("ms"), 1e-2, Some(0.0);
     LENGTH = "Length", "m", Some("mm"), 0.1, None;
     VELOCITY = "Velocity", "m/s", Some("mm/s"), 0.1, None;
+    AREA = "Area", "m2", Some("cm2"), 1e-2, None;
     VOLUME = "Volume", "m3", Some("cm3"), 1e-5, Some(0.0);
     PRESSURE = "AbsolutePressure", "Pa", Some("bar"), 1e5, Some(0.0);
+    PRESSURE_DIFFERENCE = "PressureDifference", "Pa", Some("bar"), 1e3, None;
     PRESSURE_RATE = "PressureRate", "Pa/s", Some("bar/s"), 1e5, None;
     TEMPERATURE = "ThermodynamicTemperature", "K", Some("degC"), 300.0, Some(0.0);
+    TEMPERATURE_DIFFERENCE = "TemperatureDifference", "K", None, 10.0, None;
+    TEMPERATURE_COEFFICIENT = "LinearTemperatureCoefficient", "1/K", None, 1e-4, None;
     TEMPERATURE_RATE = "TemperatureRate", "K/s", None, 100.0, None;
     MASS = "Mass", "kg", Some("g"), 1e-4, Some(0.0);
     MASS_FLOW = "MassFlowRate", "kg/s", Some("g/s"), 1e-3, None;
@@ -143,8 +149,12 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
         card::Unit::One => &DIMENSIONLESS,
         card::Unit::Second => &TIME,
         card::Unit::Metre => &LENGTH,
+        card::Unit::SquareMetre => &AREA,
         card::Unit::CubicMetre => &VOLUME,
         card::Unit::Kelvin => &TEMPERATURE,
+        card::Unit::KelvinDifference => &TEMPERATURE_DIFFERENCE,
+        card::Unit::PerKelvin => &TEMPERATURE_COEFFICIENT,
+        card::Unit::PascalDifference => &PRESSURE_DIFFERENCE,
         card::Unit::Pascal => &PRESSURE,
         card::Unit::PascalPerSecond => &PRESSURE_RATE,
         card::Unit::JoulePerKelvin => &HEAT_CAPACITY,

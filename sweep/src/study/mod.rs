@@ -6,7 +6,7 @@ mod section;
 use crate::design::Design;
 use crate::error::Error;
 use crate::quantity::{self, Base, Point};
-use chamber::effects::PARAMETERS;
+use chamber::effects::{EffectSet, PARAMETERS};
 use ensemble::Solver;
 use records::Model;
 use serde_json::{Map, Value, json};
@@ -50,6 +50,8 @@ pub struct Study {
     pub path: PathBuf,
     /// The base model.
     pub model: Model,
+    /// The model file's effects that are left out here: those on the record of a stroke, as a study's is the true one.
+    pub left_out: EffectSet,
     /// A value for every quantity that does not vary.
     pub base: Point,
     /// What varies, in the order of the columns.

@@ -51,13 +51,14 @@ impl Study {
         let (study, test, vary) = (top.section("study")?, top.section("test")?, top.section("vary")?);
         top.finish()?;
 
-        let model = match model {
+        let mut model = match model {
             Some(model) => model.clone(),
             None => {
                 let entry = study.require("model", "the model file to begin from was expected")?;
                 Model::read(&beside(path, entry.text()?))?
             }
         };
+        let left_out = model.leave_out_recorded_stroke();
         let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
         let fit = study.get("fit").map(|e| e.boolean()).transpose()?.unwrap_or(true);
@@ -87,7 +88,7 @@ impl Study {
         let path = path.to_owned();
         #[rustfmt::skip]
         let study = Study {
-            name, path, model, base, varied, design, seed, rows, fit, solver, tolerance, parts, samples, table_sha256,
+            name, path, model, left_out, base, varied, design, seed, rows, fit, solver, tolerance, parts, samples, table_sha256,
         };
         Ok(study)
     }
@@ -188,6 +189,10 @@ fn varied(name: &str, quantity: usize) -> Varied {
 
 fn not_found(name: &str, reason: &NotFound) -> String {
     match reason {
+        NotFound::OfRecordedStroke => {
+            "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
+                .into()
+        }
         NotFound::Unknown(None) => "is no number of the model or of the test".into(),
         NotFound::Unknown(Some(nearest)) => {
             format!("is no number of the model or of the test; did you mean `{nearest}`?")
