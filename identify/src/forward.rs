@@ -158,6 +158,8 @@ impl<R: Scalar> Run<'_, R> {
             }
             disturbed_rates(gas_set, &balance, &warmed(boundary, warmer), state, disturbance.at(t))
         };
+        // A stroke that was recorded late is followed a little beyond the last row.
+        let last = last + effects::stroke_delay(set, &chamber.effects).value().max(0.0);
         record::follow(&inputs, &mut integrator, last, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
             on_step(until, &step.end());
@@ -213,7 +215,8 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
         let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
         let behind_lag = set.without(sensor_lag.into_iter().collect());
-        let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin());
+        let lead = effects::stroke_delay(set, &chamber.effects);
+        let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
         readings.take(inputs.begin(), |_| shown(pressure));
         Self { balance: Balance::of(*chamber), set, inputs, lag, lagged: pressure, readings }
     }

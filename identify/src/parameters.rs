@@ -284,10 +284,12 @@ impl Hypothesis {
             let free = |p: &chamber::card::Parameter| p.fitted || model.secondary.has(e);
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
                 let (logarithmic, scale, bounds) = coordinates_of(parameter, sizes);
+                let known = parameter.prior(&data.gas).filter(|_| !logarithmic);
+                let prior = known.map(|normal| [normal.mean / scale, normal.standard_deviation / scale]);
                 if model.own.has(e) {
-                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior: None });
+                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior });
                 } else {
-                    axes.push(axis(Slot::Effect(e, p), logarithmic, scale, bounds));
+                    axes.push(Axis { prior, ..axis(Slot::Effect(e, p), logarithmic, scale, bounds) });
                 }
             }
         }

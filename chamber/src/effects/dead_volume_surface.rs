@@ -18,7 +18,6 @@ impl Effect for DeadVolumeSurface {
         source: "geometry of ports, fittings and bottles joined to the chamber",
         balance: Balance::Energy,
         closed_form: ClosedForm::Kept,
-        candidate: false,
         parameters: &[Parameter {
             name: "extra_area",
             unit: Unit::SquareMetre,

@@ -19,7 +19,6 @@ impl Effect for LaminarLeakage {
         equation: "mdot = G (P^2 - Pamb^2)/(2 R T_up)",
         source: "compressible Poiseuille flow, White, Viscous Fluid Flow, chapter 3",
         balance: Balance::Mass,
-        candidate: false,
         parameters: &[Parameter {
             name: "conductance",
             unit: Unit::SonicConductance,

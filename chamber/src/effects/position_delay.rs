@@ -20,7 +20,6 @@ impl Effect for PositionDelay {
         acts_on: ActsOn::RecordedStroke,
         scope: Scope::Record,
         closed_form: ClosedForm::Kept,
-        candidate: false,
         parameters: &[Parameter {
             name: "delay",
             unit: Unit::Second,

@@ -19,7 +19,6 @@ impl Effect for SensorOffset {
         acts_on: ActsOn::Reading,
         scope: Scope::Record,
         closed_form: ClosedForm::Filter,
-        candidate: false,
         parameters: &[Parameter {
             name: "offset",
             unit: Unit::PascalDifference,

@@ -21,7 +21,6 @@ impl Effect for SupplyLeakage {
         equation: "mdot = C p_up rho0 sqrt(293.15/T_up) psi(p_down/p_up), between Ps at Tamb and the gas",
         source: "ISO 6358-1:2013",
         balance: Balance::Mass,
-        candidate: false,
         parameters: &[
             Parameter {
                 name: "conductance",

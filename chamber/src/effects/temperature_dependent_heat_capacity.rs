@@ -41,7 +41,6 @@ impl Effect for TemperatureDependentHeatCapacity {
         equation: "cv(T) = cv (1 + s (T - 293 K)), U = m integral cv dT",
         source: "NIST-JANAF thermochemical tables",
         balance: Balance::Energy,
-        candidate: false,
         parameters: &[Parameter {
             name: "slope",
             unit: Unit::PerKelvin,

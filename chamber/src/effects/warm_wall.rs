@@ -19,7 +19,6 @@ impl Effect for WarmWall {
         source: "boundary condition, e.g. a cylinder fixed to a warm machine",
         balance: Balance::Energy,
         closed_form: ClosedForm::Kept,
-        candidate: false,
         parameters: &[Parameter {
             name: "temperature_difference",
             unit: Unit::KelvinDifference,

@@ -127,9 +127,9 @@ fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     const PARTS_OF_ONE: usize = 12;
     let m = free.len();
     let mut sum = DMatrix::<f64>::zeros(m, m);
-    let traces = fit.linear.iter().filter(|l| !l.residual.is_empty()).count();
+    let traces = fit.linear.iter().filter(|l| l.blocks > 0).count();
     let mut clusters = 0.0;
-    for l in fit.linear.iter().filter(|l| !l.residual.is_empty()) {
+    for l in fit.linear.iter().filter(|l| l.blocks > 0) {
         let projected = project_out(&l.by_rig, &l.by_own);
         let rows = l.residual.len();
         let size = if traces >= 6 { rows } else { rows.div_ceil(PARTS_OF_ONE) };
