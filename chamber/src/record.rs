@@ -88,7 +88,7 @@ impl<'a, R: Scalar> Readings<'a, R> {
 
     /// Readings of a pressure whose stroke was recorded late by `lead`, s: along that record the gas is ahead.
     pub fn ahead(mut self, lead: R) -> Self {
-        self.delay = self.delay - lead;
+        self.delay -= lead;
         self
     }
 
