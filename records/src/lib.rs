@@ -7,7 +7,7 @@
 //! | [`measurement`] | how well its quantities are known: sensor, accuracy, tolerances |
 //! | [`model`] | an identified chamber: [`Model`] |
 //! | [`uncertainty`], [`provenance`] | how well its parameters are known, where they come from |
-//! | [`layout`], [`units`], [`format`] | which column of a trace is what, in which unit, and how its text is written |
+//! | [`layout`], [`units`], [`mod@format`] | which column of a trace is what, in which unit, and how its text is written |
 //! | [`look`] | what a trace holds, found without a rig file |
 //! | [`document`], [`table`], [`key`] | TOML files, each complaint with file, line and key |
 //! | [`error`] | what can be wrong with a file, in sentences |
