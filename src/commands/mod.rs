@@ -9,6 +9,7 @@ pub mod fmu;
 mod identify;
 mod look;
 mod man;
+mod progress;
 mod reproduce;
 mod simulate;
 mod sweep;

@@ -54,7 +54,7 @@ fn a_study_becomes_parts_and_a_manifest() {
     let manifest = std::fs::read(bench.path("my results/manifest.json")).unwrap();
     let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap();
     assert!(manifest.to_string().contains("bores"), "{manifest}");
-    let parts = std::fs::read_dir(bench.path("my results"))
+    let parts = std::fs::read_dir(bench.path("my results/rows"))
         .unwrap()
         .filter(|entry| entry.as_ref().unwrap().path().extension().is_some_and(|extension| extension == "parquet"));
     assert!(parts.count() >= 1);
