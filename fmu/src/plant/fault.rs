@@ -58,6 +58,9 @@ pub enum Fault {
         /// J.
         energy: f64,
     },
+    /// A state that is finite but whose outputs are not, such as a sensor far beyond any number.
+    #[error("the outputs of this state are beyond all numbers; restore or reset")]
+    Overflow,
 }
 
 impl Fault {

@@ -22,6 +22,11 @@ pub struct Present<R = f64> {
 impl Present {
     /// All zero.
     pub const ZERO: Present = Present { outputs: [0.0; OUTPUTS], states: [0.0; ALL], rates: [0.0; ALL] };
+
+    /// Whether all of it are numbers that a host can go on with.
+    pub fn is_finite(&self) -> bool {
+        self.outputs.iter().chain(&self.states).chain(&self.rates).all(|value| value.is_finite())
+    }
 }
 
 /// What the sensor's chain needs beside the state.

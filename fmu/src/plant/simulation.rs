@@ -280,6 +280,9 @@ impl Simulation {
         if let Some(flows) = self.gas.port_flows {
             present.outputs[output::SUPPLY_PORT..][..4].copy_from_slice(&flows);
         }
+        if !present.is_finite() {
+            return Err(Fault::Overflow);
+        }
         Ok(present)
     }
 
