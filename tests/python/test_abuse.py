@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import zipfile
 
@@ -53,16 +54,26 @@ def rig(root, tmp_path):
     return folder
 
 
+# A process's peak memory counts what its parent held before exec: the program's parent is a small one, whatever pytest holds.
+RUNNER = """
+import os, resource, sys
+code = os.spawnv(os.P_WAIT, sys.argv[2], sys.argv[2:])
+with open(sys.argv[1], "w") as file:
+    file.write(str(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss))
+sys.exit(code if code >= 0 else 128 - code)
+"""
+
+
 def bounded(arguments, cwd):
     """Runs the program; returns exit code, standard error, peak memory (bytes) and seconds."""
-    begin = time.monotonic()
-    process = subprocess.Popen(
-        [PROGRAM, *map(str, arguments)], cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-    )
-    message = process.stderr.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, message, usage.ru_maxrss * 1024, time.monotonic() - begin
+    with tempfile.NamedTemporaryFile("r") as peak:
+        begin = time.monotonic()
+        process = subprocess.run(
+            [sys.executable, "-S", "-E", "-c", RUNNER, peak.name, str(PROGRAM), *map(str, arguments)],
+            cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        )
+        seconds = time.monotonic() - begin
+        return process.returncode, process.stderr, int(peak.read()) * 1024, seconds
 
 
 def assert_is_refused(arguments, cwd, *parts):
