@@ -2,12 +2,10 @@
 //!
 //! `cargo run --release -p pneutherm-fmu --example step_cost [MILLIONS]`: a table in Markdown on standard output.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
-
-use fmu::fmi2::abi::*;
-use fmu::fmi2::host::Callbacks;
-use fmu::package::start_values::REFERENCE_GUID;
-use fmu::table::table;
+use fmu::abi::*;
+use fmu::block::REFERENCE_GUID;
+use fmu::host::Callbacks;
+use fmu::variables::table;
 use std::ffi::{CString, c_void};
 use std::ptr::{null, null_mut};
 use std::time::Instant;

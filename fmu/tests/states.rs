@@ -1,12 +1,11 @@
 //! Saved states: rollback, serialization into a new process, and bytes that are no state.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
 #![cfg_attr(miri, feature(c_variadic))]
 
 mod common;
 
 use common::Host;
-use fmu::fmi2::abi::*;
+use fmu::abi::*;
 use proptest::prelude::*;
 use std::process::Command;
 use std::ptr::null_mut;

@@ -30,9 +30,8 @@ impl Effect for ForcedConvection {
             typical: 1.0,
             fitted: true,
             doc: "Coefficient k of the speed's share in the heat transfer coefficient",
-            ..Parameter::DEFAULT
         }],
-        ..Card::DEFAULT
+        states: &[],
     };
 
     const KINKS: usize = 1;

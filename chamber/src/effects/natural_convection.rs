@@ -31,9 +31,8 @@ impl Effect for NaturalConvection {
             typical: 0.25,
             fitted: true,
             doc: "Exponent n of the temperature difference in the heat transfer coefficient; 1/4 by theory",
-            ..Parameter::DEFAULT
         }],
-        ..Card::DEFAULT
+        states: &[],
     };
 
     const KINKS: usize = 1;

@@ -27,9 +27,8 @@ impl Effect for TubeVolume {
             typical: 1e-6,
             fitted: true,
             doc: "Volume Vt of the tube and fittings whose gas is at ambient temperature",
-            ..Parameter::DEFAULT
         }],
-        ..Card::DEFAULT
+        states: &[],
     };
 
     const KINKS: usize = 1;
