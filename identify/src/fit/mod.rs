@@ -134,21 +134,6 @@ pub fn fit(
     finish(data, hypothesis, found, selection)
 }
 
-/// The sum of squares and the coordinates after so many iterations: to choose among starts.
-///
-/// # Errors
-/// [`Failure`].
-pub fn trial(
-    data: &Data,
-    hypothesis: &Hypothesis,
-    rig: Vec<f64>,
-    own: Vec<Vec<f64>>,
-    selection: &Selection,
-    iterations: usize,
-) -> Result<Descent, Failure> {
-    descend(data, hypothesis, rig, own, selection, iterations)
-}
-
 /// Where a descent has come to.
 #[derive(Clone, Debug)]
 pub struct Descent {
@@ -164,7 +149,11 @@ pub struct Descent {
     pub converged: bool,
 }
 
-fn descend(
+/// The sum of squares and the coordinates after so many iterations at the most: also to choose among starts.
+///
+/// # Errors
+/// [`Failure`].
+pub fn descend(
     data: &Data,
     hypothesis: &Hypothesis,
     mut rig: Vec<f64>,

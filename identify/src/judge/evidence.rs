@@ -9,6 +9,15 @@ use crate::fit::Fit;
 
 /// BIC of a fit.
 pub fn bic(fit: &Fit) -> f64 {
+    of_squares(fit, fit.marginal)
+}
+
+/// The same with tolerances so many times as wide.
+pub fn bic_widened(fit: &Fit, factor: f64) -> f64 {
+    of_squares(fit, fit.marginal_widened(factor))
+}
+
+fn of_squares(fit: &Fit, squares: f64) -> f64 {
     let n = fit.blocks as f64;
-    n * (fit.marginal.max(f64::MIN_POSITIVE) / n).ln() + fit.freedom() as f64 * n.ln()
+    n * (squares.max(f64::MIN_POSITIVE) / n).ln() + fit.freedom() as f64 * n.ln()
 }

@@ -5,54 +5,57 @@
 //! position). Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
 
 use crate::fit::{Fit, readings};
+use crate::parameters::Setting;
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
+use chamber::effects::EffectSet;
+use chamber::integrate::IntegrationError;
+use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Row residuals (measured − model), Pa, record by record.
+/// Row residuals (measured − model) of one record, Pa.
+///
+/// # Errors
+/// Where the model cannot follow the record.
+pub fn of_record(t: &Prepared, setting: &Setting<f64>, set: EffectSet) -> Result<Vec<f64>, IntegrationError> {
+    let model = readings(t, setting, set)?;
+    Ok(t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect())
+}
+
+/// Row residuals, Pa, record by record; no numbers where the model cannot follow.
 pub fn residuals(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
-    let set = fit.hypothesis.model.effects;
-    data.traces
-        .par_iter()
-        .zip(&fit.own)
-        .map(|(t, own)| match readings(t, &fit.setting(t, own), set) {
-            Ok(model) => t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect(),
-            Err(_) => vec![f64::NAN; t.pressure_pa.len()],
-        })
-        .collect()
+    each_record(data, fit, |k| fit.setting(&data.traces[k], &fit.own[k]))
 }
 
 /// The same with what the rig states moved within its tolerances, where the fit asks for it.
 pub fn residuals_moved(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
-    let h = &fit.hypothesis;
+    // The rig's free numbers and the record's own adapt with the stated ones: to first order, from the normal equations.
+    each_record(data, fit, |k| {
+        let (rig, own) = adapted(fit, k, &fit.own[k]);
+        fit.hypothesis.setting(&data.traces[k], &rig, &fit.moved, &own)
+    })
+}
+
+fn each_record(data: &Data, fit: &Fit, setting: impl Fn(usize) -> Setting<f64> + Sync) -> Vec<Vec<f64>> {
+    let set = fit.hypothesis.model.effects;
     data.traces
         .par_iter()
-        .zip(&fit.own)
         .enumerate()
-        .map(|(k, (t, own))| {
-            let l = &fit.linear[k];
-            if l.residual.is_empty() {
-                return vec![f64::NAN; t.pressure_pa.len()];
-            }
-            // The rig's free numbers and the record's own adapt with the stated ones: to first order, from the normal equations.
-            let (rig, own) = adapted(fit, k, own);
-            match readings(t, &h.setting(t, &rig, &fit.moved, &own), h.model.effects) {
-                Ok(model) => t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect(),
-                Err(_) => vec![f64::NAN; t.pressure_pa.len()],
-            }
-        })
+        .map(|(k, t)| of_record(t, &setting(k), set).unwrap_or_else(|_| vec![f64::NAN; t.pressure_pa.len()]))
         .collect()
+}
+
+/// Σ of squares of a residual over the rows that are data, from a row on, and their number.
+pub fn squares(t: &Prepared, residual: &[f64], from: usize) -> (f64, usize) {
+    let rows = (from..residual.len()).filter(|&i| t.readout.is_data(i));
+    rows.fold((0.0, 0), |(sum, n), i| (sum + residual[i] * residual[i], n + 1))
 }
 
 /// The free coordinates at the best move of the stated ones.
 fn adapted(fit: &Fit, k: usize, own: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    use nalgebra::DVector;
-    let free = fit.rig.len();
     let rig: Vec<f64> = fit.rig.iter().zip(&fit.follow).map(|(x, step)| x + step).collect();
     let l = &fit.linear[k];
     let all: Vec<f64> = fit.follow.iter().chain(&fit.moved).copied().collect();
-    debug_assert_eq!(all.len(), l.by_rig.ncols());
-    debug_assert_eq!(free, fit.follow.len());
     let left = DVector::from_column_slice(&l.residual) - &l.by_rig * DVector::from_vec(all);
     let step = l.by_own.tr_mul(&l.by_own).cholesky().map(|square| square.solve(&l.by_own.tr_mul(&left)));
     let own = own.iter().enumerate().map(|(i, x)| x + step.as_ref().map_or(0.0, |s| s[i])).collect();
@@ -61,15 +64,8 @@ fn adapted(fit: &Fit, k: usize, own: &[f64]) -> (Vec<f64>, Vec<f64>) {
 
 /// Root mean square over all rows that are data, Pa.
 pub fn rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
-    let (mut sum, mut rows) = (0.0, 0usize);
-    for (t, residual) in data.traces.iter().zip(residuals) {
-        for (r, is_data) in residual.iter().zip(t.data_rows()) {
-            if is_data {
-                sum += r * r;
-                rows += 1;
-            }
-        }
-    }
+    let each = data.traces.iter().zip(residuals).map(|(t, residual)| squares(t, residual, 0));
+    let (sum, rows) = each.fold((0.0, 0), |(sum, rows), (s, n)| (sum + s, rows + n));
     (sum / rows.max(1) as f64).sqrt()
 }
 

@@ -4,7 +4,6 @@
 //! on each trace by itself, whose results are averaged.
 
 use crate::error::Error;
-use crate::fit;
 use crate::fit::covariance::{Estimate, Undetermined, undetermined};
 use crate::judge::{adequacy, left_out, misfit, sanity};
 use crate::outcome::diagnosis::{Estimates, Rmse, as_map, parameters, uncertainty};
@@ -227,9 +226,8 @@ fn predicted(data: &Data, chamber: &Chamber) -> Result<Vec<Vec<f64>>, Error> {
         .iter()
         .map(|t| {
             let setting = h.setting(t, &rig, &[], &h.first_own(t));
-            let model = fit::readings(t, &setting, h.model.effects)
-                .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
-            Ok(t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect())
+            misfit::of_record(t, &setting, h.model.effects)
+                .map_err(|source| Error::Simulation { trace: t.path.clone(), source })
         })
         .collect()
 }

@@ -3,6 +3,7 @@
 use super::diagnosis::{Estimates, as_map};
 use crate::fit::Fit;
 use crate::fit::covariance;
+use crate::judge::misfit;
 use crate::judge::policy::TOLERANCES;
 use crate::parameters::Slot;
 use crate::record::prepare::Data;
@@ -71,8 +72,7 @@ pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], residual_is_noise
                 let variance = own.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
                 (axis.slot.name(), covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit()))
             };
-            let data_rows = residuals[k].iter().zip(t.data_rows()).filter(|(_, is_data)| *is_data);
-            let (sum, rows) = data_rows.fold((0.0, 0usize), |(sum, n), (r, _)| (sum + r * r, n + 1));
+            let (sum, rows) = misfit::squares(t, &residuals[k], 0);
             RecordFound {
                 trace: t.path.display().to_string(),
                 parameters: axes.iter().enumerate().map(estimate).collect(),

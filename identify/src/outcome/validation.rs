@@ -6,7 +6,6 @@
 
 use super::diagnosis::{Estimates, as_map};
 use crate::error::Error;
-use crate::fit;
 use crate::fit::covariance;
 use crate::judge::{left_out, misfit};
 use crate::parameters::{Hypothesis, Model, Sizes};
@@ -81,9 +80,8 @@ pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Vali
             let t = &data.traces[k];
             let fit = left_out::own_fit(&data, &hypothesis, k, until(k))
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
-            let model = fit::readings(t, &fit.setting(t, &fit.own[k]), model.effects)
+            let residual = misfit::of_record(t, &fit.setting(t, &fit.own[k]), model.effects)
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
-            let residual: Vec<f64> = t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect();
             let variance = covariance::of_record(&fit, k, &DMatrix::zeros(0, 0));
             let parameters = hypothesis
                 .own_of(t)
@@ -101,8 +99,7 @@ pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Vali
     let mut records = Vec::with_capacity(found.len());
     let mut residuals = Vec::with_capacity(found.len());
     for ((parameters, residual), (t, &from)) in found.into_iter().zip(data.traces.iter().zip(&judged_from)) {
-        let judged = (from..residual.len()).filter(|&i| t.readout.is_data(i));
-        let (sum, rows) = judged.fold((0.0, 0usize), |(sum, n), i| (sum + residual[i] * residual[i], n + 1));
+        let (sum, rows) = misfit::squares(t, &residual, from);
         squares += sum;
         count += rows;
         records.push(RecordError {

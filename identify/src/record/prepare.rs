@@ -98,11 +98,6 @@ impl Prepared {
         self.time_s.last().map_or(1.0, |last| last / (self.time_s.len() - 1) as f64)
     }
 
-    /// Whether rows of it are data, row by row.
-    pub fn data_rows(&self) -> impl Iterator<Item = bool> + '_ {
-        (0..self.time_s.len()).map(|i| self.readout.is_data(i))
-    }
-
     fn lay_out(&mut self, gamma: f64) {
         self.blocks =
             blocks(&self.time_s, &self.pressure_pa, &self.course.motion, &self.readout, &self.position_m, gamma);

@@ -13,13 +13,13 @@ pub mod terms;
 use crate::error::Error;
 use crate::fit::{self, Fit};
 use crate::judge::adequacy::{self, Adequacy};
-use crate::judge::evidence::bic;
+use crate::judge::evidence::{bic, bic_widened};
 use crate::judge::left_out::{self, Fold};
 use crate::judge::{misfit, policy, sanity};
 use crate::parameters::{Model, Sizes};
 use crate::record::colour;
 use crate::record::prepare::Data;
-use chamber::effects::EffectSet;
+use chamber::effects::{CARDS, EffectSet};
 use rayon::prelude::*;
 pub use records::Verdict;
 use starts::fit_model;
@@ -206,6 +206,9 @@ impl Search {
     /// The same set with its secondary parameters free, where that is decisively better.
     fn freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = Model { secondary: c.model.of_rig(), ..c.model };
+        if model.secondary.iter().all(|e| CARDS[e].parameters.iter().all(|p| p.fitted)) {
+            return None;
+        }
         let fit = fit_model(&self.data, model, &c.fit, &self.sizes)?;
         if fit.hypothesis.axes.len() == c.fit.hypothesis.axes.len() || bic(&c.fit) - bic(&fit) < policy::DECISIVE {
             return None;
@@ -307,9 +310,6 @@ impl Search {
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         sanity::dead_volume(&self.data, &settled.fit)?;
         let alike = self.alike();
-        if self.steps.last().is_none_or(|s| s.model != self.chosen.model) {
-            self.steps.push(self.chosen.clone());
-        }
         let found = Found {
             verdict,
             baseline: self.baseline,
@@ -348,11 +348,7 @@ impl Search {
 
     /// The same with the geometry far more uncertain than stated.
     fn needed_in_wide_geometry(&self, less: &Candidate) -> f64 {
-        let wide = |fit: &Fit| {
-            let n = fit.blocks as f64;
-            let squares = fit.marginal_widened(policy::GEOMETRY_WIDENED);
-            n * (squares.max(f64::MIN_POSITIVE) / n).ln() + fit.freedom() as f64 * n.ln()
-        };
+        let wide = |fit: &Fit| bic_widened(fit, policy::GEOMETRY_WIDENED);
         wide(&less.fit) - wide(&self.chosen.fit)
     }
 

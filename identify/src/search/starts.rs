@@ -46,7 +46,7 @@ fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Sele
         .par_iter()
         .filter_map(|start| {
             let (rig, own, h) = begun(start);
-            let found = fit::trial(data, &h, rig, own, &few, TRIAL_ITERATIONS).ok()?;
+            let found = fit::descend(data, &h, rig, own, &few, TRIAL_ITERATIONS).ok()?;
             Some((h, found))
         })
         .collect();
