@@ -43,7 +43,7 @@ def rows_of(study, folder, **changes):
     begun = time.perf_counter()
     subprocess.run([PROGRAM, "sweep", folder / study, "-o", out], check=True, stdout=subprocess.DEVNULL)
     seconds = time.perf_counter() - begun
-    return pyarrow.dataset.dataset(sorted(out.glob("part-*.parquet"))).to_table(), seconds
+    return pyarrow.dataset.dataset(out / "rows").to_table(), seconds
 
 
 def cases_of(rows):

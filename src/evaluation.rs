@@ -6,7 +6,7 @@ use identify::{Diagnosed, Identification, Method, Validated};
 use records::{Model, Provenance, Rig, Rmse};
 use std::path::Path;
 
-use crate::output;
+use crate::{diagnosis_page, output};
 
 /// The method of that name.
 ///
@@ -47,7 +47,7 @@ pub fn diagnose(
     let mut found = identify::diagnose(&rig, progress).with_context(|| rig.path.display().to_string())?;
     found.diagnosis.assumptions.extend(rig.notes());
     if let Some(path) = report {
-        output::write(path, identify::report::html(&rig, &found).as_bytes())?;
+        output::write(path, diagnosis_page::html(&rig, &found)?.as_bytes())?;
     }
     Ok((rig, found))
 }

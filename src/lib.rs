@@ -4,6 +4,7 @@
 //! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do.
 
 mod commands;
+mod diagnosis_page;
 pub mod evaluation;
 mod failure;
 mod output;
@@ -11,6 +12,7 @@ mod output;
 mod reference;
 mod reproduce;
 pub mod simulation;
+mod validation_page;
 
 pub use failure::sentence;
 
@@ -30,7 +32,7 @@ const AFTER_HELP: &str = "\
 From a record to an FMU:
   pneutherm identify examples/cylinder                  coefficient, dead volume, mass
   pneutherm diagnose examples/cylinder -o model.toml    what the model misses, and the model that has it
-  pneutherm fmu model.toml -o Chamber.fmu               for Simulink, OpenModelica, FMPy, ...
+  pneutherm fmu model.toml -o Chamber.fmu               FMI 2.0: Model Exchange and co-simulation
 
 Files: traces are CSV, rigs, models and studies are TOML; `-` means standard output where a file is written.
 

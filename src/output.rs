@@ -1,5 +1,6 @@
 //! How results leave the program: files that appear whole, or standard output for `-`.
 
+use chamber::effects::{self, EffectSet};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -24,4 +25,11 @@ pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(bytes)?;
     Ok(out.flush()?)
+}
+
+/// A line on the effects of a model that a use of it leaves out, if there are any.
+pub fn left_out(effects: EffectSet) -> Option<String> {
+    let names: Vec<&str> = effects::all().filter(|(place, _)| effects.has(*place)).map(|(_, card)| card.name).collect();
+    let reason = "a record of the stroke has that, and here the stroke is the true one";
+    (!names.is_empty()).then(|| format!("left out of the model: {} ({reason})\n", names.join(", ")))
 }

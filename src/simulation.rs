@@ -66,7 +66,7 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     let model = Model::read(&request.model)?;
     let motion = read_motion(&request.motion, request.rig.as_deref())?;
     let signals = signals(&model, &motion);
-    check_volume(&model, &motion)?;
+    check_volume(&model, &motion, &signals)?;
     let start = start(request, &model, &motion, &signals)?;
     Ok(Simulated { samples: along(&model, start, &signals, &motion, motion.len())?, notes: motion.notes() })
 }
@@ -90,7 +90,9 @@ fn signals(model: &Model, motion: &Trace) -> Signals {
         mass_flow: motion.mass_flow_kg_per_s.as_ref().map_or(0.0, |flow| flow[row]),
         ambient_temperature: motion.ambient_temperature_k.as_ref().map_or(model.ambient_temperature_k, |t| t[row]),
     };
-    Signals { knots: (0..motion.len()).map(knot).collect(), ambient_pressure: model.ambient_pressure_pa }
+    let recorded =
+        Signals { knots: (0..motion.len()).map(knot).collect(), ambient_pressure: model.ambient_pressure_pa };
+    recorded.with_true_stroke(model.active(), &model.chamber.effects)
 }
 
 /// The first rows of the motion, simulated.
@@ -102,16 +104,17 @@ fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: u
         })
 }
 
-/// The state that the simulation begins from: ambient temperature, and the pressure asked for or measured.
+/// The state that the simulation begins from: the wall's temperature at rest, and the pressure asked for or measured.
 fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Result<Start> {
     let rest = rows_at_rest(motion);
     let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
-    let temperature = ambient.unwrap_or(model.ambient_temperature_k);
+    let ambient = ambient.unwrap_or(model.ambient_temperature_k);
+    let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
     if let Some(pressure) = request.initial_pressure_pa {
         if !(pressure.is_finite() && pressure > 0.0) {
             bail!("the initial pressure is {pressure} Pa: a pressure in Pa, absolute and above zero, is expected");
         }
-        return Ok(Start { pressure, temperature });
+        return Ok(at(pressure));
     }
     let Some(measured) = &motion.pressure_pa else {
         bail!(
@@ -123,19 +126,19 @@ fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals) ->
     // At rest the sensor shows the mean, but a leak or a drift moves it meanwhile: begin so that the means agree.
     let mut pressure = measured;
     for _ in 0..MEAN_ITERATIONS {
-        let samples = along(model, Start { pressure, temperature }, signals, motion, rest)?;
+        let samples = along(model, at(pressure), signals, motion, rest)?;
         let next = pressure + measured - mean(samples.iter().map(|sample| sample.measured_pressure));
         let settled = (next - pressure).abs() < 1e-9 * measured;
         // A model that empties or fills the chamber before the piston moves has no such start.
         if !(0.5 * measured..2.0 * measured).contains(&next) {
-            return Ok(Start { pressure: measured, temperature });
+            return Ok(at(measured));
         }
         pressure = next;
         if settled {
             break;
         }
     }
-    Ok(Start { pressure, temperature })
+    Ok(at(pressure))
 }
 
 /// Rows before the piston moves or gas flows.
@@ -146,10 +149,9 @@ fn rows_at_rest(motion: &Trace) -> usize {
 }
 
 /// Refuses a motion that runs into the chamber's end.
-fn check_volume(model: &Model, motion: &Trace) -> anyhow::Result<()> {
+fn check_volume(model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Result<()> {
     let geometry = &model.chamber.geometry;
-    let rows = motion.time_s.iter().zip(&motion.position_m);
-    for (time, position) in rows {
+    for Knot { time, position, .. } in &signals.knots {
         if geometry.volume(*position) <= 0.0 {
             bail!(
                 "{}: at {time} s the position {position} m leaves no gas: the dead volume is {} m3",

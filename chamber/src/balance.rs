@@ -1,7 +1,7 @@
 //! Balances of mass and internal energy of the gas: equations (1) to (3) with mass m and internal energy U as states.
 //!
 //! dm/dt = Σ ṁin − Σ ṁout,  dU/dt = −P dV/dt + Q̇ + cp (Σ ṁin Tin − Σ ṁout T),  Q̇ = λ Aq (Tw − T)
-//! P = (γ − 1) U/V,  T = U/(m cv). Both states are conserved to rounding whatever the integrator does.
+//! P = (γ − 1) U/V,  T = U/(m cv), unless an effect makes the heat capacities vary. Both states are conserved to rounding whatever the integrator does.
 //! [`pressure_temperature_rates`] is the paper's own form, for comparison.
 
 use crate::effects::{self, EffectConstants, EffectSet, OWN_STATES};
@@ -83,7 +83,7 @@ pub struct Conditions<R> {
     pub per_mass: R,
     /// 1/V.
     pub per_volume: R,
-    /// Internal energy U, J.
+    /// P V/(γ − 1), J: with constant heat capacities the internal energy.
     pub energy: R,
     /// λ, W/(m² K), before any effect.
     pub eichelberg: R,
@@ -101,13 +101,13 @@ pub struct Conditions<R> {
     pub ambient_pressure: R,
     /// Specific gas constant, J/(kg K).
     pub gas_constant: R,
-    /// Heat capacity ratio.
+    /// Heat capacity ratio at this temperature.
     pub heat_capacity_ratio: R,
     /// γ − 1.
     pub expansion: R,
     /// 1/(γ − 1).
     pub per_expansion: R,
-    /// Heat capacity at constant volume, J/(kg K).
+    /// Heat capacity at constant volume at this temperature, J/(kg K).
     pub cv: R,
     /// Heat capacity at constant pressure, J/(kg K).
     pub cp: R,
@@ -124,16 +124,24 @@ pub struct Flows<R> {
     pub inflow: R,
     /// Σ mass flow in × its temperature, kg K/s.
     pub inflow_kelvin: R,
+    /// Σ mass flow in × the square of its temperature, kg K²/s.
+    pub inflow_square_kelvin: R,
     /// Mass flow out, at the gas's temperature, kg/s.
     pub outflow: R,
 }
 
 impl<R: Real> Flows<R> {
+    /// Nothing.
+    pub const NONE: Self =
+        Self { inflow: R::ZERO, inflow_kelvin: R::ZERO, inflow_square_kelvin: R::ZERO, outflow: R::ZERO };
+
     /// Adds a flow into the chamber, kg/s, at a temperature, K.
     #[inline(always)]
     pub fn enter(&mut self, flow: R, temperature: R) {
         self.inflow += flow;
-        self.inflow_kelvin += flow * temperature;
+        let kelvin = flow * temperature;
+        self.inflow_kelvin += kelvin;
+        self.inflow_square_kelvin += kelvin * temperature;
     }
 }
 
@@ -213,18 +221,19 @@ pub trait Surroundings<R> {
 /// Nothing beyond the boundary.
 impl<R> Surroundings<R> for () {}
 
-/// Conditions from the states, before any effect.
+/// Conditions from the states: the gas as it is, wall and heat transfer before any effect.
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
     let contents = Contents::new(mass, energy, chamber.geometry.volume(boundary.position));
-    Balance::of(*chamber).conditions(boundary, &contents)
+    Balance::of(*chamber).conditions(effects::CALORIC, boundary, &contents)
 }
 
 /// States of a chamber in equilibrium of its parts, at a pressure, Pa, and temperature, K.
 pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
     let volume = chamber.geometry.volume(boundary.position);
     let mass = pressure * volume / (chamber.gas.gas_constant * temperature);
-    let energy = pressure * volume / (chamber.gas.heat_capacity_ratio - 1.0);
+    let energy = pressure * volume / (chamber.gas.heat_capacity_ratio - 1.0)
+        * effects::internal_energy(&chamber.effects, temperature);
     let mut own = [R::ZERO; OWN_STATES];
     effects::initial(&conditions(chamber, boundary, mass, energy), &mut own);
     let mut state = [R::ZERO; STATES];
@@ -284,9 +293,9 @@ impl<R: Real> Balance<R> {
         Contents::new(state[MASS], state[ENERGY], self.chamber.geometry.volume(boundary.position))
     }
 
-    /// Conditions of its contents, before any effect.
+    /// Conditions of its contents: the gas as it is with the effects in `set`, wall and heat transfer before any effect.
     #[inline(always)]
-    pub fn conditions(&self, boundary: &Boundary<R>, contents: &Contents<R>) -> Conditions<R> {
+    pub fn conditions(&self, set: EffectSet, boundary: &Boundary<R>, contents: &Contents<R>) -> Conditions<R> {
         let chamber = &self.chamber;
         let Contents { mass, energy, volume, root } = *contents;
         let Boundary { ambient_temperature, ambient_pressure, velocity, .. } = *boundary;
@@ -294,7 +303,7 @@ impl<R: Real> Balance<R> {
         let per_both = per_root * per_root;
         let (per_mass, per_volume) = (per_both * volume, per_both * mass);
         let temperature = energy * per_mass * self.per_cv;
-        Conditions {
+        let mut at = Conditions {
             mass,
             volume,
             pressure: self.expansion * energy * per_volume,
@@ -317,7 +326,20 @@ impl<R: Real> Balance<R> {
             cp: self.cp,
             reference_pressure: chamber.heat_transfer.reference_pressure,
             reference_temperature: chamber.heat_transfer.reference_temperature,
+        };
+        effects::gas_properties(set, &chamber.effects, &mut at);
+        at
+    }
+
+    /// Pressure of its contents, Pa, with the effects in `set`.
+    #[inline(always)]
+    pub fn pressure(&self, set: EffectSet, contents: &Contents<R>) -> R {
+        if set.intersection(effects::CALORIC).is_empty() {
+            return self.expansion * contents.energy / contents.volume;
         }
+        let temperature = contents.energy / contents.mass * self.per_cv;
+        effects::temperature(set, &self.chamber.effects, temperature) * contents.mass * self.chamber.gas.gas_constant
+            / contents.volume
     }
 
     /// Everything that is known of a chamber at one moment: conditions, rates, and the rates of the effects' own states.
@@ -357,35 +379,41 @@ impl<R: Real> Balance<R> {
         own: &[R; OWN_STATES],
     ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
         let chamber = &self.chamber;
-        let mut at = self.conditions(boundary, contents);
+        let mut at = self.conditions(set, boundary, contents);
         effects::conditions(set, &chamber.effects, own, &mut at);
         surroundings.conditions(&mut at);
 
         let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-        let area = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
+        let of_law = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
+        let area = effects::heat_transfer_area(set, &chamber.effects, of_law);
         let heat_flow = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
 
-        let mut flows = Flows { inflow: R::ZERO, inflow_kelvin: R::ZERO, outflow: boundary.mass_flow_out };
+        let mut flows = Flows { outflow: boundary.mass_flow_out, ..Flows::NONE };
         flows.enter(boundary.mass_flow_in, boundary.temperature_in);
         effects::flows(set, &chamber.effects, &self.constants, &at, &mut flows);
         surroundings.flows(&at, &mut flows);
 
         let volume_rate = at.piston_area * at.velocity;
         let work = at.pressure * volume_rate;
-        let pressure_rate = |enthalpy: R| (self.expansion * (heat_flow + enthalpy - work) - work) * at.per_volume;
-        let enthalpy = |flows: &Flows<R>| at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
+        // Enthalpy as the energy's rate and that of V P/(γ − 1) have it.
+        let enthalpy = |flows: &Flows<R>| {
+            let [for_energy, for_pressure] = effects::excess_enthalpy(set, &chamber.effects, &at, flows);
+            let enthalpy = at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
+            [enthalpy + for_energy, enthalpy + for_pressure]
+        };
+        let pressure_rate = |enthalpy: R| (at.expansion * (heat_flow + enthalpy - work) - work) * at.per_volume;
 
-        let unstored = pressure_rate(enthalpy(&flows));
+        let unstored = pressure_rate(enthalpy(&flows)[1]);
         effects::storage(set, &chamber.effects, &at, unstored, |flow, temperature| {
             flows.outflow += flow.where_positive(flow, R::ZERO);
             flows.enter(flow.where_positive(R::ZERO, -flow), temperature);
         });
 
-        let enthalpy_flow = enthalpy(&flows);
+        let [enthalpy_flow, pressure_enthalpy_flow] = enthalpy(&flows);
         let rates = Rates {
             mass: flows.inflow - flows.outflow,
             energy: heat_flow + enthalpy_flow - work,
-            pressure: pressure_rate(enthalpy_flow),
+            pressure: pressure_rate(pressure_enthalpy_flow),
             heat_flow,
             heat_transfer_coefficient: coefficient,
             enthalpy_flow,

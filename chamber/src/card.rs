@@ -1,6 +1,7 @@
 //! What an effect declares about itself, once: from a [`Card`] follow the FMU's parameters, the axes a sweep can vary,
 //! the candidates of a diagnosis, the model file's table and a page of the book.
 
+use crate::gas::Gas;
 use core::fmt;
 use core::ops::RangeInclusive;
 
@@ -35,6 +36,68 @@ impl fmt::Display for Balance {
     }
 }
 
+/// What an effect's parameters belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Scope {
+    /// The rig: all records share them, and they carry over to other records.
+    Rig,
+    /// One record: another record of the same rig may have other values.
+    Record,
+}
+
+impl Scope {
+    /// Lower-case name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Scope::Rig => "rig",
+            Scope::Record => "record",
+        }
+    }
+}
+
+/// Which part of a recorded test an effect changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ActsOn {
+    /// The gas itself.
+    Gas,
+    /// The pressure reading, behind the gas.
+    Reading,
+    /// The record of the stroke: how the true stroke follows from it. Of no meaning where the stroke is the true one, as
+    /// in an FMU or a sweep.
+    RecordedStroke,
+}
+
+/// Whether the closed form of the sealed chamber (see [`exact`](crate::exact)) survives an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClosedForm {
+    /// With the piston held the effect is a constant, in a ramp a changed integrand: du/dt stays linear in u = 1/T.
+    Kept,
+    /// The gas is untouched: the reading is a filter of a known pressure.
+    Filter,
+    /// The equations must be integrated.
+    Lost,
+}
+
+/// A normal distribution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Normal {
+    /// Its mean.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub standard_deviation: f64,
+}
+
+/// What is known of a parameter before any measurement, in its unit.
+#[derive(Clone, Copy, Debug)]
+pub enum Prior {
+    /// No more than its bounds.
+    Flat,
+    /// A normal distribution.
+    Normal(Normal),
+    /// A normal distribution that follows from the gas.
+    OfGas(fn(&Gas) -> Normal),
+}
+
 /// Unit of a parameter or state. A unit is a power product of SI base units; its names follow from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Unit {
@@ -48,8 +111,12 @@ pub enum Unit {
     CubicMetre,
     /// Kelvin.
     Kelvin,
+    /// Kelvin, for a difference of temperatures.
+    KelvinDifference,
     /// Pascal.
     Pascal,
+    /// Pascal, for a difference of pressures.
+    PascalDifference,
     /// Pascal per second.
     PascalPerSecond,
     /// Joule per kelvin.
@@ -60,6 +127,10 @@ pub enum Unit {
     SonicConductance,
     /// (s/m)^0.8: coefficient of a speed to the power 0.8.
     SpeedPower,
+    /// Square metres.
+    SquareMetre,
+    /// Per kelvin.
+    PerKelvin,
 }
 
 impl Unit {
@@ -70,12 +141,14 @@ impl Unit {
             Unit::Second => Some("s"),
             Unit::Metre => Some("m"),
             Unit::CubicMetre => Some("m3"),
-            Unit::Kelvin => Some("k"),
-            Unit::Pascal => Some("pa"),
+            Unit::Kelvin | Unit::KelvinDifference => Some("k"),
+            Unit::Pascal | Unit::PascalDifference => Some("pa"),
             Unit::PascalPerSecond => Some("pa_per_s"),
             Unit::JoulePerKelvin => Some("j_per_k"),
             Unit::WattPerKelvin => Some("w_per_k"),
             Unit::SonicConductance => Some("m3_per_s_pa"),
+            Unit::SquareMetre => Some("m2"),
+            Unit::PerKelvin => Some("1_per_k"),
         }
     }
 
@@ -86,12 +159,14 @@ impl Unit {
             Unit::Second => "s",
             Unit::Metre => "m",
             Unit::CubicMetre => "m3",
-            Unit::Kelvin => "K",
-            Unit::Pascal => "Pa",
+            Unit::Kelvin | Unit::KelvinDifference => "K",
+            Unit::Pascal | Unit::PascalDifference => "Pa",
             Unit::PascalPerSecond => "Pa/s",
             Unit::JoulePerKelvin => "J/K",
             Unit::WattPerKelvin => "W/K",
             Unit::SonicConductance => "m3/(s.Pa)",
+            Unit::SquareMetre => "m2",
+            Unit::PerKelvin => "1/K",
             Unit::SpeedPower => "(s/m)0.8",
         }
     }
@@ -112,11 +187,34 @@ pub struct Parameter {
     pub typical: f64,
     /// Free in a fit of the effect; a secondary parameter stays at its start unless asked for.
     pub fitted: bool,
+    /// What is known of it beforehand.
+    pub prior: Prior,
     /// One line for people.
     pub doc: &'static str,
 }
 
 impl Parameter {
+    /// What most parameters have in common: fitted, dimensionless, with a flat prior.
+    pub const DEFAULT: Parameter = Parameter {
+        name: "",
+        unit: Unit::One,
+        bounds: f64::NEG_INFINITY..=f64::INFINITY,
+        neutral: 0.0,
+        typical: 1.0,
+        fitted: true,
+        prior: Prior::Flat,
+        doc: "",
+    };
+
+    /// What is known of it beforehand in a chamber with that gas, if more than its bounds.
+    pub fn prior(&self, gas: &Gas) -> Option<Normal> {
+        match self.prior {
+            Prior::Flat => None,
+            Prior::Normal(normal) => Some(normal),
+            Prior::OfGas(of) => Some(of(gas)),
+        }
+    }
+
     /// Name as a key of files and columns, with the unit's suffix: `conductance_m3_per_s_pa`.
     pub fn key(&self) -> String {
         match self.unit.suffix() {
@@ -152,8 +250,34 @@ pub struct Card {
     pub source: &'static str,
     /// The balance it changes.
     pub balance: Balance,
+    /// Which part of a recorded test it changes.
+    pub acts_on: ActsOn,
+    /// What its parameters belong to.
+    pub scope: Scope,
+    /// Whether the closed form of the sealed chamber survives it.
+    pub closed_form: ClosedForm,
+    /// Whether a diagnosis tries it by itself; another effect is in a model only where a user puts it there.
+    pub candidate: bool,
     /// Its parameters. The effect is off when each is neutral.
     pub parameters: &'static [Parameter],
     /// Its own states.
     pub states: &'static [OwnState],
+}
+
+impl Card {
+    /// What most effects have in common: they change the gas, belong to the rig, have no state of their own, leave no
+    /// closed form, and a diagnosis tries them.
+    pub const DEFAULT: Card = Card {
+        name: "",
+        doc: "",
+        equation: "",
+        source: "",
+        balance: Balance::Energy,
+        acts_on: ActsOn::Gas,
+        scope: Scope::Rig,
+        closed_form: ClosedForm::Lost,
+        candidate: true,
+        parameters: &[],
+        states: &[],
+    };
 }

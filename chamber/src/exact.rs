@@ -6,7 +6,6 @@
 use crate::geometry::AreaLaw;
 use crate::model::Chamber;
 use crate::real::Real;
-use core::f64::consts::PI;
 use core::hint::black_box;
 
 /// A closed chamber of the paper's model with a given mass of gas.
@@ -29,12 +28,12 @@ impl<R: Real> Closed<R> {
         let (h, g) = (&chamber.heat_transfer, &chamber.geometry);
         let expansion = chamber.gas.heat_capacity_ratio - 1.0;
         let c = h.coefficient * expansion / (mass_gas_constant * h.reference_pressure * h.reference_temperature).sqrt();
-        let lateral = R::from(4.0) / g.bore;
+        let [lateral, ends] = g.area_constants();
         let unwetted = match g.area_law {
             AreaLaw::Total => R::ZERO,
             AreaLaw::Swept => g.dead_volume,
         };
-        let faces = g.bore * g.bore * (PI / 2.0) - unwetted * lateral;
+        let faces = ends - unwetted * lateral;
         Self { mass_gas_constant, exchange: [c * lateral, c * faces], expansion, ambient_temperature }
     }
 

@@ -1,4 +1,7 @@
-//! Volume and heat transfer area of the chamber. Equation (27): Aq = 4V/φ + π φ²/2, lengths in m.
+//! Volume and heat transfer area of the chamber, lengths in m. Equation (27): Aq = 4V/φ + π φ²/2.
+//!
+//! Where a rod of diameter d runs through the chamber, the gas touches barrel, rod and two annular faces:
+//! Aq = π (φ + d) x + π (φ² − d²)/2 with x = 4V/(π (φ² − d²)), that is 4V/(φ − d) + π (φ² − d²)/2.
 
 use crate::real::Real;
 use core::f64::consts::PI;
@@ -22,11 +25,13 @@ impl AreaLaw {
     }
 }
 
-/// A cylinder chamber. φ is the bore; a rod that runs through the chamber takes its share of the piston area only.
+/// A cylinder chamber, with or without a rod that runs through it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry<R = f64> {
-    /// Bore φ, m: the diameter in the heat transfer area.
+    /// Bore φ, m.
     pub bore: R,
+    /// Diameter d of the rod that runs through the chamber, m; zero on the cap side.
+    pub rod_diameter: R,
     /// Area of the piston face that the gas acts on, m².
     pub piston_area: R,
     /// Dead volume Vd, m³: the gas volume at position zero.
@@ -40,7 +45,7 @@ impl<R: Real> Geometry<R> {
     #[inline(always)]
     pub fn new(bore: R, rod_diameter: R, dead_volume: R, area_law: AreaLaw) -> Self {
         let piston_area = (bore * bore - rod_diameter * rod_diameter) * (PI / 4.0);
-        Self { bore, piston_area, dead_volume, area_law }
+        Self { bore, rod_diameter, piston_area, dead_volume, area_law }
     }
 
     /// Gas volume V with the piston face at `position`, m³.
@@ -71,22 +76,36 @@ impl<R: Real> Geometry<R> {
         }
     }
 
-    /// Constants of equation (27): lateral area of a volume, 4/φ, 1/m, and both ends' area, π φ²/2, m².
+    /// Constants of the area law: lateral area of a volume, 4/(φ − d), 1/m, and both ends' area, π (φ² − d²)/2, m².
     #[inline(always)]
     pub fn area_constants(&self) -> [R; 2] {
-        [R::from(4.0) / self.bore, self.bore * self.bore * (PI / 2.0)]
+        let (bore, rod) = (self.bore, self.rod_diameter);
+        [R::from(4.0) / (bore - rod), (bore * bore - rod * rod) * (PI / 2.0)]
     }
 
     /// The same geometry in another number type.
     pub fn lift<S: Real + From<R>>(self) -> Geometry<S> {
         Geometry {
             bore: self.bore.into(),
+            rod_diameter: self.rod_diameter.into(),
             piston_area: self.piston_area.into(),
             dead_volume: self.dead_volume.into(),
             area_law: self.area_law,
         }
     }
 }
+
+impl Geometry<f64> {
+    /// A chamber of that bore whose piston face has that area, m and m²: what is missing to the bore's is the rod's.
+    pub fn with_piston_area(bore: f64, piston_area: f64, dead_volume: f64, area_law: AreaLaw) -> Self {
+        let square = bore * bore - piston_area * (4.0 / PI);
+        let rod_diameter = if square > ROUNDING * bore * bore { square.sqrt() } else { 0.0 };
+        Self { bore, rod_diameter, piston_area, dead_volume, area_law }
+    }
+}
+
+/// A share of the bore's square below which the rod's is none.
+const ROUNDING: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests {
@@ -107,6 +126,33 @@ mod tests {
         let difference = total.heat_transfer_area(v) - swept.heat_transfer_area(v);
         assert!((difference - 4.0 * 1.57e-6 / 0.02).abs() < 1e-15);
         assert!((swept.heat_transfer_area(v) - (PI * 0.02 * 0.05 + PI * 0.02 * 0.02 / 2.0)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_rod_side_has_the_walls_of_barrel_rod_and_two_annuli() {
+        // Bore 32, rod 12, column 100 mm: π · 3.2 · 10 + π · 1.2 · 10 + 2 · π/4 · (3.2² − 1.2²) cm² = 152.05 cm².
+        let hand = PI * 3.2 * 10.0 + PI * 1.2 * 10.0 + 0.5 * PI * (3.2 * 3.2 - 1.2 * 1.2);
+        assert!((hand - 152.05).abs() < 0.01);
+        for law in [AreaLaw::Total, AreaLaw::Swept] {
+            let g = Geometry::new(0.032, 0.012, 0.0, law);
+            assert!((g.heat_transfer_area(g.volume(0.1)) * 1e4 / hand - 1.0).abs() < 1e-14);
+            let by_area = Geometry::with_piston_area(0.032, g.piston_area, 0.0, law);
+            assert!((by_area.rod_diameter / 0.012 - 1.0).abs() < 1e-14);
+        }
+        // A dead volume that is 20 mm of the same annular column counts as those 20 mm do, or with the other law not at all.
+        let dead = Geometry::new(0.032, 0.012, 0.0, AreaLaw::Total).piston_area * 0.02;
+        let [total, swept] = [AreaLaw::Total, AreaLaw::Swept].map(|law| Geometry::new(0.032, 0.012, dead, law));
+        let [longer, alone] = [total, swept].map(|g| g.heat_transfer_area(g.volume(0.08)) * 1e4);
+        assert!((longer / hand - 1.0).abs() < 1e-14);
+        assert!((hand - alone - PI * (3.2 + 1.2) * 2.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn a_cap_side_has_no_rod_however_its_area_is_rounded() {
+        for bore in [0.0123, 0.02, 0.032, 0.1] {
+            let g = Geometry::new(bore, 0.0, 1e-6, AreaLaw::Total);
+            assert_eq!(Geometry::with_piston_area(bore, g.piston_area, 1e-6, AreaLaw::Total), g);
+        }
     }
 
     #[test]

@@ -86,6 +86,12 @@ impl<'a, R: Scalar> Readings<'a, R> {
         Self { effects: &chamber.effects, set, times, begin, delay, taken: Vec::with_capacity(times.len()) }
     }
 
+    /// Readings of a pressure whose stroke was recorded late by `lead`, s: along that record the gas is ahead.
+    pub fn ahead(mut self, lead: R) -> Self {
+        self.delay -= lead;
+        self
+    }
+
     /// The moment, s, whose gas the next reading shows.
     #[inline]
     pub fn next(&self) -> Option<R> {

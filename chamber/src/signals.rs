@@ -1,6 +1,7 @@
 //! What a record or a plan imposes on the chamber, piecewise linear in time.
 
 use crate::balance::Boundary;
+use crate::effects::{self, EffectSet, EffectValues, position_averaging};
 use crate::record::Inputs;
 
 /// Inputs at one knot in time; linear in between.
@@ -16,6 +17,9 @@ pub struct Knot {
     pub ambient_temperature: f64,
 }
 
+/// Knots nearer to each other than this share of the whole duration are one.
+const SMALLEST_STRETCH: f64 = 1e-12;
+
 /// Inputs over time: at least one knot, times strictly increasing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signals {
@@ -30,6 +34,44 @@ impl Signals {
     pub fn closed(motion: &[(f64, f64)], ambient_temperature: f64, ambient_pressure: f64) -> Self {
         let knot = |&(time, position)| Knot { time, position, mass_flow: 0.0, ambient_temperature };
         Self { knots: motion.iter().map(knot).collect(), ambient_pressure }
+    }
+
+    /// The same with the true stroke in the place of the recorded one, as the effects in `set` tell them apart: piecewise
+    /// linear too, with further knots. Before and after the record the recorded stroke is taken to rest.
+    pub fn with_true_stroke(self, set: EffectSet, values: &EffectValues) -> Self {
+        let delay = effects::stroke_delay(set, values);
+        let window = effects::stroke_window(set, values);
+        if delay == 0.0 && window == 0.0 {
+            return self;
+        }
+        let (begin, end) = (self.knots[0].time, self.knots[self.knots.len() - 1].time);
+        let shifts = position_averaging::shifts(window);
+        let of_stroke = self.knots.iter().flat_map(|knot| shifts.map(|shift| knot.time - delay - shift));
+        let mut times: Vec<f64> = self.knots.iter().map(|knot| knot.time).chain(of_stroke).collect();
+        times.retain(|time| (begin..=end).contains(time));
+        times.sort_by(f64::total_cmp);
+        times.dedup_by(|later, earlier| *later - *earlier < SMALLEST_STRETCH * (end - begin));
+        let knots = times.iter().map(|&time| {
+            let recorded = |shift: f64| self.knot(time + delay + shift).position;
+            Knot { time, position: position_averaging::undone(recorded, window), ..self.knot(time) }
+        });
+        Self { knots: knots.collect(), ambient_pressure: self.ambient_pressure }
+    }
+
+    /// All inputs at a time, s; before the first knot and behind the last as they are there.
+    fn knot(&self, time: f64) -> Knot {
+        let next = self.knots.partition_point(|knot| knot.time <= time);
+        let (Some(from), Some(to)) = (next.checked_sub(1).map(|k| &self.knots[k]), self.knots.get(next)) else {
+            return Knot { time, ..self.knots[next.min(self.knots.len() - 1)] };
+        };
+        let share = (time - from.time) / (to.time - from.time);
+        let between = |a: f64, b: f64| a + (b - a) * share;
+        Knot {
+            time,
+            position: between(from.position, to.position),
+            mass_flow: between(from.mass_flow, to.mass_flow),
+            ambient_temperature: between(from.ambient_temperature, to.ambient_temperature),
+        }
     }
 
     fn at(&self, from: &Knot, share: f64, to: &Knot, velocity: f64) -> Boundary {
@@ -73,5 +115,66 @@ impl Inputs for Signals {
         };
         let length = to.time - from.time;
         self.at(from, (time - from.time) / length, to, (to.position - from.position) / length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    fn effect(name: &str, value: f64) -> (EffectSet, EffectValues) {
+        let (index, _) = find(name).unwrap();
+        let mut values = EffectValues::NEUTRAL;
+        values.of_mut(index)[0] = value;
+        (EffectSet::one(index), values)
+    }
+
+    fn recorded(times: impl Iterator<Item = f64>, stroke: impl Fn(f64) -> f64) -> Signals {
+        let motion: Vec<(f64, f64)> = times.map(|t| (t, stroke(t))).collect();
+        Signals::closed(&motion, 293.0, 1e5)
+    }
+
+    #[test]
+    fn a_stroke_recorded_late_happened_earlier() {
+        let (set, values) = effect("position_delay", 0.03);
+        let record =
+            recorded((0..=100).map(|k| f64::from(k) * 0.01), |t| 0.1 - 0.05 * ((t - 0.03).clamp(0.2, 0.4) - 0.2));
+        let signals = record.with_true_stroke(set, &values);
+        for k in 0..96 {
+            let t = f64::from(k) * 0.01 + 0.003;
+            let truth = 0.1 - 0.05 * (t.clamp(0.2, 0.4) - 0.2);
+            assert!((signals.knot(t).position - truth).abs() < 1e-15, "{t}");
+        }
+        assert_eq!((signals.knots[0].time, signals.knots.last().unwrap().time), (0.0, 1.0));
+    }
+
+    #[test]
+    fn a_moving_average_is_undone_up_to_the_fourth_power_of_its_window() {
+        let stroke = |t: f64| 0.1 + 0.02 * (5.0 * t).sin();
+        let worst = |window: f64| {
+            let (set, values) = effect("position_averaging", window);
+            let averaged = |t: f64| {
+                let (a, b) = (t - 0.5 * window, t + 0.5 * window);
+                0.1 + 0.02 * ((5.0 * a).cos() - (5.0 * b).cos()) / (5.0 * window)
+            };
+            let record = recorded((0..=4000).map(|k| f64::from(k) * 5e-4), averaged);
+            let errors = [&record, &record.clone().with_true_stroke(set, &values)].map(|s| {
+                (600..1400)
+                    .map(|k| f64::from(k) * 1e-3)
+                    .map(|t| (s.knot(t).position - stroke(t)).abs())
+                    .fold(0.0, f64::max)
+            });
+            assert!(errors[1] < 0.2 * errors[0], "{window}: {errors:?}");
+            errors[1]
+        };
+        let ratio = worst(0.4) / worst(0.2);
+        assert!((ratio / 16.0 - 1.0).abs() < 0.15, "{ratio}");
+    }
+
+    #[test]
+    fn a_true_stroke_is_left_as_it_is() {
+        let record = recorded((0..9).map(f64::from), |t| 0.1 - 0.01 * t);
+        assert_eq!(record.clone().with_true_stroke(EffectSet::ALL, &EffectValues::NEUTRAL), record);
     }
 }

@@ -4,7 +4,7 @@ use crate::balance::{self, Balance, Boundary, Conditions, ENERGY, MASS, OWN, Rat
 use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
-use crate::real::Scalar;
+use crate::real::{Real, Scalar};
 use crate::record::{self, Inputs, Readings};
 
 /// One row of a simulation. SI units.
@@ -49,6 +49,13 @@ pub struct Start<R = f64> {
     pub pressure: R,
     /// Gas temperature, K.
     pub temperature: R,
+}
+
+impl<R: Real> Start<R> {
+    /// Gas and wall at rest in surroundings of `ambient_temperature`, K, at that pressure, Pa.
+    pub fn at_rest(chamber: &Chamber<R>, pressure: R, ambient_temperature: R) -> Self {
+        Self { pressure, temperature: effects::rest_temperature(&chamber.effects, ambient_temperature) }
+    }
 }
 
 /// Default relative tolerance of a simulation: far below a sensor's noise.
@@ -121,12 +128,12 @@ impl<R: Scalar, I: Inputs> Recorder<'_, R, I> {
             return;
         }
         let states = states();
-        let (balance, inputs) = (self.balance, self.inputs);
+        let (balance, inputs, set) = (self.balance, self.inputs, self.set);
         let boundary = |time: R| record::boundary_at(inputs, stretch, time);
         self.readings.take(reach, |shown| {
             let state = states(shown);
             let boundary = boundary(shown);
-            let at = balance.conditions(&boundary, &balance.contents(&boundary, &state));
+            let at = balance.conditions(set, &boundary, &balance.contents(&boundary, &state));
             (at.pressure, core::array::from_fn(|i| state[OWN + i]))
         });
         while let Some(time) = self.next_sample().filter(|time| *time <= reach) {

@@ -174,3 +174,116 @@ fn surroundings_without_pressure_change_a_tight_chamber_s_rates_in_nothing_and_c
     assert!((leaking[MASS] / -choked - 1.0).abs() < 1e-12, "{leaking:?}");
     assert!(leaking.iter().all(|rate| rate.is_finite()), "{leaking:?}");
 }
+
+/// Without heat transfer.
+fn adiabatic(chamber: Chamber) -> Chamber {
+    Chamber { heat_transfer: HeatTransfer { coefficient: 0.0, ..chamber.heat_transfer }, ..chamber }
+}
+
+#[test]
+fn a_surface_beside_the_area_law_s_exchanges_heat_like_it_and_never_gives_a_negative_area() {
+    let (chamber, boundary) = section_31();
+    let state = balance::state_at(&chamber, &boundary, 2e5, 340.0);
+    let heat = |extra: f64| {
+        let chamber = with_effect(chamber, "dead_volume_surface", &[extra]);
+        balance::evaluate(chamber.active(), &chamber, &boundary, &state).1.heat_flow
+    };
+    let of_law = chamber.geometry.heat_transfer_area(chamber.geometry.volume(boundary.position));
+    assert!((heat(of_law) / heat(0.0) - 2.0).abs() < 1e-14);
+    assert!((heat(-0.25 * of_law) / heat(0.0) - 0.75).abs() < 1e-14);
+    assert_eq!(heat(-2.0 * of_law).abs(), 0.0);
+}
+
+#[test]
+fn gas_in_a_warm_wall_begins_and_stays_at_rest_at_the_wall_s_temperature() {
+    let (chamber, boundary) = section_31();
+    let boundary = Boundary { velocity: 0.0, ..boundary };
+    let chamber = with_effect(chamber, "warm_wall", &[15.0]);
+    let rest = effects::rest_temperature(&chamber.effects, boundary.ambient_temperature);
+    assert_eq!(rest, 308.0);
+    let at_rest =
+        balance::rates(chamber.active(), &chamber, &boundary, &balance::state_at(&chamber, &boundary, 2e5, rest));
+    assert!(at_rest[MASS] == 0.0 && at_rest[ENERGY].abs() < 1e-12, "{at_rest:?}");
+    let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 293.0));
+    assert!(balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]).temperature > 300.0);
+}
+
+#[test]
+fn a_gas_of_varying_heat_capacity_keeps_its_entropy_in_an_adiabatic_stroke() {
+    // ds = cv(T) dT/T + R dV/V = 0: (1 − 293 s) ln(T/T0) + s (T − T0) + (γ − 1) ln(V/V0) = 0.
+    let (chamber, boundary) = section_31();
+    let boundary = Boundary { position: 0.1, velocity: -0.07, ..boundary };
+    for slope in [1.4e-3, 1.2e-4, -4e-4] {
+        let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope]));
+        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 310.0));
+        let at = balance::conditions(&chamber, &Boundary { position: 0.03, ..boundary }, end[MASS], end[ENERGY]);
+        let volumes = chamber.geometry.volume(0.03) / chamber.geometry.volume(0.1);
+        let rise = (1.0 - 293.0 * slope) * (at.temperature / 310.0).ln() + slope * (at.temperature - 310.0);
+        assert!((rise + 0.4 * volumes.ln()).abs() < 1e-9, "{slope}: {rise}");
+        assert!((at.pressure * volumes / (2e5 * at.temperature / 310.0) - 1.0).abs() < 1e-12, "{slope}");
+    }
+}
+
+#[test]
+fn gas_that_enters_brings_the_enthalpy_of_its_own_temperature() {
+    // m u(T) − m0 u(T0) = (m − m0) h(Tin), u(T) = cv (T + s (T²/2 − 293 T)), h = u + R T.
+    let (chamber, boundary) = section_31();
+    let boundary = Boundary { velocity: 0.0, mass_flow_in: 3e-5, temperature_in: 390.0, ..boundary };
+    let slope = 1.4e-3;
+    let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope]));
+    let initial = balance::state_at(&chamber, &boundary, 1e5, 293.0);
+    let end = after_a_second(&chamber, &boundary, initial);
+    let u = |t: f64| 717.5 * (t + slope * (0.5 * t * t - 293.0 * t));
+    let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
+    let [gained, brought] = [
+        end[MASS] * u(at.temperature) - initial[MASS] * u(293.0),
+        (end[MASS] - initial[MASS]) * (u(390.0) + 287.0 * 390.0),
+    ];
+    assert!((gained / brought - 1.0).abs() < 1e-10, "{gained} {brought}");
+}
+
+proptest! {
+    #[test]
+    fn the_pressure_s_rate_is_that_of_the_states_whatever_the_heat_capacity(
+        chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 260.0..400.0f64, slope in -4e-4..2e-3f64,
+    ) {
+        let chamber = with_effect(chamber, "temperature_dependent_heat_capacity", &[slope]);
+        let set = chamber.active();
+        let state = balance::state_at(&chamber, &boundary, p, t);
+        let (at, rates, _) = balance::evaluate(set, &chamber, &boundary, &state);
+        prop_assert!((at.pressure / p - 1.0).abs() < 1e-12 && (at.temperature / t - 1.0).abs() < 1e-12);
+        let h = 1e-6;
+        let pressure = |h: f64| {
+            let later = Boundary { position: boundary.position + h * boundary.velocity, ..boundary };
+            balance::conditions(&chamber, &later, state[MASS] + h * rates.mass, state[ENERGY] + h * rates.energy).pressure
+        };
+        let by_difference = (pressure(h) - pressure(-h)) / (2.0 * h);
+        prop_assert!((rates.pressure - by_difference).abs() < 1e-6 * (rates.pressure.abs() + p), "{} {by_difference}", rates.pressure);
+    }
+}
+
+#[test]
+fn a_laminar_leak_is_a_linear_one_for_small_differences_and_grows_with_the_mean_pressure() {
+    let (chamber, boundary) = section_31();
+    let chamber = with_effect(chamber, "laminar_leakage", &[2e-11]);
+    let outside = boundary.ambient_pressure;
+    let flow = |p: f64| {
+        balance::rates(chamber.active(), &chamber, &boundary, &balance::state_at(&chamber, &boundary, p, 300.0))[MASS]
+    };
+    let density = |t: f64| outside / (287.0 * t);
+    assert!((flow(outside + 1.0) / (-2e-11 * density(300.0)) - 1.0).abs() < 1e-5);
+    assert!((flow(outside - 1.0) / (2e-11 * density(293.0)) - 1.0).abs() < 1e-5);
+    assert!((flow(3.0 * outside) / (-2e-11 * density(300.0) * 4.0 * outside) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_valve_that_leaks_fills_the_chamber_up_to_its_supply_and_no_further() {
+    let (chamber, boundary) = section_31();
+    let boundary = Boundary { velocity: 0.0, ..boundary };
+    let chamber = with_effect(chamber, "supply_leakage", &[3e-9, 4e5]);
+    for start in [1e5, 6e5] {
+        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, start, 293.0));
+        let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
+        assert!((at.pressure / 4e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);
+    }
+}

@@ -11,7 +11,7 @@ use crate::plan::Plan;
 use crate::reading::{self, Answer, ROUNDING, Reading, seen_from};
 use crate::scenario::{Options, Scenario};
 use chamber::balance::{self, Balance, ENERGY, MASS, STATES};
-use chamber::effects::EffectSet;
+use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::simulate::tolerance;
 use pulp::Arch;
@@ -145,7 +145,9 @@ impl<'a, const N: usize> Course<'a, N> {
         let last = &self.plan.stretches[self.plan.stretches.len() - 1];
         let boundary = last.boundary(last.length);
         let (position, ambient_temperature) = (boundary.position, boundary.ambient_temperature);
-        End { position, volume: self.scenario.chamber.geometry.volume(position), ambient_temperature }
+        let chamber = &self.scenario.chamber;
+        let ambient_temperature = effects::rest_temperature(&chamber.effects, ambient_temperature);
+        End { position, volume: chamber.geometry.volume(position), ambient_temperature }
     }
 
     /// The chamber at its end once it has the temperature of its surroundings.

@@ -130,7 +130,7 @@ pub fn observe<R: Real>(
     own: &[R; OWN_STATES],
     elapsed: R,
 ) -> [R; 2] {
-    let at = balance.conditions(boundary, contents);
+    let at = balance.conditions(set, boundary, contents);
     [effects::reading(set, &balance.chamber.effects, own, at.pressure, elapsed), at.temperature]
 }
 
@@ -154,6 +154,7 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
         to.gas.gas_constant[lane] = from.gas.gas_constant;
         to.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
         to.geometry.bore[lane] = from.geometry.bore;
+        to.geometry.rod_diameter[lane] = from.geometry.rod_diameter;
         to.geometry.piston_area[lane] = from.geometry.piston_area;
         to.geometry.dead_volume[lane] = from.geometry.dead_volume;
         to.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;

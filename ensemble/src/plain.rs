@@ -133,7 +133,8 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
         / chamber.geometry.volume(plan.stretches[plan.stretches.len() - 1].boundary(0.0).position);
     let ambient = plan.stretches[plan.stretches.len() - 1].boundary(plan.stretches[plan.stretches.len() - 1].length);
     let distance = (peak - pressure_final).abs();
-    let unsettled = gas_final * (1.0 - ambient.ambient_temperature / temperature_final).abs();
+    let rest = effects::rest_temperature(&chamber.effects, ambient.ambient_temperature);
+    let unsettled = gas_final * (1.0 - rest / temperature_final).abs();
     let settling = settling(&run, pressure_final, distance);
     let fit = if options.fit { evaluate(&run, scenario, sign) } else { None };
     Ok(Outcome {

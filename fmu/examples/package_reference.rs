@@ -1,8 +1,10 @@
 //! Packages libraries as built into an FMU of the reference chamber, without the command line: for tests of the library
-//! itself. `package_reference OUT.fmu PLATFORM=LIBRARY…`
+//! itself. `package_reference OUT.fmu PLATFORM=LIBRARY…`; of FMI 3.0 where the environment has `FMI3`
 
-use fmu::package::{Contents, Library, package};
-use fmu::variables::Starts;
+use fmu::package::documentation::About;
+use fmu::package::identity::Identity;
+use fmu::package::{Contents, Library, Version, package};
+use fmu::plant::values::Starts;
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,7 +19,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let libraries: Vec<Library> =
         read.iter().map(|(platform, extension, bytes)| Library { platform, extension, bytes }).collect();
     let starts = Starts::default();
-    let contents = Contents { starts: &starts, generated: None, model_file: None, libraries: &libraries };
+    let identity = Identity::of(Path::new(out).file_stem().and_then(|stem| stem.to_str()).unwrap_or("Chamber"));
+    let about = About::default();
+    let version = if std::env::var_os("FMI3").is_some() { Version::Three } else { Version::Two };
+    let contents = Contents {
+        version,
+        identity: &identity,
+        about: &about,
+        starts: &starts,
+        generated: None,
+        model_file: None,
+        libraries: &libraries,
+    };
     std::fs::write(out, package(&contents)?)?;
     Ok(())
 }

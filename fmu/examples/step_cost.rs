@@ -2,10 +2,12 @@
 //!
 //! `cargo run --release -p pneutherm-fmu --example step_cost [MILLIONS]`: a table in Markdown on standard output.
 
-use fmu::abi::*;
-use fmu::block::REFERENCE_GUID;
-use fmu::host::Callbacks;
-use fmu::variables::table;
+#![allow(unsafe_code, reason = "a host calls C functions")]
+
+use fmu::fmi2::abi::*;
+use fmu::fmi2::host::Callbacks;
+use fmu::package::start_values::REFERENCE_GUID;
+use fmu::table::table;
 use std::ffi::{CString, c_void};
 use std::ptr::{null, null_mut};
 use std::time::Instant;

@@ -1,31 +1,21 @@
-//! The chamber as an FMI 2.0 co-simulation unit.
+//! The chamber as a Functional Mock-up Unit: FMI 2.0 or 3.0, Model Exchange and co-simulation in one.
 //!
-//! | module | holds |
-//! |---|---|
-//! | [`abi`], [`host`] | the C boundary, the only `unsafe` of the project |
-//! | [`instance`] | the life cycle, safe: batches taken whole or not at all |
-//! | [`snapshot`], [`integration`], [`present`], [`inputs`], [`record`] | a simulation under way |
-//! | [`derivatives`] | exact directional and time derivatives |
-//! | [`state_bytes`] | saved states as checked bytes |
-//! | [`variables`], [`units`], [`structure`] | the one table of variables, its units and dependencies |
-//! | [`description`], [`documentation`], [`block`], [`mach_o`], [`package`] | the FMU as a file |
+//! | folder | holds | knows |
+//! |---|---|---|
+//! | [`plant`] | the chamber between its ports, its wall and its piston: states, rates, inputs, history | numbers by index |
+//! | [`table`] | the one table of variables with its units and dependencies | the plant |
+//! | [`protocol`] | one instance: phases of the life cycle, batches taken whole or not at all, saved states, warnings | both |
+//! | [`boundary`], [`fmi2`], [`fmi3`] | the C boundary, the only `unsafe` of the project, and the descriptions, written with [`xml`] | all of these |
+//! | [`package`] | the FMU as a file: start values, signatures, documentation | all of these |
 
-pub mod abi;
-pub mod block;
-pub mod derivatives;
-pub mod description;
-pub mod documentation;
-pub mod host;
-pub mod inputs;
-pub mod instance;
-pub mod integration;
-pub mod mach_o;
+#![warn(clippy::undocumented_unsafe_blocks)]
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod boundary;
+pub mod fmi2;
+pub mod fmi3;
 pub mod package;
-pub mod present;
-pub mod record;
-pub mod refusal;
-pub mod snapshot;
-pub mod state_bytes;
-pub mod structure;
-pub mod units;
-pub mod variables;
+pub mod plant;
+pub mod protocol;
+pub mod table;
+pub mod xml;

@@ -1,9 +1,11 @@
 //! Directional and output derivatives against differences of the FMU itself.
 
+#![allow(unsafe_code, reason = "a host calls C functions")]
+
 mod common;
 
 use common::Host;
-use fmu::variables::{Role, table};
+use fmu::table::{Role, table};
 
 /// Whether a derivative is that of a central difference over ±`d` of a value known to `relative`.
 fn close(exact: f64, difference: f64, value: f64, relative: f64, d: f64) -> bool {
@@ -73,7 +75,7 @@ fn derivatives_at_the_start_are_those_of_central_differences() {
     // Away from zero, where a flow's direction is a kink.
     host.set("massFlowIn", 1e-4);
     host.set("massFlowOut", 2e-4);
-    assert_eq!(unsafe { fmu::abi::fmi2EnterInitializationMode(host.c) }, 0);
+    assert_eq!(unsafe { fmu::fmi2::abi::fmi2EnterInitializationMode(host.c) }, 0);
     for known in table().iter().filter(|v| matches!(v.role, Role::Input(_) | Role::Parameter(_))) {
         let at = host.get(&known.name);
         let d = at.abs().max(1e-2 * known.nominal) * 1e-6;
@@ -137,10 +139,10 @@ fn a_known_that_is_calculated_and_an_unknown_that_is_not_are_refused_by_name() {
     let (pressure, bore) = (common::reference("pressure"), common::reference("bore"));
     let mut value = 0.0;
     let status =
-        unsafe { fmu::abi::fmi2GetDirectionalDerivative(host.c, &pressure, 1, &pressure, 1, &1.0, &mut value) };
+        unsafe { fmu::fmi2::abi::fmi2GetDirectionalDerivative(host.c, &pressure, 1, &pressure, 1, &1.0, &mut value) };
     assert_eq!(status, 3);
     assert!(host.message().contains("pressure cannot be a known of a directional derivative"));
-    let status = unsafe { fmu::abi::fmi2GetDirectionalDerivative(host.c, &bore, 1, &bore, 1, &1.0, &mut value) };
+    let status = unsafe { fmu::fmi2::abi::fmi2GetDirectionalDerivative(host.c, &bore, 1, &bore, 1, &1.0, &mut value) };
     assert_eq!(status, 3);
     assert!(host.message().contains("bore cannot be an unknown"));
 }

@@ -1,15 +1,17 @@
 //! Charging, discharging, strokes and effects against independent integrations and conservation laws.
 
+#![allow(unsafe_code, reason = "a host calls C functions")]
+
 mod common;
 
 use chamber::balance::{Boundary, pressure_temperature_rates};
-use chamber::effects::{self, EffectValues};
+use chamber::effects::EffectValues;
 use chamber::integrate::{Integrator, Tolerance};
 use chamber::signals::Signals;
 use chamber::simulate::{Start, simulate};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use common::Host;
-use fmu::variables::camel;
+use fmu::table::camel;
 
 fn reference() -> Chamber {
     Chamber::new(Gas::AIR, Geometry::new(0.02, 0.0, 2e-6, AreaLaw::Total), HeatTransfer::at_paper_reference(26.5))
@@ -148,7 +150,7 @@ fn every_effect_runs_in_the_fmu_as_in_a_simulation() {
     let motion = [(0.0, 0.1), (0.1, 0.1), (0.3, 0.05), (1.0, 0.05)];
     let times: Vec<f64> = (0..=100).map(|k| f64::from(k) * 0.01).collect();
     let signals = Signals::closed(&motion, 293.15, 101_325.0);
-    for (index, card) in effects::all() {
+    for (index, card) in fmu::table::effects_here() {
         let mut chamber = reference();
         let mut values = EffectValues::NEUTRAL;
         for (value, parameter) in values.of_mut(index).iter_mut().zip(card.parameters) {

@@ -1,13 +1,18 @@
 //! Hosts that call anything with anything, and many instances at once.
 //!
-//! 100,000 random call sequences, 5,000 where the environment has `CI`.
+//! 100,000 random call sequences of co-simulation and 20,000 of Model Exchange; a twentieth where the environment has `CI`.
+
+#![allow(unsafe_code, reason = "a host calls C functions")]
 
 mod common;
 
 use common::Host;
-use fmu::abi::*;
-use fmu::host::CEnum;
-use fmu::variables::table;
+use fmu::boundary::CEnum;
+use fmu::fmi2::abi::*;
+use fmu::fmi2::host::EventInfo;
+use fmu::plant::corners::CORNERS;
+use fmu::plant::states::ALL;
+use fmu::table::table;
 use proptest::prelude::*;
 use std::ffi::{c_int, c_void};
 use std::ptr::{null, null_mut};
@@ -35,6 +40,15 @@ enum Call {
     Bytes { cut: usize, flip: usize },
     Status(u32),
     Logging(i32),
+    Begin,
+    EnterEvent,
+    NewDiscrete(bool),
+    EnterContinuous,
+    Completed(bool),
+    Time(f64),
+    States { shift: usize, by: f64, length: usize },
+    Rates { length: usize, null: bool },
+    Indicators(usize),
 }
 
 fn number() -> impl Strategy<Value = f64> {
@@ -54,6 +68,26 @@ fn reference() -> impl Strategy<Value = u32> {
 
 fn step() -> impl Strategy<Value = f64> {
     prop_oneof![6 => (-6.0..0.0f64).prop_map(|e| 10f64.powf(e)), 1 => number()]
+}
+
+fn length() -> impl Strategy<Value = usize> {
+    prop_oneof![9 => Just(ALL), 1 => 0..2 * ALL]
+}
+
+/// What only a host that integrates calls.
+fn exchange() -> impl Strategy<Value = Call> {
+    prop_oneof![
+        1 => Just(Call::Begin),
+        2 => Just(Call::EnterEvent),
+        3 => prop::bool::weighted(0.05).prop_map(Call::NewDiscrete),
+        3 => Just(Call::EnterContinuous),
+        4 => prop::bool::weighted(0.05).prop_map(Call::Completed),
+        4 => prop_oneof![5 => 0.0..2.0f64, 1 => number()].prop_map(Call::Time),
+        5 => (0..ALL, prop_oneof![4 => 0.5..1.5f64, 1 => number()], length())
+            .prop_map(|(shift, by, length)| Call::States { shift, by, length }),
+        4 => (length(), prop::bool::weighted(0.05)).prop_map(|(length, null)| Call::Rates { length, null }),
+        3 => prop_oneof![9 => Just(CORNERS), 1 => 0..2 * CORNERS].prop_map(Call::Indicators),
+    ]
 }
 
 fn call() -> impl Strategy<Value = Call> {
@@ -173,6 +207,36 @@ unsafe fn make(host: &Host, held: &mut Held, call: &Call) -> CEnum {
                 host.deserialize(&bytes)
             }
             Call::Status(kind) => fmi2GetRealStatus(c, *kind, &mut 0.0).max(fmi2GetBooleanStatus(c, *kind, &mut 0)),
+            Call::Begin => fmi2NewDiscreteStates(c, &mut EventInfo::default()).max(fmi2EnterContinuousTimeMode(c)),
+            Call::EnterEvent => fmi2EnterEventMode(c),
+            Call::NewDiscrete(null) => {
+                let mut info = EventInfo::default();
+                fmi2NewDiscreteStates(c, if *null { null_mut() } else { &mut info })
+            }
+            Call::EnterContinuous => fmi2EnterContinuousTimeMode(c),
+            Call::Completed(null) => {
+                let (mut enter, mut end) = (0, 0);
+                fmi2CompletedIntegratorStep(c, 0, if *null { null_mut() } else { &mut enter }, &mut end)
+            }
+            Call::Time(time) => fmi2SetTime(c, *time),
+            Call::States { shift, by, length } => {
+                let mut states = vec![0.0; (*length).max(ALL)];
+                if fmi2GetContinuousStates(c, states.as_mut_ptr(), ALL) != 0 {
+                    return 3;
+                }
+                states[*shift] *= by;
+                fmi2SetContinuousStates(c, states.as_ptr(), *length)
+            }
+            Call::Rates { length, null } => {
+                let mut rates = vec![0.0; *length];
+                let pointer = if *null { null_mut() } else { rates.as_mut_ptr() };
+                fmi2GetDerivatives(c, pointer, *length).max(fmi2GetNominalsOfContinuousStates(
+                    c,
+                    rates.as_mut_ptr(),
+                    *length,
+                ))
+            }
+            Call::Indicators(length) => fmi2GetEventIndicators(c, vec![0.0; *length].as_mut_ptr(), *length),
             Call::Logging(count) => fmi2SetDebugLogging(c, 0, *count as usize, null()),
         }
     }
@@ -187,25 +251,57 @@ proptest! {
 
     #[test]
     fn no_sequence_of_calls_crashes_and_every_refusal_is_explained(orderly in prop::bool::weighted(0.7), calls in prop::collection::vec(call(), 1..25)) {
-        let host = Host::new();
-        let mut held = Held::default();
+        survives(&Host::new(), orderly, &calls)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: cases() / 5, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_sequence_of_a_host_that_integrates_crashes(orderly in prop::bool::weighted(0.8), calls in prop::collection::vec(prop_oneof![2 => exchange(), 1 => call()], 1..40)) {
+        let host = Host::exchange();
         if orderly {
             host.start(&[], None);
+            unsafe { make(&host, &mut Held::default(), &Call::Begin) };
         }
-        for call in &calls {
-            let sets = matches!(call, Call::SetReal(..) | Call::SetInteger(..) | Call::Derivative(..) | Call::Step { .. });
-            let before = sets.then(|| host.serialized());
-            host.messages();
-            let status = unsafe { make(&host, &mut held, call) };
-            let messages = host.messages();
-            prop_assert!((0..=3).contains(&status), "{:?}: {}", call, status);
-            prop_assert_eq!(status >= 2, !messages.is_empty(), "{:?}: {} {:?}", call, status, messages);
-            prop_assert!(messages.iter().all(|m| m.text.len() > 20 && !m.text.contains("broke down")), "{:?}: {:?}", call, messages);
-            if let Some(before) = before.filter(|_| status >= 2) {
-                prop_assert_eq!(before, host.serialized(), "{:?} was refused and changed something", call);
-            }
+        survives(&host, false, &calls)?;
+    }
+}
+
+/// Makes the calls: each is answered, each refusal explained, and a refused one changes nothing.
+fn survives(host: &Host, orderly: bool, calls: &[Call]) -> Result<(), TestCaseError> {
+    let mut held = Held::default();
+    if orderly {
+        host.start(&[], None);
+    }
+    for call in calls {
+        let sets = matches!(
+            call,
+            Call::SetReal(..)
+                | Call::SetInteger(..)
+                | Call::Derivative(..)
+                | Call::Step { .. }
+                | Call::Time(_)
+                | Call::Completed(_)
+        );
+        let before = sets.then(|| host.serialized());
+        host.messages();
+        let status = unsafe { make(host, &mut held, call) };
+        let messages = host.messages();
+        prop_assert!((0..=3).contains(&status), "{:?}: {}", call, status);
+        prop_assert_eq!(status >= 2, messages.iter().any(|m| m.status >= 2), "{:?}: {} {:?}", call, status, messages);
+        prop_assert!(
+            messages.iter().all(|m| m.text.len() > 20 && !m.text.contains("broke down")),
+            "{:?}: {:?}",
+            call,
+            messages
+        );
+        if let Some(before) = before.filter(|_| status >= 2) {
+            prop_assert_eq!(before, host.serialized(), "{:?} was refused and changed something", call);
         }
     }
+    Ok(())
 }
 
 /// Pressure over a run whose inputs depend on `seed`, as bits.

@@ -1,12 +1,13 @@
 //! What a host may and may not do: order of calls, refused values by name, whole batches, discarded steps, reset, logging.
 
+#![allow(unsafe_code, reason = "a host calls C functions")]
 #![cfg_attr(miri, feature(c_variadic))]
 
 mod common;
 
 use common::{Host, reference};
-use fmu::abi::*;
-use fmu::host::CEnum;
+use fmu::boundary::CEnum;
+use fmu::fmi2::abi::*;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
@@ -46,7 +47,7 @@ fn unknown_references_and_wrong_types_are_refused_by_name() {
     assert_eq!(unsafe { fmi2GetReal(host.c, &reference("areaLaw"), 1, &mut value) }, ERROR);
     assert!(host.message().contains("areaLaw"));
     assert_eq!(unsafe { fmi2SetInteger(host.c, &reference("bore"), 1, &1) }, ERROR);
-    assert!(host.message().contains("bore (value reference 15) is of type Real, not Integer"));
+    assert!(host.message().contains("bore (value reference 32) is of type Real, not Integer"));
     assert_eq!(unsafe { fmi2SetBoolean(host.c, &reference("bore"), 1, &1) }, ERROR);
     assert!(host.message().contains("not Boolean"));
     assert_eq!(unsafe { fmi2GetString(host.c, null(), 0, null_mut()) }, OK);
@@ -75,14 +76,14 @@ fn null_pointers_are_refused_by_name_and_no_component_is_an_error() {
 
 #[test]
 fn nothing_is_instantiated_with_a_wrong_guid_name_type_or_without_callbacks() {
-    let callbacks = fmu::host::Callbacks {
+    let callbacks = fmu::fmi2::host::Callbacks {
         logger: None,
         allocate_memory: None,
         free_memory: None,
         step_finished: None,
         component_environment: null_mut(),
     };
-    let guid = std::ffi::CString::new(fmu::block::REFERENCE_GUID).unwrap();
+    let guid = std::ffi::CString::new(fmu::package::start_values::REFERENCE_GUID).unwrap();
     let attempt = |name: *const _, kind, guid: *const _, callbacks| unsafe {
         let c = fmi2Instantiate(name, kind, guid, c"not a uri".as_ptr(), callbacks, 0, 1);
         fmi2FreeInstance(c);
@@ -90,7 +91,8 @@ fn nothing_is_instantiated_with_a_wrong_guid_name_type_or_without_callbacks() {
     };
     let name = c"a".as_ptr();
     assert!(attempt(name, 1, guid.as_ptr(), &callbacks));
-    assert!(!attempt(name, 0, guid.as_ptr(), &callbacks), "model exchange");
+    assert!(attempt(name, 0, guid.as_ptr(), &callbacks), "model exchange");
+    assert!(!attempt(name, 2, guid.as_ptr(), &callbacks));
     assert!(!attempt(name, 1, c"{0}".as_ptr(), &callbacks));
     assert!(!attempt(name, 1, null(), &callbacks));
     assert!(!attempt(null(), 1, guid.as_ptr(), &callbacks));
@@ -104,7 +106,7 @@ fn calls_in_the_wrong_order_are_refused_with_advice_and_change_nothing() {
     assert_eq!(host.try_step(0.0, 0.1), ERROR);
     assert_eq!(
         host.message(),
-        "fmi2DoStep refused: not allowed before initialization mode; steps follow fmi2ExitInitializationMode"
+        "fmi2DoStep refused: not allowed before initialization mode; steps of co-simulation follow fmi2ExitInitializationMode"
     );
     let mut value = 0.0;
     assert_eq!(unsafe { fmi2GetReal(host.c, &reference("pressure"), 1, &mut value) }, ERROR);
@@ -263,7 +265,8 @@ fn the_log_follows_the_categories_that_the_host_chooses() {
     assert_eq!(choose(1, &[]), OK);
     host.set("position", 0.08);
     host.step(1e-3, 1e-3);
-    let events = host.messages();
+    let told = host.messages();
+    let events: Vec<_> = told.iter().filter(|m| m.category == "logEvents").collect();
     assert_eq!((events.len(), events[0].category.as_str(), events[0].status), (1, "logEvents", OK));
     assert!(events[0].text.contains("the stroke from 0.09 m to position = 0.08 m was taken up adiabatically"));
     assert_eq!(choose(1, &[c"logStatusError"]), OK);
@@ -277,4 +280,46 @@ fn the_log_follows_the_categories_that_the_host_chooses() {
     assert_eq!(choose(0, &[]), OK);
     assert_eq!(host.try_step(9.0, 1.0), ERROR);
     assert_eq!(host.messages().len(), 1, "refusals are told even with logging off");
+}
+
+/// A logger that asks the instance it hears of for a value, and counts how often it was heard.
+unsafe extern "C" fn calls_back(
+    environment: *mut std::ffi::c_void,
+    _name: *const std::ffi::c_char,
+    _status: CEnum,
+    _category: *const std::ffi::c_char,
+    _format: *const std::ffi::c_char,
+    _text: *const std::ffi::c_char,
+) {
+    let heard = unsafe { &*environment.cast::<(std::cell::Cell<*mut std::ffi::c_void>, std::cell::Cell<f64>)>() };
+    let mut pressure = f64::NAN;
+    assert_eq!(unsafe { fmi2GetReal(heard.0.get(), &reference("pressure"), 1, &mut pressure) }, OK);
+    heard.1.set(pressure);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "Miri asks for a function with variable arguments")]
+fn a_logger_may_call_back_into_the_instance_that_it_hears_of() {
+    use std::cell::Cell;
+    use std::ffi::{c_char, c_void};
+    type Fixed = unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, *const c_char);
+    type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, ...);
+    let heard = (Cell::new(null_mut::<c_void>()), Cell::new(0.0_f64));
+    let callbacks = fmu::fmi2::host::Callbacks {
+        logger: Some(unsafe { std::mem::transmute::<Fixed, Logger>(calls_back) }),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: std::ptr::from_ref(&heard).cast_mut().cast(),
+    };
+    let guid = std::ffi::CString::new(fmu::package::start_values::REFERENCE_GUID).unwrap();
+    unsafe {
+        let c = fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &callbacks, 0, 0);
+        heard.0.set(c);
+        assert_eq!(fmi2EnterInitializationMode(c), OK);
+        assert_eq!(fmi2ExitInitializationMode(c), OK);
+        assert_eq!(fmi2SetReal(c, &reference("position"), 1, &f64::NAN), DISCARD);
+        assert!(f64::abs(heard.1.get() / 101_325.0 - 1.0) < 1e-12);
+        fmi2FreeInstance(c);
+    }
 }

@@ -1,11 +1,12 @@
 //! Saved states: rollback, serialization into a new process, and bytes that are no state.
 
+#![allow(unsafe_code, reason = "a host calls C functions")]
 #![cfg_attr(miri, feature(c_variadic))]
 
 mod common;
 
 use common::Host;
-use fmu::abi::*;
+use fmu::fmi2::abi::*;
 use proptest::prelude::*;
 use std::process::Command;
 use std::ptr::null_mut;

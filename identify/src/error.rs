@@ -39,7 +39,7 @@ pub enum Error {
     },
     /// A heat transfer coefficient that no gas in a cylinder has.
     #[error("the records ask for lambda0 = {} W/(m2 K), and a gas in a cylinder has 1 to 1000; check the unit of the time column (the pressure relaxes over {} s) and the bore",
-        crate::report::number(*coefficient, 3), crate::report::number(*time_constant_s, 3))]
+        report::digits(*coefficient, 3), report::digits(*time_constant_s, 3))]
     ImplausibleCoefficient {
         /// λ0 of the paper's model, W/(m² K).
         coefficient: f64,

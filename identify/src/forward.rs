@@ -6,7 +6,7 @@
 
 use crate::record::stroke::{Motion, Spline};
 use chamber::Chamber;
-use chamber::balance::{self, Balance, Boundary, ENERGY, MASS, STATES};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
@@ -158,6 +158,8 @@ impl<R: Scalar> Run<'_, R> {
             }
             disturbed_rates(gas_set, &balance, &warmed(boundary, warmer), state, disturbance.at(t))
         };
+        // A stroke that was recorded late is followed a little beyond the last row.
+        let last = last + effects::stroke_delay(set, &chamber.effects).value().max(0.0);
         record::follow(&inputs, &mut integrator, last, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
             on_step(until, &step.end());
@@ -198,7 +200,8 @@ fn disturbed_rates<R: Scalar>(
 
 /// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
 struct Sensor<'a, R> {
-    chamber: &'a Chamber<R>,
+    balance: Balance<R>,
+    set: EffectSet,
     inputs: Passing<'a>,
     lag: Option<R>,
     lagged: R,
@@ -212,9 +215,10 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
         let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
         let behind_lag = set.without(sensor_lag.into_iter().collect());
-        let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin());
+        let lead = effects::stroke_delay(set, &chamber.effects);
+        let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
         readings.take(inputs.begin(), |_| shown(pressure));
-        Self { chamber, inputs, lag, lagged: pressure, readings }
+        Self { balance: Balance::of(*chamber), set, inputs, lag, lagged: pressure, readings }
     }
 
     /// Takes every reading due in a step that ends at `until`, s.
@@ -226,11 +230,12 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         let dense = step.dense();
         let pressure = |t: R| {
             let position = record::boundary_at(&self.inputs, stretch, t).position;
-            let mut volume = self.chamber.geometry.volume(position);
+            let mut volume = self.balance.chamber.geometry.volume(position);
             if let Some([_, _, change, _]) = extra.at(t.value()) {
                 volume += change;
             }
-            (self.chamber.gas.heat_capacity_ratio - 1.0) * dense.at(t)[ENERGY] / volume
+            let state = dense.at(t);
+            self.balance.pressure(self.set, &Contents::new(state[MASS], state[ENERGY], volume))
         };
         let Some(constant) = self.lag else {
             self.readings.take(reach, |t| shown(pressure(t)));

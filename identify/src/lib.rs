@@ -21,7 +21,6 @@ pub mod judge;
 pub mod outcome;
 pub mod parameters;
 pub mod record;
-pub mod report;
 pub mod search;
 pub mod synthetic;
 

@@ -189,8 +189,10 @@ impl Sizes {
             Unit::Second => self.row,
             Unit::Metre => 0.1,
             Unit::CubicMetre => 0.05 * self.volume,
-            Unit::Kelvin => 10.0,
-            Unit::Pascal => 10.0 * self.noise,
+            Unit::SquareMetre => 0.1 * self.volume.powf(2.0 / 3.0),
+            Unit::Kelvin | Unit::KelvinDifference => 10.0,
+            Unit::PerKelvin => typical.abs(),
+            Unit::Pascal | Unit::PascalDifference => 10.0 * self.noise,
             Unit::PascalPerSecond => self.noise / self.duration,
             Unit::JoulePerKelvin => 20.0 * self.gas_capacity,
             Unit::WattPerKelvin => self.gas_capacity / self.relaxation,
@@ -282,10 +284,12 @@ impl Hypothesis {
             let free = |p: &chamber::card::Parameter| p.fitted || model.secondary.has(e);
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
                 let (logarithmic, scale, bounds) = coordinates_of(parameter, sizes);
+                let known = parameter.prior(&data.gas).filter(|_| !logarithmic);
+                let prior = known.map(|normal| [normal.mean / scale, normal.standard_deviation / scale]);
                 if model.own.has(e) {
-                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior: None });
+                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior });
                 } else {
-                    axes.push(axis(Slot::Effect(e, p), logarithmic, scale, bounds));
+                    axes.push(Axis { prior, ..axis(Slot::Effect(e, p), logarithmic, scale, bounds) });
                 }
             }
         }
@@ -355,6 +359,7 @@ impl Hypothesis {
                 Slot::Bore => {
                     let factor = value + 1.0;
                     geometry.bore = geometry.bore * factor;
+                    geometry.rod_diameter = geometry.rod_diameter * factor;
                     geometry.piston_area = geometry.piston_area * factor * factor;
                 }
                 Slot::PositionScale => geometry.piston_area = geometry.piston_area * (value + 1.0),
@@ -363,8 +368,8 @@ impl Hypothesis {
                 _ => {}
             }
         }
-        let temperature = warmer + trace.initial_temperature_k;
-        let mut start = Start { pressure: R::from(trace.initial_pressure_pa), temperature };
+        let ambient = warmer + trace.initial_temperature_k;
+        let mut start = Start::at_rest(&chamber, R::from(trace.initial_pressure_pa), ambient);
         for (axis, x) in self.own_of(trace).iter().zip(own) {
             match axis.slot {
                 Own::Pressure => start.pressure = axis.value(*x),
@@ -429,12 +434,7 @@ fn stated(data: &Data) -> Vec<Axis> {
 
 /// The paper's model of a rig before anything is fitted.
 pub fn first_chamber(data: &Data) -> Chamber {
-    let geometry = Geometry {
-        bore: data.bore_m,
-        piston_area: data.piston_area_m2,
-        dead_volume: data.dead_volume_m3,
-        area_law: AreaLaw::Total,
-    };
+    let geometry = Geometry::with_piston_area(data.bore_m, data.piston_area_m2, data.dead_volume_m3, AreaLaw::Total);
     Chamber::new(data.gas, geometry, HeatTransfer::at_paper_reference(FIRST_LAMBDA0))
 }
 

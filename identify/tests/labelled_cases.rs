@@ -91,12 +91,3 @@ fn the_result_has_the_contract_s_names() {
     assert_eq!(json["candidates"][0]["effect"], "leakage");
     assert!(json["candidates"][0]["held_out_rmse_pa"].is_number() && json["noise_pa"].is_number());
 }
-
-#[test]
-fn the_report_is_one_page_without_outside_references() {
-    let rig = Rig::read(&folder("case03")).unwrap();
-    let page = identify::report::html(&rig, &diagnosed("case03"));
-    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
-    assert!(page.contains("<svg") && page.contains("pressure, bar") && page.contains("leakage"));
-    assert!(!page.contains("http://") && !page.contains("https://") && !page.contains("NaN"));
-}

@@ -58,13 +58,8 @@ impl Setup {
 
     /// Aq by (27) or for the swept length only, m².
     pub(super) fn area<R: Real>(&self, volume_m3: R, dead_volume_m3: R) -> R {
-        let geometry = Geometry {
-            bore: R::from(self.bore_m),
-            piston_area: R::from(self.piston_area_m2),
-            dead_volume: dead_volume_m3,
-            area_law: self.area_law,
-        };
-        geometry.heat_transfer_area(volume_m3)
+        let geometry = Geometry::with_piston_area(self.bore_m, self.piston_area_m2, 0.0, self.area_law);
+        Geometry { dead_volume: dead_volume_m3, ..geometry.lift() }.heat_transfer_area(volume_m3)
     }
 
     /// λ0/λ at pressure, Pa, and temperature, K: equation (5) turned round.

@@ -8,6 +8,7 @@
 //! | [`model`] | an identified chamber: [`Model`] |
 //! | [`uncertainty`], [`provenance`] | how well its parameters are known, where they come from |
 //! | [`layout`], [`units`], [`mod@format`] | which column of a trace is what, in which unit, and how its text is written |
+//! | [`look`] | what a trace holds, found without a rig file |
 //! | [`document`], [`table`], [`key`] | TOML files, each complaint with file, line and key |
 //! | [`error`] | what can be wrong with a file, in sentences |
 //!
@@ -21,6 +22,7 @@ pub mod gas;
 pub mod key;
 pub mod layout;
 pub mod limits;
+pub mod look;
 pub mod measurement;
 pub mod model;
 pub mod names;

@@ -134,6 +134,14 @@ impl Model {
         Ok(())
     }
 
+    /// Turns off the effects that act on the record of a stroke, for uses in which the stroke is the true one; those
+    /// that were on.
+    pub fn leave_out_recorded_stroke(&mut self) -> EffectSet {
+        let left_out = self.active().intersection(effects::of_recorded_stroke());
+        self.chamber.effects = self.chamber.effects.without(left_out);
+        left_out
+    }
+
     /// The effects that are on.
     pub fn active(&self) -> EffectSet {
         self.chamber.active()

@@ -149,7 +149,7 @@ impl Quantity {
 
     /// The unit that a column's name or a units line spells like that, brackets around it aside.
     pub fn unit_spelled(self, text: &str) -> Option<&'static Unit> {
-        let text = text.trim().trim_matches(['[', ']', '(', ')']).trim();
+        let text = unbracketed(text);
         let lower = text.to_lowercase();
         let exact = self.units().iter().find(|unit| unit.name == text);
         exact.or_else(|| {
@@ -159,11 +159,21 @@ impl Quantity {
     }
 }
 
+/// A text without blanks and brackets around all of it.
+fn unbracketed(text: &str) -> &str {
+    let mut text = text.trim();
+    for (open, close) in [('[', ']'), ('(', ')'), ('<', '>')] {
+        if let Some(inside) = text.strip_prefix(open).and_then(|text| text.strip_suffix(close)) {
+            text = inside.trim();
+        }
+    }
+    text
+}
+
 /// Whether a unit's spelling says that a pressure counts from the surroundings' (`psig`, `barg`).
 pub fn says_gauge(spelling: &str) -> bool {
-    let text = spelling.trim().trim_matches(['[', ']', '(', ')']).to_lowercase();
-    let stem = text.trim_end_matches(['(', ')', ' ', '_']);
-    ["psig", "barg", "mbarg", "kpag", "psi(g", "bar(g", "bar_g", "bar rel", "barrel"].contains(&stem)
+    let text = unbracketed(spelling).to_lowercase();
+    ["psig", "barg", "mbarg", "kpag", "psi(g)", "bar(g)", "bar_g", "bar rel", "barrel"].contains(&text.as_str())
 }
 
 #[cfg(test)]
@@ -181,7 +191,7 @@ mod tests {
         // Case tells these two apart.
         assert_eq!((name(Quantity::Pressure, "MPa"), name(Quantity::Pressure, "mbar")), (Some("MPa"), Some("mbar")));
         assert_eq!(name(Quantity::Position, "kPa"), None);
-        assert!(says_gauge("(psig)") && says_gauge("bar(g)") && !says_gauge("psia") && !says_gauge("bar"));
+        assert!(says_gauge("(psig)") && says_gauge("[bar(g)]") && !says_gauge("psia") && !says_gauge("bar"));
     }
 
     #[test]

@@ -48,7 +48,7 @@ SENSITIVE = {
 
 def sweep(study, folder):
     subprocess.run([PROGRAM, "sweep", HERE / study, "-o", folder], check=True)
-    rows = ds.dataset(sorted(pathlib.Path(folder).glob("part-*.parquet"))).to_table()
+    rows = ds.dataset(pathlib.Path(folder) / "rows").to_table()
     data = {name: rows[name].to_numpy() for name in rows.column_names if name != "status"}
     area = (data["volume_m3"] - DEAD_VOLUME_M3) / data["final_stroke_m"]
     ratio = (DEAD_VOLUME_M3 + area * INITIAL_STROKE_M) / data["volume_m3"]

@@ -3,7 +3,7 @@
 use crate::commands::estimates;
 use crate::{evaluation, output};
 use identify::outcome::diagnosis::{Diagnosis, Rmse, Unnamed};
-use identify::report::number;
+use report::digits;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -83,17 +83,17 @@ fn table(d: &Diagnosis) -> String {
     let what = match d.verdict {
         "adequate" => format!(
             "what the paper's model leaves is noise, or no more than the {} Pa that matter",
-            number(d.accuracy_pa, 2)
+            digits(d.accuracy_pa, 2)
         ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
         "improved" => format!(
             "{} predict left-out data decisively better; {} Pa rms remain beyond noise, so that they describe the records and need not be the cause",
             d.effects.join(" and "),
-            number(d.remaining_pa, 3)
+            digits(d.remaining_pa, 3)
         ),
         _ => format!(
             "no known effect predicts left-out data decisively better; {} Pa rms remain beyond noise, and point to the {} balance",
-            number(d.remaining_pa, 3),
+            digits(d.remaining_pa, 3),
             d.balance
         ),
     };
@@ -136,15 +136,15 @@ fn table(d: &Diagnosis) -> String {
 /// The recording's noise, what the interval of λ0 is made of, and each effect's probability.
 fn recording(out: &mut String, d: &Diagnosis) {
     let n = &d.noise;
-    let mut parts = vec![format!("white {} Pa", number(n.white_pa, 3))];
+    let mut parts = vec![format!("white {} Pa", digits(n.white_pa, 3))];
     if n.coloured_pa > 0.0 {
-        parts.push(format!("coloured {} Pa over {} s", number(n.coloured_pa, 3), number(n.correlation_s, 2)));
+        parts.push(format!("coloured {} Pa over {} s", digits(n.coloured_pa, 3), digits(n.correlation_s, 2)));
     }
-    parts.extend(n.hum_hz.map(|hz| format!("hum at {} Hz", number(hz, 3))));
+    parts.extend(n.hum_hz.map(|hz| format!("hum at {} Hz", digits(hz, 3))));
     if n.step_pa > 0.0 {
-        parts.push(format!("steps of {} Pa", number(n.step_pa, 3)));
+        parts.push(format!("steps of {} Pa", digits(n.step_pa, 3)));
     }
-    parts.extend(n.readout_hz.map(|hz| format!("read at {} Hz", number(hz, 3))));
+    parts.extend(n.readout_hz.map(|hz| format!("read at {} Hz", digits(hz, 3))));
     parts.push(format!("{} outliers left out", n.outliers));
     let _ = writeln!(out, "\nnoise: {}", parts.join(", "));
     let shares: Vec<String> = d
@@ -175,10 +175,10 @@ fn missing(out: &mut String, m: &Unnamed) {
         let _ = writeln!(
             out,
             "   at {:>11} {:<5} {:>11} ± {} {}",
-            number(*at, 4),
+            digits(*at, 4),
             m.variable_unit,
-            number(*value, 3),
-            number(*sd, 2),
+            digits(*value, 3),
+            digits(*sd, 2),
             m.unit
         );
     }

@@ -1,14 +1,14 @@
 //! Tables of estimates, shared by `identify` and `diagnose`.
 
 use identify::fit::covariance::{Estimate, Undetermined};
-use identify::report::number;
+use report::digits;
 use std::fmt::Write;
 
 /// Parameters, one a line, with interval and unit.
 pub fn parameters(out: &mut String, parameters: &[(String, Estimate)]) {
     let _ = writeln!(out, "{:<44} {:>13}   {:<28} unit", "parameter", "value", "95 % interval");
     for (name, e) in parameters {
-        let _ = writeln!(out, "{name:<44} {:>13}   {:<28} {}", number(e.value, 5), e.interval(), e.unit);
+        let _ = writeln!(out, "{name:<44} {:>13}   {:<28} {}", digits(e.value, 5), e.interval(), e.unit);
     }
 }
 

@@ -1,10 +1,15 @@
-//! `pneutherm fmu`: a model as an FMI 2.0 co-simulation unit.
+//! `pneutherm fmu`: a model as an FMI 2.0 unit for Model Exchange and co-simulation.
 
 use crate::output;
 use anyhow::Context;
-use fmu::package::{Contents, Library};
-use fmu::variables::{BASE, INPUTS, Parameters, REALS, Starts, input, parameter};
-use records::Model;
+use fmu::package::documentation::About;
+use fmu::package::identity::Identity;
+use fmu::package::{Contents, Library, Version};
+use fmu::plant::values::{
+    BASE, CRITICAL_RATIO, Choices, Parameters, REALS, Starts, StrokeInput, parameter, start_inputs,
+};
+use fmu::table::camel;
+use records::{Model, Verdict};
 use std::path::PathBuf;
 
 /// The FMU's libraries, built by `build.rs`.
@@ -12,7 +17,7 @@ const LIBRARIES: &[Library<'static>] = include!(concat!(env!("OUT_DIR"), "/libra
 /// Where the piston stands in an FMU until its host says otherwise, m.
 const START_POSITION_M: f64 = 0.1;
 
-/// Write an FMI 2.0 co-simulation FMU whose start values are a model's
+/// Write an FMU (FMI 2.0 or 3.0) whose start values are a model's
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
@@ -26,27 +31,98 @@ pub struct Args {
     /// The FMU to write
     #[arg(short, long, value_name = "FILE.fmu", default_value = "Chamber.fmu")]
     output: PathBuf,
+    /// The version of FMI
+    #[arg(long, value_name = "VERSION", default_value = "2", value_parser = version)]
+    fmi: Version,
+}
+
+fn version(text: &str) -> Result<Version, String> {
+    match text {
+        "2" => Ok(Version::Two),
+        "3" => Ok(Version::Three),
+        _ => Err("2 or 3 is expected".into()),
+    }
 }
 
 /// Reads the model, writes the FMU.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let model = Model::read(&args.model)?;
-    let bytes = package(&model, &std::fs::read(&args.model)?)
+    let mut model = Model::read(&args.model)?;
+    let left_out = model.leave_out_recorded_stroke();
+    let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
+    let identity = Identity::of(name.unwrap_or("Chamber"));
+    let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?)
         .with_context(|| format!("{}: no FMU can be made of this model", args.model.display()))?;
     output::write(&args.output, &bytes)?;
     if !output::is_stdout(&args.output) {
         let platforms: Vec<_> = LIBRARIES.iter().map(|library| library.platform).collect();
-        let told = format!("{}: FMI 2.0 co-simulation for {}\n", args.output.display(), platforms.join(", "));
+        let version = if args.fmi == Version::Two { "2.0" } else { "3.0" };
+        let (path, platforms) = (args.output.display(), platforms.join(", "));
+        let told = format!("{path}: FMI {version}, Model Exchange and co-simulation, for {platforms}\n");
         output::print(told.as_bytes())?;
+        if let Some(note) = output::left_out(left_out) {
+            output::print(note.as_bytes())?;
+        }
+        if let Some(doubt) = doubt(&model) {
+            output::print(format!("{doubt}\n").as_bytes())?;
+        }
     }
     Ok(())
 }
 
+/// What to know before the model is used, where its diagnosis left more than noise.
+fn doubt(model: &Model) -> Option<&'static str> {
+    match model.provenance.verdict? {
+        Verdict::Adequate | Verdict::Explained => None,
+        Verdict::Improved => Some(
+            "The model's verdict is `improved`: more than noise remains of the record, so its effects describe it and need not be the cause.",
+        ),
+        Verdict::Unexplained => Some(
+            "The model's verdict is `unexplained`: no known effect predicts the record better than the paper's model, which misses part of it.",
+        ),
+    }
+}
+
+/// Where the model's numbers come from, for the FMU's documentation.
+fn about(model: &Model) -> About {
+    let provenance = &model.provenance;
+    let verdict = provenance.verdict.map(|verdict| match verdict {
+        Verdict::Adequate => "adequate: the paper's model leaves no more than noise.".to_owned(),
+        Verdict::Explained => "explained: the effects that are on leave no more than noise.".to_owned(),
+        Verdict::Improved | Verdict::Unexplained => doubt(model).unwrap_or_default().to_owned(),
+    });
+    let error = |rmse: Option<records::Rmse>| rmse.map(|rmse| rmse.held_out.unwrap_or(rmse.fit));
+    let error_pa = error(provenance.rmse_before_pa).zip(error(provenance.rmse_after_pa)).map(|(a, b)| [a, b]);
+    let intervals = model.uncertainty.iter().flat_map(|known| known.parameters.iter().zip(&known.ci95));
+    About {
+        verdict,
+        error_pa,
+        intervals: intervals.filter_map(|(key, interval)| Some((variable_of(key)?, *interval))).collect(),
+        records: provenance.traces.iter().map(|trace| trace.path.clone()).collect(),
+    }
+}
+
+/// The FMU's name of a parameter that a model file names by its key.
+fn variable_of(key: &str) -> Option<String> {
+    match key {
+        "lambda0_w_per_m2_k" => return Some("lambda0".into()),
+        "dead_volume_m3" => return Some("deadVolume".into()),
+        "bore_m" => return Some("bore".into()),
+        _ => {}
+    }
+    let (effect, key) = key.split_once('.')?;
+    let (_, card) = chamber::effects::find(effect)?;
+    let parameter = card.parameters.iter().find(|p| p.key() == key)?;
+    Some(format!("{}.{}", camel(effect), camel(parameter.name)))
+}
+
 /// The FMU of a model, as bytes; it keeps the model's file in its resources.
-pub fn package(model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
-    let starts = starts(model);
+pub fn package(version: Version, identity: &Identity, model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
+    let (starts, about) = (starts(model), about(model));
     let generated = generated(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref(), model)?;
     let contents = Contents {
+        version,
+        identity,
+        about: &about,
         starts: &starts,
         generated: generated.as_deref(),
         model_file: Some(model_file),
@@ -63,19 +139,23 @@ fn starts(model: &Model) -> Starts {
     real[parameter::ROD_DIAMETER] = model.rod_m;
     real[parameter::DEAD_VOLUME] = chamber.geometry.dead_volume;
     real[parameter::INITIAL_PRESSURE] = model.ambient_pressure_pa;
-    real[parameter::INITIAL_TEMPERATURE] = model.ambient_temperature_k;
+    real[parameter::INITIAL_TEMPERATURE] =
+        chamber::effects::rest_temperature(&chamber.effects, model.ambient_temperature_k);
     real[parameter::LAMBDA0] = chamber.heat_transfer.coefficient;
     real[parameter::REFERENCE_PRESSURE] = chamber.heat_transfer.reference_pressure;
     real[parameter::REFERENCE_TEMPERATURE] = chamber.heat_transfer.reference_temperature;
     real[parameter::GAS_CONSTANT] = chamber.gas.gas_constant;
     real[parameter::HEAT_CAPACITY_RATIO] = chamber.gas.heat_capacity_ratio;
     real[BASE..].copy_from_slice(&chamber.effects.0);
-    let mut inputs = [0.0; INPUTS];
-    inputs[input::POSITION] = START_POSITION_M;
-    inputs[input::TEMPERATURE_IN] = model.ambient_temperature_k;
-    inputs[input::AMBIENT_TEMPERATURE] = model.ambient_temperature_k;
-    inputs[input::AMBIENT_PRESSURE] = model.ambient_pressure_pa;
-    Starts { parameters: Parameters { real, area_law: chamber.geometry.area_law }, inputs }
+    real[parameter::SUPPLY_CRITICAL_RATIO] = CRITICAL_RATIO;
+    real[parameter::EXHAUST_CRITICAL_RATIO] = CRITICAL_RATIO;
+    let choices = Choices {
+        area_law: chamber.geometry.area_law,
+        stroke_input: StrokeInput::PositionAndVelocity,
+        external_wall: false,
+    };
+    let inputs = start_inputs(START_POSITION_M, model.ambient_temperature_k, model.ambient_pressure_pa);
+    Starts { parameters: Parameters { real, choices }, inputs }
 }
 
 /// UTC time of generation: that of SOURCE_DATE_EPOCH, else the model's.

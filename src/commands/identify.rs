@@ -2,8 +2,8 @@
 
 use crate::commands::estimates;
 use crate::{evaluation, output};
-use identify::report::number;
 use identify::{Identification, Method};
+use report::digits;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -58,7 +58,7 @@ fn table(r: &Identification) -> String {
     let _ =
         writeln!(out, "\n{:<22} {:>14} {:>12} {:>10} {:>12}", "experiment", "final Pa", "rise Pa", "tau s", "mass kg");
     for e in &r.experiments {
-        let cell = |v: Option<f64>, digits: usize| v.map_or("-".to_owned(), |v| number(v, digits));
+        let cell = |v: Option<f64>, significant: usize| v.map_or("-".to_owned(), |v| digits(v, significant));
         let _ = writeln!(
             out,
             "{:<22} {:>14} {:>12} {:>10} {:>12}",

@@ -7,7 +7,9 @@ mod diagnose;
 mod estimates;
 pub mod fmu;
 mod identify;
+mod look;
 mod man;
+mod progress;
 mod reproduce;
 mod simulate;
 mod sweep;
@@ -19,6 +21,7 @@ use clap::Subcommand;
 #[derive(Subcommand)]
 pub enum Command {
     Reproduce(reproduce::Args),
+    Look(look::Args),
     Simulate(simulate::Args),
     Identify(identify::Args),
     Diagnose(diagnose::Args),
@@ -34,6 +37,7 @@ impl Command {
     pub fn run(&self) -> anyhow::Result<()> {
         match self {
             Command::Reproduce(args) => reproduce::run(args),
+            Command::Look(args) => look::run(args),
             Command::Simulate(args) => simulate::run(args),
             Command::Identify(args) => identify::run(args),
             Command::Diagnose(args) => diagnose::run(args),

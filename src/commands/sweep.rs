@@ -1,15 +1,14 @@
 //! `pneutherm sweep`: a parameter study of the push-and-hold test as partitioned Parquet.
 
+use super::progress::{Progress, Telling};
 use crate::output;
-use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
+use anyhow::{Context, bail};
 use std::fmt::Write;
-use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
 use sweep::study::SOLVERS;
-use sweep::{Report, Shard, Study, traces};
+use sweep::{Options, Report, Shard, Study, traces};
 
 /// Run a parameter study of the push-and-hold test into a folder of Parquet files
 ///
@@ -21,19 +20,25 @@ Examples:
   pneutherm sweep study.toml -o out --dry-run
   pneutherm sweep study.toml -o out
   pneutherm sweep study.toml -o out --shard 3/16 --jobs 8
-  pneutherm sweep study.toml -o out --traces 0,17,100-119")]
+  pneutherm sweep study.toml -o out --traces 0,17,100-119
+  pneutherm sweep study.toml -o out --no-rows
+  pneutherm sweep --verify out")]
 pub struct Args {
     /// The study file (TOML)
-    study: PathBuf,
-    /// Folder for the parts and manifest.json; made where it is absent
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    #[arg(required_unless_present = "verify")]
+    study: Option<PathBuf>,
+    /// Folder of the study: its rows in rows/, manifest.json; made where it is absent
+    #[arg(short, long, value_name = "DIR", required_unless_present = "verify")]
+    output: Option<PathBuf>,
+    /// Read a finished study's folder back and compare every part with its SHA-256 in manifest.json
+    #[arg(long, value_name = "DIR", exclusive = true)]
+    verify: Option<PathBuf>,
     /// Only the parts i with i mod N = I, I from 0 to N-1
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
-    /// Number of threads; by default one for each processor
-    #[arg(long, short, value_name = "J")]
-    jobs: Option<NonZero<usize>>,
+    /// Number of threads, 1 to 1024; by default one for each processor
+    #[arg(long, short, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     /// Only tell the rows, the time from a short calibration, and the bytes; nothing is written
     #[arg(long)]
     dry_run: bool,
@@ -43,68 +48,110 @@ pub struct Args {
     /// Relative tolerance of the integration; in place of the study's `tolerance`
     #[arg(long, value_name = "RTOL")]
     tolerance: Option<f64>,
-    /// Also write the courses of these rows, sampled, into _traces.parquet: numbers and ranges such as 0,17,100-119. Of
-    /// several shards the first one does
+    /// Also write the courses of these rows, sampled, into traces/traces.parquet: numbers and ranges such as
+    /// 0,17,100-119. Of several shards the first one does
     #[arg(long, value_name = "ROWS")]
     traces: Option<traces::Rows>,
     /// Samples per second of these traces, Hz
     #[arg(long, value_name = "HZ", default_value_t = traces::RATE_HZ)]
     trace_rate: f64,
+    /// Keep no rows: only statistics.json, those of the study's [statistics] or of every result; for studies of any size
+    #[arg(long)]
+    no_rows: bool,
+    /// Progress on standard error: `bar` on a terminal, one line of JSON a second for programs, or `none`
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = Telling::Bar)]
+    progress: Telling,
 }
 
 /// Carries out the study.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let mut study = Study::read(&args.study)?;
+    let threads = args.jobs.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("threads cannot be started")?;
+    if let Some(folder) = &args.verify {
+        return pool.install(|| verify(folder));
+    }
+    let (Some(path), Some(folder)) = (&args.study, &args.output) else { bail!("a study and a folder were expected") };
+    let mut study = Study::read(path)?;
     if let Some(name) = &args.solver {
         study.solver = SOLVERS.iter().find(|(n, _)| n == name).map(|(_, solver)| *solver).context("unknown solver")?;
     }
     if let Some(tolerance) = args.tolerance {
         study.set_tolerance(tolerance)?;
     }
-    let threads = args.jobs.map_or(0, NonZero::get);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("threads cannot be started")?;
+    // What cannot be is said before any work.
+    let traces = args.traces.as_ref().filter(|_| args.shard.index == 0);
+    if let Some(rows) = traces {
+        traces::check(&study, rows, args.trace_rate)?;
+    }
     if args.dry_run {
         let estimate = pool.install(|| calibrate(&study))?;
         return output::print(estimated(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
     }
-    let bar = progress_bar(rows_of(&study, args.shard));
+    on_interrupt();
+    let options = Options { shard: args.shard, rows: !args.no_rows };
+    let progress = Progress::new(args.progress, rows_of(&study, args.shard));
     let begun = Instant::now();
-    let report = pool.install(|| sweep::run(&study, &args.output, args.shard, &|rows| bar.inc(rows)))?;
-    bar.finish_and_clear();
-    let mut text = told(args, &study, &report, begun.elapsed());
-    if let Some(rows) = args.traces.as_ref().filter(|_| args.shard.index == 0) {
-        text += &traced(&pool.install(|| traces::write(&study, &args.output, rows, args.trace_rate))?);
+    let report = progress.during(|progress| pool.install(|| sweep::run(&study, folder, options, progress)))?;
+    let mut text = told(folder, &study, args.shard, &report, begun.elapsed());
+    if let Some(rows) = traces {
+        text += &traced(&pool.install(|| traces::write(&study, folder, rows, args.trace_rate))?);
     }
     output::print(text.as_bytes())
 }
 
-/// Rows of a shard.
-fn rows_of(study: &Study, shard: Shard) -> u64 {
-    let mine = (0..study.parts).filter(|part| shard.has(*part));
-    mine.map(|part| study.rows_of(part)).map(|rows| rows.end - rows.start).sum()
+/// Lets an interrupt (Ctrl-C) end the program with a word on how to go on.
+#[cfg(unix)]
+fn on_interrupt() {
+    use signal_hook::{consts::SIGINT, iterator::Signals};
+    let Ok(mut signals) = Signals::new([SIGINT]) else { return };
+    std::thread::spawn(move || {
+        if signals.forever().next().is_some() {
+            eprintln!("interrupted: finished parts are kept; run the same command again to go on");
+            std::process::exit(130);
+        }
+    });
 }
 
-/// Rate and time left on standard error; hidden where that is no terminal.
-fn progress_bar(rows: u64) -> ProgressBar {
-    const LOOK: &str = "{bar:30} {human_pos} of {human_len} rows, {per_sec}, {eta} left";
-    let bar = ProgressBar::new(rows);
-    if let Ok(style) = ProgressStyle::with_template(LOOK) {
-        bar.set_style(style);
+#[cfg(not(unix))]
+fn on_interrupt() {}
+
+/// Parts that are told by name when a folder does not hold what its manifest says.
+const NAMED: usize = 5;
+
+fn verify(folder: &Path) -> anyhow::Result<()> {
+    let report = sweep::verify(folder)?;
+    if report.wrong.is_empty() {
+        let (parts, bytes) = (report.parts, indicatif::BinaryBytes(report.bytes));
+        let text =
+            format!("{}: {} rows, {parts} parts, {bytes}: as manifest.json says\n", folder.display(), report.rows);
+        return output::print(text.as_bytes());
     }
-    bar.enable_steady_tick(Duration::from_millis(250));
-    bar
+    let named = report.wrong.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
+    let more = report.wrong.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    bail!(
+        "{}: {} of {} parts are not what manifest.json says: {named}{more}; run the study again to compute them anew",
+        folder.display(),
+        report.wrong.len(),
+        report.parts,
+    )
+}
+
+/// Parts of a shard.
+fn parts_of(study: &Study, shard: Shard) -> impl Iterator<Item = u64> {
+    (0..study.parts).filter(move |part| shard.has(*part))
+}
+
+/// Rows of a shard.
+fn rows_of(study: &Study, shard: Shard) -> u64 {
+    parts_of(study, shard).map(|part| study.rows_of(part)).map(|rows| rows.end - rows.start).sum()
 }
 
 fn estimated(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -> String {
     let rows = rows_of(study, shard);
     let mut text = String::new();
     let _ = writeln!(text, "study      {} ({} design)", study.name, study.design.name());
-    let _ = writeln!(
-        text,
-        "rows       {rows} in {} of {} parts",
-        (0..study.parts).filter(|p| shard.has(*p)).count(),
-        study.parts
-    );
+    let _ = writeln!(text, "rows       {rows} in {} of {} parts", parts_of(study, shard).count(), study.parts);
     let _ = writeln!(
         text,
         "time       {} ({:.0} rows/s on {threads} threads, from {} rows)",
@@ -121,8 +168,17 @@ fn estimated(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -
     text
 }
 
-fn told(args: &Args, study: &Study, report: &Report, elapsed: Duration) -> String {
+fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Duration) -> String {
     let mut text = String::new();
+    if parts_of(study, shard).next().is_none() {
+        let parts = if study.parts == 1 { "1 part".to_owned() } else { format!("{} parts", study.parts) };
+        let _ = writeln!(
+            text,
+            "{}: shard {shard} has nothing to do: the study has {parts}; set `parts` in the study to share it further",
+            study.name
+        );
+        return text;
+    }
     let seconds = elapsed.as_secs_f64();
     let _ = writeln!(
         text,
@@ -131,13 +187,22 @@ fn told(args: &Args, study: &Study, report: &Report, elapsed: Duration) -> Strin
         report.rows_written,
         report.rows_written as f64 / seconds,
         indicatif::BinaryBytes(report.bytes),
-        args.output.display(),
+        folder.display(),
     );
     if report.parts_found > 0 {
         let _ = writeln!(text, "{} parts were there already", report.parts_found);
     }
+    if report.parts_damaged > 0 {
+        let _ = writeln!(text, "{} parts were damaged and are computed anew", report.parts_damaged);
+    }
     for (status, count) in &report.statuses {
         let _ = writeln!(text, "{count:>12}  {status}");
+    }
+    if let Some(note) = output::left_out(study.left_out) {
+        text += &note;
+    }
+    for name in &report.results {
+        let _ = writeln!(text, "results: {name}");
     }
     let _ = match report.complete {
         true => writeln!(text, "all {} parts are there: manifest.json is written", study.parts),
@@ -147,7 +212,8 @@ fn told(args: &Args, study: &Study, report: &Report, elapsed: Duration) -> Strin
 }
 
 fn traced(report: &traces::Report) -> String {
-    let mut text = format!("{}: {} samples of {} rows\n", traces::FILE, report.samples, report.rows);
+    let (folder, file) = (traces::FOLDER, traces::FILE);
+    let mut text = format!("{folder}/{file}: {} samples of {} rows\n", report.samples, report.rows);
     for (row, reason) in &report.without {
         let _ = writeln!(text, "row {row} has no trace: {reason}");
     }

@@ -1,8 +1,8 @@
 //! `pneutherm validate`: a model against records that took no part in finding it.
 
-use crate::{evaluation, output};
+use crate::{evaluation, output, validation_page};
 use identify::Validation;
-use identify::report::number;
+use report::digits;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         output::write(path, &[serde_json::to_vec_pretty(&found.validation)?, b"\n".to_vec()].concat())?;
     }
     if let Some(path) = &args.report {
-        output::write(path, identify::report::validation_html(&args.model, &args.rig, &found).as_bytes())?;
+        output::write(path, validation_page::html(&args.model, &args.rig, &found)?.as_bytes())?;
     }
     let taken = [&args.json, &args.report].into_iter().flatten().any(|p| output::is_stdout(p));
     if taken { Ok(()) } else { output::print(table(&found.validation).as_bytes()) }
@@ -52,7 +52,7 @@ fn table(v: &Validation) -> String {
     let _ = writeln!(out, "{:>12} {:>10} {:>14}   record and its own numbers", "error Pa", "rows", "judged from s");
     for r in &v.records {
         let own: Vec<String> =
-            r.parameters.iter().map(|(name, e)| format!("{name} = {} {}", number(e.value, 5), e.unit)).collect();
+            r.parameters.iter().map(|(name, e)| format!("{name} = {} {}", digits(e.value, 5), e.unit)).collect();
         let _ = writeln!(out, "{:>12.1} {:>10} {:>14.2}   {}", r.rmse_pa, r.rows, r.judged_from_s, r.trace);
         let _ = writeln!(out, "{:>41}{}", "", own.join(", "));
     }

@@ -3,7 +3,8 @@
 use super::{MADE, table};
 use crate::simulation;
 use records::layout::Quantity;
-use sweep::{columns::OUTPUTS, quantity, traces};
+use sweep::columns::{OUTPUTS, When};
+use sweep::{quantity, traces};
 
 fn page() -> String {
     let code = |name: &str| format!("`{name}`");
@@ -21,8 +22,12 @@ fn page() -> String {
     page += &table(
         ["column", "unit", ""],
         OUTPUTS.iter().map(|o| {
-            let fit = if o.of_fit { " (with `fit = true`)" } else { "" };
-            [code(o.name), o.unit.to_owned(), format!("{}{fit}", o.doc)]
+            let when = match o.when {
+                When::Always => String::new(),
+                When::Fit => " (with `fit = true`)".to_owned(),
+                When::Solved(base) => format!(" (where `{}` varies)", quantity::all()[base as usize].name),
+            };
+            [code(o.name), o.unit.to_owned(), format!("{}{when}", o.doc)]
         }),
     );
     page += "\nand `status`: `ok`, `not_settled` (the test ends before), or `failed: ` and the reason.\n";
@@ -31,10 +36,13 @@ fn page() -> String {
         ["column", "unit", ""],
         traces::COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]),
     );
-    page += "\n## What a study can vary\n\nBy the dotted name, or its last part where that is unambiguous.\n\n";
+    page += "\n## What a study can vary\n\nBy the dotted name, or its last part where that can mean nothing else.\n\n";
     page += &table(
         ["quantity", "unit", "values", ""],
-        quantity::all().iter().map(|q| [code(&q.name), q.unit.to_owned(), q.allowed.to_string(), q.doc.to_owned()]),
+        (0..)
+            .zip(quantity::all())
+            .filter(|(place, _)| !quantity::is_of_recorded_stroke(*place))
+            .map(|(_, q)| [code(&q.name), q.unit.to_owned(), q.allowed.to_string(), q.doc.to_owned()]),
     );
     page
 }

@@ -1,8 +1,8 @@
 //! The page of effects, from their cards.
 
 use super::{MADE, number, table};
-use chamber::card::{Card, Unit};
-use chamber::effects;
+use chamber::card::{Card, ClosedForm, Prior, Unit};
+use chamber::{Gas, effects};
 use std::fmt::Write;
 
 fn page() -> String {
@@ -24,11 +24,27 @@ const HEAD: &str = "\
 What the paper's model neglects. An effect is off when each of its parameters is neutral. *Typical* is the value that a
 fit begins from. Names as in model files (`[effect.NAME]`) and studies (`effect.NAME.parameter`).
 
+*Scope* is what the parameters belong to: the rig, or one record of it. An effect keeps the closed form when a sealed
+chamber's pressure can be computed without an integrator although the effect is on; a filter acts on the reading behind it.
+
 ";
 
 fn section(card: &Card) -> String {
     let mut text = format!("\n## {}\n\n{}.\n\n```text\n{}\n```\n\n", card.name, card.doc, card.equation);
-    writeln!(text, "Balance: {}. Source: {}.\n", card.balance, card.source).expect("a String takes all");
+    let closed_form = match card.closed_form {
+        ClosedForm::Kept => " Keeps the closed form.",
+        ClosedForm::Filter => " A filter of the reading.",
+        ClosedForm::Lost => "",
+    };
+    let by_itself = if card.candidate { "" } else { " `diagnose` does not try it by itself." };
+    writeln!(
+        text,
+        "Balance: {}. Scope: {}.{closed_form}{by_itself} Source: {}.\n",
+        card.balance,
+        card.scope.name(),
+        card.source
+    )
+    .expect("a String takes all");
     text += &table(
         ["parameter", "unit", "neutral", "typical", "bounds", ""],
         card.parameters.iter().map(|p| {
@@ -43,6 +59,12 @@ fn section(card: &Card) -> String {
             ]
         }),
     );
+    for (p, prior) in card.parameters.iter().filter_map(|p| Some((p, p.prior(&Gas::AIR)?))) {
+        let gas = if matches!(p.prior, Prior::OfGas(_)) { " for air" } else { "" };
+        let (mean, deviation) = (number(prior.mean), number(prior.standard_deviation));
+        writeln!(text, "\nKnown beforehand{gas}: `{}` is {mean} with a standard deviation of {deviation}.", p.key())
+            .expect("a String takes all");
+    }
     for state in card.states {
         writeln!(text, "\nIntegrates a state of its own: {}, {}.", state.doc, unit(state.unit))
             .expect("a String takes all");

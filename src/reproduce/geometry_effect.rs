@@ -1,9 +1,9 @@
 //! The loop on the six measured points: `geometry_effect.json` and a section of the report.
 
-use super::document::{Block, Section, Table, digits, percent};
 use super::figures;
 use anyhow::{Context, Result};
 use paper::geometry_effect::{COLUMN_HALF, FORMS, GeometryEffect, ONE_LAMBDA0, Outcome, REFERENCE_LENGTH_M};
+use report::{Block, Section, Table, digits, percent};
 use serde::Serialize;
 
 /// One form of λ as the JSON file has it.

@@ -1,6 +1,5 @@
 //! What `pneutherm reproduce` writes: the paper's numbers from its own tables, ours beside them.
 
-mod document;
 mod figures;
 mod geometry_effect;
 mod reference_pressure;
@@ -10,8 +9,10 @@ mod tables;
 mod trend;
 
 use anyhow::{Context, Result};
-use document::Block;
+use fmu::package::Version;
+use fmu::package::identity::Identity;
 use paper::section31::Timing;
+use report::Block;
 use std::path::{Path, PathBuf};
 use studies::Law;
 
@@ -44,7 +45,15 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
         reference_pressure::section(),
         trend::section(&measured, [&models[0], &models[1]], &studied, &flat)?,
     ];
-    out.bytes("Chamber.fmu", &crate::commands::fmu::package(&models[0], models[0].to_toml()?.as_bytes())?)?;
+    out.bytes(
+        "Chamber.fmu",
+        &crate::commands::fmu::package(
+            Version::Two,
+            &Identity::reference(),
+            &models[0],
+            models[0].to_toml()?.as_bytes(),
+        )?,
+    )?;
     out.json("section31.json", section31::lines(&section31))?;
     out.text("section31.md", &sections[0].markdown())?;
     out.text("table4.csv", &tables::table4(&measured)?)?;
@@ -56,7 +65,7 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
             out.text(file, svg)?;
         }
     }
-    out.text("report.html", &document::page(TITLE, LEAD, &sections))?;
+    out.text("report.html", &report::page::page(TITLE, LEAD, &sections))?;
     Ok(out.written)
 }
 

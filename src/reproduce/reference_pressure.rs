@@ -1,7 +1,7 @@
 //! Appendix 2 of the paper, the pressure that λ0 refers to, as a section of the report.
 
-use super::document::{Section, digits};
 use chamber::{Gas, paper};
+use report::{Section, digits};
 
 /// Supply pressure of the paper's servovalve, Pa.
 const SUPPLY_PA: f64 = 7e5;

@@ -1,9 +1,9 @@
 //! Section 3.1 of the paper as `section31.json` and as a section of the report.
 
-use super::document::{Block, Section, Table, digits, percent, signed_percent};
 use super::figures;
 use anyhow::Result;
 use paper::section31::{Line, Section31, Timing, reproduce};
+use report::{Block, Section, Table, digits, percent, signed_percent};
 
 /// The list of quantities that `section31.json` holds.
 pub fn lines(section: &Section31) -> &[Line] {

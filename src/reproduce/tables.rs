@@ -1,9 +1,9 @@
 //! Tables 4 and 5 as CSV, ours beside the paper's, and as a section of the report.
 
-use super::document::{Section, Table, digits, signed_percent};
 use anyhow::{Context, Result};
 use paper::measured::Measured;
 use paper::tables::{self, TABLE_4, TABLE_5};
+use report::{Section, Table, digits, signed_percent};
 
 /// Table 4 as CSV.
 ///

@@ -1,11 +1,11 @@
 //! The trend of table 5 as a section of the report, from the studies' rows.
 
-use super::document::{Block, Section, Table, digits, percent};
 use super::figures;
 use super::studies::{Law, TrendPoint};
 use anyhow::Result;
 use paper::measured::Measured;
 use records::Model;
+use report::{Block, Section, Table, digits, percent};
 
 /// The section of the report; `studied` with the column's length in λ, `flat` with one λ0.
 ///

@@ -4,6 +4,7 @@ use chamber::real::Real;
 use ensemble::lanes::{Lanes, WIDTH};
 use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// How a range is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -74,6 +75,16 @@ impl Axis {
             Axis::Range { from, to, scale, .. } => {
                 Arch::new().dispatch(Place { between: Between::new(from, to, scale), shares });
             }
+        }
+    }
+
+    /// The least and the largest value.
+    pub fn bounds(&self) -> RangeInclusive<f64> {
+        match *self {
+            Axis::Values { ref values } => {
+                values.iter().copied().fold(f64::MAX, f64::min)..=values.iter().copied().fold(f64::MIN, f64::max)
+            }
+            Axis::Range { from, to, .. } => from..=to,
         }
     }
 

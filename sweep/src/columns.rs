@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::part;
-use crate::quantity;
+use crate::quantity::{self, Base};
 use crate::row::{Outputs, Status};
 use crate::solve::Rows;
 use crate::study::Study;
@@ -26,6 +26,8 @@ const PAGE: usize = 1 << 16;
 /// Fastest of zstd's levels: on 100 000 rows of a fitted study 1, 3 and 6 differ by 1 %.
 const ZSTD_LEVEL: i32 = 1;
 
+use When::{Always, Fit, Solved};
+
 /// A column that is computed.
 pub struct Output {
     /// Its name, with the unit's suffix.
@@ -34,10 +36,21 @@ pub struct Output {
     pub unit: &'static str,
     /// One line for people.
     pub doc: &'static str,
-    /// Whether it comes from the paper's regression and is left out with `fit = false`.
-    pub of_fit: bool,
+    /// Which studies have it.
+    pub when: When,
     /// Adds the values of some rows to a column; NaN where there is none.
     pub append: fn(&[Outputs], &mut Vec<f64>),
+}
+
+/// Which studies have a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// All.
+    Always,
+    /// Those with the paper's regression: not with `fit = false`.
+    Fit,
+    /// Those that solve for it because this is varied.
+    Solved(Base),
 }
 
 /// A column's values, by what each is in a row.
@@ -49,31 +62,38 @@ macro_rules! each {
 
 /// Every computed column but the row's number and its status, in order.
 #[rustfmt::skip]
-pub const OUTPUTS: [Output; 12] = [
-    Output { name: "volume_m3", unit: "m3", of_fit: false, doc: "Gas volume at the final stroke", append: each!(o => o.volume) },
-    Output { name: "area_m2", unit: "m2", of_fit: false, doc: "Heat transfer area at the final stroke", append: each!(o => o.area) },
-    Output { name: "volume_to_area_m", unit: "m", of_fit: false, doc: "Gas volume over heat transfer area at the final stroke", append: each!(o => o.volume / o.area) },
-    Output { name: "pressure_peak_pa", unit: "Pa", of_fit: false, doc: "Largest pressure from the end of the push on; for an expansion the smallest", append: each!(o => o.pressure_peak) },
-    Output { name: "pressure_final_pa", unit: "Pa", of_fit: false, doc: "Pressure at the end of the test", append: each!(o => o.pressure_final) },
-    Output { name: "temperature_final_k", unit: "K", of_fit: false, doc: "Gas temperature at the end of the test", append: each!(o => o.temperature_final) },
-    Output { name: "temperature_peak_k", unit: "K", of_fit: false, doc: "Largest gas temperature from the end of the push on; for an expansion the smallest", append: each!(o => o.temperature_peak) },
-    Output { name: "time_constant_s", unit: "s", of_fit: true, doc: "Time constant of P = Pf + dP exp(-t/tau) fitted from the end of the push on", append: each!(o => o.time_constant) },
-    Output { name: "lambda_av_w_per_m2_k", unit: "W/(m2.K)", of_fit: true, doc: "Average heat transfer coefficient by the paper's steps", append: each!(o => o.lambda_av) },
-    Output { name: "lambda0_w_per_m2_k", unit: "W/(m2.K)", of_fit: true, doc: "Heat transfer coefficient at the reference state by the paper's steps", append: each!(o => o.lambda0) },
-    Output { name: "settling_time_s", unit: "s", of_fit: false, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance", append: each!(o => o.settling_time) },
-    Output { name: "energy_error", unit: "1", of_fit: false, doc: "Relative closure of the energy balance: the steps' estimated errors added up, 0 where the solution is exact", append: each!(o => o.energy_error) },
+pub const OUTPUTS: [Output; 15] = [
+    Output { name: "bore_m", unit: "m", when: Solved(Base::VolumeToArea), doc: "Bore, solved for", append: each!(o => o.bore) },
+    Output { name: "initial_stroke_m", unit: "m", when: Solved(Base::VolumeToAreaByLength), doc: "Piston position before the push, solved for", append: each!(o => o.strokes[0]) },
+    Output { name: "final_stroke_m", unit: "m", when: Solved(Base::VolumeToAreaByLength), doc: "Piston position after the push, solved for", append: each!(o => o.strokes[1]) },
+    Output { name: "volume_m3", unit: "m3", when: Always, doc: "Gas volume at the final stroke", append: each!(o => o.volume) },
+    Output { name: "area_m2", unit: "m2", when: Always, doc: "Heat transfer area at the final stroke", append: each!(o => o.area) },
+    Output { name: "volume_to_area_m", unit: "m", when: Always, doc: "Gas volume over heat transfer area at the final stroke", append: each!(o => o.volume / o.area) },
+    Output { name: "pressure_peak_pa", unit: "Pa", when: Always, doc: "Largest pressure from the end of the push on; for an expansion the smallest", append: each!(o => o.pressure_peak) },
+    Output { name: "pressure_final_pa", unit: "Pa", when: Always, doc: "Pressure at the end of the test", append: each!(o => o.pressure_final) },
+    Output { name: "temperature_final_k", unit: "K", when: Always, doc: "Gas temperature at the end of the test", append: each!(o => o.temperature_final) },
+    Output { name: "temperature_peak_k", unit: "K", when: Always, doc: "Largest gas temperature from the end of the push on; for an expansion the smallest", append: each!(o => o.temperature_peak) },
+    Output { name: "time_constant_s", unit: "s", when: Fit, doc: "Time constant of P = Pf + dP exp(-t/tau) fitted from the end of the push on", append: each!(o => o.time_constant) },
+    Output { name: "lambda_av_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Average heat transfer coefficient by the paper's steps", append: each!(o => o.lambda_av) },
+    Output { name: "lambda0_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Heat transfer coefficient at the reference state by the paper's steps", append: each!(o => o.lambda0) },
+    Output { name: "settling_time_s", unit: "s", when: Always, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance", append: each!(o => o.settling_time) },
+    Output { name: "energy_error", unit: "1", when: Always, doc: "Relative closure of the energy balance: the steps' estimated errors added up, 0 where the solution is exact", append: each!(o => o.energy_error) },
 ];
 
 /// Whether a column of that name is computed, so that no varied quantity can have it.
 pub fn is_output(name: &str) -> bool {
-    name == "row" || name == "status" || OUTPUTS.iter().any(|output| output.name == name)
+    let solved = |output: &Output| matches!(output.when, Solved(_));
+    name == "row" || name == "status" || OUTPUTS.iter().any(|output| output.name == name && !solved(output))
 }
 
 /// The computed columns of a study.
-pub fn outputs(study: &Study) -> impl Iterator<Item = &'static Output> {
-    let varied: Vec<String> = study.varied.iter().map(|v| v.column.clone()).collect();
-    let fit = study.fit;
-    OUTPUTS.iter().filter(move |o| (fit || !o.of_fit) && !varied.iter().any(|name| name == o.name))
+pub fn outputs(study: &Study) -> impl Iterator<Item = &'static Output> + '_ {
+    let has = |when: When| match when {
+        Always => true,
+        Fit => study.fit,
+        Solved(base) => study.varied.iter().any(|v| v.quantity == base as usize),
+    };
+    OUTPUTS.iter().filter(move |o| has(o.when) && !study.varied.iter().any(|v| v.column == o.name))
 }
 
 /// The schema of a study's table, each field with its `unit` and `description`.
@@ -116,19 +136,21 @@ fn finite_or_null(values: Vec<f64>) -> Float64Array {
 pub struct Statuses(Vec<(Status, u64)>);
 
 impl Statuses {
+    /// Counts a row, and tells the place of its status.
+    pub fn count(&mut self, row: Status) -> usize {
+        let met = &mut self.0;
+        let place = met.iter().position(|(status, _)| *status == row).unwrap_or_else(|| {
+            met.push((row, 0));
+            met.len() - 1
+        });
+        met[place].1 += 1;
+        place
+    }
+
     /// Counts some rows, and makes their status column.
     pub fn column(&mut self, rows: &[Status]) -> DictionaryArray<Int32Type> {
-        let met = &mut self.0;
-        let key = |row: &Status| {
-            let place = met.iter().position(|(status, _)| status == row).unwrap_or_else(|| {
-                met.push((*row, 0));
-                met.len() - 1
-            });
-            met[place].1 += 1;
-            place as i32
-        };
-        let keys = Int32Array::from(rows.iter().map(key).collect::<Vec<i32>>());
-        let texts = StringArray::from_iter_values(met.iter().map(|(status, _)| status.text()));
+        let keys = Int32Array::from(rows.iter().map(|row| self.count(*row) as i32).collect::<Vec<i32>>());
+        let texts = StringArray::from_iter_values(self.0.iter().map(|(status, _)| status.text()));
         DictionaryArray::new(keys, Arc::new(texts))
     }
 

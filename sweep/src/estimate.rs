@@ -10,8 +10,12 @@ use std::time::{Duration, Instant};
 
 /// How long a calibration goes on at least, if there are rows enough.
 const LONG_ENOUGH: Duration = Duration::from_millis(400);
-/// Rows of the first piece; each further one is twice as long.
-const FIRST: u64 = 256;
+/// Rows of a piece at first; each further time they are twice as many.
+const FIRST: u64 = 4;
+/// Rows of a piece at most.
+const LARGEST: u64 = 1 << 15;
+/// Pieces for each thread, from all over the design: an axis may be slow at one of its ends.
+const PIECES: u64 = 8;
 
 /// What a study will take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,28 +40,33 @@ impl Estimate {
     }
 }
 
-/// Computes and encodes pieces of the study from all over its design, in memory, for under a second.
+/// Computes and encodes pieces of the study from all over its design, in memory, for about a second.
 ///
 /// # Errors
 /// A table of points cannot be read.
 pub fn calibrate(study: &Study) -> Result<Estimate, Error> {
-    let threads = rayon::current_num_threads() as u64;
-    let mut piece = FIRST.min(study.rows);
+    let pieces = (rayon::current_num_threads() as u64 * PIECES).min(study.rows);
+    let empty = encode(study, 0, 0)?;
+    let mut length = FIRST.min(study.rows);
     loop {
         let begun = Instant::now();
-        let starts: Vec<u64> = (0..threads).map(|i| (study.rows - piece) / threads.max(1) * i).collect();
-        let bytes: Vec<usize> =
-            starts.into_par_iter().map(|start| encode(study, start, piece)).collect::<Result<_, _>>()?;
+        let start = |i: u64| (u128::from(study.rows - length) * u128::from(i) / u128::from(pieces.max(2) - 1)) as u64;
+        let starts: Vec<u64> = (0..pieces).map(start).collect();
+        let bytes: Vec<usize> = starts
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|start| encode(study, start, length))
+            .collect::<Result<_, _>>()?;
         let elapsed = begun.elapsed();
-        let rows = piece * threads;
-        if elapsed > LONG_ENOUGH || piece == study.rows || piece >= 1 << 18 {
+        let rows = length * pieces;
+        if elapsed > LONG_ENOUGH || length == study.rows || length >= LARGEST {
             return Ok(Estimate {
                 calibrated_rows: rows,
                 rows_per_second: rows as f64 / elapsed.as_secs_f64(),
-                bytes_per_row: bytes.iter().sum::<usize>() as f64 / rows as f64,
+                bytes_per_row: bytes.iter().map(|bytes| bytes - empty).sum::<usize>() as f64 / rows as f64,
             });
         }
-        piece = (2 * piece).min(study.rows);
+        length = (2 * length).min(study.rows);
     }
 }
 

@@ -1,20 +1,36 @@
 //! A study's folder: which parts are there, what an interrupted run left behind, and the manifest.
+//!
+//! | place | holds |
+//! |---|---|
+//! | `rows/` | the parts, and nothing else at any time: readers of folders take it whole |
+//! | `traces/` | the table of traces |
+//! | `parts/` | `study.json`, whose folder this is; for each part its hash, its statuses and its statistics; what is being written |
+//! | `manifest.json` | the study, its columns and its parts, once all are there |
+//!
+//! A part's record is there before the part, so that no part is without its hash.
 
 use crate::columns;
 use crate::error::Error;
-use crate::new_file::TEMPORARY;
-use crate::part::StatusCounts;
+use crate::hash;
+use crate::new_file::{Digest, TEMPORARY};
+use crate::part::{StatusCounts, Written};
+use crate::statistics::State;
 use crate::study::Study;
 use crate::traces;
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Name of the file that says that all parts are there.
 pub const MANIFEST: &str = "manifest.json";
-/// What every part's name begins with.
-const PART: &str = "part-";
+/// Folder of the parts.
+pub const ROWS: &str = "rows";
+/// Folder of the parts' records.
+pub const RECORDS: &str = "parts";
+/// The study's own record.
+const STUDY: &str = "study.json";
 
 /// A study's folder.
 pub struct Folder<'a> {
@@ -23,40 +39,147 @@ pub struct Folder<'a> {
     identity: String,
 }
 
-/// A part that is there and whole.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+/// What is known of a part without its rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The study it belongs to.
+    pub study_sha256: String,
+    /// Number of its first row.
+    pub first_row: u64,
+    /// How many it has.
+    pub rows: u64,
     /// Its rows by status.
     pub statuses: StatusCounts,
-    /// Its size, bytes.
-    pub bytes: u64,
+    /// Its file; none where the study's rows are not kept.
+    pub file: Option<Digest>,
+    /// Its statistics, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub statistics: Option<State>,
+}
+
+/// What a part's place holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Found {
+    /// The part.
+    Whole(Record),
+    /// Something else than its record says.
+    Damaged,
+    /// Nothing, or nothing whole.
+    Nothing,
+}
+
+impl Found {
+    /// How many rows are there, if the part is whole.
+    pub fn rows(&self) -> Option<u64> {
+        match self {
+            Found::Whole(record) => Some(record.rows),
+            Found::Damaged | Found::Nothing => None,
+        }
+    }
+
+    /// The part's record, if it is whole.
+    pub fn whole(self) -> Option<Record> {
+        match self {
+            Found::Whole(record) => Some(record),
+            Found::Damaged | Found::Nothing => None,
+        }
+    }
+}
+
+/// How closely to look at a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// At its record and its length.
+    Length,
+    /// At every byte.
+    Contents,
 }
 
 impl<'a> Folder<'a> {
-    /// Makes the folder where it is absent and refuses one that holds another study.
+    /// A folder that is the study's or does not exist yet; nothing is written.
     ///
     /// # Errors
-    /// The folder cannot be made or read, or is another study's.
+    /// It cannot be read, or is another study's.
     pub fn open(study: &'a Study, path: &'a Path) -> Result<Self, Error> {
-        std::fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })?;
+        if path.exists() && !path.is_dir() {
+            let source = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder");
+            return Err(Error::Write { path: path.to_owned(), source });
+        }
         let folder = Self { study, path, identity: study.identity() };
         folder.refuse_another_study()?;
         Ok(folder)
     }
 
+    /// Makes the folder ready to be written.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn prepare(&self) -> Result<(), Error> {
+        for folder in [self.path.to_owned(), self.rows_path(), self.records_path()] {
+            std::fs::create_dir_all(&folder).map_err(|source| Error::Write { path: folder, source })?;
+        }
+        let path = self.records_path().join(STUDY);
+        if path.exists() {
+            return Ok(());
+        }
+        let mut study = self.about();
+        study["columns"] = self.columns();
+        Ok(records::write_atomically(&path, pretty(&study).as_bytes())?)
+    }
+
+    /// Path of the folder of the parts.
+    pub fn rows_path(&self) -> PathBuf {
+        self.path.join(ROWS)
+    }
+
+    /// Path of the folder of the parts' records, where files are written until they are whole.
+    pub fn records_path(&self) -> PathBuf {
+        self.path.join(RECORDS)
+    }
+
     /// Path of the table of traces.
     pub fn traces_path(&self) -> PathBuf {
-        self.path.join(traces::FILE)
+        self.path.join(traces::FOLDER).join(traces::FILE)
     }
 
     /// Path of a part.
     pub fn part_path(&self, part: u64) -> PathBuf {
-        self.path.join(self.study.part_name(part))
+        self.rows_path().join(self.study.part_name(part))
     }
 
-    fn names(&self) -> Result<Vec<String>, Error> {
-        let read = |source| Error::Read { path: self.path.to_owned(), source };
-        let entries = std::fs::read_dir(self.path).map_err(read)?;
+    /// Path of a part's record.
+    pub fn record_path(&self, part: u64) -> PathBuf {
+        self.records_path().join(self.study.part_name(part)).with_extension("json")
+    }
+
+    /// A part's record, to be written before the part gets its name.
+    pub fn record(&self, part: u64, written: &Written) -> Record {
+        let rows = self.study.rows_of(part);
+        Record {
+            study_sha256: self.identity.clone(),
+            first_row: rows.start,
+            rows: rows.end - rows.start,
+            statuses: written.statuses.clone(),
+            file: written.file.as_ref().map(|file| file.digest().clone()),
+            statistics: written.statistics.clone(),
+        }
+    }
+
+    /// Makes a part's record last.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_record(&self, part: u64, record: &Record) -> Result<(), Error> {
+        let text = serde_json::to_string(record).unwrap_or_default() + "\n";
+        Ok(records::write_atomically(&self.record_path(part), text.as_bytes())?)
+    }
+
+    fn names(&self, folder: &Path) -> Result<Vec<String>, Error> {
+        let read = |source| Error::Read { path: folder.to_owned(), source };
+        let entries = match std::fs::read_dir(folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries.map_err(read)?,
+        };
         let names: Result<Vec<_>, _> =
             entries.map(|e| e.map(|e| e.file_name().to_string_lossy().into_owned())).collect();
         let mut names = names.map_err(read)?;
@@ -66,33 +189,34 @@ impl<'a> Folder<'a> {
 
     fn refuse_another_study(&self) -> Result<(), Error> {
         let other = |difference: String| Err(Error::OtherStudy { folder: self.path.to_owned(), difference });
-        let manifest = self.path.join(MANIFEST);
-        if let Ok(text) = std::fs::read_to_string(&manifest) {
-            let found: Value = serde_json::from_str(&text).unwrap_or(Value::Null);
+        let mut is_known = false;
+        for path in [self.records_path().join(STUDY), self.path.join(MANIFEST)] {
+            let Ok(text) = std::fs::read_to_string(&path) else { continue };
+            let name = path.strip_prefix(self.path).unwrap_or(&path).display().to_string();
+            let Ok(found) = serde_json::from_str::<Value>(&text) else {
+                return other(format!("{name} cannot be read"));
+            };
             if found["study_sha256"] != json!(self.identity) {
-                return other(format!("{MANIFEST} is {}", self.described(&found)));
+                return other(format!("{name} is {}", self.described(&found)));
             }
+            is_known = true;
         }
-        for name in self.names()?.iter().filter(|name| name.starts_with(PART) || name.ends_with(".parquet")) {
-            if !self.is_part(name) && name != traces::FILE {
-                return other(format!("{name} is none of its {} parts", self.study.parts));
-            }
-            match Footer::read(&self.path.join(name)) {
-                Some(footer) if footer.get("study_sha256") != Some(self.identity.as_str()) => {
-                    let text = footer.get("study").unwrap_or("null");
-                    let study: Value = serde_json::from_str(text).unwrap_or(Value::Null);
-                    let found = json!({ "study": study, "program_version": footer.get("program_version") });
-                    return other(format!("{name} is {}", self.described(&found)));
-                }
-                _ => {}
-            }
+        if let Some(name) = self.names(self.path)?.iter().find(|name| name.ends_with(".parquet")) {
+            return other(format!("{name} is not in {ROWS}/"));
+        }
+        let parts = self.names(&self.rows_path())?;
+        if let Some(name) = parts.iter().find(|name| !self.is_part(name)) {
+            return other(format!("{ROWS}/{name} is none of its {} parts", self.study.parts));
+        }
+        if !parts.is_empty() && !is_known {
+            return other(format!("{ROWS}/ holds parts, but {RECORDS}/{STUDY}, which says whose, is missing"));
         }
         Ok(())
     }
 
     /// Whether a file has the name of one of the study's parts.
     fn is_part(&self, name: &str) -> bool {
-        let number = name.strip_prefix(PART).and_then(|rest| rest.split('-').next()?.parse().ok());
+        let number = name.strip_prefix("part-").and_then(|rest| rest.split('-').next()?.parse().ok());
         number.is_some_and(|part| part < self.study.parts && self.study.part_name(part) == name)
     }
 
@@ -107,14 +231,31 @@ impl<'a> Folder<'a> {
         format!("of study {}, which differs in {}", theirs["name"], different.join(", "))
     }
 
-    /// The part, if it is there and whole.
-    pub fn finished(&self, part: u64) -> Option<Part> {
-        let path = self.part_path(part);
-        let footer = Footer::read(&path)?;
-        let rows = self.study.rows_of(part);
-        let whole = footer.rows == rows.end - rows.start && footer.get("study_sha256") == Some(&self.identity);
-        let statuses = serde_json::from_str(footer.get("status_counts")?).ok()?;
-        whole.then_some(Part { statuses, bytes: footer.bytes })
+    /// Looks for a part; with `rows` its file has to be there too.
+    pub fn find(&self, part: u64, rows: bool, look: Look) -> Found {
+        let rows_of = self.study.rows_of(part);
+        let record = std::fs::read(self.record_path(part)).ok();
+        let record: Option<Record> = record.and_then(|text| serde_json::from_slice(&text).ok());
+        let length = std::fs::metadata(self.part_path(part)).ok().map(|file| file.len());
+        let Some(record) = record else {
+            return if length.is_some() { Found::Damaged } else { Found::Nothing };
+        };
+        let its = record.study_sha256 == self.identity
+            && (record.first_row, record.rows) == (rows_of.start, rows_of.end - rows_of.start);
+        if !its {
+            return Found::Damaged;
+        }
+        match (&record.file, length) {
+            (None, _) if rows => Found::Nothing,
+            (None, _) => Found::Whole(record),
+            (Some(_), None) => Found::Nothing,
+            (Some(digest), Some(length)) => {
+                let same = length == digest.bytes
+                    && (look == Look::Length
+                        || hash::of_file(&self.part_path(part)).is_ok_and(|sha256| sha256 == digest.sha256));
+                if same { Found::Whole(record) } else { Found::Damaged }
+            }
+        }
     }
 
     /// Removes what killed runs left of the parts that `mine` says yes to: temporary files that nobody has locked.
@@ -129,9 +270,9 @@ impl<'a> Folder<'a> {
         if mine(0) {
             prefixes.push(format!(".{}.", traces::FILE));
         }
-        for name in self.names()? {
+        for name in self.names(&self.records_path())? {
             if name.ends_with(TEMPORARY) && prefixes.iter().any(|prefix| name.starts_with(prefix.as_str())) {
-                let path = self.path.join(&name);
+                let path = self.records_path().join(&name);
                 let abandoned = File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
                 if abandoned {
                     let _ = std::fs::remove_file(&path);
@@ -148,83 +289,84 @@ impl<'a> Folder<'a> {
     pub fn remove_manifest(&self) -> Result<(), Error> {
         let path = self.path.join(MANIFEST);
         match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::Write { path, source }),
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(Error::Write { path, source }),
             _ => Ok(()),
         }
     }
 
-    /// Every part, if all are there.
-    pub fn all_finished(&self) -> Option<Vec<Part>> {
-        (0..self.study.parts).map(|part| self.finished(part)).collect()
+    /// Every part's record, if all are there.
+    pub fn all_finished(&self, rows: bool) -> Option<Vec<Record>> {
+        (0..self.study.parts).map(|part| self.find(part, rows, Look::Length).whole()).collect()
     }
 
-    /// Writes a result for programs beside the parts.
+    /// Writes a result for programs beside the parts, unless it is there already.
     ///
     /// # Errors
     /// It cannot be written.
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), Error> {
-        let text = serde_json::to_string_pretty(value).unwrap_or_default() + "\n";
-        Ok(records::write_atomically(&self.path.join(name), text.as_bytes())?)
+        let (path, text) = (self.path.join(name), pretty(value));
+        if std::fs::read(&path).is_ok_and(|found| found == text.as_bytes()) {
+            return Ok(());
+        }
+        Ok(records::write_atomically(&path, text.as_bytes())?)
     }
 
-    /// Writes the manifest: the study, its columns and its parts. The same study gives the same manifest.
+    /// Writes the manifest: the study, its columns and its parts.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn write_manifest(&self, parts: &[Part]) -> Result<(), Error> {
-        let mut total = StatusCounts::new();
-        for (status, count) in parts.iter().flat_map(|part| &part.statuses) {
-            *total.entry(status.clone()).or_default() += count;
-        }
-        let schema = columns::schema(self.study);
-        let columns = schema.fields().iter().map(|field| {
-            let metadata = field.metadata();
-            json!({ "name": field.name(), "unit": metadata["unit"], "description": metadata["description"] })
-        });
-        let files = parts.iter().enumerate().map(|(i, part)| {
-            let rows = self.study.rows_of(i as u64);
-            json!({
-                "file": self.study.part_name(i as u64),
-                "first_row": rows.start,
-                "rows": rows.end - rows.start,
-                "bytes": part.bytes,
+    pub fn write_manifest(&self, parts: &[Record]) -> Result<(), Error> {
+        let total = statuses_of(parts);
+        let files = parts.iter().enumerate().filter_map(|(i, part)| {
+            let file = part.file.as_ref()?;
+            Some(json!({
+                "file": format!("{ROWS}/{}", self.study.part_name(i as u64)),
+                "first_row": part.first_row,
+                "rows": part.rows,
+                "bytes": file.bytes,
+                "sha256": file.sha256,
                 "statuses": part.statuses,
-            })
+            }))
         });
-        let manifest = json!({
+        let files: Vec<_> = files.collect();
+        let mut manifest = self.about();
+        manifest["rows"] = json!(self.study.rows);
+        manifest["statuses"] = json!(total);
+        manifest["columns"] = self.columns();
+        manifest["parts"] = json!(files);
+        self.write_json(MANIFEST, &manifest)
+    }
+
+    /// Whose folder this is.
+    fn about(&self) -> Value {
+        json!({
             "program": "pneutherm",
             "program_version": env!("CARGO_PKG_VERSION"),
             "study_sha256": self.identity,
             "study": self.study.json(),
-            "rows": self.study.rows,
-            "statuses": total,
-            "columns": columns.collect::<Vec<_>>(),
-            "parts": files.collect::<Vec<_>>(),
-        });
-        self.write_json(MANIFEST, &manifest)
+        })
+    }
+
+    fn columns(&self) -> Value {
+        let schema = columns::schema(self.study);
+        let column = |field: &arrow::datatypes::FieldRef| {
+            let metadata = field.metadata();
+            json!({ "name": field.name(), "unit": metadata["unit"], "description": metadata["description"] })
+        };
+        schema.fields().iter().map(column).collect()
     }
 }
 
-/// What a Parquet file's footer says.
-struct Footer {
-    rows: u64,
-    bytes: u64,
-    entries: Vec<(String, String)>,
+/// Rows by status of some parts.
+pub fn statuses_of(parts: &[Record]) -> StatusCounts {
+    let mut total = StatusCounts::new();
+    for (status, count) in parts.iter().flat_map(|part| &part.statuses) {
+        *total.entry(status.clone()).or_default() += count;
+    }
+    total
 }
 
-impl Footer {
-    /// `None` where the file is absent or not a whole Parquet file.
-    fn read(path: &Path) -> Option<Self> {
-        let file = File::open(path).ok()?;
-        let bytes = file.metadata().ok()?.len();
-        let reader = SerializedFileReader::new(file).ok()?;
-        let metadata = reader.metadata().file_metadata();
-        let entries = metadata.key_value_metadata().into_iter().flatten();
-        let entries = entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap_or_default())).collect();
-        Some(Self { rows: metadata.num_rows() as u64, bytes, entries })
-    }
-
-    fn get(&self, key: &str) -> Option<&str> {
-        self.entries.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
-    }
+/// JSON as a file has it.
+fn pretty(value: &Value) -> String {
+    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }

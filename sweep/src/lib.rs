@@ -14,9 +14,12 @@
 //! | [`row`] | from a point to a scenario, and what comes out of it |
 //! | [`solve`] | rows through the kernel of `ensemble` |
 //! | [`columns`] | the table: names, units, encoding |
-//! | [`part`], [`new_file`], [`folder`] | one Parquet file, whole or not there; a study's folder and its manifest |
+//! | [`part`], [`new_file`] | one Parquet file, whole or not there |
+//! | [`pages`], [`sink`] | its pages' checksums; its hash, and the order of its statistics |
+//! | [`folder`], [`verify`](mod@verify) | a study's folder and its manifest; whether it holds what that says |
 //! | [`traces`] | the courses of some rows, as a second table |
 //! | [`run`](mod@run) | a study carried out: a shard into a folder, all into a file or memory |
+//! | [`statistics`] | what the results come to, with the rows or without |
 //! | [`sensitivity`] | first- and total-order indices of a Saltelli study |
 //! | [`estimate`] | time and bytes of a study, from a short calibration |
 //!
@@ -28,16 +31,22 @@ pub mod design;
 pub mod error;
 pub mod estimate;
 pub mod folder;
+pub mod hash;
 pub mod new_file;
+pub mod pages;
 pub mod part;
 pub mod quantity;
 pub mod row;
 pub mod run;
 pub mod sensitivity;
+pub mod sink;
 pub mod solve;
+pub mod statistics;
 pub mod study;
 pub mod traces;
+pub mod verify;
 
 pub use error::Error;
-pub use run::{Report, Shard, run, run_in_memory, run_to_file};
+pub use run::{Options, Report, Shard, run, run_in_memory, run_to_file};
 pub use study::Study;
+pub use verify::verify;

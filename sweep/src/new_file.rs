@@ -3,26 +3,45 @@
 //! A temporary file is locked while its writer lives. One that is not locked was left by a run that was killed.
 
 use crate::error::Error;
+use crate::pages::{self, Collector};
+use crate::sink::Sink;
 use arrow::datatypes::SchemaRef;
 use arrow::record_batch::RecordBatch;
-use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};
+use parquet::arrow::{ArrowSchemaConverter, add_encoded_arrow_schema_to_metadata};
+use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Ending of temporary files; they begin with a dot and the name they are meant to have.
 pub const TEMPORARY: &str = ".tmp";
 
-/// Bytes that are written together at least: pages are larger, and go to the file as they are.
-const BUFFER: usize = 1 << 16;
+/// What a file holds, as far as can be said without its contents.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Digest {
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+    /// Its length, bytes.
+    pub bytes: u64,
+}
 
 /// A file that is being written; removed when dropped before its end.
 pub struct NewFile {
     path: PathBuf,
     temporary: Temporary,
-    writer: ArrowWriter<BufWriter<File>>,
+    schema: SchemaRef,
+    writer: SerializedFileWriter<Sink>,
+    factory: ArrowRowGroupWriterFactory,
+    collector: Arc<Collector>,
+    /// The columns of the row group that is open, and its rows.
+    group: Option<(Vec<ArrowColumnWriter>, usize)>,
+    groups: usize,
+    rows_of_a_group: usize,
 }
 
 struct Temporary {
@@ -39,19 +58,43 @@ impl Drop for Temporary {
 }
 
 impl NewFile {
-    /// Begins the file that is to be at `path`.
+    /// Begins the file that is to be at `path`; until then it is beside that.
     ///
     /// # Errors
     /// The folder cannot be written.
     pub fn create(path: &Path, schema: SchemaRef, properties: WriterProperties) -> Result<Self, Error> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::create_in(folder, path, schema, properties)
+    }
+
+    /// The same in another folder of the same file system until it is whole.
+    ///
+    /// # Errors
+    /// That folder cannot be written.
+    pub fn create_in(
+        folder: &Path,
+        path: &Path,
+        schema: SchemaRef,
+        mut properties: WriterProperties,
+    ) -> Result<Self, Error> {
         let failed = |source| Error::Write { path: path.to_owned(), source };
-        let temporary = Temporary { path: temporary_beside(path), finished: false };
+        let temporary = Temporary { path: temporary(folder, path), finished: false };
         let file = File::create_new(&temporary.path).map_err(failed)?;
         file.lock().map_err(failed)?;
-        let buffer = BufWriter::with_capacity(BUFFER, file);
-        let writer =
-            ArrowWriter::try_new(buffer, schema, Some(properties)).map_err(|error| Error::writing(path, error))?;
-        Ok(Self { path: path.to_owned(), temporary, writer })
+        let writing = |error| Error::writing(path, error);
+        let rows_of_a_group = properties.max_row_group_row_count().unwrap_or(usize::MAX);
+        let columns = ArrowSchemaConverter::new().convert(&schema).map_err(writing)?;
+        add_encoded_arrow_schema_to_metadata(&schema, &mut properties);
+        let writer = SerializedFileWriter::new(Sink::new(file), columns.root_schema_ptr(), Arc::new(properties))
+            .map_err(writing)?;
+        let collector = Arc::new(Collector::default());
+        let factory =
+            ArrowRowGroupWriterFactory::new(&writer, schema.clone()).with_page_store_factory(collector.clone());
+        #[rustfmt::skip]
+        let file = Self {
+            path: path.to_owned(), temporary, schema, writer, factory, collector, group: None, groups: 0, rows_of_a_group,
+        };
+        Ok(file)
     }
 
     /// Adds rows.
@@ -59,7 +102,44 @@ impl NewFile {
     /// # Errors
     /// They cannot be written.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
-        self.writer.write(batch).map_err(|error| Error::writing(&self.path, error))
+        self.append(batch).map_err(|error| Error::writing(&self.path, error))
+    }
+
+    fn append(&mut self, batch: &RecordBatch) -> Result<(), ParquetError> {
+        let mut begin = 0;
+        while begin < batch.num_rows() {
+            let (columns, rows) = match &mut self.group {
+                Some(group) => group,
+                none => none.insert((self.factory.create_column_writers(self.groups)?, 0)),
+            };
+            let length = (batch.num_rows() - begin).min(self.rows_of_a_group - *rows);
+            let piece = batch.slice(begin, length);
+            for ((column, field), array) in columns.iter_mut().zip(self.schema.fields()).zip(piece.columns()) {
+                for leaf in compute_leaves(field, array)? {
+                    column.write(&leaf)?;
+                }
+            }
+            begin += length;
+            *rows += length;
+            if *rows == self.rows_of_a_group {
+                self.end_group()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the columns of the open row group.
+    fn end_group(&mut self) -> Result<(), ParquetError> {
+        let Some((columns, _)) = self.group.take() else { return Ok(()) };
+        let chunks = columns.into_iter().map(ArrowColumnWriter::close).collect::<Result<Vec<_>, _>>()?;
+        let mut group = self.writer.next_row_group()?;
+        for (chunk, pages) in chunks.into_iter().zip(self.collector.take()) {
+            let (bytes, close) = pages::with_checksums(chunk, &pages)?;
+            group.append_column(&bytes, close)?;
+        }
+        group.close()?;
+        self.groups += 1;
+        Ok(())
     }
 
     /// Adds an entry to the file's metadata.
@@ -71,11 +151,14 @@ impl NewFile {
     ///
     /// # Errors
     /// They cannot be written.
-    pub fn end(self) -> Result<Ended, Error> {
-        let failed = |source| Error::Write { path: self.path.clone(), source };
-        let buffer = self.writer.into_inner().map_err(|error| Error::writing(&self.path, error))?;
-        let file = buffer.into_inner().map_err(|e| failed(e.into_error()))?;
-        Ok(Ended { path: self.path, temporary: self.temporary, file })
+    pub fn end(mut self) -> Result<Ended, Error> {
+        self.end_group().map_err(|error| Error::writing(&self.path, error))?;
+        self.writer.flush().map_err(|source| Error::Write { path: self.path.clone(), source })?;
+        self.writer.inner_mut().hold();
+        let sink = self.writer.into_inner().map_err(|error| Error::writing(&self.path, error))?;
+        let finished = sink.finish(self.schema.fields().len());
+        let (sha256, bytes, file) = finished.map_err(|source| Error::Write { path: self.path.clone(), source })?;
+        Ok(Ended { path: self.path, temporary: self.temporary, file, digest: Digest { sha256, bytes } })
     }
 }
 
@@ -85,9 +168,15 @@ pub struct Ended {
     path: PathBuf,
     temporary: Temporary,
     file: File,
+    digest: Digest,
 }
 
 impl Ended {
+    /// Its hash and length.
+    pub fn digest(&self) -> &Digest {
+        &self.digest
+    }
+
     /// Makes the file last under its own name. Waits for the disk.
     ///
     /// # Errors
@@ -107,13 +196,13 @@ fn sync_folder_of(path: &Path) -> std::io::Result<()> {
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
-/// A name that no other file has, in the folder of `path`.
-fn temporary_beside(path: &Path) -> PathBuf {
+/// A name in a folder that no other file has.
+fn temporary(folder: &Path, path: &Path) -> PathBuf {
     use std::sync::atomic::{AtomicU64, Ordering};
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     // The clock tells apart processes of the same number on different machines.
     let clock = std::time::UNIX_EPOCH.elapsed().map_or(0, |since| since.subsec_nanos());
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    path.with_file_name(format!(".{name}.{}-{clock:x}-{count}{TEMPORARY}", std::process::id()))
+    folder.join(format!(".{name}.{}-{clock:x}-{count}{TEMPORARY}", std::process::id()))
 }

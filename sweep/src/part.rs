@@ -4,6 +4,7 @@ use crate::columns::{self, Statuses};
 use crate::error::Error;
 use crate::new_file::{Ended, NewFile};
 use crate::solve::Solver;
+use crate::statistics::{Plan, State};
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
@@ -20,8 +21,23 @@ const CHUNKS_PER_THREAD: usize = 4;
 /// How many rows ended with each status.
 pub type StatusCounts = BTreeMap<String, u64>;
 
-/// Told how many more rows are done, from any thread.
-pub type OnRows<'a> = &'a (dyn Fn(u64) + Sync);
+/// Told how a run goes on, from any thread.
+pub trait Progress: Sync {
+    /// So many rows more are solved.
+    fn solved(&self, rows: u64);
+
+    /// So many rows were there already.
+    fn found(&self, _rows: u64) {}
+}
+
+impl<F: Fn(u64) + Sync> Progress for F {
+    fn solved(&self, rows: u64) {
+        self(rows);
+    }
+}
+
+/// Who is told.
+pub type OnRows<'a> = &'a dyn Progress;
 
 /// Some rows of a study as Arrow.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
@@ -45,40 +61,82 @@ pub enum Workers {
     All,
 }
 
-/// Writes some rows of a study to what will be `path` when it is published; tells how many ended with each status.
+/// Where a part's rows go.
+pub struct Place<'a> {
+    /// What the file will be called.
+    pub path: &'a Path,
+    /// The folder it is written in until it is whole.
+    pub workshop: &'a Path,
+    /// Further entries of its metadata.
+    pub extra: &'a [(&'a str, String)],
+}
+
+/// Computes some rows of a study, into a new file where there is a place for one, which is still to be published.
 ///
 /// # Errors
 /// The file cannot be written, or a table of points cannot be read; nothing remains then.
 pub fn write(
     study: &Study,
     rows: Range<u64>,
-    path: &Path,
-    extra: &[(&str, String)],
+    place: Option<&Place<'_>>,
+    plan: Option<&Plan>,
     workers: Workers,
     on_rows: OnRows<'_>,
-) -> Result<(Ended, StatusCounts), Error> {
+) -> Result<Written, Error> {
     let schema = columns::schema(study);
-    let mut file = NewFile::create(path, schema.clone(), columns::properties(study, &schema, extra))?;
+    let create = |place: &Place<'_>| {
+        let properties = columns::properties(study, &schema, place.extra);
+        NewFile::create_in(place.workshop, place.path, schema.clone(), properties)
+    };
+    let mut file = place.map(create).transpose()?;
     let mut statuses = Statuses::default();
+    let mut statistics = plan.map(|plan| (plan, State::new(plan), places(study, plan)));
     let chunks = chunks(rows);
     let wave = if workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
-    let mut solver = Solver::new(study);
+    let mut solver = Solver::new(study).telling(on_rows);
     for wave in chunks.chunks(wave) {
         let computed: Vec<_> = match workers {
             Workers::One => wave.iter().map(|rows| solver.rows(rows.clone())).collect(),
             Workers::All => {
-                wave.par_iter().map_init(|| Solver::new(study), |solver, rows| solver.rows(rows.clone())).collect()
+                let new = || Solver::new(study).telling(on_rows);
+                wave.par_iter().map_init(new, |solver, rows| solver.rows(rows.clone())).collect()
             }
         };
         for rows in computed {
-            let batch = columns::batch(study, &schema, rows?, &mut statuses)?;
-            file.write(&batch)?;
-            on_rows(batch.num_rows() as u64);
+            let rows = rows?;
+            if let Some((plan, state, places)) = &mut statistics {
+                state.add(plan, rows.first, places.iter().map(|place| rows.outputs[*place].as_slice()));
+            }
+            match &mut file {
+                Some(file) => file.write(&columns::batch(study, &schema, rows, &mut statuses)?)?,
+                None => rows.statuses.iter().for_each(|status| {
+                    statuses.count(*status);
+                }),
+            }
         }
     }
     let counts = statuses.counts();
-    file.note("status_counts", json!(counts).to_string());
-    Ok((file.end()?, counts))
+    if let Some(file) = &mut file {
+        file.note("status_counts", json!(counts).to_string());
+    }
+    let statistics = statistics.map(|(_, state, _)| state);
+    Ok(Written { file: file.map(NewFile::end).transpose()?, statuses: counts, statistics })
+}
+
+/// Places of a plan's columns among the study's computed ones.
+fn places(study: &Study, plan: &Plan) -> Vec<usize> {
+    let place = |name: &String| columns::outputs(study).position(|output| output.name == name);
+    plan.columns.iter().filter_map(place).collect()
+}
+
+/// Rows that were computed.
+pub struct Written {
+    /// Their file, still to be published, where there was a place for one.
+    pub file: Option<Ended>,
+    /// How many ended with each status.
+    pub statuses: StatusCounts,
+    /// Their statistics, where they were asked for.
+    pub statistics: Option<State>,
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! Effects' parameters follow from their cards, so that an effect added to `chamber` can be swept at once.
 
+use crate::columns;
 use chamber::effects::{self, PARAMETERS};
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -33,10 +34,11 @@ pub enum Base {
     Duration,
     HoldTimeConstants,
     VolumeToArea,
+    VolumeToAreaByLength,
 }
 
 /// How many [`Base`] numbers there are.
-const BASE: usize = Base::VolumeToArea as usize + 1;
+const BASE: usize = Base::VolumeToAreaByLength as usize + 1;
 /// How many quantities there are.
 pub const COUNT: usize = BASE + PARAMETERS;
 
@@ -128,13 +130,14 @@ const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
     (Base::InitialStroke, "test.initial_stroke_m", "m", AtLeast(0.0), "Piston position before the push"),
     (Base::FinalStroke, "test.final_stroke_m", "m", AtLeast(0.0), "Piston position after the push"),
     (Base::PushTime, "test.push_time_s", "s", Above(0.0), "Duration of the push, a linear ramp"),
-    (Base::InitialTemperature, "test.initial_temperature_k", "K", Above(0.0), "Gas temperature before the push; that of the surroundings unless given"),
+    (Base::InitialTemperature, "test.initial_temperature_k", "K", Above(0.0), "Gas temperature before the push; that of the wall at rest unless given"),
     (Base::MassFlowIn, "test.mass_flow_in_kg_per_s", "kg/s", AtLeast(0.0), "Constant flow into the chamber; 0 unless given"),
     (Base::TemperatureIn, "test.temperature_in_k", "K", Above(0.0), "Temperature of the flow into the chamber; that of the surroundings unless given"),
     (Base::MassFlowOut, "test.mass_flow_out_kg_per_s", "kg/s", AtLeast(0.0), "Constant flow out of the chamber; 0 unless given"),
     (Base::Duration, "test.duration_s", "s", Above(0.0), "Duration of the test from the start of the push"),
     (Base::HoldTimeConstants, "test.hold_time_constants", "1", Above(0.0), "Duration of the hold after the push over the thermal time constant at its end"),
-    (Base::VolumeToArea, "volume_to_area_m", "m", Above(0.0), "Gas volume over heat transfer area at the final stroke; the bore is solved for"),
+    (Base::VolumeToArea, "volume_to_area_m", "m", Above(0.0), "Gas volume over heat transfer area at the final stroke; the bore is solved for, the strokes stay"),
+    (Base::VolumeToAreaByLength, "volume_to_area_by_length_m", "m", Above(0.0), "Gas volume over heat transfer area at the final stroke; both strokes are solved for in their proportion, the bore stays"),
 ];
 
 /// A value for every quantity: what one row of a study stands for. NaN where a quantity is not given.
@@ -169,34 +172,72 @@ impl Point {
 /// Why a name does not stand for one quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NotFound {
-    /// Several quantities end like this.
-    Ambiguous(Vec<&'static str>),
+    /// It could mean any of these: the first by its last part, others because it stands in theirs, or a result.
+    Ambiguous(Vec<String>),
     /// None does; perhaps this one was meant.
     Unknown(Option<&'static str>),
+    /// It belongs to an effect that acts on the record of a stroke, and a test's stroke is the true one.
+    OfRecordedStroke,
 }
 
-/// Place of the quantity of that dotted name, or of the only one whose name ends with these parts.
+/// Place of the quantity of that dotted name, or of the only one whose name ends with these parts. A single part is
+/// refused, too, where its words stand in another quantity's (`pressure_pa` in `initial_pressure_pa`) or name a result:
+/// whoever wrote it may have meant that one.
 pub fn find(name: &str) -> Result<usize, NotFound> {
+    if all().iter().position(|q| q.name == name).is_some_and(is_of_recorded_stroke) {
+        return Err(NotFound::OfRecordedStroke);
+    }
+    meaning(name).map_err(|meanings| match meanings.is_empty() {
+        true => NotFound::Unknown(nearest(name)),
+        false => NotFound::Ambiguous(meanings),
+    })
+}
+
+/// The one quantity that a name can mean, or all that it could.
+fn meaning(name: &str) -> Result<usize, Vec<String>> {
     let list = all();
     if let Some(exact) = list.iter().position(|q| q.name == name) {
         return Ok(exact);
     }
     let ends = |q: &Quantity| q.name.strip_suffix(name).is_some_and(|rest| rest.ends_with('.'));
-    let found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i])).collect();
-    match found[..] {
-        [one] => Ok(one),
-        [] => Err(NotFound::Unknown(nearest(name))),
-        _ => Err(NotFound::Ambiguous(found.into_iter().map(|i| list[i].name.as_str()).collect())),
+    let mut found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i]) && !is_of_recorded_stroke(i)).collect();
+    let mut results = Vec::new();
+    if !name.contains('.') && !found.is_empty() {
+        let alike =
+            |i: &usize| !found.contains(i) && !is_of_recorded_stroke(*i) && has_words(last_part(&list[*i].name), name);
+        found.extend((0..list.len()).filter(alike).collect::<Vec<_>>());
+        results.extend(columns::is_output(name).then(|| format!("the result {name}, which cannot be varied")));
     }
+    match (&found[..], &results[..]) {
+        ([one], []) => Ok(*one),
+        _ => Err(found.iter().map(|i| list[*i].name.clone()).chain(results).collect()),
+    }
+}
+
+/// Whether a name has these words, one after the other.
+fn has_words(name: &str, words: &str) -> bool {
+    let (name, words): (Vec<&str>, Vec<&str>) = (name.split('_').collect(), words.split('_').collect());
+    name.windows(words.len()).any(|some| some == words)
+}
+
+fn last_part(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or(name)
+}
+
+/// Whether the quantity at that place is of no meaning here, where no stroke is recorded.
+pub fn is_of_recorded_stroke(place: usize) -> bool {
+    place.checked_sub(BASE).is_some_and(|parameter| {
+        let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
+        effects::of_recorded_stroke().has(effect)
+    })
 }
 
 /// The known name most like this one, among the dotted ones or their last parts, as the writer seems to prefer.
 fn nearest(name: &str) -> Option<&'static str> {
-    let last = |q: &'static Quantity| q.name.rsplit('.').next().unwrap_or(&q.name);
     if name.contains('.') {
         records::nearest(name, all().iter().map(|q| q.name.as_str()))
     } else {
-        let short = all().iter().map(last).filter(|part| find(part).is_ok());
+        let short = all().iter().map(|q| last_part(&q.name)).filter(|part| meaning(part).is_ok());
         records::nearest(name, short).or_else(|| records::nearest(name, all().iter().map(|q| q.name.as_str())))
     }
 }
@@ -217,14 +258,28 @@ mod tests {
         assert_eq!(find("bore_m"), Ok(Base::Bore as usize));
         assert_eq!(find("chamber.bore_m"), find("bore_m"));
         assert_eq!(find("volume_to_area_m"), Ok(Base::VolumeToArea as usize));
-        assert_eq!(find("conductance_m3_per_s_pa"), find("effect.leakage.conductance_m3_per_s_pa"));
-        assert_eq!(find("leakage.critical_pressure_ratio"), find("critical_pressure_ratio"));
+        assert_eq!(find("extra_area_m2"), find("effect.dead_volume_surface.extra_area_m2"));
+        assert_eq!(find("leakage.critical_pressure_ratio"), find("effect.leakage.critical_pressure_ratio"));
     }
 
     #[test]
     fn an_ambiguous_name_lists_what_it_could_mean() {
-        let Err(NotFound::Ambiguous(list)) = find("exponent") else { panic!("not ambiguous") };
-        assert_eq!(list, ["effect.natural_convection.exponent", "effect.gas_column_length.exponent"]);
+        for (name, first, other) in [
+            ("exponent", "effect.natural_convection.exponent", "effect.gas_column_length.exponent"),
+            ("pressure_pa", "ambient.pressure_pa", "test.initial_pressure_pa"),
+            ("temperature_k", "ambient.temperature_k", "test.initial_temperature_k"),
+            ("coefficient", "effect.forced_convection.coefficient", "heat_transfer.coefficient_w_per_m2_k"),
+            ("volume_m3", "effect.tube_volume.volume_m3", "chamber.dead_volume_m3"),
+            (
+                "time_constant_s",
+                "effect.sensor_lag.time_constant_s",
+                "the result time_constant_s, which cannot be varied",
+            ),
+        ] {
+            let Err(NotFound::Ambiguous(list)) = find(name) else { panic!("{name} is not ambiguous") };
+            assert!(list[0] == first && list.iter().any(|meaning| meaning == other), "{name}: {list:?}");
+            assert!(find(&list[0]).is_ok());
+        }
     }
 
     #[test]
@@ -236,12 +291,15 @@ mod tests {
     }
 
     #[test]
-    fn every_parameter_of_every_effect_can_be_varied() {
+    fn every_parameter_of_every_effect_can_be_varied_but_for_those_of_a_recorded_stroke() {
         for (index, card) in effects::all() {
             for (offset, p) in card.parameters.iter().enumerate() {
-                let place = find(&format!("effect.{}.{}", card.name, p.key())).unwrap();
-                assert_eq!(place, BASE + effects::PARAMETER_OFFSETS[index] + offset);
+                let place = BASE + effects::PARAMETER_OFFSETS[index] + offset;
+                let expected =
+                    if effects::of_recorded_stroke().has(index) { Err(NotFound::OfRecordedStroke) } else { Ok(place) };
+                assert_eq!(find(&format!("effect.{}.{}", card.name, p.key())), expected);
             }
         }
+        assert_eq!(find("delay_s"), find("effect.record_delay.delay_s"));
     }
 }

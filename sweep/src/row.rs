@@ -24,6 +24,9 @@ pub enum Failure {
     /// No bore gives the volume-to-area ratio.
     #[error("no bore gives this volume-to-area ratio")]
     NoBore,
+    /// No strokes give the volume-to-area ratio.
+    #[error("no length gives this volume-to-area ratio at this bore")]
+    NoLength,
     /// The simulation says why.
     #[error(transparent)]
     Simulation(#[from] ensemble::Failure),
@@ -66,6 +69,8 @@ pub struct Outputs {
     pub lambda0: f64,
     pub settling_time: f64,
     pub energy_error: f64,
+    pub bore: f64,
+    pub strokes: [f64; 2],
     pub status: Status,
 }
 
@@ -89,6 +94,8 @@ impl Outputs {
             lambda0: fit(|f| f.lambda0_w_per_m2_k),
             settling_time: outcome.settling_time_s.unwrap_or(f64::NAN),
             energy_error: outcome.energy_error,
+            bore: scenario.chamber.geometry.bore,
+            strokes: [scenario.initial_position_m, scenario.final_position_m],
             status: if outcome.settling_time_s.is_some() { Status::Ok } else { Status::NotSettled },
         }
     }
@@ -107,6 +114,8 @@ impl Outputs {
             lambda0: f64::NAN,
             settling_time: f64::NAN,
             energy_error: f64::NAN,
+            bore: f64::NAN,
+            strokes: [f64::NAN; 2],
             status: Status::Failed(failure),
         }
     }
@@ -140,11 +149,15 @@ pub fn set_scenario(study: &Study, point: &Point, scenario: &mut Scenario) -> Re
     chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
     chamber.geometry = geometry(study, point)?;
     scenario.initial_pressure_pa = get(Base::InitialPressure);
-    scenario.initial_position_m = get(Base::InitialStroke);
-    scenario.final_position_m = get(Base::FinalStroke);
+    [scenario.initial_position_m, scenario.final_position_m] = strokes(&scenario.chamber.geometry, point)?;
     scenario.push_time_s = get(Base::PushTime);
     scenario.hold = Hold::Duration(get(Base::Duration));
-    scenario.initial_temperature_k = or_ambient(get(Base::InitialTemperature));
+    let initial_temperature = get(Base::InitialTemperature);
+    scenario.initial_temperature_k = if initial_temperature.is_nan() {
+        effects::rest_temperature(&scenario.chamber.effects, get(Base::AmbientTemperature))
+    } else {
+        initial_temperature
+    };
     scenario.ambient_temperature_k = get(Base::AmbientTemperature);
     scenario.ambient_pressure_pa = get(Base::AmbientPressure);
     scenario.mass_flow_in_kg_per_s = get(Base::MassFlowIn);
@@ -177,6 +190,21 @@ fn geometry(study: &Study, point: &Point) -> Result<Geometry, Failure> {
     if geometry.piston_area > 0.0 { Ok(geometry) } else { Err(Failure::RodFillsBore) }
 }
 
+/// Strokes before and after the push, m: solved for in their proportion where the volume-to-area ratio is given at a
+/// bore. The area grows in proportion to the volume, so that the volume follows from a linear equation.
+fn strokes(geometry: &Geometry, point: &Point) -> Result<[f64; 2], Failure> {
+    let (wanted, given) = (point.get(Base::VolumeToAreaByLength), [Base::InitialStroke, Base::FinalStroke]);
+    let [initial, last] = given.map(|base| point.get(base));
+    if wanted.is_nan() {
+        return Ok([initial, last]);
+    }
+    let at_zero = geometry.heat_transfer_area(0.0);
+    let slope = geometry.heat_transfer_area(1.0) - at_zero;
+    let volume = wanted * at_zero / (1.0 - wanted * slope);
+    let solved = (volume - geometry.dead_volume) / geometry.piston_area;
+    if solved.is_finite() && solved > 0.0 { Ok([solved * (initial / last), solved]) } else { Err(Failure::NoLength) }
+}
+
 /// Volume of the gas, m³, and its heat transfer area, m², at the final stroke.
 pub fn final_geometry(scenario: &Scenario) -> (f64, f64) {
     let geometry = &scenario.chamber.geometry;
@@ -184,19 +212,21 @@ pub fn final_geometry(scenario: &Scenario) -> (f64, f64) {
     (volume, geometry.heat_transfer_area(volume))
 }
 
-/// τ_f = m cv/(λ(Pf, Tamb) Aq), s, with Pf the pressure of all the gas at ambient temperature after the push and
+/// τ_f = m cv/(λ(Pf, Tw) Aq), s, with Pf the pressure of all the gas at the wall's temperature at rest after the push and
 /// λ with its effects but natural convection, which has no value without a temperature difference.
 pub fn final_time_constant(scenario: &Scenario) -> f64 {
     let chamber = &scenario.chamber;
     let ambient = scenario.ambient_temperature_k;
+    let rest = effects::rest_temperature(&chamber.effects, ambient);
     let mass = scenario.initial_pressure_pa * chamber.geometry.volume(scenario.initial_position_m)
         / (chamber.gas.gas_constant * scenario.initial_temperature_k);
     let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
-    let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * ambient);
+    let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * rest);
     let natural = effects::find("natural_convection").map(|(index, _)| index);
     let set: EffectSet = chamber.active().iter().filter(|index| Some(*index) != natural).collect();
     let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-    mass * chamber.gas.cv() / (coefficient * final_geometry(scenario).1)
+    let area = effects::heat_transfer_area(set, &chamber.effects, final_geometry(scenario).1);
+    mass * chamber.gas.cv() / (coefficient * area)
 }
 
 /// Gas volume over heat transfer area at a stroke.

@@ -1,13 +1,15 @@
 //! A study carried out: whole or a shard of it into a folder, or all of it into one file or into memory.
 
 use crate::error::Error;
-use crate::folder::{Folder, Part};
+use crate::folder::{self, Folder, Found, Look, Record};
 use crate::new_file::Ended;
-use crate::part::{self, OnRows, StatusCounts, Workers};
+use crate::part::{self, OnRows, Place, StatusCounts, Workers};
 use crate::sensitivity;
+use crate::statistics::{self, Plan, State};
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
+use serde_json::Value;
 use std::path::Path;
 use std::sync::mpsc::{SyncSender, sync_channel};
 
@@ -48,6 +50,27 @@ impl std::str::FromStr for Shard {
     }
 }
 
+/// What a run is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Which parts.
+    pub shard: Shard,
+    /// Whether the rows are kept.
+    pub rows: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { shard: Shard::WHOLE, rows: true }
+    }
+}
+
+impl From<Shard> for Options {
+    fn from(shard: Shard) -> Self {
+        Self { shard, ..Self::default() }
+    }
+}
+
 /// What a run did and what it found done.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -55,6 +78,8 @@ pub struct Report {
     pub parts_written: u64,
     /// Parts of this shard that were there already.
     pub parts_found: u64,
+    /// Of those written, parts that had been there and were not what their record said.
+    pub parts_damaged: u64,
     /// Rows this run computed.
     pub rows_written: u64,
     /// Bytes of this shard's parts.
@@ -63,59 +88,142 @@ pub struct Report {
     pub statuses: StatusCounts,
     /// Whether all parts of the study are in the folder now and the manifest is written.
     pub complete: bool,
+    /// Files with results beside the rows, by name.
+    pub results: Vec<&'static str>,
 }
 
-/// Carries out a shard of a study into a folder. Parts that are there and whole stay; when all parts of the study are
-/// there in the end, the manifest is written. May be repeated, interrupted, and run beside other shards.
+/// Carries out a shard of a study into a folder. Parts that are there and whole, which is checked byte for byte, stay;
+/// when all parts of the study are there in the end, the manifest is written. May be repeated, interrupted, and run
+/// beside other shards. Where nothing is missing nothing is written.
 ///
 /// Threads are those of the current rayon pool; memory grows with their number, not with the study's rows.
 ///
 /// # Errors
 /// The folder is another study's or cannot be written. Parts finished before stay.
-pub fn run(study: &Study, folder: &Path, shard: Shard, on_rows: OnRows<'_>) -> Result<Report, Error> {
+pub fn run(study: &Study, folder: &Path, options: impl Into<Options>, on_rows: OnRows<'_>) -> Result<Report, Error> {
+    let options: Options = options.into();
+    let Options { shard, rows } = options;
+    let plan = plan_of(study, options);
     let folder = Folder::open(study, folder)?;
-    folder.clean(|part| shard.has(part))?;
     let mine: Vec<u64> = (0..study.parts).filter(|part| shard.has(*part)).collect();
-    let (found, missing): (Vec<u64>, Vec<u64>) = mine.iter().partition(|part| folder.finished(**part).is_some());
-    for part in &found {
-        let rows = study.rows_of(*part);
-        on_rows(rows.end - rows.start);
-    }
+    let look = |part: &u64| (*part, folder.find(*part, rows, Look::Contents));
+    let looked: Vec<(u64, Found)> = mine.par_iter().map(look).collect();
+    let missing: Vec<u64> =
+        looked.iter().filter(|(_, found)| !matches!(found, Found::Whole(_))).map(|(part, _)| *part).collect();
+    on_rows.found(looked.iter().filter_map(|(_, found)| found.rows()).sum());
+    let damaged = looked.iter().filter(|(_, found)| *found == Found::Damaged).count() as u64;
     if !missing.is_empty() {
+        folder.prepare()?;
+        folder.clean(|part| shard.has(part))?;
         folder.remove_manifest()?;
+        write(study, &folder, &missing, options, plan.as_ref(), on_rows)?;
     }
-    keep_memory();
-    // Fewer files than threads: the threads share each file's rows.
-    let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
-    let one = |part: &u64| {
-        let extra = [("shard", shard.to_string()), ("part", part.to_string())];
-        let path = folder.part_path(*part);
-        part::write(study, study.rows_of(*part), &path, &extra, workers, on_rows).map(|(file, _)| file)
-    };
-    publishing(|publish| match workers {
-        Workers::All => missing.iter().try_for_each(|part| publish.send(one(part)?)),
-        Workers::One => missing.par_iter().with_max_len(1).try_for_each(|part| publish.send(one(part)?)),
-    })?;
-    let parts: Vec<Part> = mine.iter().filter_map(|part| folder.finished(*part)).collect();
-    let mut statuses = StatusCounts::new();
-    for (status, count) in parts.iter().flat_map(|part| &part.statuses) {
-        *statuses.entry(status.clone()).or_default() += count;
+    if let Some(plan) = &plan {
+        mine.par_iter().try_for_each(|part| add_statistics(study, &folder, *part, rows, plan, on_rows))?;
     }
-    let all = folder.all_finished();
+    let parts: Vec<Record> = mine.iter().filter_map(|part| folder.find(*part, rows, Look::Length).whole()).collect();
+    let all = folder.all_finished(rows);
+    let mut results = Vec::new();
     if let Some(all) = &all {
-        if let Some(indices) = sensitivity::of_study(study, |part| folder.part_path(part))? {
+        if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.part_path(part))? {
             folder.write_json(sensitivity::FILE, &indices)?;
+            results.push(sensitivity::FILE);
+        }
+        if let Some(plan) = &plan
+            && let Some(summary) = summary(study, plan, all)?
+        {
+            folder.write_json(statistics::FILE, &summary)?;
+            results.push(statistics::FILE);
         }
         folder.write_manifest(all)?;
     }
     Ok(Report {
         parts_written: missing.len() as u64,
-        parts_found: found.len() as u64,
+        parts_found: (mine.len() - missing.len()) as u64,
+        parts_damaged: damaged,
         rows_written: missing.iter().map(|part| study.rows_of(*part)).map(|rows| rows.end - rows.start).sum(),
-        bytes: parts.iter().map(|part| part.bytes).sum(),
-        statuses,
+        bytes: parts.iter().filter_map(|part| part.file.as_ref()).map(|file| file.bytes).sum(),
+        statuses: folder::statuses_of(&parts),
         complete: all.is_some(),
+        results,
     })
+}
+
+/// The statistics that a run makes: the study's, or all of them where nothing else is kept.
+fn plan_of(study: &Study, options: Options) -> Option<Plan> {
+    study.statistics.clone().or_else(|| (!options.rows).then(|| Plan::all(study)))
+}
+
+/// Gives a part that was found the statistics that its record does not have, from its stored rows where there are some.
+fn add_statistics(
+    study: &Study,
+    folder: &Folder<'_>,
+    part: u64,
+    rows: bool,
+    plan: &Plan,
+    on_rows: OnRows<'_>,
+) -> Result<(), Error> {
+    let Found::Whole(record) = folder.find(part, rows, Look::Length) else { return Ok(()) };
+    if record.statistics.as_ref().is_some_and(|state| state.plan == plan.identity()) {
+        return Ok(());
+    }
+    let state = match &record.file {
+        Some(_) => statistics::of_file(plan, &folder.part_path(part), record.first_row)?,
+        None => {
+            let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::One, on_rows)?;
+            written.statistics.unwrap_or_else(|| State::new(plan))
+        }
+    };
+    folder.write_record(part, &Record { statistics: Some(state), ..record })
+}
+
+/// The statistics of all parts, if each has its own.
+fn summary(study: &Study, plan: &Plan, parts: &[Record]) -> Result<Option<Value>, Error> {
+    let mut total = State::new(plan);
+    for part in parts {
+        match &part.statistics {
+            Some(state) if state.plan == total.plan => total.merge(state),
+            _ => return Ok(None),
+        }
+    }
+    total.summary(study, plan, &folder::statuses_of(parts)).map(Some)
+}
+
+/// Computes parts and puts them in their places.
+fn write(
+    study: &Study,
+    folder: &Folder<'_>,
+    missing: &[u64],
+    options: Options,
+    plan: Option<&Plan>,
+    on_rows: OnRows<'_>,
+) -> Result<(), Error> {
+    keep_memory();
+    // Fewer files than threads: the threads share each file's rows.
+    let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
+    let workshop = folder.records_path();
+    let one = |part: u64| -> Result<Finished<'_>, Error> {
+        let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
+        let path = folder.part_path(part);
+        let place = options.rows.then_some(Place { path: &path, workshop: &workshop, extra: &extra });
+        let written = part::write(study, study.rows_of(part), place.as_ref(), plan, workers, on_rows)?;
+        let record = folder.record(part, &written);
+        Ok(Finished { folder, part, record, file: written.file })
+    };
+    let scattered = scattered(missing);
+    publishing(|publish| match workers {
+        Workers::All => scattered.iter().try_for_each(|part| publish.send(one(*part)?)),
+        Workers::One => scattered.par_iter().with_max_len(1).try_for_each(|part| publish.send(one(*part)?)),
+    })
+}
+
+/// The same parts, one after the other far from each other (by the reversed bits of their places): what is done at any
+/// time is a fair share of the design, and the rate so far that of the rest, though one end of an axis may be slow.
+fn scattered(parts: &[u64]) -> Vec<u64> {
+    let bits = parts.len().next_power_of_two().trailing_zeros();
+    let places =
+        (0..parts.len().next_power_of_two()).map(|i| i.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0));
+    places.filter_map(|place| parts.get(place).copied()).collect()
 }
 
 /// Lets the C library keep freed memory for the next pages instead of giving it back to the system after each one, which
@@ -125,8 +233,24 @@ fn keep_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(31 << 20)));
 }
 
-/// Where files go that have all their contents: a thread of its own publishes them, since a disk takes its time.
-struct Publisher(SyncSender<Ended>);
+/// A part that has all its contents, and what is to be known of it.
+struct Finished<'a> {
+    folder: &'a Folder<'a>,
+    part: u64,
+    record: Record,
+    file: Option<Ended>,
+}
+
+impl Finished<'_> {
+    /// Makes the record last, then the part under its name: no part is ever there without its record.
+    fn publish(self) -> Result<(), Error> {
+        self.folder.write_record(self.part, &self.record)?;
+        self.file.map_or(Ok(()), Ended::publish)
+    }
+}
+
+/// Where parts go that have all their contents: a thread of its own publishes them, since a disk takes its time.
+struct Publisher<'a>(SyncSender<Finished<'a>>);
 
 /// Why no further file is to be made.
 enum Stop {
@@ -142,17 +266,17 @@ impl From<Error> for Stop {
     }
 }
 
-impl Publisher {
-    fn send(&self, file: Ended) -> Result<(), Stop> {
+impl<'a> Publisher<'a> {
+    fn send(&self, file: Finished<'a>) -> Result<(), Stop> {
         self.0.send(file).map_err(|_| Stop::Unpublished)
     }
 }
 
 /// Lets `make` make files, and returns when all of them are published or something went wrong.
-fn publishing(make: impl FnOnce(&Publisher) -> Result<(), Stop>) -> Result<(), Error> {
+fn publishing<'a>(make: impl FnOnce(&Publisher<'a>) -> Result<(), Stop>) -> Result<(), Error> {
     std::thread::scope(|scope| {
-        let (sender, files) = sync_channel::<Ended>(1);
-        let published = scope.spawn(|| files.into_iter().try_for_each(Ended::publish));
+        let (sender, files) = sync_channel::<Finished<'a>>(1);
+        let published = scope.spawn(|| files.into_iter().try_for_each(Finished::publish));
         let publisher = Publisher(sender);
         let made = make(&publisher);
         drop(publisher);
@@ -171,9 +295,10 @@ fn publishing(make: impl FnOnce(&Publisher) -> Result<(), Stop>) -> Result<(), E
 pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<StatusCounts, Error> {
     let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
     keep_memory();
-    let (file, counts) = part::write(study, 0..study.rows, path, &extra, Workers::All, on_rows)?;
-    file.publish()?;
-    Ok(counts)
+    let place = Place { path, workshop: path.parent().unwrap_or(Path::new("")), extra: &extra };
+    let written = part::write(study, 0..study.rows, Some(&place), None, Workers::All, on_rows)?;
+    written.file.map_or(Ok(()), Ended::publish)?;
+    Ok(written.statuses)
 }
 
 /// Carries out a whole study in memory.
@@ -184,4 +309,20 @@ pub fn run_in_memory(study: &Study) -> Result<Vec<RecordBatch>, Error> {
     let chunks: Vec<u64> = (0..study.rows.div_ceil(part::CHUNK)).collect();
     let rows = |chunk: u64| chunk * part::CHUNK..study.rows.min((chunk + 1) * part::CHUNK);
     chunks.into_par_iter().map(|chunk| part::batch(study, rows(chunk))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scattered_parts_are_the_same_parts_and_any_beginning_is_spread_over_all() {
+        for count in [0, 1, 2, 3, 16, 23] {
+            let parts: Vec<u64> = (0..count).collect();
+            let mut sorted = scattered(&parts);
+            sorted.sort_unstable();
+            assert_eq!(sorted, parts);
+        }
+        assert_eq!(scattered(&(0..16).collect::<Vec<_>>())[..4], [0, 8, 4, 12]);
+    }
 }

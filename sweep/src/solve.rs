@@ -2,12 +2,14 @@
 
 use crate::columns;
 use crate::error::Error;
+use crate::part::OnRows;
 use crate::quantity::{self, Point};
 use crate::row::{self, Outputs, Status};
 use crate::study::Study;
 use chamber::effects::{self, EffectSet, EffectValues, PARAMETERS};
 use ensemble::{Hold, Kernel, Options, Outcome, Scenario};
 use std::ops::Range;
+use std::time::{Duration, Instant};
 
 /// Some rows of a study by column.
 pub struct Rows {
@@ -31,7 +33,15 @@ pub struct Solver<'a> {
     scenarios: Vec<Scenario>,
     outcomes: Vec<Outcome>,
     outputs: Vec<Outputs>,
+    on_rows: OnRows<'a>,
+    /// How many rows are solved together: as many as take about [`TOGETHER`].
+    piece: usize,
 }
+
+/// How long a piece of rows may take without a word of progress.
+const TOGETHER: Duration = Duration::from_millis(200);
+/// Rows that are solved together at least: a few registers full.
+const FEWEST: usize = 64;
 
 impl<'a> Solver<'a> {
     /// For the rows of a study.
@@ -46,7 +56,14 @@ impl<'a> Solver<'a> {
             scenarios: vec![empty; ensemble::CHUNK],
             outcomes: vec![Outcome::failed(ensemble::Failure::TooManySteps); ensemble::CHUNK],
             outputs: Vec::with_capacity(ensemble::CHUNK),
+            on_rows: &|_: u64| {},
+            piece: FEWEST,
         }
+    }
+
+    /// The same, telling of rows as they are solved.
+    pub fn telling(self, on_rows: OnRows<'a>) -> Self {
+        Self { on_rows, ..self }
     }
 
     /// Solves some rows, as many at a time as stay in a core's cache.
@@ -60,12 +77,21 @@ impl<'a> Solver<'a> {
         self.study.design.fill(rows.clone(), &mut points)?;
         let mut outputs: Vec<Vec<f64>> = columns::outputs(self.study).map(|_| empty()).collect();
         let mut statuses = Vec::with_capacity(count);
-        for start in (0..count).step_by(ensemble::CHUNK) {
-            self.solve(&points, start..count.min(start + ensemble::CHUNK));
+        let mut start = 0;
+        while start < count {
+            let (begun, end) = (Instant::now(), count.min(start + self.piece));
+            self.solve(&points, start..end);
             for (output, column) in columns::outputs(self.study).zip(&mut outputs) {
                 (output.append)(&self.outputs, column);
             }
             statuses.extend(self.outputs.iter().map(|row| row.status));
+            self.on_rows.solved((end - start) as u64);
+            start = end;
+            self.piece = match begun.elapsed() {
+                long if long > TOGETHER => (self.piece / 2).max(FEWEST),
+                short if 4 * short < TOGETHER => (self.piece * 2).min(ensemble::CHUNK),
+                _ => self.piece,
+            };
         }
         Ok(Rows { first: rows.start, points, outputs, statuses })
     }

@@ -23,9 +23,10 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Name of the table. Readers of folders (Arrow, Spark) pass over names that begin with an underscore, so that it does
-/// not mix with the rows.
-pub const FILE: &str = "_traces.parquet";
+/// Folder of the table, apart from that of the rows: readers take each of the two whole.
+pub const FOLDER: &str = "traces";
+/// Name of the table.
+pub const FILE: &str = "traces.parquet";
 /// Samples per second unless told otherwise, Hz: the paper's record.
 pub const RATE_HZ: f64 = 100.0;
 /// Most samples of one row.
@@ -111,11 +112,11 @@ pub const COLUMNS: [Column; 8] = [
     Column { name: "heat_flow_w", unit: "W", doc: "Heat flow into the gas", value: |s, _| s.heat_flow },
 ];
 
-/// Writes the traces of some rows beside the study's parts. The file appears when it is whole, in place of an earlier one.
+/// Whether the traces of some rows can be written at all, as far as that can be said before the study is carried out.
 ///
 /// # Errors
-/// A row that the study does not have, a rate that is none, a folder that is another study's or cannot be written.
-pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
+/// A row that the study does not have, a rate that is none, a trace that would be too long.
+pub fn check(study: &Study, rows: &Rows, rate_hz: f64) -> Result<(), Error> {
     if rows.end() > study.rows {
         let last = study.rows.saturating_sub(1);
         return Err(Error::Option(format!(
@@ -126,11 +127,30 @@ pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
         return Err(Error::Option(format!("a trace rate of {rate_hz} Hz: a positive number was expected")));
     }
+    for row in rows.iter() {
+        if let Ok(scenario) = scenario(study, row)? {
+            samples_of(row, &scenario, rate_hz)?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the traces of some rows beside the study's parts. The file appears when it is whole, in place of an earlier one.
+///
+/// # Errors
+/// As [`check`], or a folder that is another study's or cannot be written.
+pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
+    check(study, rows, rate_hz)?;
     let folder = Folder::open(study, folder)?;
+    folder.prepare()?;
     let path = folder.traces_path();
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
-    let mut file = NewFile::create(&path, schema.clone(), columns::properties(study, &schema, &rate))?;
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent).map_err(|source| Error::Write { path: parent.to_owned(), source })?;
+    }
+    let properties = columns::properties(study, &schema, &rate);
+    let mut file = NewFile::create_in(&folder.records_path(), &path, schema.clone(), properties)?;
     let mut report = Report::default();
     let mut wave: Vec<(u64, Scenario, usize)> = Vec::new();
     let mut waiting = 0;

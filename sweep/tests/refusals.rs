@@ -91,7 +91,6 @@ fn a_number_of_the_test_that_cannot_be_is_named() {
             "line 5: `initial_pressure_pa` is -1, but has to be above 0",
         ),
         ("initial_pressure_pa = 1.01e5", "", "[test] has no `initial_pressure_pa`"),
-        ("duration_s = 5.0", "duration_s = 0.01", "the test would end before its push of 0.04 s"),
         ("duration_s = 5.0", "", "duration_s or hold_time_constants was expected"),
         ("duration_s = 5.0", "duration_s = \"5 s\"", "is a string: a finite number was expected"),
         ("[vary]", "[varry]", "`varry` is not known in a study file; did you mean `vary`?"),
@@ -113,10 +112,102 @@ fn dotted_names_work_with_and_without_quotes_and_keep_the_files_order() {
 }
 
 #[test]
-fn a_quantity_named_like_a_result_gets_a_column_of_its_full_name() {
-    let study =
-        Study::about(&model(), &text("design = \"factorial\"", "tube_volume.volume_m3 = { values = [0.0] }")).unwrap();
-    assert_eq!(study.varied[0].column, "tube_volume.volume_m3");
-    let study = Study::about(&model(), &text("design = \"factorial\"", "volume_m3 = { values = [0.0] }")).unwrap();
-    assert_eq!(study.varied[0].column, "effect.tube_volume.volume_m3");
+fn a_name_that_could_mean_two_things_is_refused_with_both() {
+    for (name, first, other) in [
+        ("volume_m3", "effect.tube_volume.volume_m3", "chamber.dead_volume_m3"),
+        ("volume_m3", "effect.tube_volume.volume_m3", "the result volume_m3"),
+        ("time_constant_s", "effect.sensor_lag.time_constant_s", "the result time_constant_s"),
+        ("pressure_pa", "ambient.pressure_pa", "test.initial_pressure_pa"),
+        ("temperature_k", "ambient.temperature_k", "heat_transfer.reference_temperature_k"),
+        ("coefficient", "effect.forced_convection.coefficient", "heat_transfer.coefficient_w_per_m2_k"),
+    ] {
+        let message = refusal(&text("design = \"factorial\"", &format!("{name} = {{ values = [1e5] }}")));
+        let expected = format!("line 12: `{name}` could be {first} or ");
+        assert!(message.contains(&expected) && message.contains(other), "{message}");
+        assert!(message.contains(&format!("write `{first}`")), "{message}");
+        let study = Study::about(&model(), &text("design = \"factorial\"", &format!("{first} = {{ values = [1.0] }}")));
+        assert!(study.is_ok() || !study.unwrap_err().to_string().contains("could be"), "{first}");
+    }
+}
+
+#[test]
+fn a_value_that_no_row_could_use_is_refused_before_the_first_row() {
+    let base = text("design = \"factorial\"", BORE);
+    let by_length = "volume_to_area_by_length_m = { values = [0.004] }";
+    for (vary, expected) in [
+        (
+            "rod_m = { values = [0.0, 0.02] }",
+            "takes 0.02, but chamber.bore_m is 0.02 at most: the rod has to be thinner",
+        ),
+        (
+            "bore_m = { values = [0.01, 0.03] }\nrod_m = { values = [0.012] }",
+            "takes 0.01, but chamber.rod_m is 0.012 at least",
+        ),
+        (
+            "push_time_s = { values = [0.04, 6.0] }",
+            "takes 6, but test.duration_s is 5 at most: the test must not end before",
+        ),
+        ("final_stroke_m = { values = [0.0] }\ndead_volume_m3 = { values = [0.0] }", "takes 0 without a dead volume"),
+        (
+            "volume_to_area_m = { values = [0.03] }\ndead_volume_m3 = { values = [0.0] }",
+            "takes 0.03, but at a final stroke of 0.05 m every bore gives less than 0.025 m",
+        ),
+        (
+            "volume_to_area_by_length_m = { values = [0.005] }",
+            "at a bore of 0.02 m every length gives less than 0.005000 m",
+        ),
+        (&format!("{by_length}\nfinal_stroke_m = {{ values = [0.05] }}"), "is what both strokes are solved from"),
+        (&format!("{by_length}\nvolume_to_area_m = {{ values = [0.004] }}"), "solved for in two ways"),
+    ] {
+        let message = refusal(&text("design = \"factorial\"", vary));
+        assert!(message.contains("study: line 1") && message.contains(expected), "{vary}: {message}");
+    }
+    let message = refusal(&base.replace("duration_s = 5.0", "duration_s = 0.01"));
+    assert!(message.contains("the test must not end before its push"), "{message}");
+    let no_heat = "coefficient_w_per_m2_k = { values = [0.0, 20.0] }";
+    let message =
+        refusal(&text("design = \"factorial\"", no_heat).replace("duration_s = 5.0", "hold_time_constants = 5.0"));
+    assert!(message.contains("takes 0: without heat transfer there is no time constant"), "{message}");
+}
+
+#[test]
+fn every_row_of_a_table_is_checked_before_the_first_is_solved() {
+    let folder = tempfile::tempdir().unwrap();
+    model().write(&folder.path().join("model.toml")).unwrap();
+    let good = "0.02,1e-11,0.0\n".repeat(20_000);
+    for (last, expected) in [
+        (
+            "0.02,-1e-11,0.0",
+            "line 20002, column `leakage.conductance_m3_per_s_pa`: is -0.00000000001, but has to be from 0",
+        ),
+        ("0,1e-11,0.0", "line 20002, column `bore_m`: is 0, but has to be above 0"),
+        ("0.02,1e-11,0.03", "row 20000: chamber.rod_m takes 0.03, but chamber.bore_m is 0.02 at most"),
+    ] {
+        let header = "bore_m,leakage.conductance_m3_per_s_pa,rod_m\n";
+        std::fs::write(folder.path().join("points.csv"), format!("{header}{good}{last}\n")).unwrap();
+        let head = "model = \"model.toml\"\ndesign = \"table\"\ntable = \"points.csv\"";
+        let message =
+            Study::from_toml(&text(head, ""), &folder.path().join("study.toml")).map(drop).unwrap_err().to_string();
+        assert!(message.contains("points.csv: ") && message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn statistics_that_cannot_be_are_named() {
+    for (statistics, expected) in [
+        ("columns = [\"pressure_peek_pa\"]", "which is no result of this study; did you mean `pressure_peak_pa`?"),
+        ("columns = []", "is empty"),
+        ("quantiles = [0.5, 1.5]", "takes 1.5: probabilities from 0 to 1"),
+        ("quantlies = [0.5]", "`quantlies` is not known in [statistics]; did you mean `quantiles`?"),
+        ("histograms = { volume_m3 = { from = 1.0, to = 0.0, bins = 3 } }", "`from` has to be below `to`"),
+        ("histograms = { volume_m3 = { from = 0.0, to = 1.0, bins = 0 } }", "has to be a whole number from 1 on"),
+        ("histograms = { volume_m3 = { from = 0.0, to = 1.0, bins = 1000000 } }", "100000 at most"),
+        (
+            "columns = [\"area_m2\"]\nhistograms = { volume_m3 = { from = 0.0, to = 1.0, bins = 3 } }",
+            "is none of the `columns`",
+        ),
+    ] {
+        let message = refusal(&(text("design = \"factorial\"", BORE) + "[statistics]\n" + statistics));
+        assert!(message.contains("line 1") && message.contains(expected), "{statistics}: {message}");
+    }
 }

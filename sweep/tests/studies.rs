@@ -6,14 +6,15 @@ use arrow::array::Int64Array;
 use common::{model, read, statuses, study, text, values};
 use std::collections::BTreeMap;
 use std::path::Path;
-use sweep::{Shard, Study, run, run_in_memory, run_to_file};
+use sweep::{Shard, Study, run, run_in_memory, run_to_file, verify};
 
 fn quiet(_: u64) {}
 
 /// All parts of a folder, their tables by name.
 fn parts(folder: &Path) -> BTreeMap<String, arrow::record_batch::RecordBatch> {
-    let names = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-    names.filter(|name| name.ends_with(".parquet")).map(|name| (name.clone(), read(&folder.join(&name)))).collect()
+    let folder = folder.join("rows");
+    let names = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    names.map(|name| (name.clone(), read(&folder.join(&name)))).collect()
 }
 
 const BORES: &str = "bore_m = { from = 0.016, to = 0.063, count = 40, scale = \"log\" }
@@ -69,14 +70,15 @@ fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
     let folder = tempfile::tempdir().unwrap();
     run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
     let before = parts(folder.path());
-    std::fs::remove_file(folder.path().join(study.part_name(0))).unwrap();
-    let broken = folder.path().join(study.part_name(2));
+    std::fs::remove_file(folder.path().join("rows").join(study.part_name(0))).unwrap();
+    let broken = folder.path().join("rows").join(study.part_name(2));
     let bytes = std::fs::read(&broken).unwrap();
     std::fs::write(&broken, &bytes[..bytes.len() / 2]).unwrap();
-    let stale = folder.path().join(format!(".{}.1-2-3.tmp", study.part_name(0)));
+    let stale = folder.path().join("parts").join(format!(".{}.1-2-3.tmp", study.part_name(0)));
     std::fs::write(&stale, "half").unwrap();
     let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
     assert_eq!((report.parts_written, report.parts_found, report.complete), (2, 1, true));
+    assert_eq!(report.parts_damaged, 1);
     assert!(!stale.exists(), "what a killed run left is removed");
     assert_eq!(parts(folder.path()), before);
 }
@@ -85,11 +87,61 @@ fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
 fn a_temporary_file_that_a_living_run_writes_stays() {
     let study = study("design = \"factorial\"", BORES);
     let folder = tempfile::tempdir().unwrap();
-    let busy = folder.path().join(format!(".{}.1-2-3.tmp", study.part_name(0)));
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    let busy = folder.path().join("parts").join(format!(".{}.1-2-3.tmp", study.part_name(0)));
     let file = std::fs::File::create(&busy).unwrap();
     file.lock().unwrap();
     run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
     assert!(busy.exists());
+}
+
+#[test]
+fn a_flipped_bit_anywhere_in_a_part_is_found_by_verify_and_by_a_second_run() {
+    let study = study("design = \"factorial\"", BORES);
+    let folder = tempfile::tempdir().unwrap();
+    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let before = parts(folder.path());
+    assert_eq!(verify(folder.path()).unwrap().wrong, Vec::<String>::new());
+    let length = std::fs::metadata(folder.path().join("rows").join(study.part_name(1))).unwrap().len() as usize;
+    for place in [0, 4, length / 3, length / 2, length - 200, length - 12, length - 1] {
+        let path = folder.path().join("rows").join(study.part_name(1));
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[place] ^= 1 << (place % 8);
+        std::fs::write(&path, bytes).unwrap();
+        let wrong = verify(folder.path()).unwrap().wrong;
+        assert_eq!(wrong, ["rows/part-00001-of-00003.parquet: its SHA-256 differs"]);
+        let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+        assert_eq!((report.parts_written, report.parts_damaged, report.complete), (1, 1, true));
+        assert_eq!(verify(folder.path()).unwrap().wrong, Vec::<String>::new());
+    }
+    assert_eq!(parts(folder.path()), before);
+    std::fs::remove_file(folder.path().join("rows").join(study.part_name(2))).unwrap();
+    let wrong = verify(folder.path()).unwrap().wrong;
+    assert!(wrong.len() == 1 && wrong[0].starts_with("rows/part-00002-of-00003.parquet: "), "{wrong:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_finished_study_is_found_finished_in_a_folder_that_cannot_be_written() {
+    use std::os::unix::fs::PermissionsExt;
+    let study = study("design = \"factorial\"", BORES);
+    let folder = tempfile::tempdir().unwrap();
+    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let modified = || {
+        let files = ["manifest.json", "parts", "rows", "."];
+        files.map(|name| std::fs::metadata(folder.path().join(name)).unwrap().modified().unwrap())
+    };
+    let before = modified();
+    for name in ["parts", "rows", "."] {
+        std::fs::set_permissions(folder.path().join(name), std::fs::Permissions::from_mode(0o555)).unwrap();
+    }
+    let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!((report.parts_written, report.parts_found, report.complete), (0, 3, true));
+    // The superuser may write anywhere: nothing was written shows there.
+    assert_eq!(modified(), before);
+    for name in [".", "rows", "parts"] {
+        std::fs::set_permissions(folder.path().join(name), std::fs::Permissions::from_mode(0o755)).unwrap();
+    }
 }
 
 #[test]
@@ -109,17 +161,19 @@ fn a_folder_with_another_study_is_refused_and_left_alone() {
 fn a_row_that_cannot_be_is_a_row_with_nulls_and_its_reason() {
     let study = study(
         "design = \"factorial\"",
-        "final_stroke_m = { values = [0.05, 0.0] }\ndead_volume_m3 = { values = [1e-6, 0.0] }\nrod_m = { values = [0.0, 0.03] }",
+        "final_stroke_m = { values = [0.05, 0.0] }\ndead_volume_m3 = { values = [1e-6, 0.0] }\nrod_m = { values = [0.0, 0.03] }
+bore_m = { values = [0.02, 0.04] }",
     );
     let batches = run_in_memory(&study).unwrap();
     let batch = &batches[0];
     let rod = "failed: the rod leaves no piston area";
-    let expected =
-        ["ok", rod, "ok", rod, "ok", rod, "failed: the gas volume is not positive along the whole stroke", rod];
+    let empty = "failed: the gas volume is not positive along the whole stroke";
+    let whole = ["ok", "ok", rod, "ok"];
+    let expected = [whole, whole, whole, [empty, empty, rod, empty]].concat();
     assert_eq!(statuses(batch), expected);
     let peaks = values(batch, "pressure_peak_pa");
-    assert_eq!(peaks.iter().map(|p| p.is_nan()).collect::<Vec<_>>(), expected.map(|status| status != "ok"));
-    assert_eq!(values(batch, "rod_m"), [0.0, 0.03, 0.0, 0.03, 0.0, 0.03, 0.0, 0.03]);
+    assert!(peaks.iter().zip(&expected).all(|(peak, status)| peak.is_nan() == (*status != "ok")));
+    assert_eq!(values(batch, "rod_m"), [0.0, 0.0, 0.03, 0.03].repeat(4));
 }
 
 #[test]
@@ -136,9 +190,37 @@ fn the_bore_is_solved_for_a_volume_to_area_ratio() {
             assert!((volume[i] / area[i] / wanted[i] - 1.0).abs() < 1e-13, "{} {}", wanted[i], volume[i] / area[i]);
         }
     }
-    // At a stroke of 50 mm the ratio stays below 25 mm whatever the bore.
+    // At a stroke of 50 mm the ratio stays below 25 mm and a little for the dead volume, whatever the bore.
     let study = study("design = \"factorial\"", "volume_to_area_m = { values = [0.03] }");
     assert_eq!(statuses(&run_in_memory(&study).unwrap()[0]), ["failed: no bore gives this volume-to-area ratio"]);
+}
+
+#[test]
+fn the_strokes_are_solved_for_a_volume_to_area_ratio_at_a_bore() {
+    for (dead_volume, bore) in [(0.0, 0.02), (1.57e-6, 0.032), (2e-5, 0.063)] {
+        let vary = format!(
+            "volume_to_area_by_length_m = {{ values = [{}] }}\ndead_volume_m3 = {{ values = [{dead_volume}] }}\nbore_m = {{ values = [{bore}] }}",
+            [0.12, 0.16, 0.2, 0.24].map(|share| (share * bore).to_string()).join(", ")
+        );
+        let study = study("design = \"factorial\"\nfit = false", &vary);
+        let batch = &run_in_memory(&study).unwrap()[0];
+        let (wanted, ratio) = (values(batch, "volume_to_area_by_length_m"), values(batch, "volume_to_area_m"));
+        let (initial, last) = (values(batch, "initial_stroke_m"), values(batch, "final_stroke_m"));
+        for (i, status) in statuses(batch).iter().enumerate() {
+            // A cylinder by the book: V = Vd + π φ² x/4, A = 4V/φ + π φ²/2.
+            let volume = dead_volume + std::f64::consts::PI / 4.0 * bore * bore * last[i];
+            let area = 4.0 * volume / bore + std::f64::consts::PI / 2.0 * bore * bore;
+            if status == "failed: no length gives this volume-to-area ratio at this bore" {
+                // The dead volume alone has more.
+                let least = dead_volume / (4.0 * dead_volume / bore + std::f64::consts::PI / 2.0 * bore * bore);
+                assert!(wanted[i] <= least);
+                continue;
+            }
+            assert!((volume / area / wanted[i] - 1.0).abs() < 1e-12 && (ratio[i] / wanted[i] - 1.0).abs() < 1e-12);
+            assert!((initial[i] / last[i] / 2.0 - 1.0).abs() < 1e-14, "the strokes keep the test's proportion");
+        }
+        assert!(statuses(batch).iter().filter(|status| status.starts_with("failed")).count() < 2);
+    }
 }
 
 #[test]
@@ -221,8 +303,8 @@ mass_flow_in_kg_per_s = { from = 0.0, to = 1e-6 }
     let asked = "290-299,0,17".parse().unwrap();
     let report = sweep::traces::write(&study, folder.path(), &asked, 1000.0).unwrap();
     assert_eq!((report.rows, report.samples), (12, 12 * 5001));
-    let traces = read(&folder.path().join(sweep::traces::FILE));
-    let rows = read(&folder.path().join("part-00000-of-00001.parquet"));
+    let traces = read(&folder.path().join("traces/traces.parquet"));
+    let rows = read(&folder.path().join("rows/part-00000-of-00001.parquet"));
     let numbers: &Int64Array = traces.column(0).as_any().downcast_ref().unwrap();
     let (time, pressure) = (values(&traces, "time_s"), values(&traces, "pressure_pa"));
     let (gas, mass) = (values(&traces, "gas_pressure_pa"), values(&traces, "mass_kg"));
@@ -247,4 +329,71 @@ mass_flow_in_kg_per_s = { from = 0.0, to = 1e-6 }
     assert_eq!(sweep::traces::write(&study, folder.path(), &"3".parse().unwrap(), 10.0).unwrap().samples, 51);
     let refused = sweep::traces::write(&study, folder.path(), &"300".parse().unwrap(), 10.0).unwrap_err().to_string();
     assert!(refused.contains("row 300") && refused.contains("0 to 299"), "{refused}");
+}
+
+const STATISTICS: &str = "
+[statistics]
+quantiles = [0.05, 0.5, 0.95]
+histograms = { pressure_peak_pa = { from = 1.5e5, to = 1e6, bins = 17 } }
+";
+
+#[test]
+fn statistics_are_the_same_whatever_the_shards_with_rows_or_without_and_afterwards() {
+    let with = |statistics: &str| {
+        let text = text("design = \"factorial\"", &format!("{BORES}\nrod_m = {{ values = [0.0, 0.02] }}"));
+        Study::about(&model(), &(text + statistics)).unwrap()
+    };
+    let study = with(STATISTICS);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let folders: Vec<_> = (0..4).map(|_| tempfile::tempdir().unwrap()).collect();
+    pool(1).install(|| run(&study, folders[0].path(), Shard::WHOLE, &quiet)).unwrap();
+    let no_rows = |shard| sweep::Options { shard, rows: false };
+    pool(4).install(|| run(&study, folders[1].path(), no_rows(Shard::WHOLE), &quiet)).unwrap();
+    for index in [1, 2, 0] {
+        run(&study, folders[2].path(), no_rows(Shard { index, count: 3 }), &quiet).unwrap();
+    }
+    // Asked for when the rows are there already: nothing is solved again.
+    run(&with(""), folders[3].path(), Shard::WHOLE, &quiet).unwrap();
+    assert!(!folders[3].path().join("statistics.json").exists());
+    let report = run(&study, folders[3].path(), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!((report.rows_written, report.results.as_slice()), (0, ["statistics.json"].as_slice()));
+    let found: Vec<_> =
+        folders.iter().map(|folder| std::fs::read_to_string(folder.path().join("statistics.json")).unwrap()).collect();
+    assert!(found.iter().all(|text| *text == found[0]));
+    assert!(parts(folders[1].path()).is_empty());
+
+    let tables: Vec<_> = parts(folders[0].path()).into_values().collect();
+    let rows = arrow::compute::concat_batches(&tables[0].schema(), &tables).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&found[0]).unwrap();
+    for name in ["pressure_peak_pa", "temperature_final_k", "lambda0_w_per_m2_k", "energy_error"] {
+        let all = values(&rows, name);
+        let mut some: Vec<f64> = all.iter().copied().filter(|v| v.is_finite()).collect();
+        some.sort_by(f64::total_cmp);
+        let (n, column) = (some.len() as f64, &found["columns"][name]);
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        assert_eq!(column["count"], some.len());
+        assert_eq!(column["nulls"], all.len() - some.len());
+        assert!(column["nulls"].as_u64() > Some(0), "rods that fill the bore are nulls");
+        let mean = some.iter().sum::<f64>() / n;
+        let variance = some.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        assert!((number(&column["mean"]) - mean).abs() <= 1e-12 * mean.abs());
+        assert!((number(&column["variance"]) - variance).abs() <= 1e-11 * variance);
+        assert_eq!(number(&column["minimum"]["value"]), some[0]);
+        let row = column["maximum"]["row"].as_u64().unwrap() as usize;
+        assert_eq!((number(&column["maximum"]["value"]), all[row]), (some[some.len() - 1], some[some.len() - 1]));
+        assert_eq!(number(&column["maximum"]["at"]["bore_m"]), values(&rows, "bore_m")[row]);
+        for quantile in column["quantiles"].as_array().unwrap() {
+            let rank = number(&quantile["probability"]) * (n - 1.0);
+            let (below, above) = (some[rank.floor() as usize], some[rank.ceil() as usize]);
+            let exact = below + (above - below) * rank.fract();
+            let miss = (number(&quantile["value"]) - exact).abs();
+            assert!(miss <= number(&quantile["error_bound"]) * (1.0 + 1e-3), "{name}: {quantile} {exact}");
+        }
+    }
+    let histogram = &found["columns"]["pressure_peak_pa"]["histogram"];
+    let counts: u64 = histogram["counts"].as_array().unwrap().iter().map(|count| count.as_u64().unwrap()).sum();
+    let outside = histogram["below"].as_u64().unwrap() + histogram["above"].as_u64().unwrap();
+    assert_eq!(counts + outside, found["columns"]["pressure_peak_pa"]["count"].as_u64().unwrap());
+    let first = values(&rows, "pressure_peak_pa").iter().filter(|p| (1.5e5..2e5).contains(*p)).count();
+    assert_eq!(histogram["counts"][0], first);
 }

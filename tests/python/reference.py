@@ -17,6 +17,7 @@ RTOL = 1e-11
 @dataclasses.dataclass
 class Chamber:
     bore: float = 0.02
+    rod: float = 0.0
     dead_volume: float = 2e-6
     lambda0: float = 30.0
     area_law: str = "total"
@@ -33,14 +34,27 @@ class Chamber:
 
     @property
     def piston_area(self):
-        return math.pi * self.bore**2 / 4
+        return math.pi * (self.bore**2 - self.rod**2) / 4
 
     def volume(self, x):
         return self.dead_volume + self.piston_area * x
 
     def heat_area(self, x):
-        lateral = 4 * self.volume(x) / self.bore if self.area_law == "total" else math.pi * self.bore * x
-        return lateral + math.pi * self.bore**2 / 2
+        column = self.volume(x) / self.piston_area if self.area_law == "total" else x
+        law = math.pi * (self.bore + self.rod) * column + 2 * self.piston_area
+        return max(law + self.value("dead_volume_surface", "extra_area_m2"), 0.0)
+
+    @property
+    def rest_temperature(self):
+        return self.ambient_temperature + self.value("warm_wall", "temperature_difference_k")
+
+    def cv(self, t):
+        slope = self.value("temperature_dependent_heat_capacity", "slope_1_per_k")
+        return self.gas_constant / (self.gamma - 1) * (1 + slope * (t - 293))
+
+    def enthalpy_above_energy(self, t_flow, t):
+        """h of gas at t_flow less u of gas at t, J/kg: cv is linear, so its mean is that of the middle."""
+        return self.gas_constant * t_flow + self.cv((t_flow + t) / 2) * (t_flow - t)
 
     def coefficient(self, p, t, tw, x, v):
         """Heat transfer coefficient: the contract's product of factors."""
@@ -56,9 +70,20 @@ class Chamber:
         return result * (1 + k * abs(v) ** 0.8) * (self.volume(x) / self.piston_area / l_ref) ** a
 
     def leak(self, p, t):
-        """(inflow, outflow) after ISO 6358."""
-        c = self.value("leakage", "conductance_m3_per_s_pa")
-        b = self.value("leakage", "critical_pressure_ratio", 0.3)
+        """(inflow, outflow) past seals and a closed valve, inflow at ambient temperature."""
+        ambient = self.ambient_pressure
+        ways = [self.orifice("leakage", ambient, p, t)]
+        ways.append(self.orifice("supply_leakage", self.value("supply_leakage", "supply_pressure_pa", 7e5), p, t))
+        g = self.value("laminar_leakage", "conductance_m3_per_s_pa")
+        upstream = t if p > ambient else self.ambient_temperature
+        laminar = g * (p**2 - ambient**2) / (2 * self.gas_constant * upstream)
+        ways.append((max(-laminar, 0.0), max(laminar, 0.0)))
+        return sum(way[0] for way in ways), sum(way[1] for way in ways)
+
+    def orifice(self, effect, outside, p, t):
+        """(inflow, outflow) after ISO 6358 between the gas and a pressure outside."""
+        c = self.value(effect, "conductance_m3_per_s_pa")
+        b = self.value(effect, "critical_pressure_ratio", 0.3)
         rho0 = 1.185 * 287 / self.gas_constant
 
         def flow(up, t_up, down):
@@ -71,9 +96,9 @@ class Chamber:
                 psi = math.sqrt(1 - ((0.999 - b) / (1 - b)) ** 2) * (1 - r) / 0.001
             return c * up * rho0 * math.sqrt(293.15 / t_up) * psi
 
-        if p > self.ambient_pressure:
-            return 0.0, flow(p, t, self.ambient_pressure)
-        return flow(self.ambient_pressure, self.ambient_temperature, p), 0.0
+        if p > outside:
+            return 0.0, flow(p, t, outside)
+        return flow(outside, self.ambient_temperature, p), 0.0
 
     def rates(self, y, x, v, mdot):
         p, m, core, tw, lagged = y
@@ -85,14 +110,17 @@ class Chamber:
         t1 = (t - z * core) / (1 - z)
         capacity = self.value("wall_heating", "capacity_j_per_k")
         outer = self.value("wall_heating", "outer_conductance_w_per_k")
-        wall = tw if capacity else self.ambient_temperature
+        wall = (tw if capacity else self.ambient_temperature) + self.value("warm_wall", "temperature_difference_k")
         q = self.coefficient(p, t1, wall, x, v) * self.heat_area(x) * (wall - t1)
         leak_in, leak_out = self.leak(p, t)
         flow_in, flow_out = max(mdot, 0.0) + leak_in, max(-mdot, 0.0) + leak_out
         t_in = self.ambient_temperature
 
         def pressure_rate(into, out):
-            return (-g * p * dv + g * r * (into * t_in - out * t) + (g - 1) * q) / volume
+            # Enthalpy less the internal energy of the gas that takes it up: what is left warms it.
+            net = into * self.enthalpy_above_energy(t_in, t) - out * self.enthalpy_above_energy(t, t)
+            warming = (q - p * dv + net) / (m * self.cv(t))
+            return p * ((into - out) / m + warming / t - dv / volume)
 
         tube = self.value("tube_volume", "volume_m3")
         if tube:
@@ -118,6 +146,21 @@ class Chamber:
         return np.array([dp, flow_in - flow_out, dcore, dtw, dlag]), q
 
 
+def true_stroke(chamber, times, positions):
+    """Knots of the true stroke from a recorded one that was late and a moving average: x - (w^2/24) x" with x" the
+    second difference over half the window."""
+    delay = chamber.value("position_delay", "delay_s")
+    half = chamber.value("position_averaging", "window_s") / 2
+
+    def recorded(t):
+        return np.interp(t + delay, times, positions)
+
+    knots = np.concatenate([times] + [times - delay + shift for shift in (0.0, half, -half)])
+    knots = np.unique(np.round(knots[(knots >= times[0]) & (knots <= times[-1])], 9))
+    second = (recorded(knots + half) - 2 * recorded(knots) + recorded(knots - half)) / half**2 if half else 0.0
+    return knots, recorded(knots) - (2 * half) ** 2 / 24 * second
+
+
 def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
     """What the program would write at `rows` (by default at the knots): each column an array.
 
@@ -126,9 +169,13 @@ def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
     times, positions = np.asarray(times, float), np.asarray(positions, float)
     flows = np.zeros_like(times) if mass_flows is None else np.asarray(mass_flows, float)
     rows = times if rows is None else np.asarray(rows, float)
+    if "position_delay" in chamber.effects or "position_averaging" in chamber.effects:
+        knots, stroke = true_stroke(chamber, times, positions)
+        times, positions, flows = knots, stroke, np.interp(knots, times, flows)
     ambient = chamber.ambient_temperature
-    mass = pressure * chamber.volume(positions[0]) / (chamber.gas_constant * ambient)
-    y = np.array([pressure, mass, ambient, ambient, pressure])
+    rest = chamber.rest_temperature
+    mass = pressure * chamber.volume(positions[0]) / (chamber.gas_constant * rest)
+    y = np.array([pressure, mass, rest, ambient, pressure])
     scale = np.array([pressure, mass, 300.0, 300.0, pressure])
     gas = np.full((len(rows), len(y)), np.nan)
     shown = np.full(len(rows), np.nan)
@@ -153,6 +200,7 @@ def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
         gas[rows == t1] = y
         for i in np.flatnonzero((earlier > t0) & (earlier <= t1)):
             shown[i] = run.sol(earlier[i])[column] if earlier[i] < t1 else y[column]
+    shown = shown + chamber.value("sensor_offset", "offset_pa")
     measured = shown + chamber.value("sensor_drift", "rate_pa_per_s") * (rows - times[0])
     volume = chamber.volume(np.interp(rows, times, positions))
     return {

@@ -171,6 +171,12 @@ KILLED = {
 }
 
 
+def results(out):
+    """The results in a folder by name; what is under way has a name that begins with a point or lies in a study's `parts`."""
+    files = {str(path.relative_to(out)): path for path in out.rglob("*") if path.is_file()}
+    return {name: path for name, path in files.items() if not path.name.startswith(".") and not name.startswith("parts/")}
+
+
 @pytest.mark.parametrize("command", KILLED)
 def test_what_is_killed_at_a_random_moment_leaves_no_half_written_result(command, rig):
     seed = random.randrange(1 << 30)
@@ -181,7 +187,7 @@ def test_what_is_killed_at_a_random_moment_leaves_no_half_written_result(command
     begin = time.monotonic()
     subprocess.run([PROGRAM, *KILLED[command]], cwd=rig, check=True, capture_output=True, timeout=300)
     whole = time.monotonic() - begin
-    names = {path.name for path in out.iterdir()}
+    names = set(results(out))
     rounds = max(4, min(20, int(4.0 / whole)))
     for _ in range(rounds):
         shutil.rmtree(out)
@@ -192,15 +198,14 @@ def test_what_is_killed_at_a_random_moment_leaves_no_half_written_result(command
         time.sleep(moments.uniform(0.0, 1.1 * whole))
         process.send_signal(signal.SIGKILL)
         process.wait()
-        for path in out.iterdir():
-            # A temporary file may remain; its name is no result's.
-            if not path.name.startswith("."):
-                assert path.name in names
-                complete(path)
+        for name, path in results(out).items():
+            assert name in names
+            complete(path)
     if command == "sweep":
         # What was left goes on to the same study.
         subprocess.run([PROGRAM, *KILLED[command]], cwd=rig, check=True, capture_output=True, timeout=300)
-        assert {path.name for path in out.iterdir()} == names, "temporary files of killed runs remain"
+        assert set(results(out)) == names
+        assert not [path for path in out.rglob(".*") if path.is_file()], "temporary files of killed runs remain"
 
 
 @pytest.fixture
@@ -251,7 +256,7 @@ def test_a_full_disk_is_named_and_what_stood_there_still_stands(command, rig, sm
     assert code == 1 and "No space left" in message and str(small_disk) in message, message
     assert message.startswith("error: ") and message.count("\n") == 1, message
     if command in INTO_A_FOLDER:
-        assert not [path for path in out.iterdir() if not path.name.startswith(".")]
+        assert not results(out)
     else:
         assert out.read_text() == "old"
     assert sorted(path.name for path in small_disk.iterdir()) == ["filler", "out"]

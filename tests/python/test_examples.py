@@ -15,6 +15,10 @@ def fmu(pneutherm, root, tmp_path_factory):
     folder = tmp_path_factory.mktemp("examples")
     pneutherm("diagnose", root / "examples/cylinder", "-o", folder / "model.toml")
     pneutherm("fmu", folder / "model.toml", "-o", folder / "Chamber.fmu")
+    pneutherm("fmu", folder / "model.toml", "-o", folder / "CapSide.fmu")
+    rod_side = re.sub(r"rod_m = \S+", "rod_m = 0.008", (folder / "model.toml").read_text())
+    (folder / "rod_side.toml").write_text(rod_side)
+    pneutherm("fmu", folder / "rod_side.toml", "-o", folder / "RodSide.fmu")
     return folder / "Chamber.fmu"
 
 
@@ -36,12 +40,22 @@ def test_the_prediction_is_drawn_and_as_good_as_the_sensor(fmu, root, tmp_path):
 
 
 def test_the_servo_cylinder_of_two_chambers_reaches_its_place(fmu, root, tmp_path):
-    said = run(root / "examples/fmu/servo_cylinder.py", fmu, cwd=tmp_path)
+    said = run(root / "examples/fmu/servo_cylinder.py", fmu.with_name("CapSide.fmu"), fmu.with_name("RodSide.fmu"), cwd=tmp_path)
     reached, wanted = map(float, re.search(r"reached ([\d.]+) mm of ([\d.]+) mm", said).groups())
     assert abs(reached - wanted) < 1.0, said
     # The way there is one that air allows: neither vacuum nor more than the supply.
     pressures = [float(p) for line in re.findall(r"p = *([\d. |]+) bar", said) for p in line.split("|")]
     assert len(pressures) == 20 and all(0.9 < p < 7.1 for p in pressures), said
+
+
+def test_the_error_of_the_coupling_falls_with_the_step(fmu, root):
+    sys.path.insert(0, str(root / "examples/fmu"))
+    import servo_cylinder
+
+    sides = [str(fmu.with_name(name)) for name in ("CapSide.fmu", "RodSide.fmu")]
+    fine, *coarse = (servo_cylinder.run(*sides, step) for step in (1e-4, 1e-3, 5e-3))
+    errors = [max(abs(a[0] - b[0]) for a, b in zip(course, fine)) for course in coarse]
+    assert errors[0] < 0.2e-3 and 3.0 < errors[1] / errors[0] < 8.0, errors
 
 
 def test_the_modelica_example_is_modelica(root):
@@ -50,6 +64,6 @@ def test_the_modelica_example_is_modelica(root):
     cylinder = parser.parse(text).classes["ServoCylinder"]
     # All that an imported chamber asks its host for is connected, on both sides.
     set_by_equations = {str(equation.left) for equation in cylinder.equations}
-    assert len(cylinder.equations) == len(set_by_equations) == 16
+    assert len(cylinder.equations) == len(set_by_equations) == 30
     with pytest.raises(parser.ModelicaSyntaxError):
         parser.parse(text.replace("der(x) = v;", "der(x) = = v;"))

@@ -266,13 +266,14 @@ def test_only_the_interface_is_exported_and_old_systems_can_load_it(fmu, tmp_pat
     assert entries[0] == "modelDescription.xml" and "documentation/index.html" in entries and "model.png" in entries
     symbols = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True)
     exported = [line.split()[-1] for line in symbols.stdout.splitlines()]
-    assert len(exported) == 34 and all(symbol.startswith("fmi2") for symbol in exported), exported
+    of_version = {version: [symbol for symbol in exported if symbol.startswith(version)] for version in ("fmi2", "fmi3")}
+    assert len(exported) == 119 and [len(symbols) for symbols in of_version.values()] == [44, 75], exported
     assert ctypes.CDLL(library).fmi2GetVersion
 
 
 def test_the_same_model_gives_the_same_bytes(fmu, pneutherm, tmp_path):
-    pneutherm("fmu", fmu.parent / "model.toml", "-o", tmp_path / "again.fmu")
-    assert (tmp_path / "again.fmu").read_bytes() == fmu.read_bytes()
+    pneutherm("fmu", fmu.parent / "model.toml", "-o", tmp_path / "Chamber.fmu")
+    assert (tmp_path / "Chamber.fmu").read_bytes() == fmu.read_bytes()
 
 
 def test_source_date_epoch_dates_the_description(fmu, tmp_path, pneutherm, monkeypatch):
@@ -280,6 +281,89 @@ def test_source_date_epoch_dates_the_description(fmu, tmp_path, pneutherm, monke
     pneutherm("fmu", fmu.parent / "model.toml", "-o", tmp_path / "dated.fmu")
     assert read_model_description(str(tmp_path / "dated.fmu")).generationDateAndTime == "2000-02-29T12:34:56Z"
     assert read_model_description(str(tmp_path / "dated.fmu")).guid != read_model_description(str(fmu)).guid
+
+
+def test_two_models_run_in_one_process_in_every_client(pneutherm, tmp_path):
+    for name, bore in (("RodSide", "0.03"), ("CapSide", "0.05")):
+        (tmp_path / f"{name}.toml").write_text(MODEL.replace("bore_m = 0.025", f"bore_m = {bore}"))
+        pneutherm("fmu", f"{name}.toml", "-o", f"{name}.fmu", cwd=tmp_path)
+    sides = [tmp_path / "RodSide.fmu", tmp_path / "CapSide.fmu"]
+    slaves = [Slave(side) for side in sides]
+    assert [slave.description.modelName for slave in slaves] == ["RodSide", "CapSide"]
+    assert [slave.get("bore") for slave in slaves] == [0.03, 0.05]
+    steps, h = 20, 0.01
+    volumes = [slave.get("volume") for slave in slaves]
+    for slave in slaves:
+        slave.close()
+    cosim = pytest.importorskip("libcosimpy.CosimExecution", reason="libcosimpy is not installed")
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    execution = cosim.CosimExecution.from_step_size(round(h * 1e9))
+    indices = [execution.add_local_slave(CosimLocalSlave(fmu_path=str(side), instance_name=side.stem)) for side in sides]
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    volume = next(v.valueReference for v in read_model_description(str(sides[0])).modelVariables if v.name == "volume")
+    for _ in range(steps):
+        execution.step()
+    assert [observer.last_real_values(index, [volume])[0] for index in indices] == volumes
+    try:
+        from ecospy import EcosSimulation, EcosSimulationStructure
+    except (ImportError, OSError) as error:
+        pytest.skip(f"ecospy cannot be loaded (it needs Debian's libtbb12): {error}")
+    structure = EcosSimulationStructure()
+    for side in sides:
+        structure.add_model(side.stem, str(side))
+    simulation = EcosSimulation(step_size=h, structure=structure)
+    simulation.init()
+    simulation.step(steps)
+    assert [simulation.get_real(f"{side.stem}::volume") for side in sides] == volumes
+    simulation.terminate()
+
+
+def test_a_model_that_leaves_more_than_noise_says_so_in_one_line(pneutherm, tmp_path):
+    for verdict, told in (("adequate", 0), ("explained", 0), ("improved", 1), ("unexplained", 1)):
+        (tmp_path / "model.toml").write_text(MODEL + f'[provenance]\nverdict = "{verdict}"\n')
+        said = pneutherm("fmu", "model.toml", "-o", "Chamber.fmu", cwd=tmp_path).stdout
+        assert said.count("\n") == 1 + told and said.count(f"`{verdict}`") == told, said
+        with zipfile.ZipFile(tmp_path / "Chamber.fmu") as archive:
+            assert "Diagnosis: " in archive.read("documentation/index.html").decode()
+
+
+def test_the_documentation_has_this_model_s_values_and_intervals(pneutherm, tmp_path):
+    known = '[uncertainty]\nparameters = ["lambda0_w_per_m2_k"]\nci95 = [[28.5, 31.5]]\ncovariance = [[0.58]]\n'
+    (tmp_path / "model.toml").write_text(MODEL + known)
+    pneutherm("fmu", "model.toml", "-o", "My cylinder.fmu", cwd=tmp_path)
+    with zipfile.ZipFile(tmp_path / "My cylinder.fmu") as archive:
+        page = archive.read("documentation/index.html").decode()
+        assert any(name.startswith("binaries/") and "/My_cylinder." in name for name in archive.namelist())
+    row = next(line for line in page.splitlines() if "<code>lambda0</code>" in line)
+    assert "<td>30<br>2.850e1 to 3.150e1 (95&nbsp;%)</td>" in row, row
+    assert "<h1>My cylinder</h1>" in page and "<td>0.025</td>" in page
+
+
+def test_the_experiment_inside_is_replayed_to_its_own_result(fmu, tmp_path):
+    from xml.etree import ElementTree
+
+    folder = "extra/org.fmi-standard.fmi-ls-ref/"
+    with zipfile.ZipFile(fmu) as archive:
+        manifest = ElementTree.fromstring(archive.read(folder + "fmi-ls-manifest.xml"))
+        names = {related.get("role"): related.get("source") for related in manifest.iter("Related")}
+        archive.extractall(tmp_path, [folder + name for name in names.values()])
+    space = "{http://fmi-standard.org/fmi-ls-manifest}"
+    assert manifest.tag == "fmiReferences" and manifest.get(space + "fmi-ls-name") == "org.fmi-standard.fmi-ls-ref"
+    assert set(names) == {"experiment", "result"} and manifest.get(space + "fmi-ls-version")
+    expected = np.genfromtxt(tmp_path / folder / names["result"], delimiter=",", names=True)
+    command = [sys.executable, "-m", "fmpy", "simulate", fmu, "--interface-type", "CoSimulation", "--stop-time", "2",
+               "--output-interval", "0.01", "--input-file", tmp_path / folder / names["experiment"],
+               "--output-variables", "pressure", "temperature", "force", "heatFlow", "--output-file", tmp_path / "out.csv"]
+    run = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    found = np.genfromtxt(tmp_path / "out.csv", delimiter=",", names=True)
+    assert len(found) == len(expected) == 201
+    assert np.ptp(expected["pressure"]) > 1e5, "the pressure moves"
+    for name in expected.dtype.names[1:]:
+        assert np.allclose(found[name], expected[name], rtol=1e-7, atol=1e-6), name
 
 
 def test_a_model_that_no_fmu_can_hold_is_refused_by_name(pneutherm, tmp_path):

@@ -45,4 +45,4 @@ def test_importers_in_rust_accept_the_fmu_and_give_the_same_digits(fmu, root, tm
     command = ["cargo", "test", "--locked", "--target-dir", str(root / "target" / "clients")]
     run = subprocess.run(command, cwd=root / "tests" / "clients", env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stdout + run.stderr
-    assert run.stdout.count("... ok") == 5, run.stdout
+    assert run.stdout.count("... ok") == 6, run.stdout

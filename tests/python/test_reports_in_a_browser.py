@@ -12,7 +12,8 @@ image = pytest.importorskip("PIL.Image")
 if browser.program() is None:
     pytest.skip("no Chromium here (Debian: apt-get install chromium)", allow_module_level=True)
 
-SCREEN, PAPER = (1100, 800, "screen"), (680, 960, "print")
+SCREEN, WIDE, PAPER = (1100, 800, "screen"), (1400, 900, "screen"), (680, 960, "print")
+PHONE = (390, 844, "screen")
 
 # Every text with its colour and the colour behind it, as sRGB bytes, with its size in px and whether it is bold.
 TEXTS = """
@@ -55,7 +56,7 @@ OUTSIDE = """
 DRAWINGS = "[...document.querySelectorAll('svg')].map((e) => { const b = e.getBoundingClientRect();"
 DRAWINGS += " return {x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height,"
 DRAWINGS += " texts: [...e.querySelectorAll('text')].map((t) => t.textContent.trim())}; })"
-UNITS = r", (10[²³⁴⁵⁶⁷⁸⁹] )?(s|ms|mbar|bar|Pa|Pa/s|K|K/s|mm|m|m/s|%|W/\(m² ?K\))$"
+UNITS = r", (10⁻?[²³⁴⁵⁶⁷⁸⁹] ?)?(s|ms|mbar|bar|bar/s|Pa|Pa/s|Pa/√Hz|Hz|K|K/s|mm|m|m/s|%|W|mg/s|1|W/\(m² ?K\))?$"
 # What an axis may say that has no unit: names, ratios.
 NO_UNIT = r"^(predicted τ / measured τ|experiment and actuator, .*|c(_i)? .*)$"
 
@@ -142,10 +143,21 @@ def test_it_is_light_whatever_the_reader_prefers(shown):
     assert corner == (255, 255, 255)
 
 
-@pytest.mark.parametrize("view", [SCREEN, PAPER], ids=["screen", "paper"])
+@pytest.mark.parametrize("view", [SCREEN, WIDE, PAPER], ids=["screen", "wide", "paper"])
 def test_nothing_is_cut_off(shown, view):
     shown.size(*view)
     assert shown.evaluate(CUT) == [] and shown.evaluate(OUTSIDE) == []
+
+
+def test_a_phone_shows_it_whole_and_large_enough_to_read(shown):
+    shown.size(*PHONE)
+    assert shown.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
+    # What is wider than the screen scrolls in its own frame.
+    assert [e for e in shown.evaluate(CUT) if not e.startswith(("DIV.scroll", "DIV.wide"))] == []
+    heights = shown.evaluate("[...document.querySelectorAll('svg text')].filter((t) => t.textContent.length > 3)"
+                             ".map((t) => t.getBoundingClientRect())"
+                             ".map((b) => Math.min(b.width, b.height))")
+    assert min(heights) >= 8
 
 
 def test_every_axis_names_its_unit(shown):

@@ -55,7 +55,7 @@ def write(folder, study, vary, law="total", name="study.toml"):
 
 
 def table(folder):
-    return pa.dataset.dataset(sorted(folder.glob("part-*.parquet"))).to_table()
+    return pa.dataset.dataset(folder / "rows").to_table()
 
 
 FACTORIAL = """
@@ -81,19 +81,19 @@ def test_pyarrow_finds_every_row_of_the_design_and_every_unit(swept):
     units = {field.name: field.metadata[b"unit"].decode() for field in rows.schema}
     assert units["pressure_peak_pa"] == "Pa" and units["lambda0_w_per_m2_k"] == "W/(m2.K)"
     assert units["effect.leakage.conductance_m3_per_s_pa"] == "m3/(s.Pa)"
-    first = pq.ParquetFile(sorted(swept.glob("part-*.parquet"))[0])
+    first = pq.ParquetFile(sorted((swept / "rows").iterdir())[0])
     metadata = {key.decode(): value.decode() for key, value in first.metadata.metadata.items()}
     assert json.loads(metadata["units"]) == units
     assert (metadata["seed"], metadata["shard"]) == ("5", "0/1")
     assert metadata["program_version"] and json.loads(metadata["study"])["name"] == "grid"
     manifest = json.loads((swept / "manifest.json").read_text())
     assert manifest["rows"] == rows.num_rows == sum(part["rows"] for part in manifest["parts"])
-    assert sorted(part["file"] for part in manifest["parts"]) == sorted(p.name for p in swept.glob("*.parquet"))
+    assert sorted(part["file"] for part in manifest["parts"]) == sorted(f"rows/{p.name}" for p in (swept / "rows").iterdir())
     assert sum(manifest["statuses"].values()) == rows.num_rows
 
 
 def test_continuous_columns_are_compressed_without_a_dictionary(swept):
-    group = pq.ParquetFile(sorted(swept.glob("part-*.parquet"))[0]).metadata.row_group(0)
+    group = pq.ParquetFile(sorted((swept / "rows").iterdir())[0]).metadata.row_group(0)
     columns = {group.column(i).path_in_schema: group.column(i) for i in range(group.num_columns)}
     assert all(column.compression == "ZSTD" for column in columns.values())
     assert not columns["pressure_peak_pa"].has_dictionary_page
@@ -101,17 +101,94 @@ def test_continuous_columns_are_compressed_without_a_dictionary(swept):
     assert columns["status"].has_dictionary_page and columns["bore_m"].has_dictionary_page
 
 
-def test_duckdb_and_polars_open_it(swept):
-    duckdb, polars = pytest.importorskip("duckdb"), pytest.importorskip("polars")
-    files = str(swept / "part-*.parquet")
-    query = f"select status, count(*), max(pressure_peak_pa) from '{files}' group by status order by status"
-    by_status = duckdb.sql(query).fetchall()
-    frame = polars.read_parquet(files)
-    assert sum(count for _, count, _ in by_status) == frame.height == 1560
-    assert frame["pressure_peak_pa"].max() == max(peak for *_, peak in by_status)
+def test_every_reader_takes_the_folder_of_rows_whole(swept):
+    duckdb, pandas, polars = map(pytest.importorskip, ("duckdb", "pandas", "polars"))
+    rows, table_of_all = swept / "rows", table(swept)
+    frame = polars.scan_parquet(rows).collect()
+    by_duckdb = duckdb.sql(f"select * from '{rows}/*.parquet' order by row").to_arrow_table()
+    by_pandas = pandas.read_parquet(rows)
+    assert pq.read_table(rows).equals(table_of_all)
+    for name in ("row", "bore_m", "pressure_peak_pa", "energy_error"):
+        expected = table_of_all[name].to_numpy()
+        for found in (frame[name].to_numpy(), by_duckdb[name].to_numpy(), by_pandas[name].to_numpy()):
+            assert np.array_equal(found, expected), name
+    statuses = table_of_all["status"].to_pylist()
+    assert frame["status"].to_list() == by_pandas["status"].tolist() == by_duckdb["status"].to_pylist() == statuses
 
 
-# Random studies: each with its area law, what is always on, and what varies.
+def test_spark_takes_the_folder_of_rows_whole(swept):
+    sql = pytest.importorskip("pyspark.sql", reason="PySpark is not installed (it needs a Java runtime)")
+    spark = sql.SparkSession.builder.master("local[1]").config("spark.ui.enabled", "false").getOrCreate()
+    try:
+        assert spark.read.parquet(str(swept / "rows")).count() == 1560
+    finally:
+        spark.stop()
+
+
+def test_readers_skip_row_groups_by_their_statistics(tmp_path, pneutherm):
+    duckdb = pytest.importorskip("duckdb")
+    vary = "bore_m = { from = 0.016, to = 0.063, count = 600 }\nfinal_stroke_m = { from = 0.03, to = 0.08, count = 500 }"
+    study = write(tmp_path, 'design = "factorial"\nfit = false\nsolver = "exact"\nparts = 1', vary)
+    pneutherm("sweep", study, "-o", tmp_path / "out")
+    rows = pa.dataset.dataset(tmp_path / "out" / "rows")
+    (fragment,) = rows.get_fragments()
+    assert fragment.num_row_groups == 3
+    for low, high, groups in [(0.0, 0.02, 1), (0.06, 1.0, 1), (0.03, 0.06, 3), (0.07, 1.0, 0)]:
+        wanted = (pa.dataset.field("bore_m") > low) & (pa.dataset.field("bore_m") < high)
+        assert sum(len(part.row_groups) for part in fragment.split_by_row_group(wanted)) == groups, (low, high)
+    metadata = pq.ParquetFile(next((tmp_path / "out" / "rows").iterdir())).metadata
+    for i in range(metadata.num_columns - 1):
+        column = metadata.row_group(1).column(i)
+        values = rows.to_table([column.path_in_schema])[0].to_numpy()[131072:262144]
+        assert (column.statistics.min, column.statistics.max) == (np.nanmin(values), np.nanmax(values)), column.path_in_schema
+    query = f"select count(*), max(bore_m) from '{tmp_path}/out/rows/*.parquet' where bore_m < 0.02"
+    ((count, largest),) = duckdb.sql(query).fetchall()
+    assert count % 500 == 0 and largest < 0.02
+
+
+def test_readers_find_a_damaged_page_by_its_checksum(swept, tmp_path):
+    part = sorted((swept / "rows").iterdir())[0]
+    metadata = pq.ParquetFile(part).metadata
+    expected = pq.read_table(part, page_checksum_verification=True)
+    assert expected.equals(pq.read_table(part))
+    bytes_of = part.read_bytes()
+    found = 0
+    for group in range(metadata.num_row_groups):
+        for i in range(metadata.num_columns):
+            column = metadata.row_group(group).column(i)
+            # The last byte of the chunk is the last of a page's data.
+            begin = column.dictionary_page_offset if column.has_dictionary_page else column.data_page_offset
+            place = begin + column.total_compressed_size - 1
+            damaged = bytearray(bytes_of)
+            damaged[place] ^= 16
+            (tmp_path / "damaged.parquet").write_bytes(damaged)
+            with pytest.raises(OSError, match="(?i)crc|checksum"):
+                pq.read_table(tmp_path / "damaged.parquet", page_checksum_verification=True)
+            found += 1
+    assert found >= 17
+
+
+def test_damage_at_random_in_two_hundred_parts_is_found_by_verify_and_mended_by_a_second_run(tmp_path, pneutherm):
+    study = write(tmp_path, 'design = "sobol"\nsamples = 4000\nparts = 200\nfit = false\nsolver = "exact"', COMMON)
+    out = tmp_path / "out"
+    pneutherm("sweep", study, "-o", out)
+    assert "as manifest.json says" in pneutherm("sweep", "--verify", out).stdout
+    before = table(out)
+    random = np.random.default_rng(7)
+    parts = sorted((out / "rows").iterdir())
+    assert len(parts) == 200
+    for part in parts:
+        damaged = bytearray(part.read_bytes())
+        damaged[random.integers(len(damaged))] ^= 1 << random.integers(8)
+        part.write_bytes(damaged)
+    error = pneutherm("sweep", "--verify", out, code=1).stderr
+    assert error.count("\n") == 1 and "200 of 200 parts are not what manifest.json says" in error
+    assert "200 parts were damaged and are computed anew" in pneutherm("sweep", study, "-o", out).stdout
+    pneutherm("sweep", "--verify", out)
+    assert table(out).equals(before)
+
+
+# Random studies: each with its area law# Random studies: each with its area law, what is always on, and what varies.
 STUDIES = {
     "the paper's model": ("sobol", "total", "dead_volume_m3 = { from = 0.0, to = 5e-6 }\nheat_capacity_ratio = { from = 1.2, to = 1.6 }"),
     "swept area, an expansion": ("latin-hypercube", "swept", "final_stroke_m = { from = 0.12, to = 0.3 }\npush_time_s = { from = 0.02, to = 2.0 }"),
@@ -234,7 +311,7 @@ def lasting(folder, pneutherm, seconds):
 def test_three_kills_and_a_resume_give_the_same_rows_bit_for_bit(tmp_path, pneutherm):
     study = lasting(tmp_path, pneutherm, 4.0)
     killed, whole, sharded = tmp_path / "killed", tmp_path / "whole", tmp_path / "sharded"
-    finished = lambda: len(list(killed.glob("part-*.parquet"))) if killed.exists() else 0
+    finished = lambda: len(list(killed.glob("rows/*.parquet")))
     for _ in range(3):
         before = finished()
         process = subprocess.Popen([PROGRAM, "sweep", study, "-o", killed], stdout=subprocess.DEVNULL)
@@ -243,9 +320,9 @@ def test_three_kills_and_a_resume_give_the_same_rows_bit_for_bit(tmp_path, pneut
         process.send_signal(signal.SIGKILL)
         assert process.wait() == -signal.SIGKILL, "the run was over before it was killed"
         assert not (killed / "manifest.json").exists()
-    left_behind = list(killed.glob(".*.tmp"))
+    left_behind = list(killed.glob("*/.*.tmp"))
     pneutherm("sweep", study, "-o", killed)
-    assert left_behind and not list(killed.glob(".*.tmp")), "temporary files of killed runs are removed"
+    assert left_behind and not list(killed.glob("*/.*.tmp")), "temporary files of killed runs are removed"
     pneutherm("sweep", study, "-o", whole, "--jobs", 1)
     for index in np.random.default_rng(0).permutation(16):
         pneutherm("sweep", study, "-o", sharded, "--shard", f"{index}/16")
@@ -309,9 +386,9 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_half_file_of_a_final_name(tmp
         study = write(tmp_path, 'design = "sobol"\nsamples = 20000\nfit = false', COMMON)
         error = pneutherm("sweep", study, "-o", disk / "out", "--jobs", 1, code=1).stderr
         assert error.count("\n") == 1 and "No space left" in error and "run the same command again" in error
-        for part in (disk / "out").glob("*.parquet"):
+        for part in (disk / "out" / "rows").glob("*.parquet"):
             pq.ParquetFile(part)
-        assert not list((disk / "out").glob(".*.tmp")) and not (disk / "out" / "manifest.json").exists()
+        assert not list((disk / "out").glob("*/.*.tmp")) and not (disk / "out" / "manifest.json").exists()
     finally:
         subprocess.run(["umount", disk], check=True)
 
@@ -336,3 +413,113 @@ def test_a_dask_cluster_finishes_a_study_though_a_worker_is_killed(tmp_path, pne
     assert (folder / "manifest.json").exists()
     pneutherm("sweep", study, "-o", tmp_path / "whole")
     assert table(folder).equals(table(tmp_path / "whole"))
+
+
+def test_what_cannot_be_is_said_before_any_row_is_solved(tmp_path, pneutherm):
+    vary = 'bore_m = { from = 0.016, to = 0.063, count = 40 }\n"effect.leakage.conductance_m3_per_s_pa" = { values = [1e-12] }'
+    study = write(tmp_path, 'design = "factorial"', vary)
+    for arguments, sentence in [
+        (["--traces", "40"], "a trace of row 40 is asked for; the study's rows are 0 to 39"),
+        (["--traces", "0", "--trace-rate", "0"], "a trace rate of 0 Hz"),
+        (["--traces", "0", "--trace-rate", "1e9"], "ask for a lower rate"),
+    ]:
+        error = pneutherm("sweep", study, "-o", tmp_path / "out", *arguments, code=1).stderr
+        assert error.count("\n") == 1 and sentence in error
+        assert not (tmp_path / "out").exists()
+    for jobs in ("0", "1025", "100000", "-1", "two"):
+        pneutherm("sweep", study, "-o", tmp_path / "out", f"--jobs={jobs}", code=2)
+    pneutherm("sweep", code=2)
+
+
+def test_a_shard_without_parts_says_so(tmp_path, pneutherm):
+    study = write(tmp_path, 'design = "factorial"', "bore_m = { values = [0.02] }")
+    told = pneutherm("sweep", study, "-o", tmp_path / "out", "--shard", "3/4").stdout
+    assert "shard 3/4 has nothing to do: the study has 1 part" in told and told.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_progress_as_json_counts_up_to_all_rows(tmp_path, pneutherm):
+    study = write(tmp_path, 'design = "sobol"\nsamples = 3000\nparts = 4\nfit = false', COMMON)
+    for found in (0, 1500):
+        lines = pneutherm("sweep", study, "-o", tmp_path / "out", "--progress", "json").stderr.splitlines()
+        last = json.loads(lines[-1])
+        assert (last["rows_done"], last["rows"], last["rows_found"]) == (3000, 3000, found)
+        assert last["rows_per_second"] > 0 and last["seconds_left"] == 0
+        for part in sorted((tmp_path / "out" / "rows").iterdir())[:2]:
+            part.unlink()
+    told = pneutherm("sweep", study, "-o", tmp_path / "out", "--progress", "none")
+    assert told.stderr == "" and "2 parts were there already" in told.stdout
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_an_interrupt_says_how_to_go_on(tmp_path, pneutherm):
+    study = lasting(tmp_path, pneutherm, 4.0)
+    process = subprocess.Popen([PROGRAM, "sweep", study, "-o", tmp_path / "out"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while len(list((tmp_path / "out").glob("rows/*"))) < 1 and process.poll() is None:
+        time.sleep(0.002)
+    process.send_signal(signal.SIGINT)
+    error = process.communicate(timeout=30)[1]
+    assert process.returncode == 130
+    assert "finished parts are kept; run the same command again to go on" in error and error.count("\n") == 1
+    pneutherm("sweep", study, "-o", tmp_path / "out")
+    assert (tmp_path / "out" / "manifest.json").exists()
+
+
+def test_the_estimate_is_right_where_one_end_of_an_axis_is_slow(tmp_path, pneutherm):
+    # Sealed rows take a hundredth of the time of leaky ones, and all of the leaky ones come last.
+    leaks = ", ".join(["0.0"] * 19 + ["1e-12"])
+    vary = f'"effect.leakage.conductance_m3_per_s_pa" = {{ values = [{leaks}] }}\nbore_m = {{ from = 0.016, to = 0.063, count = 1500 }}'
+    study = write(tmp_path, 'design = "factorial"\nfit = false', vary)
+    told = pneutherm("sweep", study, "-o", tmp_path / "out", "--dry-run", "--jobs", 1).stdout
+    estimated = float(re.search(r"\((\d+) rows/s", told)[1])
+    told = pneutherm("sweep", study, "-o", tmp_path / "out", "--jobs", 1).stdout
+    assert 0.2 < estimated / float(re.search(r"\((\d+) rows/s", told)[1]) < 5
+
+
+def test_both_ways_of_varying_volume_over_area_have_an_axis(tmp_path, pneutherm):
+    effect = "\n[effect.gas_column_length]\nexponent = -0.5\nreference_length_m = 0.1\n"
+    trends = {}
+    for name in ("volume_to_area_m", "volume_to_area_by_length_m"):
+        study = write(tmp_path, 'design = "factorial"', f"{name} = {{ from = 0.0031, to = 0.0045, count = 6 }}")
+        (tmp_path / "model.toml").write_text(MODEL.format(law="total") + effect)
+        pneutherm("sweep", study, "-o", tmp_path / name)
+        rows = table(tmp_path / name).to_pydict()
+        for i, wanted in enumerate(rows[name]):
+            assert rows["volume_m3"][i] / rows["area_m2"][i] == pytest.approx(wanted, rel=1e-12)
+        trends[name] = rows
+    by_bore, by_length = trends["volume_to_area_m"], trends["volume_to_area_by_length_m"]
+    assert np.all(np.diff(by_bore["bore_m"]) > 0) and "final_stroke_m" not in by_bore
+    assert np.all(np.diff(by_length["final_stroke_m"]) > 0) and "bore_m" not in by_length
+    # design.md, finding 8: along a bore the coefficient falls as in table 5; at a length it rises.
+    assert np.all(np.diff(by_length["lambda0_w_per_m2_k"]) < 0)
+    assert np.all(np.diff(by_bore["lambda0_w_per_m2_k"]) > 0)
+
+
+def test_statistics_without_rows_are_numpys(tmp_path, pneutherm):
+    statistics = "\n[statistics]\nquantiles = [0.0, 0.001, 0.05, 0.5, 0.95, 1.0]\n"
+    leak = '"effect.leakage.conductance_m3_per_s_pa" = { values = [0.0, 1e-12] }'
+    study = write(tmp_path, 'design = "sobol"\nsamples = 20000\nparts = 8\nfit = false', COMMON + leak)
+    pneutherm("sweep", study, "-o", tmp_path / "rows")
+    study.write_text(study.read_text() + statistics)
+    told = pneutherm("sweep", study, "-o", tmp_path / "none", "--no-rows").stdout
+    assert "results: statistics.json" in told and not list((tmp_path / "none").rglob("*.parquet"))
+    found = json.loads((tmp_path / "none" / "statistics.json").read_text())
+    rows = table(tmp_path / "rows")
+    assert found["rows"] == rows.num_rows == sum(found["statuses"].values())
+    for name, column in found["columns"].items():
+        values = rows[name].to_numpy()
+        assert column["nulls"] == np.isnan(values).sum()
+        finite = values[~np.isnan(values)]
+        assert column["count"] == len(finite)
+        assert column["mean"] == pytest.approx(finite.mean(), rel=1e-12)
+        assert column["variance"] == pytest.approx(finite.var(ddof=1), rel=1e-9)
+        assert values[column["maximum"]["row"]] == column["maximum"]["value"] == finite.max()
+        for quantile in column["quantiles"]:
+            exact = np.quantile(finite, quantile["probability"])
+            assert abs(quantile["value"] - exact) <= 1.001 * quantile["error_bound"], (name, quantile, exact)
+    # The same on the rows that are there already, in shards, and once more: nothing is solved again.
+    assert "0 rows in" in pneutherm("sweep", study, "-o", tmp_path / "rows").stdout
+    for index in (1, 2, 0):
+        pneutherm("sweep", study, "-o", tmp_path / "shards", "--no-rows", "--shard", f"{index}/3")
+    expected = (tmp_path / "none" / "statistics.json").read_bytes()
+    assert all((tmp_path / name / "statistics.json").read_bytes() == expected for name in ("rows", "shards"))

@@ -30,8 +30,9 @@ impl Effect for ForcedConvection {
             typical: 1.0,
             fitted: true,
             doc: "Coefficient k of the speed's share in the heat transfer coefficient",
+            ..Parameter::DEFAULT
         }],
-        states: &[],
+        ..Card::DEFAULT
     };
 
     const KINKS: usize = 1;

@@ -5,7 +5,7 @@
 
 use super::Effect;
 use crate::balance::Conditions;
-use crate::card::{Balance, Card, Parameter, Unit};
+use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
 use crate::real::Real;
 
 /// λ as a power of the gas column's length.
@@ -18,6 +18,7 @@ impl Effect for GasColumnLength {
         equation: "lambda ~ (l/l_ref)^a, l = V/(piston area)",
         source: "hypothesis on tables 1 to 5 of Carneiro and Gomes de Almeida (2006)",
         balance: Balance::Energy,
+        closed_form: ClosedForm::Kept,
         parameters: &[
             Parameter {
                 name: "exponent",
@@ -27,6 +28,7 @@ impl Effect for GasColumnLength {
                 typical: -0.5,
                 fitted: true,
                 doc: "Exponent a of the gas column's length in the heat transfer coefficient; -1/2 by theory",
+                ..Parameter::DEFAULT
             },
             Parameter {
                 name: "reference_length",
@@ -36,9 +38,10 @@ impl Effect for GasColumnLength {
                 typical: 0.1,
                 fitted: false,
                 doc: "Length at which the coefficient is lambda0; of no influence while the exponent is zero",
+                ..Parameter::DEFAULT
             },
         ],
-        states: &[],
+        ..Card::DEFAULT
     };
 
     #[inline(always)]

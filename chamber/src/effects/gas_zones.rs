@@ -29,6 +29,7 @@ impl Effect for GasZones {
                 typical: 0.25,
                 fitted: true,
                 doc: "Mass fraction z of the gas that does not touch the wall; zero means one zone",
+                ..Parameter::DEFAULT
             },
             Parameter {
                 name: "conductance",
@@ -38,6 +39,7 @@ impl Effect for GasZones {
                 typical: 0.03,
                 fitted: true,
                 doc: "Conductance H between the zones; of no influence while the mass fraction is zero",
+                ..Parameter::DEFAULT
             },
         ],
         states: &[OwnState {
@@ -46,6 +48,7 @@ impl Effect for GasZones {
             nominal: 300.0,
             doc: "Temperature T2 of the gas that does not touch the wall",
         }],
+        ..Card::DEFAULT
     };
 
     #[inline(always)]

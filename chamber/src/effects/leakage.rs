@@ -1,24 +1,17 @@
 //! Leakage: gas exchanged with the surroundings past a worn seal or a fitting, in whichever direction pressure drives it.
 //!
-//! ṁ = C p_up ρ0 √(T0/T_up) ψ(r),  r = p_down/p_up,  ψ = 1 for r ≤ b, else √(1 − ((r − b)/(1 − b))²)
-//! C  m³/(s Pa)  sonic conductance;  b  1  critical pressure ratio;  ψ linear in r above r = 0.999.
-//! T0 = 293.15 K, ρ0 = 1.185 kg/m³ for air (times 287/R for another gas). Inflow enters at ambient temperature.
+//! ṁ = C p_up ρ0 √(T0/T_up) ψ(p_down/p_up), the law of [`iso6358`]; inflow enters at ambient temperature.
+//! C  m³/(s Pa)  sonic conductance;  b  1  critical pressure ratio.
 //! Source: ISO 6358-1:2013. Not for a seal whose opening grows with pressure.
 
 use super::Effect;
+use super::iso6358::{self, Passage};
 use crate::balance::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::gas::Gas;
 use crate::real::Real;
 
-const REFERENCE_TEMPERATURE_K: f64 = 293.15;
-const REFERENCE_DENSITY_OF_AIR_KG_PER_M3: f64 = 1.185;
-const GAS_CONSTANT_OF_AIR: f64 = 287.0;
-/// Above this pressure ratio ψ is linear, so that its slope at r = 1 is finite.
-const LINEAR_ABOVE: f64 = 0.999;
-/// Towards these pressure ratios ψ grows so steep that a long step across them would not notice.
-const STEEP_ABOVE: f64 = 0.9;
-const STEEPER_ABOVE: f64 = 0.99;
+pub use super::iso6358::{KINKS, kinks};
 
 /// ISO 6358 leak between the gas and its surroundings.
 pub struct Leakage;
@@ -39,6 +32,7 @@ impl Effect for Leakage {
                 typical: 1e-12,
                 fitted: true,
                 doc: "Sonic conductance C of the leak; zero means a tight chamber",
+                ..Parameter::DEFAULT
             },
             Parameter {
                 name: "critical_pressure_ratio",
@@ -48,39 +42,22 @@ impl Effect for Leakage {
                 typical: 0.3,
                 fitted: false,
                 doc: "Critical pressure ratio b; of no influence while the conductance is zero",
+                ..Parameter::DEFAULT
             },
         ],
-        states: &[],
+        ..Card::DEFAULT
     };
 
-    /// C ρ0 √T0/(1 − b), for a pressure in Pa over the root of a temperature in K.
     #[inline(always)]
     fn constant<R: Real>(p: &[R], gas: &Gas<R>) -> R {
-        let density = R::from(REFERENCE_DENSITY_OF_AIR_KG_PER_M3 * GAS_CONSTANT_OF_AIR) / gas.gas_constant;
-        p[0] * density * REFERENCE_TEMPERATURE_K.sqrt() / (R::ONE - p[1])
+        iso6358::constant(p[0], p[1], gas)
     }
 
     #[inline(always)]
     fn flows<R: Real>(p: &[R], constant: R, at: &Conditions<R>, flows: &mut Flows<R>) {
-        // In place of pressures the internal energies that go with them, U = P V/(γ − 1): the root need not wait for a
-        // division. √(1/T) is √(U m cv)/U, as U = m cv T.
-        let surroundings = at.ambient_pressure * at.per_expansion * at.volume;
-        let out = at.energy - surroundings;
-        let upstream = at.energy.max(surroundings);
-        // The other of the two; a second choice would be made lane by lane.
-        let downstream = at.energy + surroundings - upstream;
-        let warmth = out.where_positive(at.energy * at.mass * at.cv, at.ambient_temperature);
-        let root = (flow_function(upstream, downstream, p[1]) * warmth).sqrt();
-
-        // 1/U upstream, and what the root is divided by: U of the gas or T of the surroundings. One division for both,
-        // and none by surroundings from which nothing flows in, as they may be a vacuum.
-        let kelvin = out.where_positive(R::ONE, at.ambient_temperature);
-        let per_upstream_kelvin = (upstream * kelvin).recip();
-        let per_root = per_upstream_kelvin * out.where_positive(R::ONE, surroundings);
-        let fade = fade(downstream * kelvin * per_upstream_kelvin);
-        let flow = constant * at.expansion * at.per_volume * root * per_root * fade;
-        flows.outflow += out.where_positive(flow, R::ZERO);
-        flows.enter(out.where_positive(R::ZERO, flow), at.ambient_temperature);
+        let surroundings =
+            Passage { pressure: at.ambient_pressure, temperature: at.ambient_temperature, critical_ratio: p[1] };
+        surroundings.exchange(constant, at, flows);
     }
 
     const KINKS: usize = KINKS;
@@ -91,81 +68,8 @@ impl Effect for Leakage {
 
     const CORNERS: bool = true;
 
-    /// Where the flow chokes, where ψ turns linear, where the flow turns round; and on the way there two places more.
     #[inline(always)]
     fn corner<R: Real>(p: &[R], ambient_pressure: R, from: R, to: R) -> R {
-        // Outward the pressure is the surroundings' over the ratio. Multiplied through, as b may be zero.
-        let choked = (ambient_pressure - p[1] * from) * (p[1] * to - ambient_pressure);
-        let mut first = choked.where_positive(ambient_pressure / p[1].max(R::from(f64::MIN_POSITIVE)), to);
-        if !(ambient_pressure * (1.0 / STEEP_ABOVE) - from.min(to)).any_positive() {
-            return first;
-        }
-        first = nearer(ambient_pressure * p[1], from, first);
-        first = nearer(ambient_pressure * STEEP_ABOVE, from, first);
-        first = nearer(ambient_pressure * STEEPER_ABOVE, from, first);
-        first = nearer(ambient_pressure * LINEAR_ABOVE, from, first);
-        first = nearer(ambient_pressure, from, first);
-        first = nearer(ambient_pressure * (1.0 / LINEAR_ABOVE), from, first);
-        first = nearer(ambient_pressure * (1.0 / STEEPER_ABOVE), from, first);
-        nearer(ambient_pressure * (1.0 / STEEP_ABOVE), from, first)
-    }
-}
-
-/// Number of functions that [`kinks`] gives.
-pub const KINKS: usize = 5;
-
-/// Functions of order one that change their sign where a flow of ISO 6358 between the pressures of two volumes has a
-/// corner: its direction, and either way where it chokes and where ψ turns linear.
-pub fn kinks<R: Real>(one: R, other: R, critical: R) -> [R; KINKS] {
-    let per_sum = (one + other).recip();
-    let excess = |pressure: R, of: R, ratio: R| (pressure - of * ratio) * per_sum;
-    let linear = R::from(LINEAR_ABOVE);
-    [
-        excess(one, other, R::ONE),
-        excess(other, one, critical),
-        excess(one, other, critical),
-        excess(other, one, linear),
-        excess(one, other, linear),
-    ]
-}
-
-/// `value` where it lies between the two, else `to`.
-#[inline(always)]
-fn nearer<R: Real>(value: R, from: R, to: R) -> R {
-    ((value - from) * (to - value)).where_positive(value, to)
-}
-
-/// ((1 − b) p_up ψ)² of ISO 6358 for pressures in any unit, with r at most [`LINEAR_ABOVE`].
-#[inline(always)]
-fn flow_function<R: Real>(upstream: R, downstream: R, critical: R) -> R {
-    let choked = upstream * critical;
-    let (free, beyond) = (upstream - choked, (downstream.min(upstream * LINEAR_ABOVE) - choked).max(R::ZERO));
-    free * free - beyond * beyond
-}
-
-/// The factor by which ψ(r) goes linearly to zero at r = 1.
-#[inline(always)]
-fn fade<R: Real>(ratio: R) -> R {
-    ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE)
-}
-
-#[cfg(test)]
-mod tests {
-    fn flow_function(ratio: f64, critical: f64) -> f64 {
-        super::flow_function(1.0, ratio, critical).sqrt() / (1.0 - critical) * super::fade(ratio)
-    }
-
-    #[test]
-    fn a_choked_leak_does_not_depend_on_the_downstream_pressure() {
-        assert_eq!(flow_function(0.29, 0.3), 1.0);
-        assert_eq!(flow_function(0.01, 0.3), 1.0);
-        assert!(flow_function(0.5, 0.3) < 1.0);
-    }
-
-    #[test]
-    fn the_flow_function_is_continuous_where_it_turns_linear_and_vanishes_at_equal_pressures() {
-        let (below, above) = (flow_function(0.999 - 1e-12, 0.3), flow_function(0.999 + 1e-12, 0.3));
-        assert!((below - above).abs() < 1e-8);
-        assert_eq!(flow_function(1.0, 0.3), 0.0);
+        iso6358::corner(p[1], ambient_pressure, from, to)
     }
 }

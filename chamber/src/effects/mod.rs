@@ -4,7 +4,7 @@
 //! hooks of [`Effect`], each neutral by default. Hooks run in the order of the trait's methods, effects in the list's.
 
 use crate::balance::{Conditions, Flows, Rates};
-use crate::card::{Balance, Card};
+use crate::card::{ActsOn, Card};
 use crate::gas::Gas;
 use crate::real::Real;
 
@@ -22,6 +22,37 @@ pub trait Effect {
     /// Values of its own states in a chamber at rest in equilibrium at `at`.
     fn initial<R: Real>(_at: &Conditions<R>, _own: &mut [R]) {}
 
+    /// How much warmer than its surroundings the wall is when all is at rest, K.
+    #[inline(always)]
+    fn wall_excess<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
+
+    /// Whether the gas's heat capacities are not constant: then the next four hooks say how.
+    const CALORIC: bool = false;
+
+    /// The internal energy of the gas over m cv T, at a temperature, K.
+    #[inline(always)]
+    fn internal_energy<R: Real>(_p: &[R], _temperature: R) -> R {
+        R::ONE
+    }
+
+    /// Temperature, K, of gas whose internal energy is m cv times `by_energy`, K.
+    #[inline(always)]
+    fn temperature<R: Real>(_p: &[R], by_energy: R) -> R {
+        by_energy
+    }
+
+    /// Puts pressure, temperature and heat capacities in the place of those that constant heat capacities give.
+    #[inline(always)]
+    fn gas_properties<R: Real>(_p: &[R], _at: &mut Conditions<R>) {}
+
+    /// What the flows bring beside `at.cp` times their temperature, W: for the energy's rate, and for that of V P/(γ − 1).
+    #[inline(always)]
+    fn excess_enthalpy<R: Real>(_p: &[R], _at: &Conditions<R>, _flows: &Flows<R>) -> [R; 2] {
+        [R::ZERO; 2]
+    }
+
     /// Changes what the rest of the balance sees of gas and wall: the gas temperature at the wall, the wall's.
     #[inline(always)]
     fn conditions<R: Real>(_p: &[R], _own: &[R], _at: &mut Conditions<R>) {}
@@ -30,6 +61,12 @@ pub trait Effect {
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(_p: &[R], _at: &Conditions<R>) -> R {
         R::ONE
+    }
+
+    /// The heat transfer area, m², where the chain before it gives `area`.
+    #[inline(always)]
+    fn heat_transfer_area<R: Real>(_p: &[R], area: R) -> R {
+        area
     }
 
     /// Gas that enters or leaves; `constant` is its [`Effect::constant`].
@@ -82,6 +119,18 @@ pub trait Effect {
     fn delay<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
+
+    /// How much later than the piston the record shows its position, s.
+    #[inline(always)]
+    fn stroke_delay<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
+
+    /// Time over which the recorded position is a centred moving average, s.
+    #[inline(always)]
+    fn stroke_window<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
 }
 
 macro_rules! effects {
@@ -105,6 +154,65 @@ macro_rules! effects {
             $($module::$name::initial(at, $module::$name::own_mut(own));)*
         }
 
+        /// Temperature at which gas and wall are at rest in surroundings of `ambient`, K.
+        #[inline(always)]
+        pub fn rest_temperature<R: Real>(values: &EffectValues<R>, ambient: R) -> R {
+            let mut temperature = ambient;
+            $(temperature += $module::$name::wall_excess($module::$name::values(values));)*
+            temperature
+        }
+
+        /// Effects with [`Effect::CALORIC`].
+        pub const CALORIC: EffectSet = {
+            let mut set = EffectSet::NONE;
+            $(if $module::$name::CALORIC {
+                set = set.union(EffectSet::one(Id::$module as usize));
+            })*
+            set
+        };
+
+        /// Internal energy over m cv T at a temperature, K: the product of [`Effect::internal_energy`] of all effects.
+        #[inline(always)]
+        pub fn internal_energy<R: Real>(values: &EffectValues<R>, temperature: R) -> R {
+            let mut product = R::ONE;
+            $(if $module::$name::CALORIC {
+                product = product * $module::$name::internal_energy($module::$name::values(values), temperature);
+            })*
+            product
+        }
+
+        /// [`Effect::temperature`] of the effects in `set`, K.
+        #[inline(always)]
+        pub fn temperature<R: Real>(set: EffectSet, values: &EffectValues<R>, by_energy: R) -> R {
+            let mut temperature = by_energy;
+            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
+                temperature = $module::$name::temperature($module::$name::values(values), temperature);
+            })*
+            temperature
+        }
+
+        /// [`Effect::gas_properties`] of the effects in `set`.
+        #[inline(always)]
+        pub fn gas_properties<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &mut Conditions<R>) {
+            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
+                $module::$name::gas_properties($module::$name::values(values), at);
+            })*
+        }
+
+        /// Sum of [`Effect::excess_enthalpy`] of the effects in `set`.
+        #[inline(always)]
+        pub fn excess_enthalpy<R: Real>(
+            set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, flows: &Flows<R>,
+        ) -> [R; 2] {
+            let mut sum = [R::ZERO; 2];
+            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
+                let [energy, pressure] = $module::$name::excess_enthalpy($module::$name::values(values), at, flows);
+                sum[0] += energy;
+                sum[1] += pressure;
+            })*
+            sum
+        }
+
         /// [`Effect::conditions`] of the effects in `set`.
         #[inline(always)]
         pub fn conditions<R: Real>(set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], at: &mut Conditions<R>) {
@@ -121,6 +229,16 @@ macro_rules! effects {
                 product = product * $module::$name::heat_transfer_factor($module::$name::values(values), at);
             })*
             product
+        }
+
+        /// [`Effect::heat_transfer_area`] of the effects in `set`, from that of the area law, m².
+        #[inline(always)]
+        pub fn heat_transfer_area<R: Real>(set: EffectSet, values: &EffectValues<R>, of_law: R) -> R {
+            let mut area = of_law;
+            $(if set.has($module::$name::INDEX) {
+                area = $module::$name::heat_transfer_area($module::$name::values(values), area);
+            })*
+            area
         }
 
         /// [`Effect::constant`] of every effect.
@@ -224,6 +342,24 @@ macro_rules! effects {
             })*
             delay
         }
+
+        /// Sum of [`Effect::stroke_delay`] of the effects in `set`, s.
+        pub fn stroke_delay<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
+            let mut delay = R::ZERO;
+            $(if set.has($module::$name::INDEX) {
+                delay += $module::$name::stroke_delay($module::$name::values(values));
+            })*
+            delay
+        }
+
+        /// Sum of [`Effect::stroke_window`] of the effects in `set`, s.
+        pub fn stroke_window<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
+            let mut window = R::ZERO;
+            $(if set.has($module::$name::INDEX) {
+                window += $module::$name::stroke_window($module::$name::values(values));
+            })*
+            window
+        }
     };
 }
 
@@ -239,7 +375,23 @@ effects![
     sensor_lag::SensorLag,
     record_delay::RecordDelay,
     sensor_drift::SensorDrift,
+    dead_volume_surface::DeadVolumeSurface,
+    warm_wall::WarmWall,
+    temperature_dependent_heat_capacity::TemperatureDependentHeatCapacity,
+    laminar_leakage::LaminarLeakage,
+    supply_leakage::SupplyLeakage,
+    sensor_offset::SensorOffset,
+    position_delay::PositionDelay,
+    position_averaging::PositionAveraging,
 ];
+
+pub mod iso6358;
+
+/// `value` where it lies between the two, else `to`.
+#[inline(always)]
+fn nearer<R: Real>(value: R, from: R, to: R) -> R {
+    ((value - from) * (to - value)).where_positive(value, to)
+}
 
 /// Where each effect's parameters begin in [`EffectValues`]; the last entry is their number.
 pub const PARAMETER_OFFSETS: [usize; COUNT + 1] = offsets(true);
@@ -302,7 +454,16 @@ pub fn all() -> impl Iterator<Item = (usize, &'static Card)> {
 
 /// The effects that act behind the gas, on what the sensor shows.
 pub fn of_sensor() -> EffectSet {
-    all().filter(|(_, card)| card.balance == Balance::Sensor).map(|(place, _)| place).collect()
+    acting_on(ActsOn::Reading)
+}
+
+/// The effects that act on the record of the stroke: of no meaning where the stroke is the true one.
+pub fn of_recorded_stroke() -> EffectSet {
+    acting_on(ActsOn::RecordedStroke)
+}
+
+fn acting_on(part: ActsOn) -> EffectSet {
+    all().filter(|(_, card)| card.acts_on == part).map(|(place, _)| place).collect()
 }
 
 /// The effect of that name: its place in the list and its declaration.
@@ -392,6 +553,14 @@ impl EffectValues<f64> {
         }
         Self(values)
     };
+
+    /// The same with the effects in `set` at their neutral values.
+    pub fn without(mut self, set: EffectSet) -> Self {
+        for place in set.iter() {
+            self.of_mut(place).copy_from_slice(Self::NEUTRAL.of(place));
+        }
+        self
+    }
 
     /// The effects whose parameters are not all neutral.
     pub fn active(&self) -> EffectSet {

@@ -31,8 +31,9 @@ impl Effect for NaturalConvection {
             typical: 0.25,
             fitted: true,
             doc: "Exponent n of the temperature difference in the heat transfer coefficient; 1/4 by theory",
+            ..Parameter::DEFAULT
         }],
-        states: &[],
+        ..Card::DEFAULT
     };
 
     const KINKS: usize = 1;

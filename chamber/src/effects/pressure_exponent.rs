@@ -27,6 +27,7 @@ impl Effect for PressureExponent {
                 typical: 0.4,
                 fitted: true,
                 doc: "Exponent nP of pressure in the heat transfer coefficient; 0.5 by Eichelberg",
+                ..Parameter::DEFAULT
             },
             Parameter {
                 name: "temperature_exponent",
@@ -36,9 +37,10 @@ impl Effect for PressureExponent {
                 typical: 0.5,
                 fitted: false,
                 doc: "Exponent nT of temperature in the heat transfer coefficient; 0.5 by Eichelberg",
+                ..Parameter::DEFAULT
             },
         ],
-        states: &[],
+        ..Card::DEFAULT
     };
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 //! d ≥ 0 in s: acquisition chains that stamp position and pressure at different moments.
 
 use super::Effect;
-use crate::card::{Balance, Card, Parameter, Unit};
+use crate::card::{ActsOn, Balance, Card, ClosedForm, Parameter, Scope, Unit};
 use crate::real::Real;
 
 /// Pure delay of the pressure record.
@@ -16,6 +16,9 @@ impl Effect for RecordDelay {
         equation: "y(t) = P(t - d)",
         source: "dead time of a sampled acquisition chain, e.g. Ljung, System Identification (1999)",
         balance: Balance::Sensor,
+        acts_on: ActsOn::Reading,
+        scope: Scope::Record,
+        closed_form: ClosedForm::Filter,
         parameters: &[Parameter {
             name: "delay",
             unit: Unit::Second,
@@ -24,8 +27,9 @@ impl Effect for RecordDelay {
             typical: 0.01,
             fitted: true,
             doc: "Delay of the recorded pressure behind the gas's",
+            ..Parameter::DEFAULT
         }],
-        states: &[],
+        ..Card::DEFAULT
     };
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 //! r in Pa/s, added after lag and delay.
 
 use super::Effect;
-use crate::card::{Balance, Card, Parameter, Unit};
+use crate::card::{ActsOn, Balance, Card, ClosedForm, Parameter, Scope, Unit};
 use crate::real::Real;
 
 /// Linear drift of the pressure reading.
@@ -16,6 +16,9 @@ impl Effect for SensorDrift {
         equation: "y = P + r t",
         source: "linear zero drift, e.g. Doebelin, Measurement Systems, chapter 3",
         balance: Balance::Sensor,
+        acts_on: ActsOn::Reading,
+        scope: Scope::Record,
+        closed_form: ClosedForm::Filter,
         parameters: &[Parameter {
             name: "rate",
             unit: Unit::PascalPerSecond,
@@ -24,8 +27,9 @@ impl Effect for SensorDrift {
             typical: 50.0,
             fitted: true,
             doc: "Rate of the drift, counted from the start of the record",
+            ..Parameter::DEFAULT
         }],
-        states: &[],
+        ..Card::DEFAULT
     };
 
     #[inline(always)]

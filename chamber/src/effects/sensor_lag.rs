@@ -4,7 +4,7 @@
 
 use super::Effect;
 use crate::balance::{Conditions, Flows, Rates};
-use crate::card::{Balance, Card, OwnState, Parameter, Unit};
+use crate::card::{ActsOn, Balance, Card, ClosedForm, OwnState, Parameter, Unit};
 use crate::real::Real;
 
 /// First-order pressure sensor.
@@ -17,6 +17,8 @@ impl Effect for SensorLag {
         equation: "tau_s dy/dt = P - y",
         source: "first-order instrument, e.g. Doebelin, Measurement Systems, chapter 3",
         balance: Balance::Sensor,
+        acts_on: ActsOn::Reading,
+        closed_form: ClosedForm::Filter,
         parameters: &[Parameter {
             name: "time_constant",
             unit: Unit::Second,
@@ -25,8 +27,10 @@ impl Effect for SensorLag {
             typical: 0.01,
             fitted: true,
             doc: "Time constant of the pressure sensor; zero means an instantaneous sensor",
+            ..Parameter::DEFAULT
         }],
         states: &[OwnState { name: "lagged_pressure", unit: Unit::Pascal, nominal: 1e5, doc: "Pressure the lagging sensor shows" }],
+        ..Card::DEFAULT
     };
 
     #[inline(always)]

@@ -27,8 +27,9 @@ impl Effect for TubeVolume {
             typical: 1e-6,
             fitted: true,
             doc: "Volume Vt of the tube and fittings whose gas is at ambient temperature",
+            ..Parameter::DEFAULT
         }],
-        states: &[],
+        ..Card::DEFAULT
     };
 
     const KINKS: usize = 1;

@@ -29,6 +29,7 @@ impl Effect for WallHeating {
                 typical: 1.0,
                 fitted: true,
                 doc: "Heat capacity C_w of the wall that takes part; zero holds the wall at ambient temperature",
+                ..Parameter::DEFAULT
             },
             Parameter {
                 name: "outer_conductance",
@@ -38,9 +39,11 @@ impl Effect for WallHeating {
                 typical: 0.05,
                 fitted: true,
                 doc: "Conductance G from the wall to the surroundings; of no influence while the capacity is zero",
+                ..Parameter::DEFAULT
             },
         ],
         states: &[OwnState { name: "wall_temperature", unit: Unit::Kelvin, nominal: 300.0, doc: "Wall temperature Tw" }],
+        ..Card::DEFAULT
     };
 
     #[inline(always)]

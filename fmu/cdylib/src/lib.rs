@@ -1,5 +1,6 @@
-//! The shared library inside the FMU: the C functions of [`fmu::abi`], and nothing else.
+//! The shared library inside the FMU: the C functions of [`fmu::fmi2::abi`] and [`fmu::fmi3::abi`], and nothing else.
 
 #![allow(non_snake_case, reason = "the crate's name is the library's")]
 
-pub use fmu::abi::*;
+pub use fmu::fmi2::abi::*;
+pub use fmu::fmi3::abi::*;

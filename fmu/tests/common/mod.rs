@@ -2,10 +2,11 @@
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
-use fmu::abi::*;
-use fmu::block::REFERENCE_GUID;
-use fmu::host::{CEnum, Callbacks, Logger};
-use fmu::variables::table;
+use fmu::boundary::CEnum;
+use fmu::fmi2::abi::*;
+use fmu::fmi2::host::{Callbacks, Logger};
+use fmu::package::start_values::REFERENCE_GUID;
+use fmu::table::{Type, table};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
@@ -78,8 +79,17 @@ pub fn reference(name: &str) -> u32 {
 }
 
 impl Host {
-    /// A fresh instance.
+    /// A fresh instance for co-simulation.
     pub fn new() -> Self {
+        Self::of(1)
+    }
+
+    /// A fresh instance for Model Exchange.
+    pub fn exchange() -> Self {
+        Self::of(0)
+    }
+
+    fn of(kind: CEnum) -> Self {
         let log: *mut Log = Box::into_raw(Box::default());
         let callbacks = Callbacks {
             logger: logger(),
@@ -89,7 +99,7 @@ impl Host {
             component_environment: log.cast(),
         };
         let (name, guid) = (c"test", CString::new(REFERENCE_GUID).unwrap());
-        let c = unsafe { fmi2Instantiate(name.as_ptr(), 1, guid.as_ptr(), null(), &callbacks, 0, 0) };
+        let c = unsafe { fmi2Instantiate(name.as_ptr(), kind, guid.as_ptr(), null(), &callbacks, 0, 0) };
         assert!(!c.is_null(), "{:?}", unsafe { &*log }.borrow());
         Self { c, log }
     }
@@ -114,8 +124,10 @@ impl Host {
 
     pub fn try_set(&self, name: &str, value: f64) -> CEnum {
         let reference = reference(name);
-        if name == "areaLaw" {
-            return unsafe { fmi2SetInteger(self.c, &reference, 1, &(value as c_int)) };
+        match table()[reference as usize].is {
+            Type::Enumeration(_) => return unsafe { fmi2SetInteger(self.c, &reference, 1, &(value as c_int)) },
+            Type::Boolean => return unsafe { fmi2SetBoolean(self.c, &reference, 1, &(value as c_int)) },
+            Type::Real => {}
         }
         unsafe { fmi2SetReal(self.c, &reference, 1, &value) }
     }

@@ -100,7 +100,7 @@ pub fn write(files: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
     clean(&mut out, &of("clean"));
     coverage(&mut out, &lines);
     let curves = rates(&mut out, &of("effects"));
-    std::fs::write("results/diagnosis_rates.svg", figure::rates(&curves))?;
+    std::fs::write("results/diagnosis_rates.svg", figure::rates(&curves)?)?;
     let both = of("pairs");
     if !both.is_empty() {
         pairs(&mut out, &both);

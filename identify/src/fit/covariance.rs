@@ -6,8 +6,8 @@
 
 use crate::fit::Fit;
 use crate::parameters::Axis;
-use crate::report::number;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use report::digits;
 use serde::Serialize;
 
 /// A number with its 95 % interval.
@@ -24,7 +24,7 @@ pub struct Estimate {
 impl Estimate {
     /// Its interval, for people.
     pub fn interval(&self) -> String {
-        format!("{} … {}", number(self.ci95[0], 5), number(self.ci95[1], 5))
+        format!("{} … {}", digits(self.ci95[0], 5), digits(self.ci95[1], 5))
     }
 }
 
@@ -43,7 +43,7 @@ impl Undetermined {
         let parts: Vec<String> = self.parameters.iter().map(|(name, share)| format!("{share:+.2} {name}")).collect();
         let how = match self.relative_deviation {
             far if far > 100.0 => "not at all".to_owned(),
-            near => format!("relative deviation {}", number(near, 2)),
+            near => format!("relative deviation {}", digits(near, 2)),
         };
         format!("{} ({how})", parts.join(" "))
     }
@@ -127,9 +127,9 @@ fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     const PARTS_OF_ONE: usize = 12;
     let m = free.len();
     let mut sum = DMatrix::<f64>::zeros(m, m);
-    let traces = fit.linear.iter().filter(|l| !l.residual.is_empty()).count();
+    let traces = fit.linear.iter().filter(|l| l.blocks > 0).count();
     let mut clusters = 0.0;
-    for l in fit.linear.iter().filter(|l| !l.residual.is_empty()) {
+    for l in fit.linear.iter().filter(|l| l.blocks > 0) {
         let projected = project_out(&l.by_rig, &l.by_own);
         let rows = l.residual.len();
         let size = if traces >= 6 { rows } else { rows.div_ceil(PARTS_OF_ONE) };

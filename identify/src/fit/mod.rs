@@ -104,7 +104,7 @@ impl Fit {
 
     /// Number of free parameters beyond those that every record has.
     pub fn freedom(&self) -> usize {
-        let records = self.linear.iter().filter(|l| !l.residual.is_empty()).count();
+        let records = self.linear.iter().filter(|l| l.blocks > 0).count();
         let temperatures = if self.hypothesis.model.initial_temperature { records } else { 0 };
         self.hypothesis.axes.len() + self.hypothesis.own.len() * records + temperatures
     }
@@ -282,13 +282,34 @@ fn linearise(
     selection: &Selection,
     with_stated: bool,
 ) -> Result<Vec<Linear>, Failure> {
-    (0..data.traces.len())
+    let stated = if with_stated { hypothesis.stated.len() } else { 0 };
+    let records: Result<Vec<Linear>, Failure> = (0..data.traces.len())
         .into_par_iter()
         .map(|k| {
-            let x = Coordinates { rig, stated: if with_stated { hypothesis.stated.len() } else { 0 }, own: &own[k] };
+            let x = Coordinates { rig, stated, own: &own[k] };
             record(&data.traces[k], hypothesis, &x, selection[k]).map_err(|e| (k, e))
         })
-        .collect()
+        .collect();
+    let mut records = records?;
+    records.extend(priors(hypothesis, rig, stated));
+    Ok(records)
+}
+
+/// What is known of the rig's free numbers beforehand, as one more record without blocks.
+fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear> {
+    let known: Vec<(usize, [f64; 2])> =
+        hypothesis.axes.iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect();
+    if known.is_empty() {
+        return None;
+    }
+    let mut by_rig = DMatrix::zeros(known.len(), rig.len() + stated);
+    let mut residual = Vec::with_capacity(known.len());
+    for (row, (i, [mean, sd])) in known.into_iter().enumerate() {
+        residual.push((mean - rig[i]) / sd);
+        by_rig[(row, i)] = 1.0 / sd;
+    }
+    let by_own = DMatrix::zeros(residual.len(), 0);
+    Some(Linear { blocks: 0, residual, by_rig, by_own })
 }
 
 /// Where one record is linearised.

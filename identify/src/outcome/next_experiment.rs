@@ -84,7 +84,7 @@ fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
     let run = |c: &Candidate| {
         let chamber = c.fit.chamber();
         let temperature = test.course.ambient_temperature.at(0.0, &Default::default()).0;
-        let start = Start { pressure: test.pressure_pa, temperature };
+        let start = Start::at_rest(&chamber, test.pressure_pa, temperature);
         Run {
             chamber: &chamber,
             set: chamber.active(),

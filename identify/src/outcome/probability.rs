@@ -1,13 +1,16 @@
 //! How probable each effect is: posterior odds over all sets of terms that were tried.
 //!
-//! P(set) ∝ e^(−BIC/(2 T)); an effect has the sum over the sets that hold it. T = 1 would be the textbook's (Raftery, 1995);
-//! `TEMPER` is larger, as the search tries many sets and the noise's model is one itself, and is calibrated on synthetic rigs.
+//! P(set) ∝ p^terms e^(−BIC/(2 T)); an effect has the sum over the sets that hold it. Each term has the prior probability
+//! p, about one in as many terms as there are, so that one which adds nothing to a set gains nothing by being tried. T = 1
+//! would be the textbook's (Raftery, 1995); `TEMPER` is larger, as the noise is a model itself.
 
 use crate::search::Found;
 use chamber::effects::{CARDS, COUNT};
 
 /// How much flatter than the textbook's the odds are.
-const TEMPER: f64 = 2.0;
+const TEMPER: f64 = 1.5;
+/// Probability of a term before anything is measured.
+const PRIOR: f64 = 0.05;
 /// What is less probable than this is left out.
 const WORTH_MENTION: f64 = 0.01;
 
@@ -22,7 +25,7 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
             continue;
         }
         seen.push(c.model);
-        let weight = ((c.delta_bic - best) / (2.0 * TEMPER)).exp();
+        let weight = ((c.delta_bic - best) / (2.0 * TEMPER)).exp() * PRIOR.powi(c.model.terms() as i32);
         sum += weight;
         c.model.of_rig().iter().for_each(|e| each[e] += weight);
     }

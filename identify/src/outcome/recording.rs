@@ -8,9 +8,9 @@ use crate::judge::policy::TOLERANCES;
 use crate::parameters::Slot;
 use crate::record::prepare::Data;
 use crate::record::readout::Between;
-use crate::report::number;
 use crate::search::{Found, Verdict};
 use chamber::effects::{CARDS, EffectSet};
+use report::digits;
 use serde::Serialize;
 
 /// The noise of a recording.
@@ -98,7 +98,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     if noise.sticks {
         out.push(format!(
             "the readings stick to steps of {} Pa: their rounding counts as noise",
-            number(noise.step_pa, 3)
+            digits(noise.step_pa, 3)
         ));
     }
     for t in data.traces.iter().filter(|t| !t.readout.outliers.is_empty()) {

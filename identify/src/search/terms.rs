@@ -3,13 +3,13 @@
 
 use crate::parameters::Model;
 use crate::record::prepare::Data;
-use chamber::card::{Card, Unit};
+use chamber::card::{Card, Scope, Unit};
 use chamber::effects::{self, EffectSet};
 
 /// The model with one term more, each way there is.
 pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
     let mut out = Vec::new();
-    for (e, card) in effects::all().filter(|(e, _)| !model.effects.has(*e)) {
+    for (e, card) in effects::all().filter(|(e, card)| card.candidate && !model.effects.has(*e)) {
         let one = EffectSet::one(e);
         let effects = model.effects.union(one);
         out.push(Model { effects, secondary: EffectSet::NONE, ..*model });
@@ -81,5 +81,5 @@ pub fn growing_with_time() -> EffectSet {
 }
 
 fn is_of_record(card: &Card) -> bool {
-    matches!(card.name, "record_delay" | "sensor_drift")
+    card.candidate && card.scope == Scope::Record
 }

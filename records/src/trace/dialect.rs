@@ -67,6 +67,7 @@ impl Dialect {
         let after = rows.iter().filter(|(number, _)| *number > header.0);
         let mut between = after.clone().take_while(|(number, line)| *number < first_numbers && !numbers(line));
         let units = between.find(|(_, line)| is_units(&split(line))).map(|(number, line)| (*number, split(line)));
+        let units = units.or_else(|| labview_units(&before, separator));
         let first_row = after.clone().find(|(_, line)| numbers(line)).or(after.clone().next());
         let names = split(&header.1);
         Self {
@@ -230,6 +231,14 @@ fn names(line: &str, comments: &[String], separator: Separator, fields: usize) -
         return commas();
     }
     if blanks.len() != fields && wide().len() == fields { wide() } else { blanks }
+}
+
+/// The units of a LabVIEW measurement's channels, in its header block; the first column is time.
+fn labview_units(before: &[&Line], separator: Separator) -> Option<(usize, Vec<String>)> {
+    let (number, line) = before.iter().find(|(_, line)| line.starts_with("Y_Unit_Label"))?;
+    let mut units: Vec<String> = texts(line, separator).into_iter().map(str::to_owned).collect();
+    units[0] = "s".to_owned();
+    Some((*number, units))
 }
 
 /// A line of dashes or the like.

@@ -33,7 +33,7 @@ impl<'a> Header<'a> {
                     found.push((quantity, place, column));
                 }
                 (None, _) if needed(quantity, column, reading.need) => {
-                    return Err(missing(line, &column.name, dialect, reading));
+                    return Err(missing(&column.name, dialect, reading.layout.format.separator.is_some()));
                 }
                 (None, _) => {}
             }
@@ -70,9 +70,14 @@ fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Colu
     }
 }
 
-fn missing(line: usize, wanted: &str, dialect: &Dialect, reading: &Reading<'_>) -> TraceProblem {
+/// That a column is not there, with what may help.
+pub fn missing_column(dialect: &Dialect, wanted: &str) -> TraceProblem {
+    missing(wanted, dialect, false)
+}
+
+fn missing(wanted: &str, dialect: &Dialect, stated: bool) -> TraceProblem {
+    let line = dialect.header.unwrap_or(dialect.first_row);
     let near = nearest(wanted, dialect.names.iter().map(String::as_str));
-    let stated = reading.layout.format.separator.is_some();
     let hint = if dialect.header.is_none() {
         ", as there is no header line: name the columns by number in the rig's [columns]".to_owned()
     } else if stated && dialect.names.len() == 1 && another_separates(&dialect.names[0], dialect.separator) {

@@ -165,7 +165,6 @@ impl<'a> Lines<'a> {
     }
 
     /// The encoding, as far as the lines given so far tell.
-    #[allow(dead_code)] // `look` asks for it
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }

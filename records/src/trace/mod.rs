@@ -13,10 +13,15 @@ mod problem;
 mod read;
 mod rest;
 mod rows;
+mod sample;
 
+pub use dialect::Dialect;
+pub(crate) use header::missing_column;
 pub use left_out::LeftOut;
 pub use problem::{RowProblem, TraceProblem};
 pub use read::{Need, Reading, Window};
+pub(crate) use rest::movement_threshold;
+pub use sample::{Sample, sample};
 
 use crate::error::Error;
 use std::path::{Path, PathBuf};

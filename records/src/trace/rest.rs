@@ -10,9 +10,7 @@ const DEVIATIONS: f64 = 6.0;
 /// The first half of the way to a clear movement (a tenth of the travel) is taken to be rest or nearly so: its median
 /// is the place.
 pub fn rows_at_rest(position_m: &[f64]) -> usize {
-    let (low, high) = position_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-    let travel = high - low;
-    let threshold = (DEVIATIONS * noise(position_m)).max(SHARE_OF_TRAVEL * travel);
+    let (travel, threshold) = (travel(position_m), movement_threshold(position_m));
     if position_m.is_empty() || travel <= 2.0 * threshold {
         return position_m.len();
     }
@@ -21,6 +19,16 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
     let moved = position_m.iter().position(|x| (x - place).abs() > threshold).unwrap_or(position_m.len());
     // A piston that crosses the threshold in one row set out in the row before.
     moved.saturating_sub(1).max(1)
+}
+
+/// What is a movement rather than a position's noise, m.
+pub fn movement_threshold(position_m: &[f64]) -> f64 {
+    (DEVIATIONS * noise(position_m)).max(SHARE_OF_TRAVEL * travel(position_m))
+}
+
+fn travel(position_m: &[f64]) -> f64 {
+    let (low, high) = position_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    high - low
 }
 
 /// Standard deviation of a position's noise, from second differences, which steady movement does not enter; their

@@ -1,6 +1,7 @@
 //! Points of one's own: a Parquet or CSV file with a column for each varied quantity, read piece by piece.
 
 use crate::error::Error;
+use crate::quantity::Allowed;
 use arrow::array::{Array, AsArray, Float64Array};
 use arrow::compute::cast;
 use arrow::datatypes::{DataType, Float64Type};
@@ -23,6 +24,8 @@ pub struct Table {
     rows: u64,
     names: Vec<String>,
     columns: Vec<usize>,
+    /// What each of these columns may hold, once that is known.
+    allowed: Vec<Allowed>,
     kind: Kind,
 }
 
@@ -57,7 +60,8 @@ impl Table {
         if rows == 0 {
             return Err(refuse(path, "the table has no rows"));
         }
-        Ok(Self { path: path.to_owned(), rows, columns: (0..names.len()).collect(), names, kind })
+        let columns = (0..names.len()).collect();
+        Ok(Self { path: path.to_owned(), rows, columns, allowed: Vec::new(), names, kind })
     }
 
     /// Names of the columns in use.
@@ -78,6 +82,29 @@ impl Table {
     /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Reads every row once: each value has to be allowed in its column, each row to pass `row`, which says why not.
+    ///
+    /// # Errors
+    /// As [`Table::fill`], or the first value or row that cannot be.
+    pub fn check(
+        &mut self,
+        allowed: Vec<Allowed>,
+        mut row: impl FnMut(&[f64]) -> Result<(), String>,
+    ) -> Result<(), Error> {
+        self.allowed = allowed;
+        let mut columns = vec![Vec::new(); self.columns.len()];
+        for start in (0..self.rows).step_by(STRIDE as usize) {
+            let end = self.rows.min(start + STRIDE);
+            columns.iter_mut().for_each(Vec::clear);
+            self.fill(start..end, &mut columns)?;
+            for (i, number) in (start..end).enumerate() {
+                let values: Vec<f64> = columns.iter().map(|column| column[i]).collect();
+                row(&values).map_err(|why| refuse(&self.path, format!("row {number}: {why}")))?;
+            }
+        }
+        Ok(())
     }
 
     /// Appends the values of some rows to one column for each of [`Table::names`].
@@ -116,8 +143,8 @@ impl Table {
     }
 
     fn append(&self, batch: &RecordBatch, first_row: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {
-        for (&place, column) in self.columns.iter().zip(columns) {
-            let name = &self.names[place];
+        for (i, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
+            let (name, allowed) = (&self.names[place], self.allowed.get(i));
             let array = batch
                 .column_by_name(name)
                 .ok_or_else(|| refuse(&self.path, format!("column `{name}` is missing in some row groups")))?;
@@ -135,7 +162,13 @@ impl Table {
                         format!("column `{name}`, row {row}: a finite number was expected"),
                     ));
                 }
-                column.push(numbers.value(i));
+                let value = numbers.value(i);
+                if let Some(allowed) = allowed.filter(|allowed| !allowed.contains(value)) {
+                    let row = first_row + i as u64;
+                    let message = format!("column `{name}`, row {row}: is {value}, but has to be {allowed}");
+                    return Err(refuse(&self.path, message));
+                }
+                column.push(value);
             }
         }
         Ok(())
@@ -171,7 +204,7 @@ impl Table {
             let (found, expected) = (fields.len(), self.names.len());
             return Err(refuse(&self.path, format!("line {line}: {found} values where the header names {expected}")));
         }
-        for (&place, column) in self.columns.iter().zip(columns) {
+        for (i, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
             let number = fields[place].parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
                 let (text, name) = (fields[place], &self.names[place]);
                 refuse(
@@ -179,6 +212,11 @@ impl Table {
                     format!("line {line}, column `{name}`: `{text}` is not a finite number (decimal point, no unit)"),
                 )
             })?;
+            if let Some(allowed) = self.allowed.get(i).filter(|allowed| !allowed.contains(number)) {
+                let name = &self.names[place];
+                let message = format!("line {line}, column `{name}`: is {number}, but has to be {allowed}");
+                return Err(refuse(&self.path, message));
+            }
             column.push(number);
         }
         Ok(())

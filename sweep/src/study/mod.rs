@@ -1,16 +1,18 @@
 //! A study: a base model, the push-and-hold test, what varies and by which design.
 
+pub mod check;
 mod read;
 mod section;
 
 use crate::design::Design;
 use crate::error::Error;
+use crate::hash;
 use crate::quantity::{self, Base, Point};
-use chamber::effects::PARAMETERS;
+use crate::statistics::Plan;
+use chamber::effects::{EffectSet, PARAMETERS};
 use ensemble::Solver;
 use records::Model;
 use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -50,6 +52,8 @@ pub struct Study {
     pub path: PathBuf,
     /// The base model.
     pub model: Model,
+    /// The model file's effects that are left out here: those on the record of a stroke, as a study's is the true one.
+    pub left_out: EffectSet,
     /// A value for every quantity that does not vary.
     pub base: Point,
     /// What varies, in the order of the columns.
@@ -68,6 +72,8 @@ pub struct Study {
     pub tolerance: f64,
     /// Number of files that the rows are divided into.
     pub parts: u64,
+    /// Statistics of the results, where they are asked for. They are no part of what makes a row.
+    pub statistics: Option<Plan>,
     /// Number of base samples of a sampled design.
     samples: Option<u64>,
     /// SHA-256 of the table's file, for a study on a table.
@@ -169,11 +175,6 @@ impl Study {
     /// SHA-256 of the study and the program's version: rows belong together where this is the same.
     pub fn identity(&self) -> String {
         let text = format!("{} {}", env!("CARGO_PKG_VERSION"), self.json());
-        hex(&Sha256::digest(text.as_bytes()))
+        hash::of_bytes(text.as_bytes())
     }
-}
-
-/// Lower-case hexadecimal digits.
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,21 +1,28 @@
 //! Study files. Unknown keys and values out of range are refused with file, line and key.
 
+use super::check::{self, Bounds};
 use super::section::{Entry, File, Section};
-use super::{MOST_PARTS, MOST_ROWS, SOLVERS, Study, TOLERANCES, Varied, hex};
+use super::{MOST_PARTS, MOST_ROWS, SOLVERS, Study, TOLERANCES, Varied};
 use crate::axis::{Axis, Scale};
 use crate::columns;
 use crate::design::table::Table;
 use crate::design::{Design, NAMES, sobol};
 use crate::error::{Error, OUTERMOST};
+use crate::hash;
 use crate::quantity::{self, Base, NotFound, Point};
+use crate::statistics::{Bins, Plan};
 use ensemble::{Options, Solver};
 use records::Model;
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
-/// The points, what varies in them, and the hash of a table's file.
-type Rows = (Design, Vec<Varied>, Option<String>);
+/// The points, what varies in them, where the study says so, and the hash of a table's file.
+struct Points<'a> {
+    design: Design,
+    varied: Vec<Varied>,
+    entries: Vec<Entry<'a>>,
+    table_sha256: Option<String>,
+}
 
 impl Study {
     /// Reads a study file and the model it names, whose path is relative to the study's.
@@ -49,15 +56,17 @@ impl Study {
         let table = DeTable::parse(text).map_err(|error| file.syntax(&error))?;
         let top = Section::new(file, OUTERMOST, Some(table.get_ref()));
         let (study, test, vary) = (top.section("study")?, top.section("test")?, top.section("vary")?);
+        let statistics = top.get("statistics").map(|entry| entry.section()).transpose()?;
         top.finish()?;
 
-        let model = match model {
+        let mut model = match model {
             Some(model) => model.clone(),
             None => {
                 let entry = study.require("model", "the model file to begin from was expected")?;
                 Model::read(&beside(path, entry.text()?))?
             }
         };
+        let left_out = model.leave_out_recorded_stroke();
         let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
         let fit = study.get("fit").map(|e| e.boolean()).transpose()?.unwrap_or(true);
@@ -66,9 +75,10 @@ impl Study {
         let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
         let parts = study.get("parts").map(|e| Ok::<_, Error>((e, e.whole(1)?))).transpose()?;
 
-        let (design, varied, table_sha256) = design(&study, &vary, path, seed)?;
+        let Points { mut design, varied, entries, table_sha256 } = design(&study, &vary, path, seed)?;
         study.finish()?;
         let base = base(&model, &test, &varied)?;
+        possible(&model, &base, &mut design, &varied, &entries, &test, file)?;
         let rows = design.rows().filter(|&rows| rows <= MOST_ROWS).ok_or_else(|| {
             let path = path.display();
             Error::Option(format!("{path}: the design has more rows than a study may have ({MOST_ROWS}); coarsen it"))
@@ -87,9 +97,11 @@ impl Study {
         let path = path.to_owned();
         #[rustfmt::skip]
         let study = Study {
-            name, path, model, base, varied, design, seed, rows, fit, solver, tolerance, parts, samples, table_sha256,
+            name, path, model, left_out, base, varied, design, seed, rows, fit, solver, tolerance, parts, statistics: None,
+            samples, table_sha256,
         };
-        Ok(study)
+        let plan = statistics.map(|section| plan(&study, &section)).transpose()?;
+        Ok(Study { statistics: plan, ..study })
     }
 }
 
@@ -112,7 +124,7 @@ fn tolerance(entry: Entry<'_>) -> Result<f64, Error> {
 }
 
 /// The points: from [vary] or, for a table, from its columns.
-fn design(study: &Section<'_>, vary: &Section<'_>, path: &Path, seed: u64) -> Result<Rows, Error> {
+fn design<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path, seed: u64) -> Result<Points<'a>, Error> {
     let names = NAMES.map(|name| (name, name));
     let list = NAMES.map(|name| format!("\"{name}\"")).join(", ");
     let entry = study.require("design", &format!("one of {list} was expected"))?;
@@ -142,6 +154,7 @@ fn design(study: &Section<'_>, vary: &Section<'_>, path: &Path, seed: u64) -> Re
         if samples > 1 << 52 { Err(entry.refuse("is more than 2^52")) } else { Ok(samples) }
     };
     let varied = found.iter().map(|(_, varied, _)| varied.clone()).collect();
+    let entries = found.iter().map(|(entry, ..)| *entry).collect();
     let axes = found.into_iter().map(|(.., axis)| axis).collect();
     let design = match name {
         "factorial" => Design::Factorial(axes),
@@ -149,7 +162,42 @@ fn design(study: &Section<'_>, vary: &Section<'_>, path: &Path, seed: u64) -> Re
         "sobol" => Design::sobol(axes, samples()?, seed),
         _ => Design::saltelli(axes, samples()?, seed),
     };
-    Ok((design, varied, None))
+    Ok(Points { design, varied, entries, table_sha256: None })
+}
+
+/// Refuses values that no row could use, and rows of a table that cannot be.
+fn possible(
+    model: &Model,
+    base: &Point,
+    design: &mut Design,
+    varied: &[Varied],
+    entries: &[Entry<'_>],
+    test: &Section<'_>,
+    file: File<'_>,
+) -> Result<(), Error> {
+    if let Design::Table(table) = design {
+        let mut point = *base;
+        return table.check(varied.iter().map(|v| quantity::all()[v.quantity].allowed.clone()).collect(), |values| {
+            for (varied, value) in varied.iter().zip(values) {
+                point.0[varied.quantity] = *value;
+            }
+            check::check(&Bounds::of_point(&point), model)
+                .map_err(|refused| format!("{} {}", quantity::all()[refused.quantity].name, refused.message))
+        });
+    }
+    let mut bounds = Bounds::of_point(base);
+    for (varied, axis) in varied.iter().zip(design.axes()) {
+        bounds.set(varied.quantity, axis.bounds());
+    }
+    check::check(&bounds, model).map_err(|refused| {
+        let name = &quantity::all()[refused.quantity].name;
+        let varies = varied.iter().zip(entries).find(|(v, _)| v.quantity == refused.quantity).map(|(_, entry)| *entry);
+        let given = || name.strip_prefix("test.").and_then(|key| test.get(key));
+        match varies.or_else(given) {
+            Some(entry) => entry.refuse(refused.message),
+            None => Error::Option(format!("{}: {name} {}", file.path.display(), refused.message)),
+        }
+    })
 }
 
 /// Every axis of [vary], in the order of the file.
@@ -173,6 +221,14 @@ fn axes<'a>(vary: &Section<'a>) -> Result<Vec<(Entry<'a>, Varied, Axis)>, Error>
     if let Some(((entry, ..), _)) = conflict(Base::VolumeToArea, Base::Bore) {
         return Err(entry.refuse("is what the bore is solved from: vary one of the two"));
     }
+    if let Some(((entry, ..), _)) = conflict(Base::VolumeToAreaByLength, Base::VolumeToArea) {
+        return Err(entry.refuse("and volume_to_area_m are one quantity, solved for in two ways: vary one of the two"));
+    }
+    for stroke in [Base::InitialStroke, Base::FinalStroke] {
+        if let Some(((entry, ..), _)) = conflict(Base::VolumeToAreaByLength, stroke) {
+            return Err(entry.refuse("is what both strokes are solved from: give them in [test]"));
+        }
+    }
     if let Some(((entry, ..), _)) = conflict(Base::HoldTimeConstants, Base::Duration) {
         return Err(entry.refuse("and duration_s both set the length of the test: vary one of the two"));
     }
@@ -188,11 +244,17 @@ fn varied(name: &str, quantity: usize) -> Varied {
 
 fn not_found(name: &str, reason: &NotFound) -> String {
     match reason {
+        NotFound::OfRecordedStroke => {
+            "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
+                .into()
+        }
         NotFound::Unknown(None) => "is no number of the model or of the test".into(),
         NotFound::Unknown(Some(nearest)) => {
             format!("is no number of the model or of the test; did you mean `{nearest}`?")
         }
-        NotFound::Ambiguous(list) => format!("could be {}; write `{}`, say, for `{name}`", list.join(" or "), list[0]),
+        NotFound::Ambiguous(list) => {
+            format!("could be {}; write `{}`, say, instead of `{name}`", list.join(" or "), list[0])
+        }
     }
 }
 
@@ -257,7 +319,7 @@ fn axis(entry: Entry<'_>, place: usize) -> Result<Axis, Error> {
 }
 
 /// A design that is read from a file: each of its columns is a quantity; `columns` picks some of them.
-fn table(study: &Section<'_>, vary: &Section<'_>, path: &Path) -> Result<Rows, Error> {
+fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Points<'a>, Error> {
     if let Some(entry) = vary.entries().first() {
         return Err(entry.refuse("is varied beside a table; make it a column of the table"));
     }
@@ -289,12 +351,21 @@ fn table(study: &Section<'_>, vary: &Section<'_>, path: &Path) -> Result<Rows, E
         list.push(varied(name, place));
     }
     let both = |a: Base, b: Base| [a, b].iter().all(|base| list.iter().any(|v| v.quantity == *base as usize));
-    if both(Base::VolumeToArea, Base::Bore) || both(Base::HoldTimeConstants, Base::Duration) {
-        let message = "has columns that set the same thing twice (bore_m and volume_to_area_m, or duration_s and hold_time_constants)";
-        return Err(Error::Table { path: file.clone(), message: message.into() });
+    for (a, b) in [
+        (Base::VolumeToArea, Base::Bore),
+        (Base::VolumeToArea, Base::VolumeToAreaByLength),
+        (Base::VolumeToAreaByLength, Base::InitialStroke),
+        (Base::VolumeToAreaByLength, Base::FinalStroke),
+        (Base::HoldTimeConstants, Base::Duration),
+    ] {
+        if both(a, b) {
+            let [a, b] = [a, b].map(|base| &quantity::all()[base as usize].name);
+            let message = format!("columns {a} and {b} set the same thing twice: keep one of the two");
+            return Err(Error::Table { path: file.clone(), message });
+        }
     }
-    let sha256 = sha256_of(&file)?;
-    Ok((Design::Table(table), list, Some(sha256)))
+    let table_sha256 = Some(hash::of_file(&file).map_err(|source| Error::Read { path: file.clone(), source })?);
+    Ok(Points { design: Design::Table(table), varied: list, entries: Vec::new(), table_sha256 })
 }
 
 fn texts<'a>(entry: Entry<'a>) -> Result<Vec<&'a str>, Error> {
@@ -302,18 +373,57 @@ fn texts<'a>(entry: Entry<'a>) -> Result<Vec<&'a str>, Error> {
     list.and_then(|texts: Option<Vec<&str>>| texts).ok_or_else(|| entry.refuse("has to be a list of column names"))
 }
 
-fn sha256_of(path: &Path) -> Result<String, Error> {
-    let read = |source| Error::Read { path: path.to_owned(), source };
-    let mut file = std::fs::File::open(path).map_err(read)?;
-    let mut hash = Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        match std::io::Read::read(&mut file, &mut buffer).map_err(read)? {
-            0 => return Ok(hex(&hash.finalize())),
-            length => hash.update(&buffer[..length]),
+/// What [statistics] asks for.
+fn plan(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
+    let mut plan = Plan::all(study);
+    let every = plan.columns.clone();
+    let known = |entry: &Entry<'_>, name: &str| {
+        if every.iter().any(|column| column == name) {
+            return Ok(());
+        }
+        let hint = records::nearest(name, every.iter().map(String::as_str));
+        let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+        Err(entry.refuse(format!("names `{name}`, which is no result of this study{hint}")))
+    };
+    if let Some(entry) = section.get("columns") {
+        let wanted = texts(entry)?;
+        wanted.iter().try_for_each(|name| known(&entry, name))?;
+        plan.columns.retain(|column| wanted.contains(&column.as_str()));
+        if plan.columns.is_empty() {
+            return Err(entry.refuse("is empty: at least one column was expected"));
         }
     }
+    if let Some(entry) = section.get("quantiles") {
+        plan.quantiles = entry.numbers()?;
+        if let Some(wrong) = plan.quantiles.iter().find(|p| !(0.0..=1.0).contains(*p)) {
+            return Err(entry.refuse(format!("takes {wrong}: probabilities from 0 to 1 were expected")));
+        }
+    }
+    for entry in section.section("histograms")?.entries() {
+        known(&entry, entry.key)?;
+        if !plan.columns.iter().any(|column| column == entry.key) {
+            return Err(entry.refuse("is none of the `columns` of [statistics]"));
+        }
+        let bins = entry.section()?;
+        let from = bins.require("from", "the lower edge was expected")?.number()?;
+        let to = bins.require("to", "the upper edge was expected")?.number()?;
+        let count = bins.require("bins", "their number was expected")?;
+        let number = count.whole(1)?;
+        bins.finish()?;
+        if from >= to {
+            return Err(entry.refuse(format!("runs from {from} to {to}: `from` has to be below `to`")));
+        }
+        if number > MOST_BINS {
+            return Err(count.refuse(format!("is {number}: {MOST_BINS} at most were expected")));
+        }
+        plan.histograms.push((entry.key.to_owned(), Bins { from, to, bins: number }));
+    }
+    section.finish()?;
+    Ok(plan)
 }
+
+/// Bins of a histogram at most: each part keeps them all.
+const MOST_BINS: u64 = 100_000;
 
 /// Every number that does not vary: the model's, then the test's.
 fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, Error> {
@@ -373,15 +483,6 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
             return Err(test.missing("duration_s", "duration_s or hold_time_constants was expected, here or in [vary]"));
         }
         _ => {}
-    }
-    let fixed = |base: Base| !varies(base);
-    if fixed(Base::Duration)
-        && fixed(Base::PushTime)
-        && base.get(Base::Duration) < base.get(Base::PushTime)
-        && let Some(entry) = test.get("duration_s")
-    {
-        let (duration, push) = (base.get(Base::Duration), base.get(Base::PushTime));
-        return Err(entry.refuse(format!("is {duration}: the test would end before its push of {push} s")));
     }
     Ok(base)
 }

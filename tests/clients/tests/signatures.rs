@@ -1,11 +1,11 @@
-//! The 34 functions have the types of the official header `fmi2FunctionTypes.h`, as bindgen reads it in `fmi-sys`: this
+//! The 44 functions have the types of the official header `fmi2FunctionTypes.h`, as bindgen reads it in `fmi-sys`: this
 //! file compiles only if they do.
 
 #![allow(non_upper_case_globals, reason = "the constants are named as the functions")]
 
 use fmi_sys::fmi2::*;
-use fmu::abi;
-use fmu::host::Callbacks;
+use fmu::fmi2::abi;
+use fmu::fmi2::host::{Callbacks, EventInfo};
 use std::ffi::c_void;
 use std::mem::offset_of;
 
@@ -42,7 +42,22 @@ unsafe extern "C" fn instantiate(
 }
 const _: fmi2InstantiateTYPE = Some(instantiate);
 
+/// The event information as it is.
+unsafe extern "C" fn new_discrete_states(c: fmi2Component, info: *mut fmi2EventInfo) -> fmi2Status {
+    unsafe { abi::fmi2NewDiscreteStates(c, info.cast::<EventInfo>()) }
+}
+const _: fmi2NewDiscreteStatesTYPE = Some(new_discrete_states);
+
 same! {
+    fmi2EnterEventMode: fmi2EnterEventModeTYPE,
+    fmi2EnterContinuousTimeMode: fmi2EnterContinuousTimeModeTYPE,
+    fmi2CompletedIntegratorStep: fmi2CompletedIntegratorStepTYPE,
+    fmi2SetTime: fmi2SetTimeTYPE,
+    fmi2SetContinuousStates: fmi2SetContinuousStatesTYPE,
+    fmi2GetDerivatives: fmi2GetDerivativesTYPE,
+    fmi2GetEventIndicators: fmi2GetEventIndicatorsTYPE,
+    fmi2GetContinuousStates: fmi2GetContinuousStatesTYPE,
+    fmi2GetNominalsOfContinuousStates: fmi2GetNominalsOfContinuousStatesTYPE,
     fmi2SetDebugLogging: fmi2SetDebugLoggingTYPE,
     fmi2FreeInstance: fmi2FreeInstanceTYPE,
     fmi2SetupExperiment: fmi2SetupExperimentTYPE,
@@ -79,8 +94,14 @@ same! {
 #[test]
 fn every_function_has_the_type_of_the_official_header() {
     assert!(all());
-    // With fmi2GetTypesPlatform, fmi2GetVersion.
-    assert_eq!(CHECKED + 2, 34);
+    // With fmi2GetTypesPlatform, fmi2GetVersion, fmi2NewDiscreteStates.
+    assert_eq!(CHECKED + 3, 44);
+}
+
+#[test]
+fn the_event_information_lies_where_the_official_header_has_it() {
+    assert_eq!(size_of::<EventInfo>(), size_of::<fmi2EventInfo>());
+    assert_eq!(offset_of!(EventInfo, next_event_time), offset_of!(fmi2EventInfo, nextEventTime));
 }
 
 #[test]

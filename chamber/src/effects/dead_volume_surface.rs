@@ -1,0 +1,36 @@
+//! Dead volume surface: the wall of the dead volume is not that of a cylinder of the bore.
+//!
+//! Aq = (area law's) + ΔA, never below zero; ΔA in m², positive for ports, grooves, a bottle or a fitting with more wall
+//! than equation (27) gives to their volume. Source: a gas spring whose dead volume is a bottle (design finding 5).
+
+use super::Effect;
+use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
+use crate::real::Real;
+
+/// A constant area beside the area law's.
+pub struct DeadVolumeSurface;
+
+impl Effect for DeadVolumeSurface {
+    const CARD: Card = Card {
+        name: "dead_volume_surface",
+        doc: "The dead volume has more or less wall than a cylinder of the bore would have",
+        equation: "Aq = area law + dA",
+        source: "geometry of ports, fittings and bottles joined to the chamber",
+        balance: Balance::Energy,
+        closed_form: ClosedForm::Kept,
+        parameters: &[Parameter {
+            name: "extra_area",
+            unit: Unit::SquareMetre,
+            bounds: -100.0..=100.0,
+            typical: 1e-3,
+            doc: "Area dA that exchanges heat beside that of the area law; the sum is never below zero",
+            ..Parameter::DEFAULT
+        }],
+        ..Card::DEFAULT
+    };
+
+    #[inline(always)]
+    fn heat_transfer_area<R: Real>(p: &[R], area: R) -> R {
+        (area + p[0]).max(R::ZERO)
+    }
+}

@@ -1,0 +1,57 @@
+//! Laminar leakage: gas that creeps through a long narrow gap, in whichever direction pressure drives it.
+//!
+//! ṁ = G (P² − Pamb²)/(2 R T_up): the volume flow at the mean of both pressures is G times their difference.
+//! G in m³/(s Pa). Inflow enters at ambient temperature.
+//! Source: compressible Poiseuille flow, isothermal, e.g. White, Viscous Fluid Flow, chapter 3.
+
+use super::{Effect, nearer};
+use crate::balance::{Conditions, Flows, Rates};
+use crate::card::{Balance, Card, Parameter, Unit};
+use crate::real::Real;
+
+/// Laminar leak between the gas and its surroundings.
+pub struct LaminarLeakage;
+
+impl Effect for LaminarLeakage {
+    const CARD: Card = Card {
+        name: "laminar_leakage",
+        doc: "Gas exchanged with the surroundings through a long narrow gap",
+        equation: "mdot = G (P^2 - Pamb^2)/(2 R T_up)",
+        source: "compressible Poiseuille flow, White, Viscous Fluid Flow, chapter 3",
+        balance: Balance::Mass,
+        parameters: &[Parameter {
+            name: "conductance",
+            unit: Unit::SonicConductance,
+            bounds: 0.0..=1e-7,
+            typical: 1e-12,
+            doc: "Volume flow G at the mean pressure for each pascal of difference; zero means a tight chamber",
+            ..Parameter::DEFAULT
+        }],
+        ..Card::DEFAULT
+    };
+
+    #[inline(always)]
+    fn flows<R: Real>(p: &[R], _: R, at: &Conditions<R>, flows: &mut Flows<R>) {
+        let (inside, outside) = (at.pressure, at.ambient_pressure);
+        let out = inside - outside;
+        let upstream = out.where_positive(at.temperature, at.ambient_temperature);
+        let flow = p[0] * out * (inside + outside) / (at.gas_constant * upstream * 2.0);
+        flows.outflow += out.where_positive(flow, R::ZERO);
+        flows.enter(out.where_positive(R::ZERO, -flow), at.ambient_temperature);
+    }
+
+    const KINKS: usize = 1;
+
+    /// Direction of the flow.
+    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+        out[0] = (at.pressure - at.ambient_pressure) / (at.pressure + at.ambient_pressure);
+    }
+
+    const CORNERS: bool = true;
+
+    /// Where the flow turns round.
+    #[inline(always)]
+    fn corner<R: Real>(_: &[R], ambient_pressure: R, from: R, to: R) -> R {
+        nearer(ambient_pressure, from, to)
+    }
+}

@@ -1,0 +1,79 @@
+//! Supply leakage: gas that passes a closed valve between the chamber and its supply.
+//!
+//! The law of [`leakage`](super::leakage) with the supply in place of the surroundings: inflow at ambient temperature
+//! while the supply's pressure is above the gas's, outflow where it is below.
+//! C  m³/(s Pa)  sonic conductance;  Ps  Pa  supply pressure;  b  1  critical pressure ratio. Source: ISO 6358-1:2013.
+
+use super::Effect;
+use super::iso6358::{self, Passage};
+use crate::balance::{Conditions, Flows, Rates};
+use crate::card::{Balance, Card, Parameter, Unit};
+use crate::gas::Gas;
+use crate::real::Real;
+
+/// ISO 6358 leak between the gas and its supply.
+pub struct SupplyLeakage;
+
+impl Effect for SupplyLeakage {
+    const CARD: Card = Card {
+        name: "supply_leakage",
+        doc: "Gas enters from the supply past a closed valve",
+        equation: "mdot = C p_up rho0 sqrt(293.15/T_up) psi(p_down/p_up), between Ps at Tamb and the gas",
+        source: "ISO 6358-1:2013",
+        balance: Balance::Mass,
+        parameters: &[
+            Parameter {
+                name: "conductance",
+                unit: Unit::SonicConductance,
+                bounds: 0.0..=1e-7,
+                typical: 1e-12,
+                doc: "Sonic conductance C of the leak; zero means a tight valve",
+                ..Parameter::DEFAULT
+            },
+            Parameter {
+                name: "supply_pressure",
+                unit: Unit::Pascal,
+                bounds: 1e3..=1e8,
+                neutral: 7e5,
+                typical: 7e5,
+                fitted: false,
+                doc: "Absolute pressure Ps of the supply; of no influence while the conductance is zero",
+                ..Parameter::DEFAULT
+            },
+            Parameter {
+                name: "critical_pressure_ratio",
+                bounds: 0.0..=0.9,
+                neutral: 0.3,
+                typical: 0.3,
+                fitted: false,
+                doc: "Critical pressure ratio b; of no influence while the conductance is zero",
+                ..Parameter::DEFAULT
+            },
+        ],
+        ..Card::DEFAULT
+    };
+
+    #[inline(always)]
+    fn constant<R: Real>(p: &[R], gas: &Gas<R>) -> R {
+        iso6358::constant(p[0], p[2], gas)
+    }
+
+    #[inline(always)]
+    fn flows<R: Real>(p: &[R], constant: R, at: &Conditions<R>, flows: &mut Flows<R>) {
+        let supply = Passage { pressure: p[1], temperature: at.ambient_temperature, critical_ratio: p[2] };
+        supply.exchange(constant, at, flows);
+    }
+
+    const KINKS: usize = iso6358::KINKS;
+
+    fn kinks<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+        out.copy_from_slice(&iso6358::kinks(at.pressure, p[1], p[2]));
+    }
+
+    const CORNERS: bool = true;
+
+    #[inline(always)]
+    fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
+        iso6358::corner(p[2], p[1], from, to)
+    }
+}

@@ -1,0 +1,270 @@
+//! What every C function shares, whatever the version of FMI: pointers checked and turned into slices, panics kept from
+//! the host, messages handed over once no reference to the instance is held.
+//!
+//! An instance that broke down answers with an error until it is reset; all others live on. Refusals are always reported,
+//! unless the host chose categories without them; events only where logging is on. A logger may call back into the
+//! instance it hears of.
+
+#![allow(unsafe_code)]
+
+use crate::package::start_values::{self, Block};
+use crate::plant::simulation::Kind;
+use crate::protocol::instance::Instance;
+use crate::protocol::message::{Category, Message, Status};
+use crate::protocol::refusal::Refusal;
+use std::any::Any;
+use std::ffi::{CStr, CString, c_char, c_uint, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr::NonNull;
+use std::slice;
+
+/// A C enumeration without negative members, such as the status that functions return.
+pub type CEnum = c_uint;
+/// What a call comes to.
+pub type Result<T> = std::result::Result<T, Refusal>;
+
+/// Elements that one call may have: far more than there are variables.
+const LONGEST: usize = 1 << 20;
+
+/// The start values; the packager overwrites them in the library's file.
+static START_VALUES: [u8; start_values::LENGTH] = start_values::AS_BUILT;
+
+/// Start values and guid of this library; `None` where they are damaged.
+fn of_library() -> Option<Block> {
+    // SAFETY: the pointer is that of a static array. Volatile, since the packager changes these bytes after compilation.
+    let block = unsafe { std::ptr::read_volatile(&raw const START_VALUES) };
+    Block::decode(&block)
+}
+
+/// A host's logger, in a version of FMI. A copy of it stays valid when the instance is gone.
+pub trait Listener: Clone {
+    /// What names of functions begin with in that version.
+    const PREFIX: &'static str;
+
+    /// Hands a message over.
+    ///
+    /// # Safety
+    /// The host's function and pointers must be valid, as the standard asks of it.
+    unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr);
+}
+
+/// What the host holds as its component or instance.
+pub struct Component<L> {
+    listener: L,
+    wanted: [bool; Category::ALL.len()],
+    /// The instance.
+    pub instance: Instance,
+    broken: bool,
+}
+
+impl<L: Listener> Component<L> {
+    /// Runs `call`; its status, and the messages that the host wants to hear.
+    fn run(&mut self, function: &str, call: impl FnOnce(&mut Self) -> Result<()>) -> (Status, Vec<Message>) {
+        let outcome = catch_unwind(AssertUnwindSafe(|| if self.broken { Err(Refusal::Broken) } else { call(self) }));
+        let mut messages = self.instance.messages();
+        let status = match outcome {
+            Ok(Ok(())) => Status::Ok,
+            Ok(Err(refusal)) => {
+                let (status, category) = (refusal.status(), refusal.category());
+                messages.push(Message { status, category, text: format!("{function} refused: {refusal}") });
+                status
+            }
+            Err(panic) => {
+                self.broken = true;
+                messages.push(Message {
+                    status: Status::Error,
+                    category: Category::Error,
+                    text: format!(
+                        "{function} broke down, which is a fault of the FMU ({}); fmi2Reset makes the instance as new",
+                        said(&*panic)
+                    ),
+                });
+                Status::Error
+            }
+        };
+        messages.retain(|message| self.wanted[message.category as usize]);
+        (status, messages)
+    }
+
+    /// Chooses what the host hears of: no categories means all.
+    ///
+    /// # Errors
+    /// Categories that the model description does not declare.
+    pub fn choose(&mut self, logging_on: bool, categories: &[String]) -> Result<()> {
+        let known = |name: &String| name == "logAll" || Category::ALL.iter().any(|(_, known, _)| known == name);
+        if !categories.iter().all(known) {
+            return Err(Refusal::NotOffered {
+                what: "a category is none of those that the model description declares",
+            });
+        }
+        for (wanted, (category, name, _)) in self.wanted.iter_mut().zip(Category::ALL) {
+            let chosen = categories.is_empty() || categories.iter().any(|c| c == name || c == "logAll");
+            *wanted = if logging_on { chosen } else { category != Category::Events };
+        }
+        self.instance.tells_events = self.wanted[Category::Events as usize];
+        Ok(())
+    }
+}
+
+/// The words of a panic.
+fn said(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
+}
+
+/// Runs `call` on the component; tells its messages; keeps a panic from the host.
+///
+/// # Safety
+/// `c` is NULL or a component of [`instantiate`] with this listener that has not been freed, in use by no other thread.
+pub unsafe fn guarded<L: Listener>(
+    c: *mut c_void,
+    function: &'static str,
+    call: impl FnOnce(&mut Component<L>) -> Result<()>,
+) -> CEnum {
+    // SAFETY: as the caller promises; the reference ends before the host's logger is called.
+    let Some(component) = (unsafe { c.cast::<Component<L>>().as_mut() }) else { return Status::Error as CEnum };
+    let (status, messages) = component.run(function, call);
+    if !messages.is_empty() {
+        let listener = component.listener.clone();
+        for message in messages {
+            // SAFETY: the listener is the host's, valid as the standard asks.
+            unsafe { tell(&listener, &message) };
+        }
+    }
+    status as CEnum
+}
+
+/// Resets the component, also after a break-down.
+///
+/// # Safety
+/// As for [`guarded`].
+pub unsafe fn reset<L: Listener>(c: *mut c_void) -> CEnum {
+    // SAFETY: as the caller promises; the reference ends here.
+    if let Some(component) = unsafe { c.cast::<Component<L>>().as_mut() } {
+        component.broken = false;
+    }
+    let reset = |component: &mut Component<L>| {
+        component.instance.reset();
+        Ok(())
+    };
+    // SAFETY: as the caller promises.
+    unsafe { guarded(c, "fmi2Reset", reset) }
+}
+
+/// Makes a component; its listener hears why not.
+///
+/// # Safety
+/// The listener must be valid.
+pub unsafe fn instantiate<L: Listener>(
+    listener: L,
+    logging_on: bool,
+    name: Option<String>,
+    guid: Option<String>,
+    kind: std::result::Result<Kind, &'static str>,
+) -> *mut c_void {
+    let made = catch_unwind(|| {
+        if name.is_none_or(|name| name.is_empty()) {
+            return Err("instanceName is NULL or empty".to_owned());
+        }
+        let kind = kind?;
+        let Some(block) = of_library() else {
+            return Err("the start values inside the library are damaged: package the FMU again".into());
+        };
+        match guid {
+            Some(asked) if asked == block.guid => Ok(Instance::new(&block.starts, &block.guid, kind)),
+            Some(asked) => Err(format!(
+                "guid {asked} is not the library's {}: description and library are of different FMUs",
+                block.guid
+            )),
+            None => Err("the guid is NULL".into()),
+        }
+    });
+    let refused = match made {
+        Ok(Ok(mut instance)) => {
+            let mut wanted = [true; Category::ALL.len()];
+            wanted[Category::Events as usize] = logging_on;
+            instance.tells_events = logging_on;
+            let component = Component { listener, wanted, instance, broken: false };
+            return Box::into_raw(Box::new(component)).cast();
+        }
+        Ok(Err(why)) => why,
+        Err(panic) => said(&*panic),
+    };
+    let text = format!("fmi2Instantiate refused: {refused}");
+    // SAFETY: as the caller promises.
+    unsafe { tell(&listener, &Message { status: Status::Error, category: Category::Error, text }) };
+    std::ptr::null_mut()
+}
+
+/// Frees a component; NULL is none.
+///
+/// # Safety
+/// As for [`guarded`]; the component is gone afterwards.
+pub unsafe fn free<L>(c: *mut c_void) {
+    if !c.is_null() {
+        // SAFETY: it was made by `Box::into_raw` in `instantiate`, and the host frees it once.
+        let component = AssertUnwindSafe(unsafe { Box::from_raw(c.cast::<Component<L>>()) });
+        let _ = catch_unwind(|| drop(component));
+    }
+}
+
+/// Hands a message to the host, in the words of its version of FMI.
+unsafe fn tell<L: Listener>(listener: &L, message: &Message) {
+    let text = message.text.replace("fmi2", L::PREFIX);
+    // SAFETY: as the caller promises.
+    unsafe { listener.hear(message.status, &c_string(message.category.name()), &c_string(&text)) };
+}
+
+/// Text for C, without what C cannot hold.
+pub fn c_string(text: &str) -> CString {
+    CString::new(text.replace('\0', "")).unwrap_or_default()
+}
+
+/// The `length` elements at `data`; none when the length is zero, whatever the pointer.
+///
+/// # Safety
+/// A `data` that is neither NULL nor misaligned points to so many elements, which outlive `'a` and are not written to.
+pub unsafe fn elements<'a, T>(data: *const T, length: usize, argument: &'static str) -> Result<&'a [T]> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    if length > LONGEST {
+        return Err(Refusal::TooLong { argument, length, limit: LONGEST });
+    }
+    if data.is_null() || !data.is_aligned() {
+        return Err(Refusal::Null { argument });
+    }
+    // SAFETY: not NULL, aligned, and as long as the caller says.
+    Ok(unsafe { slice::from_raw_parts(data, length) })
+}
+
+/// As [`elements`], to be written.
+///
+/// # Safety
+/// As for [`elements`], and nothing else refers to them.
+pub unsafe fn elements_mut<'a, T>(data: *mut T, length: usize, argument: &'static str) -> Result<&'a mut [T]> {
+    // SAFETY: as the caller promises.
+    unsafe { elements(data, length, argument)? };
+    let data = NonNull::new(data).filter(|_| length > 0).unwrap_or(NonNull::dangling());
+    // SAFETY: checked above; a slice of no length may dangle.
+    Ok(unsafe { slice::from_raw_parts_mut(data.as_ptr(), length) })
+}
+
+/// Where a function writes one value.
+///
+/// # Safety
+/// As for [`elements_mut`] with one element.
+pub unsafe fn place<'a, T>(data: *mut T, argument: &'static str) -> Result<&'a mut T> {
+    // SAFETY: as the caller promises.
+    let all = unsafe { elements_mut(data, 1, argument)? };
+    all.first_mut().ok_or(Refusal::Null { argument })
+}
+
+/// Text of a C string, `None` where it is NULL.
+///
+/// # Safety
+/// `data` is NULL or ends in a zero byte.
+pub unsafe fn text(data: *const c_char) -> Option<String> {
+    // SAFETY: not NULL, and as the caller promises.
+    if data.is_null() { None } else { Some(unsafe { CStr::from_ptr(data) }.to_string_lossy().into_owned()) }
+}

@@ -1,0 +1,73 @@
+//! The host's side of an instance in FMI 2.0: its callbacks, of which only the logger is used.
+
+#![allow(unsafe_code)]
+
+use crate::boundary::{CEnum, Listener, c_string};
+use crate::protocol::message::Status;
+use std::ffi::{CStr, c_char, c_void};
+use std::sync::Arc;
+
+/// `fmi2CallbackLogger`.
+pub type Logger = Option<unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, ...)>;
+
+/// `fmi2CallbackFunctions`. Only the logger is used (`canNotUseMemoryManagementFunctions`).
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct Callbacks {
+    /// May be NULL.
+    pub logger: Logger,
+    /// Not used.
+    pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
+    /// Not used.
+    pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
+    /// Not used: steps are done when fmi2DoStep returns.
+    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, CEnum)>,
+    /// Handed to the logger.
+    pub component_environment: *mut c_void,
+}
+
+/// `fmi2EventInfo`.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+#[allow(missing_docs, reason = "the standard's names")]
+pub struct EventInfo {
+    pub new_discrete_states_needed: i32,
+    pub terminate_simulation: i32,
+    pub nominals_of_continuous_states_changed: i32,
+    pub values_of_continuous_states_changed: i32,
+    pub next_event_time_defined: i32,
+    pub next_event_time: f64,
+}
+
+/// The host of one instance: callbacks and instance name, copied.
+#[derive(Clone)]
+pub struct Host {
+    callbacks: Callbacks,
+    name: Arc<CStr>,
+}
+
+impl Host {
+    /// A host with these callbacks of an instance with that name.
+    pub fn new(callbacks: Callbacks, name: &str) -> Self {
+        Self { callbacks, name: c_string(name).into() }
+    }
+}
+
+impl Listener for Host {
+    const PREFIX: &'static str = "fmi2";
+
+    unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
+        let Some(logger) = self.callbacks.logger else { return };
+        // SAFETY: the host's function, with pointers that live until it returns; the text is an argument of "%s".
+        unsafe {
+            logger(
+                self.callbacks.component_environment,
+                self.name.as_ptr(),
+                status as CEnum,
+                category.as_ptr(),
+                c"%s".as_ptr(),
+                text.as_ptr(),
+            );
+        }
+    }
+}

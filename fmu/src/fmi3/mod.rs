@@ -1,0 +1,23 @@
+//! FMI 3.0: the C functions, the model description and the terminals, beside FMI 2.0 and from the same table of variables.
+//!
+//! A variable's value reference is its place in the table, as in FMI 2.0; behind the table follow the time and the event
+//! indicators, which are variables in FMI 3.0.
+
+pub mod abi;
+pub mod description;
+pub mod host;
+pub mod terminals;
+
+use crate::plant::corners::CORNERS;
+use crate::table::table;
+
+/// Value reference of the independent variable.
+pub fn time_reference() -> u32 {
+    table().len() as u32
+}
+
+/// Value references of the event indicators.
+pub fn indicator_references() -> std::ops::Range<u32> {
+    let first = time_reference() + 1;
+    first..first + CORNERS as u32
+}

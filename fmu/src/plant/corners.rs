@@ -1,0 +1,120 @@
+//! Where the equations have corners, as event indicators: functions of order one that change sign there.
+//!
+//! Directions of the flows and ports, choking, the ends of the stroke, and each effect's own corners. An indicator that
+//! rests at its corner would announce an event at each step; so each has a dead band, kept on the side where it was when
+//! the last event was handled: z = f + ε above, f − ε below.
+
+use super::rates::Moment;
+use super::states::ALL;
+use super::stroke::Limits;
+use super::values::{INPUTS, input};
+use chamber::effects::{self, leakage};
+use chamber::real::Real;
+
+/// Places among the indicators: both mass flows, both ports, both ends of the stroke, then the effects'.
+const PORTS: usize = 2;
+const ENDS: usize = PORTS + 2 * leakage::KINKS;
+const EFFECTS: usize = ENDS + 3;
+/// Number of event indicators.
+pub const CORNERS: usize = EFFECTS + effects::KINKS;
+
+/// Flow at which a mass flow's direction counts as of order one, kg/s.
+const NOMINAL_FLOW: f64 = 1e-3;
+/// The dead band as a share of the tolerance.
+const BAND: f64 = 0.1;
+
+/// Where a piston that its velocity moves rests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Rest {
+    /// It moves freely.
+    #[default]
+    Free = 0,
+    /// At position zero, pushed into the end.
+    Low = 1,
+    /// At the full stroke, pushed into the end.
+    High = 2,
+}
+
+/// Sides of the corners, and the piston's rest, as of the last event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// Whether each corner's function was positive.
+    pub above: [bool; CORNERS],
+    /// Where the piston rests.
+    pub rest: Rest,
+}
+
+impl Default for Sides {
+    fn default() -> Self {
+        Self { above: [true; CORNERS], rest: Rest::Free }
+    }
+}
+
+/// The piston as the corners see it.
+#[derive(Clone, Copy, Debug)]
+pub struct Piston {
+    /// Where the host or its velocity has it, before the limits, m.
+    pub position: f64,
+    /// Speed that the host gives, m/s.
+    pub velocity: f64,
+    /// Its limits.
+    pub limits: Limits,
+}
+
+impl Sides {
+    /// The indicators with these values of the corners' functions; `tolerance` is the host's.
+    pub fn indicators(&self, corners: &[f64; CORNERS], tolerance: f64) -> [f64; CORNERS] {
+        let band = BAND * tolerance;
+        core::array::from_fn(|i| corners[i] + if self.above[i] { band } else { -band })
+    }
+
+    /// Takes the sides that the corners' functions are on.
+    pub fn settle(&mut self, corners: &[f64; CORNERS]) {
+        self.above = corners.map(|value| value > 0.0);
+    }
+
+    /// Stops a piston that is pushed into an end, frees one that is pulled out of it.
+    pub fn settle_rest(&mut self, piston: &Piston) {
+        let Some([low, high]) = piston.limits.room(piston.position) else {
+            self.rest = Rest::Free;
+            return;
+        };
+        self.rest = match self.rest {
+            Rest::Free if low <= 0.0 && piston.velocity < 0.0 => Rest::Low,
+            Rest::Free if high <= 0.0 && piston.velocity > 0.0 => Rest::High,
+            Rest::Low if piston.velocity > 0.0 => Rest::Free,
+            Rest::High if piston.velocity < 0.0 => Rest::Free,
+            same => same,
+        };
+    }
+}
+
+/// Values of the corners' functions.
+pub fn corners(
+    moment: &Moment<'_>,
+    u: &[f64; INPUTS],
+    states: &[f64; ALL],
+    piston: &Piston,
+    rest: Rest,
+) -> [f64; CORNERS] {
+    let (at, rates, _) = moment.balances(states);
+    let mut out = [f64::ONE; CORNERS];
+    out[0] = u[input::MASS_FLOW_IN] / NOMINAL_FLOW;
+    out[1] = u[input::MASS_FLOW_OUT] / NOMINAL_FLOW;
+    for (i, port) in moment.around.ports.iter().flatten().enumerate().filter(|(_, port)| port.conductance > 0.0) {
+        let kinks = leakage::kinks(port.pressure, at.pressure, port.critical_ratio);
+        out[PORTS + i * leakage::KINKS..][..leakage::KINKS].copy_from_slice(&kinks);
+    }
+    if let Some([low, high]) = piston.limits.room(piston.position) {
+        let stroke = low + high;
+        match rest {
+            Rest::Free => out[ENDS..ENDS + 2].copy_from_slice(&[low / stroke, high / stroke]),
+            _ => out[ENDS + 2] = piston.velocity,
+        }
+    }
+    let own = super::rates::own(states);
+    let of_effects = effects::kinks(moment.set, &moment.balance.chamber.effects, &own, &at, &rates);
+    out[EFFECTS..].copy_from_slice(&of_effects);
+    out
+}

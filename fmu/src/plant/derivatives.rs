@@ -1,0 +1,179 @@
+//! Exact derivatives of outputs, states and rates: along a direction of inputs, states and parameters, and in time.
+//! Forward mode over the same equations ([`chamber::dual`]); at a kink the derivative is that of the branch taken there:
+//! the forward one for flows at zero, zero for |T − Tw| and |ẋ| at zero.
+
+use super::fault::Fault;
+use super::inputs;
+use super::port::Around;
+use super::rates::{Moment, Present, Sensor};
+use super::simulation::{Kind, Simulation};
+use super::states::{self, ALL, Origin, TRAVEL};
+use super::values::{BASE, INPUTS, OUTPUTS, Parameters, REALS, input, output};
+use chamber::balance::{self, Balance, ENERGY, MASS, OWN, STATES};
+use chamber::dual::Dual;
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
+
+type D = Dual<1>;
+
+/// A direction in the space of inputs, states and parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seed {
+    /// Of the real parameters.
+    pub parameters: [f64; REALS],
+    /// Of the inputs.
+    pub inputs: [f64; INPUTS],
+    /// Of the states.
+    pub states: [f64; ALL],
+    /// Of the time since the start.
+    pub elapsed: f64,
+    /// Of the reading of a delay earlier.
+    pub delayed: f64,
+}
+
+impl Seed {
+    /// No direction.
+    pub const ZERO: Seed =
+        Seed { parameters: [0.0; REALS], inputs: [0.0; INPUTS], states: [0.0; ALL], elapsed: 0.0, delayed: 0.0 };
+
+    /// Effects whose parameters the direction changes: they count even where they are off.
+    fn effects(&self) -> EffectSet {
+        let changed = |&index: &usize| {
+            let range = effects::PARAMETER_OFFSETS[index]..effects::PARAMETER_OFFSETS[index + 1];
+            self.parameters[BASE..][range].iter().any(|d| *d != 0.0)
+        };
+        (0..effects::COUNT).filter(changed).collect()
+    }
+}
+
+/// States of effects that are off begin in equilibrium when the direction switches them on.
+fn with_fresh_states(moment: &Moment<'_, D>, seeded: EffectSet, on: EffectSet, mut states: [D; ALL]) -> [D; ALL] {
+    let mut fresh = [D::ZERO; effects::OWN_STATES];
+    let at = balance::conditions(&moment.balance.chamber, &moment.boundary, states[MASS], states[ENERGY]);
+    effects::initial(&at, &mut fresh);
+    for index in seeded.iter().filter(|&index| !on.has(index)) {
+        let own = effects::STATE_OFFSETS[index]..effects::STATE_OFFSETS[index + 1];
+        states[OWN..STATES][own.clone()].copy_from_slice(&fresh[own]);
+    }
+    states
+}
+
+fn lifted<const N: usize>(values: &[f64; N], tangent: &[f64; N]) -> [D; N] {
+    core::array::from_fn(|i| Dual { value: values[i], tangent: [tangent[i]] })
+}
+
+/// Present inputs along a direction, with the piston where it is: it follows the position, or the way its velocity has
+/// made, unless an end holds it.
+fn inputs_along(now: &Simulation, seed: &Seed) -> [D; INPUTS] {
+    let here = now.here();
+    let mut u = lifted(&here, &seed.inputs);
+    let said = now.piston();
+    let travels = now.started && now.is_moved_by_velocity();
+    let position = if travels { seed.states[TRAVEL] } else { seed.inputs[input::POSITION] };
+    let held = now.plant.limits.excludes(said.position) && !(travels && now.kind == Kind::ModelExchange);
+    u[input::POSITION].tangent[0] = if held { 0.0 } else { position };
+    if here[input::VELOCITY] != said.velocity {
+        u[input::VELOCITY].tangent[0] = 0.0;
+    }
+    u
+}
+
+/// Derivatives of everything along a direction. Those of a port's mean flow are those of its present flow.
+///
+/// # Errors
+/// When the present inputs leave the gas no room.
+pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
+    now.present()?;
+    let parameters =
+        Parameters { real: lifted(&now.parameters.real, &seed.parameters), choices: now.parameters.choices };
+    let balance = Balance::of(parameters.chamber());
+    let u = inputs_along(now, seed);
+    let around = Around::of(&u, parameters.choices.external_wall, Some(parameters.critical_ratios()));
+    let mut moment = Moment { balance: &balance, set: now.plant.set, boundary: inputs::boundary(&u), around };
+    let (states, sensor, origin) = if now.started {
+        (states_along(now, seed, &moment)?, sensor_along(now, seed, &balance), origin(now))
+    } else {
+        let states = states::initial(&parameters, &balance.chamber, &moment.boundary);
+        let origin = Origin { mass: states[MASS], energy: states[ENERGY], position: moment.boundary.position };
+        (states, Sensor { elapsed: D::from(0.0), delayed: None }, origin)
+    };
+    let seeded = seed.effects();
+    let states = with_fresh_states(&moment, seeded, now.plant.set, states);
+    moment.set = now.plant.set.union(seeded);
+    Ok(tangents(&moment.evaluate(&states, &sensor, &origin)))
+}
+
+fn tangents(all: &Present<D>) -> Present {
+    Present {
+        outputs: all.outputs.map(|d| d.tangent[0]),
+        states: all.states.map(|d| d.tangent[0]),
+        rates: all.rates.map(|d| d.tangent[0]),
+    }
+}
+
+fn origin(now: &Simulation) -> Origin<D> {
+    let Origin { mass, energy, position } = now.origin;
+    Origin { mass: mass.into(), energy: energy.into(), position: position.into() }
+}
+
+/// States at the present position: those the stroke leads to, and the direction's own.
+fn states_along(now: &Simulation, seed: &Seed, moment: &Moment<'_, D>) -> Result<[D; ALL], Fault> {
+    let mut states = now.gas.states.map(D::from);
+    let from = D::from(now.gas.position);
+    let jumps = now.kind == Kind::CoSimulation && !now.is_moved_by_velocity();
+    if jumps && moment.boundary.position != from {
+        states = states::jump(&moment.balance.chamber, moment.set, &moment.boundary, &states, from)
+            .map_err(|e| Fault::no_stroke(now.time, e))?;
+    }
+    for (state, tangent) in states.iter_mut().zip(seed.states) {
+        state.tangent[0] += tangent;
+    }
+    Ok(states)
+}
+
+/// What the sensor's chain adds; a longer delay shows an earlier reading.
+fn sensor_along(now: &Simulation, seed: &Seed, balance: &Balance<D>) -> Sensor<D> {
+    let longer = effects::delay(now.plant.set, &balance.chamber.effects).tangent[0];
+    let delayed = now.delayed().map(|(value, rate)| Dual { value, tangent: [seed.delayed - rate * longer] });
+    Sensor { elapsed: Dual { value: now.time - now.experiment.start, tangent: [seed.elapsed] }, delayed }
+}
+
+/// Rates of the outputs at the present time, with the inputs' present rates.
+///
+/// # Errors
+/// When the present inputs leave the gas no room.
+pub fn in_time(now: &Simulation) -> Result<[f64; OUTPUTS], Fault> {
+    let present = now.present()?;
+    let delayed = now.delayed().map_or(0.0, |(_, rate)| rate);
+    let mut inputs = now.inputs.present_rate();
+    let here = now.here();
+    inputs[input::POSITION] = here[input::VELOCITY];
+    if here[input::VELOCITY] != now.piston().velocity {
+        inputs[input::VELOCITY] = 0.0;
+    }
+    let seed = Seed { inputs, states: present.rates, elapsed: 1.0, delayed, ..Seed::ZERO };
+    Ok(moving(now, &seed, &present.states, |balance| sensor_along(now, &seed, balance)).outputs)
+}
+
+/// Rate of what the sensor shows before delay and drift, Pa/s, at the present states of a host that integrates.
+pub fn reading_rate(now: &Simulation) -> f64 {
+    let here = now.here();
+    let states = now.gas.states;
+    let sensor = Sensor { elapsed: 0.0, delayed: None };
+    let rates = now.moment(&here).evaluate(&states, &sensor, &now.origin).rates;
+    let mut inputs = [0.0; INPUTS];
+    inputs[input::POSITION] = here[input::VELOCITY];
+    let seed = Seed { inputs, states: rates, ..Seed::ZERO };
+    let sensor = |_: &Balance<D>| Sensor { elapsed: D::ZERO, delayed: None };
+    moving(now, &seed, &states, sensor).outputs[output::MEASURED_PRESSURE]
+}
+
+/// Derivatives where states and position change together: no stroke is taken up.
+fn moving(now: &Simulation, seed: &Seed, states: &[f64; ALL], sensor: impl Fn(&Balance<D>) -> Sensor<D>) -> Present {
+    let parameters = now.parameters.lift::<D>();
+    let balance = Balance::of(parameters.chamber());
+    let u = lifted(&now.here(), &seed.inputs);
+    let around = Around::of(&u, parameters.choices.external_wall, Some(parameters.critical_ratios()));
+    let moment = Moment { balance: &balance, set: now.plant.set, boundary: inputs::boundary(&u), around };
+    tangents(&moment.evaluate(&lifted(states, &seed.states), &sensor(&balance), &origin(now)))
+}

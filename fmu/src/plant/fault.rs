@@ -1,0 +1,76 @@
+//! Why the plant cannot go on: numbers that make no chamber or leave no accurate step.
+
+use chamber::integrate::IntegrationError;
+use thiserror::Error;
+
+/// Why there is no chamber, or no step.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Fault {
+    /// Parameters that contradict each other.
+    #[error("rodDiameter = {rod} m leaves no piston area in bore = {bore} m")]
+    NoPistonArea {
+        /// m.
+        rod: f64,
+        /// m.
+        bore: f64,
+    },
+    /// No room for the gas.
+    #[error(
+        "position = {position} m leaves the gas a volume of {volume} m3; it must lie between 0 and 1e9 m3 (deadVolume = {dead_volume} m3)"
+    )]
+    NoVolume {
+        /// m.
+        position: f64,
+        /// m³.
+        volume: f64,
+        /// m³.
+        dead_volume: f64,
+    },
+    /// More gas leaves than there is.
+    #[error(
+        "a step of {step} s would empty the chamber: {mass} kg of gas, {outflow} kg/s leave; take a shorter step or a smaller massFlowOut"
+    )]
+    Emptied {
+        /// s.
+        step: f64,
+        /// kg.
+        mass: f64,
+        /// Net, kg/s.
+        outflow: f64,
+    },
+    /// No accurate step exists.
+    #[error("no accurate step of {step} s from t = {time} s ({cause}); the instance keeps the state of t = {time} s")]
+    NoStep {
+        /// s.
+        step: f64,
+        /// s.
+        time: f64,
+        /// What the integrator says.
+        cause: String,
+    },
+    /// States that a host set, of which no gas can be made.
+    #[error(
+        "mass = {mass} kg and internalEnergy = {energy} J make no gas: both must be positive and all states finite"
+    )]
+    NoGas {
+        /// kg.
+        mass: f64,
+        /// J.
+        energy: f64,
+    },
+    /// A state that is finite but whose outputs are not, such as a sensor far beyond any number.
+    #[error("the outputs of this state are beyond all numbers; restore or reset")]
+    Overflow,
+}
+
+impl Fault {
+    /// No step of `step` seconds from `time`, s.
+    pub fn no_step(step: f64, time: f64, cause: impl ToString) -> Self {
+        Fault::NoStep { step, time, cause: cause.to_string() }
+    }
+
+    /// No stroke can be taken up at `time`, s.
+    pub fn no_stroke(time: f64, cause: IntegrationError) -> Self {
+        Self::no_step(0.0, time, cause)
+    }
+}

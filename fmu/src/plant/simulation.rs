@@ -1,0 +1,419 @@
+//! A simulation under way, of either kind: integrated here between communication points, or by the host, which hands in
+//! time and states.
+
+use super::corners::{self, CORNERS, Piston, Rest, Sides};
+use super::derivatives;
+use super::fault::Fault;
+use super::history::{Reading, Record, Stretch};
+use super::inputs::{self, Inputs};
+use super::port::Around;
+use super::rates::{Moment, Present, Sensor};
+use super::states::{self, ALL, Origin, TRAVEL};
+use super::step::{self, Gas, Plant};
+use super::values::{BASE, INPUTS, Parameters, Starts, StrokeInput, input, output, parameter};
+use chamber::balance::{self, ENERGY, MASS, OWN, STATES};
+use chamber::effects::{self, OWN_STATES};
+use chamber::integrate::Tolerance;
+use chamber::simulate;
+
+/// Relative tolerance of the inner integration where the host announces none: the model description's.
+pub const DEFAULT_TOLERANCE: f64 = 1e-8;
+/// Tolerances that the integration can keep; the host's is brought into these bounds.
+pub const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-2;
+
+/// Who integrates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// The host: it sets time and states and asks for their rates.
+    ModelExchange = 0,
+    /// The simulation, from one communication point to the next.
+    CoSimulation = 1,
+}
+
+/// What the host announced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Experiment {
+    /// s.
+    pub start: f64,
+    /// s.
+    pub stop: Option<f64>,
+    /// Relative.
+    pub tolerance: f64,
+}
+
+/// Where a host that integrates itself was when it completed its last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Completed {
+    /// What the sensor showed, before delay and drift.
+    pub reading: Reading,
+    /// Position of the piston, m.
+    pub position: f64,
+    /// Its speed, m/s.
+    pub velocity: f64,
+}
+
+/// The whole state of a simulation.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// Who integrates.
+    pub kind: Kind,
+    /// Whether initialization is over.
+    pub started: bool,
+    /// Announced experiment.
+    pub experiment: Experiment,
+    /// Present time, s.
+    pub time: f64,
+    /// Parameters as set.
+    pub parameters: Parameters,
+    /// Inputs as set.
+    pub inputs: Inputs,
+    /// The gas; of no meaning before the end of initialization.
+    pub gas: Gas,
+    /// What sums are counted from.
+    pub origin: Origin,
+    /// Absolute tolerances of the states, fixed at the end of initialization.
+    pub absolute: [f64; STATES],
+    /// The sensor's past, where the record is delayed.
+    pub record: Option<Record>,
+    /// Sides of the corners as of the last event.
+    pub sides: Sides,
+    /// The host's last completed step.
+    pub completed: Completed,
+    /// Follows from the parameters.
+    pub plant: Plant,
+}
+
+impl Simulation {
+    /// As freshly instantiated.
+    pub fn new(starts: &Starts, kind: Kind) -> Self {
+        let tolerance = Tolerance { relative: DEFAULT_TOLERANCE, absolute: [0.0; STATES] };
+        let position = starts.inputs[input::POSITION];
+        Self {
+            kind,
+            started: false,
+            experiment: Experiment { start: 0.0, stop: None, tolerance: DEFAULT_TOLERANCE },
+            time: 0.0,
+            parameters: starts.parameters,
+            inputs: Inputs::new(starts.inputs),
+            gas: Gas { states: [0.0; ALL], position, inner_step: 0.0, port_flows: None },
+            origin: Origin { mass: 0.0, energy: 0.0, position },
+            absolute: [0.0; STATES],
+            record: None,
+            sides: Sides::default(),
+            completed: Completed { reading: Reading { time: 0.0, value: 0.0, rate: 0.0 }, position, velocity: 0.0 },
+            plant: Plant::new(&starts.parameters, tolerance),
+        }
+    }
+
+    /// Brings the plant in line with parameters and tolerances.
+    pub fn rebuild(&mut self) {
+        let tolerance = Tolerance { relative: self.experiment.tolerance, absolute: self.absolute };
+        self.plant = Plant::new(&self.parameters, tolerance);
+    }
+
+    /// Delay of the record, s.
+    pub fn delay(&self) -> f64 {
+        effects::delay(self.plant.set, &self.plant.balance.chamber.effects)
+    }
+
+    /// Whether the velocity alone moves the piston.
+    pub fn is_moved_by_velocity(&self) -> bool {
+        self.plant.choices.stroke_input == StrokeInput::Velocity
+    }
+
+    /// The piston before its limits: where the host, or the velocity since the start, has it.
+    pub fn piston(&self) -> Piston {
+        let u = self.inputs.present();
+        let position = match (self.is_moved_by_velocity() && self.started, self.kind) {
+            (false, _) => u[input::POSITION],
+            (true, Kind::CoSimulation) => self.gas.position,
+            (true, Kind::ModelExchange) => self.origin.position + self.gas.states[TRAVEL],
+        };
+        Piston { position, velocity: u[input::VELOCITY], limits: self.plant.limits }
+    }
+
+    /// Present inputs, with the position and the speed that the piston has.
+    pub fn here(&self) -> [f64; INPUTS] {
+        let mut u = self.inputs.present();
+        (u[input::POSITION], u[input::VELOCITY]) = self.place(&self.piston());
+        u
+    }
+
+    /// Position and speed of the piston.
+    fn place(&self, piston: &Piston) -> (f64, f64) {
+        let exchange = self.kind == Kind::ModelExchange && self.is_moved_by_velocity() && self.started;
+        match (exchange, self.sides.rest) {
+            // The states are the host's: a piston goes on until the event at the end of the stroke is handled.
+            (true, Rest::Free) => (piston.position, piston.velocity),
+            (true, _) => (piston.position, 0.0),
+            (false, _) => piston.limits.apply(piston.position, piston.velocity),
+        }
+    }
+
+    /// The plant at these inputs.
+    pub fn moment(&self, u: &[f64; INPUTS]) -> Moment<'_> {
+        let Plant { balance, set, choices, critical_ratios, .. } = &self.plant;
+        let around = Around::of(u, choices.external_wall, Some(*critical_ratios));
+        Moment { balance, set: *set, boundary: inputs::boundary(u), around }
+    }
+
+    /// Checks that the parameters together make a chamber.
+    fn checked(&self) -> Result<(), Fault> {
+        if self.plant.balance.chamber.geometry.piston_area <= 0.0 {
+            let real = &self.parameters.real;
+            return Err(Fault::NoPistonArea { rod: real[parameter::ROD_DIAMETER], bore: real[parameter::BORE] });
+        }
+        self.plant.volume_at(self.here()[input::POSITION]).map(|_| ())
+    }
+
+    /// Ends the initialization: the gas is as the parameters and inputs have it.
+    ///
+    /// # Errors
+    /// When they make no chamber.
+    pub fn begin(&mut self) -> Result<(), Fault> {
+        self.checked()?;
+        let u = self.here();
+        let states = states::initial(&self.parameters, &self.plant.balance.chamber, &inputs::boundary(&u));
+        let position = u[input::POSITION];
+        self.absolute =
+            simulate::tolerance(1.0, &states::of_gas(&states)).absolute.map(|one| one * self.experiment.tolerance);
+        self.gas = Gas { states, position, inner_step: 0.0, port_flows: None };
+        self.origin = Origin { mass: states[MASS], energy: states[ENERGY], position };
+        self.rebuild();
+        self.record = (self.delay() > 0.0).then(|| Record::new(self.reading()));
+        self.started = true;
+        self.sides = Sides::default();
+        if self.kind == Kind::ModelExchange {
+            self.completed = self.now_completed();
+            self.settle()?;
+        }
+        Ok(())
+    }
+
+    /// What the sensor shows now before delay and drift, Pa.
+    fn reading(&self) -> f64 {
+        let mut u = self.here();
+        if self.kind == Kind::CoSimulation {
+            u[input::POSITION] = self.gas.position;
+        }
+        step::reading(&self.plant, &inputs::boundary(&u), &states::of_gas(&self.gas.states))
+    }
+
+    /// Takes parameters over between steps. Effects that were off begin in equilibrium with the gas as it is.
+    pub fn tune(&mut self, parameters: Parameters) {
+        let delayed = self.delay() > 0.0;
+        let old = std::mem::replace(&mut self.parameters, parameters);
+        self.rebuild();
+        self.start_own_states(&old);
+        match (delayed, self.delay() > 0.0) {
+            (false, true) => self.record = Some(Record::new(self.reading())),
+            (true, false) => self.record = None,
+            _ => {}
+        }
+    }
+
+    /// An effect is off while its first parameter is neutral; its states start when it is switched on.
+    fn start_own_states(&mut self, old: &Parameters) {
+        let mut u = self.here();
+        if self.kind == Kind::CoSimulation {
+            u[input::POSITION] = self.gas.position;
+        }
+        let (chamber, states) = (&self.plant.balance.chamber, &mut self.gas.states);
+        let at = balance::conditions(chamber, &inputs::boundary(&u), states[MASS], states[ENERGY]);
+        let mut fresh = [0.0; OWN_STATES];
+        effects::initial(&at, &mut fresh);
+        for (index, card) in effects::all().filter(|(_, card)| !card.states.is_empty()) {
+            let first = BASE + effects::PARAMETER_OFFSETS[index];
+            let neutral = card.parameters[0].neutral;
+            if old.real[first] == neutral && self.parameters.real[first] != neutral {
+                let own = effects::STATE_OFFSETS[index]..effects::STATE_OFFSETS[index + 1];
+                states[OWN..STATES][own.clone()].copy_from_slice(&fresh[own]);
+            }
+        }
+    }
+
+    /// One communication step of `h` seconds. On refusal nothing has changed.
+    ///
+    /// # Errors
+    /// Where no accurate step exists.
+    pub fn step(&mut self, h: f64) -> Result<(), Fault> {
+        let (time, delay) = (self.time, self.delay());
+        let mark = self.record.as_ref().map(Record::mark);
+        let record = self.record.as_mut().map(|record| (record, delay));
+        match self.gas.after(&self.plant, &self.inputs, time, h, record) {
+            Ok(gas) => {
+                self.gas = gas;
+                self.inputs.advance(h);
+                self.inputs.now[input::POSITION] = self.gas.position;
+                self.time = time + h;
+                if let Some(record) = &mut self.record {
+                    record.forget(self.time - delay);
+                }
+                Ok(())
+            }
+            Err(fault) => {
+                if let (Some(record), Some(mark)) = (&mut self.record, mark) {
+                    record.rewind(&mark);
+                }
+                Err(fault)
+            }
+        }
+    }
+
+    /// Outputs, states and rates at the present time.
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    pub fn present(&self) -> Result<Present, Fault> {
+        let u = self.here();
+        let moment = self.moment(&u);
+        if !self.started {
+            self.checked()?;
+            let states = states::initial(&self.parameters, &self.plant.balance.chamber, &moment.boundary);
+            let origin = Origin { mass: states[MASS], energy: states[ENERGY], position: u[input::POSITION] };
+            return Ok(moment.evaluate(&states, &Sensor { elapsed: 0.0, delayed: None }, &origin));
+        }
+        let states = self.states_at(&moment)?;
+        let sensor = Sensor { elapsed: self.time - self.experiment.start, delayed: self.delayed().map(|d| d.0) };
+        let mut present = moment.evaluate(&states, &sensor, &self.origin);
+        if let Some(flows) = self.gas.port_flows {
+            present.outputs[output::SUPPLY_PORT..][..4].copy_from_slice(&flows);
+        }
+        if !present.is_finite() {
+            return Err(Fault::Overflow);
+        }
+        Ok(present)
+    }
+
+    /// The states at this moment's position: a host that integrates sets them, else a stroke may have to be taken up.
+    fn states_at(&self, moment: &Moment<'_>) -> Result<[f64; ALL], Fault> {
+        let position = moment.boundary.position;
+        self.plant.volume_at(position)?;
+        let states = &self.gas.states;
+        if !(states[MASS] > 0.0 && states[ENERGY] > 0.0 && states.iter().all(|s| s.is_finite())) {
+            return Err(Fault::NoGas { mass: states[MASS], energy: states[ENERGY] });
+        }
+        if self.kind == Kind::ModelExchange || position == self.gas.position {
+            return Ok(*states);
+        }
+        states::jump(&self.plant.balance.chamber, self.plant.set, &moment.boundary, states, self.gas.position)
+            .map_err(|e| Fault::no_stroke(self.time, e))
+    }
+
+    /// The sensor's reading of a delay earlier, Pa, and its rate, Pa/s, where the record is delayed.
+    pub fn delayed(&self) -> Option<(f64, f64)> {
+        let record = self.record.as_ref()?;
+        let then = self.time - self.delay();
+        let last = &self.completed.reading;
+        if self.kind == Kind::ModelExchange && then > last.time && self.time > last.time {
+            // A step longer than the delay: the reading within it, as far as it is known.
+            return Some(Stretch::between(last, &self.now_completed().reading).at(then));
+        }
+        Some(record.at(then))
+    }
+
+    /// Values of the corners' functions at this moment.
+    fn corners(&self) -> Result<[f64; CORNERS], Fault> {
+        let u = self.here();
+        let moment = self.moment(&u);
+        let states = match self.started {
+            true => self.states_at(&moment)?,
+            false => {
+                self.checked()?;
+                states::initial(&self.parameters, &self.plant.balance.chamber, &moment.boundary)
+            }
+        };
+        Ok(corners::corners(&moment, &u, &states, &self.piston(), self.sides.rest))
+    }
+
+    /// On which side of each corner the chamber is.
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room.
+    pub fn signs(&self) -> Result<[bool; CORNERS], Fault> {
+        let mut sides = Sides::default();
+        sides.settle(&self.corners()?);
+        Ok(sides.above)
+    }
+
+    /// The event indicators.
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    pub fn indicators(&self) -> Result<[f64; CORNERS], Fault> {
+        Ok(self.sides.indicators(&self.corners()?, self.experiment.tolerance))
+    }
+
+    /// Handles an event of a host that integrates: takes a stroke up that the position made at once, settles on which side
+    /// of each corner the chamber is. Whether states changed.
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    pub fn handle_event(&mut self) -> Result<bool, Fault> {
+        let mut changed = false;
+        if !self.is_moved_by_velocity() {
+            let u = self.here();
+            let (from, to) = (self.completed.position, u[input::POSITION]);
+            if from != to {
+                let moment = self.moment(&u);
+                self.states_at(&moment)?;
+                let after =
+                    states::jump(&self.plant.balance.chamber, self.plant.set, &moment.boundary, &self.gas.states, from)
+                        .map_err(|e| Fault::no_stroke(self.time, e))?;
+                self.gas.states = after;
+                changed = true;
+            }
+        }
+        self.settle()?;
+        self.completed = self.now_completed();
+        Ok(changed)
+    }
+
+    /// Settles on which side of each corner the chamber is, and where its piston rests.
+    fn settle(&mut self) -> Result<(), Fault> {
+        if self.is_moved_by_velocity() {
+            let piston = self.piston();
+            self.sides.settle_rest(&piston);
+        }
+        let corners = self.corners()?;
+        self.sides.settle(&corners);
+        Ok(())
+    }
+
+    /// Notes where an event begins: what the position does from here on, until it is handled, is a jump.
+    pub fn enter_event(&mut self) {
+        self.completed = self.now_completed();
+    }
+
+    /// A host that integrates has completed a step: the record takes what the sensor showed within it.
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    pub fn complete_step(&mut self) -> Result<(), Fault> {
+        let u = self.here();
+        self.states_at(&self.moment(&u))?;
+        let now = self.now_completed();
+        let (last, delay) = (self.completed.reading, self.delay());
+        if let Some(record) = &mut self.record
+            && now.reading.time > last.time
+        {
+            record.push(Stretch::between(&last, &now.reading), delay);
+            record.forget(now.reading.time - delay);
+        }
+        self.completed = now;
+        Ok(())
+    }
+
+    /// The present moment as that of a completed step.
+    fn now_completed(&self) -> Completed {
+        let u = self.here();
+        let value = self.reading();
+        let rate = if self.record.is_some() { derivatives::reading_rate(self) } else { 0.0 };
+        Completed {
+            reading: Reading { time: self.time, value, rate },
+            position: u[input::POSITION],
+            velocity: u[input::VELOCITY],
+        }
+    }
+}

@@ -1,0 +1,369 @@
+//! One communication step of the gas, of any length: the same balances as everywhere, integrated as finely as the
+//! tolerance asks for.
+//!
+//! A sealed chamber with its piston held follows the exact solution; one without effects, ports or a wall of others is
+//! integrated in mass and energy alone; anything else in all states. Heat and work, and what passes the ports, are
+//! integrated along, without a say in the step's size. Breakpoints lie where a linear speed or flow changes its sign and
+//! where the piston meets an end.
+
+use super::fault::Fault;
+use super::history::{Record, Stretch};
+use super::inputs::{self, Inputs};
+use super::port::Around;
+use super::states::{self, ALL, HEAT, TRAVEL, WORK};
+use super::stroke::{Limits, Motion};
+use super::values::{Choices, Parameters, StrokeInput, input};
+use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
+use chamber::effects::{self, EffectSet, OWN_STATES};
+use chamber::exact::Closed;
+use chamber::integrate::{IntegrationError, Integrator, Step, Tolerance};
+
+/// Inner steps that a communication step may take: about 0.1 s of computing. A host that wants more takes shorter steps.
+const MAX_INNER_STEPS: usize = 200_000;
+/// Mass and energy of the gas, heat and work.
+const GAS: usize = 4;
+/// All states of the gas and its effects, heat and work.
+const CLOSED: usize = STATES + 2;
+/// The same with mass and enthalpy through both ports.
+const PORTED: usize = CLOSED + 4;
+
+/// States of the gas at a communication point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gas {
+    /// Mass, internal energy, the effects' own states, sums since the start.
+    pub states: [f64; ALL],
+    /// The position they belong to, m.
+    pub position: f64,
+    /// Inner step to try next, s.
+    pub inner_step: f64,
+    /// Means over the last step of mass flow, kg/s, and enthalpy flow, W, through both ports; `None` before the first step.
+    pub port_flows: Option<[f64; 4]>,
+}
+
+/// A chamber with what takes part.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    /// Its constants.
+    pub balance: Balance,
+    /// Effects that are not neutral.
+    pub set: EffectSet,
+    /// Whether wall and stroke are given by inputs.
+    pub choices: Choices,
+    /// Critical pressure ratios of the ports.
+    pub critical_ratios: [f64; 2],
+    /// How far the piston can go.
+    pub limits: Limits,
+    /// How finely to integrate.
+    pub tolerance: Tolerance<STATES>,
+}
+
+impl Plant {
+    /// The plant with these parameters, integrated to this tolerance.
+    pub fn new(parameters: &Parameters, tolerance: Tolerance<STATES>) -> Self {
+        let chamber = parameters.chamber();
+        Self {
+            balance: Balance::of(chamber),
+            set: chamber.active(),
+            choices: parameters.choices,
+            critical_ratios: parameters.critical_ratios(),
+            limits: parameters.limits(),
+            tolerance,
+        }
+    }
+
+    /// Volume at a position, m³.
+    ///
+    /// # Errors
+    /// When there is none, or more than any machine has: its gas could not be told in numbers.
+    pub fn volume_at(&self, position: f64) -> Result<f64, Fault> {
+        let geometry = &self.balance.chamber.geometry;
+        let volume = geometry.volume(position);
+        if volume > 0.0 && volume < LARGEST_VOLUME {
+            Ok(volume)
+        } else {
+            Err(Fault::NoVolume { position, volume, dead_volume: geometry.dead_volume })
+        }
+    }
+}
+
+/// Volumes from here on are refused, m³.
+const LARGEST_VOLUME: f64 = 1e9;
+
+impl Gas {
+    /// The gas `h` seconds later; `time` is that of the step's begin, `record` takes the sensor's readings if given.
+    ///
+    /// # Errors
+    /// Where no accurate step exists. The record may then hold part of the step.
+    pub fn after(
+        &self,
+        plant: &Plant,
+        inputs: &Inputs,
+        time: f64,
+        h: f64,
+        record: Option<(&mut Record, f64)>,
+    ) -> Result<Gas, Fault> {
+        let motion = Motion::new(inputs, plant.choices.stroke_input, self.position, plant.limits);
+        let ((begin, speed), (end, _)) = (motion.at(0.0), motion.at(h));
+        for position in [begin, end] {
+            plant.volume_at(position)?;
+        }
+        let states = self.taken_up(plant, inputs, begin).map_err(|e| Fault::no_step(h, time, e))?;
+        let ports = inputs.opens_ports();
+        let bare = plant.set.is_empty() && !ports;
+        let closed = [input::MASS_FLOW_IN, input::MASS_FLOW_OUT].iter().all(|&i| inputs.value[i] == 0.0);
+        let no_step = |e: IntegrationError| Fault::no_step(h, time, e);
+        let is_straight = inputs.is_plain() && motion.is_straight(h);
+        let course = Course { plant, inputs, motion, h, inner_step: self.inner_step, is_straight };
+        let mut gas = if bare && closed && is_straight && speed == 0.0 {
+            let states = course.held(states, begin);
+            Gas { states, position: end, inner_step: self.inner_step, port_flows: Some([0.0; 4]) }
+        } else {
+            leaves_gas(inputs, states[MASS], h, bare)?;
+            let (states, inner_step, port_flows) = match (bare, ports) {
+                (true, _) => course.gas_alone(states).map_err(no_step)?,
+                (false, false) => course.in_all_states::<CLOSED>(states, time, record).map_err(no_step)?,
+                (false, true) => course.in_all_states::<PORTED>(states, time, record).map_err(no_step)?,
+            };
+            Gas { states, position: end, inner_step, port_flows: Some(port_flows) }
+        };
+        gas.states[TRAVEL] += end - begin;
+        let states = &gas.states;
+        if !(states[MASS] > 0.0 && states[ENERGY] > 0.0 && states.iter().all(|s| s.is_finite())) {
+            return Err(Fault::no_step(h, time, "mass or energy of the gas would not be positive"));
+        }
+        Ok(gas)
+    }
+
+    /// The states with the stroke taken up adiabatically to where the host says the piston is.
+    fn taken_up(&self, plant: &Plant, inputs: &Inputs, begin: f64) -> Result<[f64; ALL], IntegrationError> {
+        if begin == self.position || plant.choices.stroke_input == StrokeInput::Velocity {
+            return Ok(self.states);
+        }
+        let boundary = Boundary { position: begin, ..inputs::boundary(&inputs.value) };
+        states::jump(&plant.balance.chamber, plant.set, &boundary, &self.states, self.position)
+    }
+}
+
+/// Refuses a constant outflow that takes more than there is. Where an effect or a port lets gas in, the integration
+/// decides.
+fn leaves_gas(inputs: &Inputs, mass: f64, h: f64, bare: bool) -> Result<(), Fault> {
+    let outflow = inputs.value[input::MASS_FLOW_OUT] - inputs.value[input::MASS_FLOW_IN];
+    if bare && inputs.is_plain() && mass - outflow * h <= 0.0 {
+        return Err(Fault::Emptied { step: h, mass, outflow });
+    }
+    Ok(())
+}
+
+/// States at a step's end, the inner step to try next, and the means of the ports' flows.
+type Outcome = ([f64; ALL], f64, [f64; 4]);
+
+/// One step: a plant along its inputs.
+struct Course<'a> {
+    plant: &'a Plant,
+    inputs: &'a Inputs,
+    motion: Motion<'a>,
+    h: f64,
+    inner_step: f64,
+    /// Whether only the position changes within the step, and that linearly.
+    is_straight: bool,
+}
+
+impl Course<'_> {
+    /// Closed form of the sealed chamber with its piston held.
+    fn held(&self, mut states: [f64; ALL], position: f64) -> [f64; ALL] {
+        let chamber = &self.plant.balance.chamber;
+        let cv = chamber.gas.cv();
+        let volume = chamber.geometry.volume(position);
+        let temperature = states[ENERGY] / (states[MASS] * cv);
+        let pressure = (chamber.gas.heat_capacity_ratio - 1.0) * states[ENERGY] / volume;
+        let wall = self.wall();
+        let later = Closed::filled(chamber, pressure, temperature, volume, wall).held(temperature, volume, self.h);
+        let energy = states[MASS] * cv * later;
+        states[HEAT] += energy - states[ENERGY];
+        states[ENERGY] = energy;
+        states
+    }
+
+    /// Wall temperature without effects, K.
+    fn wall(&self) -> f64 {
+        let place = if self.plant.choices.external_wall { input::WALL_TEMPERATURE } else { input::AMBIENT_TEMPERATURE };
+        self.inputs.value[place]
+    }
+
+    /// What is imposed `s` seconds into the step; ports as if they were open.
+    fn boundary_at(&self, s: f64) -> (Boundary, Around) {
+        let mut u = self.inputs.values(s);
+        (u[input::POSITION], u[input::VELOCITY]) = self.motion.at(s);
+        let around = Around::of(&u, self.plant.choices.external_wall, Some(self.plant.critical_ratios));
+        (inputs::boundary(&u), around)
+    }
+
+    /// What is imposed at the begin of the step, with the inputs as they were set.
+    fn boundary_at_begin(&self) -> Boundary {
+        let (position, velocity) = self.motion.at(0.0);
+        Boundary { position, velocity, ..inputs::boundary(&self.inputs.value) }
+    }
+
+    /// Mass and energy, with heat and work.
+    fn gas_alone(&self, states: [f64; ALL]) -> Result<Outcome, IntegrationError> {
+        if self.is_straight {
+            let start = Boundary { ambient_temperature: self.wall(), ..self.boundary_at_begin() };
+            self.gas_along(states, move |s| Boundary { position: start.position + start.velocity * s, ..start })
+        } else {
+            self.gas_along(states, |s| {
+                let (mut boundary, around) = self.boundary_at(s);
+                boundary.ambient_temperature = around.wall.unwrap_or(boundary.ambient_temperature);
+                boundary
+            })
+        }
+    }
+
+    /// As [`Course::gas_alone`], with the wall's temperature in the place of the surroundings', which nothing else needs.
+    fn gas_along(
+        &self,
+        mut states: [f64; ALL],
+        boundary: impl Fn(f64) -> Boundary,
+    ) -> Result<Outcome, IntegrationError> {
+        let Plant { balance, tolerance: Tolerance { relative, absolute }, .. } = self.plant;
+        let rates = |s: f64, y: &[f64; GAS]| {
+            let boundary = boundary(s);
+            let volume = balance.chamber.geometry.volume(boundary.position);
+            if !(y[0] > 0.0 && y[1] > 0.0 && volume > 0.0) {
+                return [f64::NAN; GAS];
+            }
+            let contents = Contents::new(y[0], y[1], volume);
+            let (at, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[0.0; OWN_STATES]);
+            [rates.mass, rates.energy, rates.heat_flow, at.pressure * at.piston_area * at.velocity]
+        };
+        let absolute = [absolute[MASS], absolute[ENERGY], f64::INFINITY, f64::INFINITY];
+        let begin = [states[MASS], states[ENERGY], states[HEAT], states[WORK]];
+        let (end, inner_step) = self.run(begin, Tolerance { relative: *relative, absolute }, rates, |_| ())?;
+        [states[MASS], states[ENERGY], states[HEAT], states[WORK]] = end;
+        Ok((states, inner_step, [0.0; 4]))
+    }
+
+    /// All states, with heat and work, and where `N` leaves room for them, with what passes the ports.
+    fn in_all_states<const N: usize>(
+        &self,
+        states: [f64; ALL],
+        time: f64,
+        record: Option<(&mut Record, f64)>,
+    ) -> Result<Outcome, IntegrationError> {
+        if self.is_straight {
+            let (start, u) = (self.boundary_at_begin(), &self.inputs.value);
+            let around = Around::of(u, self.plant.choices.external_wall, Some(self.plant.critical_ratios));
+            let along = move |s: f64| (Boundary { position: start.position + start.velocity * s, ..start }, around);
+            self.all_along::<N>(states, time, record, along)
+        } else {
+            self.all_along::<N>(states, time, record, |s| self.boundary_at(s))
+        }
+    }
+
+    fn all_along<const N: usize>(
+        &self,
+        states: [f64; ALL],
+        time: f64,
+        record: Option<(&mut Record, f64)>,
+        along: impl Fn(f64) -> (Boundary, Around),
+    ) -> Result<Outcome, IntegrationError> {
+        let Plant { balance, set, tolerance, .. } = self.plant;
+        let rates = |s: f64, y: &[f64; N]| {
+            let (boundary, mut around) = along(s);
+            let volume = balance.chamber.geometry.volume(boundary.position);
+            if !(y[MASS] > 0.0 && y[ENERGY] > 0.0 && volume > 0.0) {
+                return [f64::NAN; N];
+            }
+            if N < PORTED {
+                around.ports = None;
+            }
+            let own: [f64; OWN_STATES] = core::array::from_fn(|i| y[OWN + i]);
+            let contents = Contents::new(y[MASS], y[ENERGY], volume);
+            let (at, rates, own) = balance.evaluate_within(&around, *set, &boundary, &contents, &own);
+            let mut out = [0.0; N];
+            out[MASS] = rates.mass;
+            out[ENERGY] = rates.energy;
+            out[OWN..STATES].copy_from_slice(&own);
+            out[STATES] = rates.heat_flow;
+            out[STATES + 1] = at.pressure * at.piston_area * at.velocity;
+            if N >= PORTED {
+                out[CLOSED..PORTED].copy_from_slice(&around.port_flows(&at));
+            }
+            out
+        };
+        let absolute = core::array::from_fn(|i| if i < STATES { tolerance.absolute[i] } else { f64::INFINITY });
+        let wide = Tolerance { relative: tolerance.relative, absolute };
+        let begin: [f64; N] = core::array::from_fn(|i| match i {
+            0..STATES => states[i],
+            STATES => states[HEAT],
+            i if i == STATES + 1 => states[WORK],
+            _ => 0.0,
+        });
+        let (end, inner_step) = match record {
+            None => self.run(begin, wide, rates, |_| ())?,
+            Some((record, delay)) => self.run(begin, wide, rates, |step| {
+                let dense = step.dense();
+                let reading = |s: f64| {
+                    let y = dense.at(s);
+                    reading(self.plant, &along(s).0, &core::array::from_fn(|i| y[i]))
+                };
+                let stretch = Stretch::of(step.from, step.length, reading);
+                record.push(Stretch { from: time + stretch.from, ..stretch }, delay);
+            })?,
+        };
+        let gas: [f64; STATES] = core::array::from_fn(|i| end[i]);
+        let mut flows = [0.0; 4];
+        if N >= PORTED {
+            flows = core::array::from_fn(|i| end[CLOSED + i] / self.h);
+        }
+        Ok((states::with_sums(&gas, end[STATES], end[STATES + 1], states[TRAVEL]), inner_step, flows))
+    }
+
+    /// Integrates over the step, broken where the inputs have corners.
+    fn run<const N: usize>(
+        &self,
+        states: [f64; N],
+        tolerance: Tolerance<N>,
+        rates: impl Fn(f64, &[f64; N]) -> [f64; N],
+        mut on_step: impl FnMut(&Step<f64, N>),
+    ) -> Result<([f64; N], f64), IntegrationError> {
+        let mut run = Integrator::new(0.0, states, tolerance);
+        run.step = self.inner_step;
+        run.max_steps = MAX_INNER_STEPS;
+        if !self.is_straight {
+            let (breaks, count) = self.breaks();
+            for &until in &breaks[..count] {
+                run.advance(&rates, until, &mut on_step)?;
+            }
+        }
+        run.advance(&rates, self.h, &mut on_step)?;
+        Ok((run.state, run.step))
+    }
+
+    /// Corners of the inputs within the step, ascending, s; the integration finds those beyond the number that is kept.
+    fn breaks(&self) -> ([f64; MOST_BREAKS], usize) {
+        let (mut times, mut count) = ([self.h; MOST_BREAKS], 0);
+        let mut take = |time: f64| {
+            if count < MOST_BREAKS {
+                times[count] = time;
+                count += 1;
+            }
+        };
+        self.inputs.sign_changes(self.h, &mut take);
+        self.motion.stops(self.h, &mut take);
+        times[..count].sort_unstable_by(f64::total_cmp);
+        (times, count)
+    }
+}
+
+/// Breakpoints of a step: three signs and, for a cubic stroke, as many crossings of either end.
+const MOST_BREAKS: usize = 9;
+
+/// What the sensor shows before delay and drift, Pa.
+pub fn reading(plant: &Plant, boundary: &Boundary, states: &[f64; STATES]) -> f64 {
+    let contents = plant.balance.contents(boundary, states);
+    let at = plant.balance.conditions(plant.set, boundary, &contents);
+    let own: [f64; OWN_STATES] = core::array::from_fn(|i| states[OWN + i]);
+    effects::reading(plant.set, &plant.balance.chamber.effects, &own, at.pressure, 0.0)
+}
+
+const _: () = assert!(HEAT == STATES && WORK == STATES + 1 && MASS == 0 && ENERGY == 1);

@@ -1,0 +1,237 @@
+//! Places of inputs, outputs and parameters in their arrays, and parameters as a chamber. SI units.
+
+use super::stroke::{self, Limits};
+use chamber::effects::{EffectValues, PARAMETERS};
+use chamber::real::Real;
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer, paper};
+
+/// Number of inputs.
+pub const INPUTS: usize = 14;
+/// Places among the inputs.
+#[allow(missing_docs)]
+pub mod input {
+    pub const POSITION: usize = 0;
+    pub const VELOCITY: usize = 1;
+    pub const MASS_FLOW_IN: usize = 2;
+    pub const TEMPERATURE_IN: usize = 3;
+    pub const MASS_FLOW_OUT: usize = 4;
+    pub const AMBIENT_TEMPERATURE: usize = 5;
+    pub const AMBIENT_PRESSURE: usize = 6;
+    pub const WALL_TEMPERATURE: usize = 7;
+    /// Pressure, temperature and conductance of the supply port; those of the exhaust port follow.
+    pub const SUPPLY_PORT: usize = 8;
+    pub const EXHAUST_PORT: usize = 11;
+}
+
+/// Number of outputs.
+pub const OUTPUTS: usize = 18;
+/// Places among the outputs.
+#[allow(missing_docs)]
+pub mod output {
+    pub const PRESSURE: usize = 0;
+    pub const MEASURED_PRESSURE: usize = 1;
+    pub const TEMPERATURE: usize = 2;
+    pub const MASS: usize = 3;
+    pub const VOLUME: usize = 4;
+    pub const FORCE: usize = 5;
+    pub const HEAT_FLOW: usize = 6;
+    pub const COEFFICIENT: usize = 7;
+    pub const PISTON_POSITION: usize = 8;
+    /// Mass and enthalpy flow through the supply port; those through the exhaust port follow.
+    pub const SUPPLY_PORT: usize = 9;
+    pub const EXHAUST_PORT: usize = 11;
+    pub const INTERNAL_ENERGY: usize = 13;
+    pub const HEAT_RECEIVED: usize = 14;
+    pub const WORK_DONE: usize = 15;
+    pub const ENTHALPY_RECEIVED: usize = 16;
+    pub const MASS_RECEIVED: usize = 17;
+}
+
+/// Number of the chamber's own real parameters.
+pub const BASE: usize = 13;
+/// Number of real parameters, the effects' included.
+pub const REALS: usize = BASE + PARAMETERS;
+/// Places among the real parameters; the effects' follow from [`BASE`] on in their cards' order.
+#[allow(missing_docs)]
+pub mod parameter {
+    pub const BORE: usize = 0;
+    pub const ROD_DIAMETER: usize = 1;
+    pub const DEAD_VOLUME: usize = 2;
+    pub const INITIAL_PRESSURE: usize = 3;
+    pub const INITIAL_TEMPERATURE: usize = 4;
+    pub const STROKE: usize = 5;
+    pub const LAMBDA0: usize = 6;
+    pub const REFERENCE_PRESSURE: usize = 7;
+    pub const REFERENCE_TEMPERATURE: usize = 8;
+    pub const SUPPLY_CRITICAL_RATIO: usize = 9;
+    pub const EXHAUST_CRITICAL_RATIO: usize = 10;
+    pub const GAS_CONSTANT: usize = 11;
+    pub const HEAT_CAPACITY_RATIO: usize = 12;
+}
+
+/// What moves the piston.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrokeInput {
+    /// Position and velocity both; the volume at a communication point is that of the position.
+    PositionAndVelocity,
+    /// The velocity alone, from the start value of the position on.
+    Velocity,
+}
+
+/// The parameters that are no numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choices {
+    /// Which volume's lateral area exchanges heat.
+    pub area_law: AreaLaw,
+    /// What moves the piston.
+    pub stroke_input: StrokeInput,
+    /// Whether the wall's temperature is the input's.
+    pub external_wall: bool,
+}
+
+/// One of the parameters that are no numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// [`Choices::area_law`]: 1 total, 2 swept.
+    AreaLaw,
+    /// [`Choices::stroke_input`]: 1 position and velocity, 2 velocity.
+    StrokeInput,
+    /// [`Choices::external_wall`]: 0 or 1.
+    ExternalWall,
+}
+
+impl Choice {
+    /// Every one.
+    pub const ALL: [Choice; 3] = [Choice::AreaLaw, Choice::StrokeInput, Choice::ExternalWall];
+}
+
+impl Choices {
+    /// The choice as a number.
+    pub fn get(&self, choice: Choice) -> i32 {
+        match choice {
+            Choice::AreaLaw => match self.area_law {
+                AreaLaw::Total => 1,
+                AreaLaw::Swept => 2,
+            },
+            Choice::StrokeInput => match self.stroke_input {
+                StrokeInput::PositionAndVelocity => 1,
+                StrokeInput::Velocity => 2,
+            },
+            Choice::ExternalWall => i32::from(self.external_wall),
+        }
+    }
+
+    /// Sets a choice by its number; `None` where no choice has it.
+    pub fn with(mut self, choice: Choice, number: i32) -> Option<Self> {
+        match (choice, number) {
+            (Choice::AreaLaw, 1) => self.area_law = AreaLaw::Total,
+            (Choice::AreaLaw, 2) => self.area_law = AreaLaw::Swept,
+            (Choice::StrokeInput, 1) => self.stroke_input = StrokeInput::PositionAndVelocity,
+            (Choice::StrokeInput, 2) => self.stroke_input = StrokeInput::Velocity,
+            (Choice::ExternalWall, 0) => self.external_wall = false,
+            (Choice::ExternalWall, 1) => self.external_wall = true,
+            _ => return None,
+        }
+        Some(self)
+    }
+}
+
+/// Everything that a host sets once or between steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters<R = f64> {
+    /// Real parameters, see [`parameter`].
+    pub real: [R; REALS],
+    /// The others.
+    pub choices: Choices,
+}
+
+impl<R: Real> Parameters<R> {
+    /// The chamber with these parameters.
+    pub fn chamber(&self) -> Chamber<R> {
+        let p = &self.real;
+        Chamber {
+            gas: Gas {
+                gas_constant: p[parameter::GAS_CONSTANT],
+                heat_capacity_ratio: p[parameter::HEAT_CAPACITY_RATIO],
+            },
+            geometry: Geometry::new(
+                p[parameter::BORE],
+                p[parameter::ROD_DIAMETER],
+                p[parameter::DEAD_VOLUME],
+                self.choices.area_law,
+            ),
+            heat_transfer: HeatTransfer {
+                coefficient: p[parameter::LAMBDA0],
+                reference_pressure: p[parameter::REFERENCE_PRESSURE],
+                reference_temperature: p[parameter::REFERENCE_TEMPERATURE],
+            },
+            effects: EffectValues(core::array::from_fn(|i| p[BASE + i])),
+        }
+    }
+
+    /// Critical pressure ratios of both ports.
+    pub fn critical_ratios(&self) -> [R; 2] {
+        [self.real[parameter::SUPPLY_CRITICAL_RATIO], self.real[parameter::EXHAUST_CRITICAL_RATIO]]
+    }
+
+    /// The same in another number type.
+    pub fn lift<S: Real + From<R>>(&self) -> Parameters<S> {
+        Parameters { real: self.real.map(S::from), choices: self.choices }
+    }
+}
+
+impl Parameters {
+    /// How far the piston can go.
+    pub fn limits(&self) -> Limits {
+        stroke::Limits::of(self.real[parameter::STROKE])
+    }
+}
+
+/// Start values of all that a host can set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Starts {
+    /// Parameters.
+    pub parameters: Parameters,
+    /// Inputs.
+    pub inputs: [f64; INPUTS],
+}
+
+impl Default for Starts {
+    /// The reference chamber: a small cylinder (bore 20 mm) at ambient state, with the paper's coefficient.
+    fn default() -> Self {
+        let mut real = [0.0; REALS];
+        real[parameter::BORE] = 0.02;
+        real[parameter::DEAD_VOLUME] = 2e-6;
+        real[parameter::INITIAL_PRESSURE] = 101_325.0;
+        real[parameter::INITIAL_TEMPERATURE] = 293.15;
+        real[parameter::LAMBDA0] = 26.5;
+        real[parameter::REFERENCE_PRESSURE] = paper::REFERENCE_PRESSURE_PA;
+        real[parameter::REFERENCE_TEMPERATURE] = paper::REFERENCE_TEMPERATURE_K;
+        real[parameter::SUPPLY_CRITICAL_RATIO] = CRITICAL_RATIO;
+        real[parameter::EXHAUST_CRITICAL_RATIO] = CRITICAL_RATIO;
+        real[parameter::GAS_CONSTANT] = Gas::AIR.gas_constant;
+        real[parameter::HEAT_CAPACITY_RATIO] = Gas::AIR.heat_capacity_ratio;
+        real[BASE..].copy_from_slice(&EffectValues::NEUTRAL.0);
+        let choices =
+            Choices { area_law: AreaLaw::Total, stroke_input: StrokeInput::PositionAndVelocity, external_wall: false };
+        Self { parameters: Parameters { real, choices }, inputs: start_inputs(0.1, 293.15, 101_325.0) }
+    }
+}
+
+/// Critical pressure ratio of a valve unless a host says otherwise: a usual one of spool valves, ISO 6358 data sheets.
+pub const CRITICAL_RATIO: f64 = 0.3;
+
+/// Start values of the inputs: at rest at a position, m, closed, in these surroundings, K and Pa.
+pub fn start_inputs(position: f64, ambient_temperature: f64, ambient_pressure: f64) -> [f64; INPUTS] {
+    let mut inputs = [0.0; INPUTS];
+    inputs[input::POSITION] = position;
+    inputs[input::AMBIENT_PRESSURE] = ambient_pressure;
+    for place in [input::TEMPERATURE_IN, input::AMBIENT_TEMPERATURE, input::WALL_TEMPERATURE] {
+        inputs[place] = ambient_temperature;
+    }
+    for port in [input::SUPPLY_PORT, input::EXHAUST_PORT] {
+        inputs[port] = ambient_pressure;
+        inputs[port + 1] = ambient_temperature;
+    }
+    inputs
+}

@@ -1,0 +1,55 @@
+//! Phases of an instance's life, and what belongs to each: the standard's state machine as a table.
+
+/// Phase of the life cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Phase {
+    /// After instantiation or reset.
+    Instantiated = 0,
+    /// In initialization mode.
+    Initialization = 1,
+    /// Between steps of co-simulation.
+    Step = 2,
+    /// After termination.
+    Terminated = 3,
+    /// In event mode.
+    Event = 4,
+    /// In continuous-time mode of Model Exchange.
+    Continuous = 5,
+}
+
+impl Phase {
+    /// Every phase.
+    pub const ALL: [Phase; 6] =
+        [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Terminated, Phase::Event, Phase::Continuous];
+
+    /// Before the end of initialization.
+    pub const BEFORE: [Phase; 2] = [Phase::Instantiated, Phase::Initialization];
+    /// Once initialization is over, while there is something to simulate.
+    pub const RUNNING: [Phase; 3] = [Phase::Step, Phase::Event, Phase::Continuous];
+    /// Where variables can be set.
+    pub const SETTABLE: [Phase; 5] =
+        [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Event, Phase::Continuous];
+    /// Where outputs are known.
+    pub const KNOWN: [Phase; 5] =
+        [Phase::Initialization, Phase::Step, Phase::Event, Phase::Continuous, Phase::Terminated];
+    /// Where a host that integrates asks for states, rates and indicators.
+    pub const EXCHANGE: [Phase; 4] = [Phase::Initialization, Phase::Event, Phase::Continuous, Phase::Terminated];
+
+    /// Where in its life an instance is, as a refusal says it.
+    pub fn told(self) -> &'static str {
+        match self {
+            Phase::Instantiated => "before initialization mode",
+            Phase::Initialization => "in initialization mode",
+            Phase::Step => "after initialization mode",
+            Phase::Terminated => "after fmi2Terminate",
+            Phase::Event => "in event mode",
+            Phase::Continuous => "in continuous-time mode",
+        }
+    }
+
+    /// Whether initialization is over.
+    pub fn is_started(self) -> bool {
+        !Self::BEFORE.contains(&self)
+    }
+}

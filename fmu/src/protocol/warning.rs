@@ -1,0 +1,138 @@
+//! What an instance does not refuse and yet should be looked at: each kind is told once until it is reset.
+
+use crate::plant::simulation::{Kind, Simulation};
+use crate::plant::values::input;
+use chamber::balance::{ENERGY, MASS};
+
+/// Pressures beyond this are implausible, Pa: pneumatic cylinders work up to about a tenth of it, and a perfect gas with
+/// constant heat capacities is off by some percent there.
+const HIGHEST_PRESSURE_PA: f64 = 1e7;
+/// Temperatures outside these are implausible, K: the heat capacities of air leave their constant value.
+const TEMPERATURES_K: std::ops::RangeInclusive<f64> = 150.0..=700.0;
+/// Speeds beyond this are implausible, m/s: the gas would no longer have one pressure.
+const HIGHEST_SPEED: f64 = 20.0;
+/// Positions beyond the stroke by less are noise, m.
+const NOISE_M: f64 = 1e-5;
+/// A disagreement counts where it changes the volume by more than this share...
+const VOLUME_SHARE: f64 = 0.01;
+/// ...and is more than this share of the way that either says the piston made.
+const WAY_SHARE: f64 = 0.5;
+
+/// Kinds of warnings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Warning {
+    Limited,
+    Disagreement,
+    Pressure,
+    Temperature,
+    Speed,
+}
+
+/// Which warnings have been given, and what is needed to give the others.
+#[derive(Clone, Debug, Default)]
+pub struct Warnings {
+    given: [bool; 5],
+    previous: Option<Way>,
+    /// Speed at the last completed step, m/s.
+    velocity: f64,
+}
+
+/// Where a piston was when the last step began or was completed.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    time: f64,
+    position: f64,
+}
+
+impl Warnings {
+    /// Forgets where the piston was: time or state were set anew.
+    pub fn lose_track(&mut self) {
+        self.previous = None;
+    }
+
+    /// Looks at a simulation after a step from `begin`, m, to which the host moved a piston that had reached `reached`, m.
+    pub fn after_step(&mut self, now: &Simulation, reached: f64, begin: f64, tell: &mut impl FnMut(String)) {
+        let u = &now.inputs.value;
+        if let Some(previous) = self.previous.filter(|_| !now.is_moved_by_velocity()) {
+            self.disagreement(now, [begin - previous.position, reached - previous.position], tell);
+        }
+        let velocity = u[input::VELOCITY];
+        self.previous = Some(Way { time: now.time, position: begin });
+        let position = now.gas.position;
+        let said = if now.is_moved_by_velocity() { position } else { u[input::POSITION] };
+        self.look(now, position, said, velocity, tell);
+    }
+
+    /// Looks at a simulation of a host that integrates, at a completed step.
+    pub fn at_completed_step(&mut self, now: &Simulation, tell: &mut impl FnMut(String)) {
+        let (u, here) = (now.inputs.present(), now.here());
+        let (time, position) = (now.time, here[input::POSITION]);
+        if let Some(previous) = self.previous.filter(|p| time > p.time && !now.is_moved_by_velocity()) {
+            let by_velocity = 0.5 * (here[input::VELOCITY] + self.velocity) * (time - previous.time);
+            self.disagreement(now, [position - previous.position, by_velocity], tell);
+        }
+        self.previous = Some(Way { time, position });
+        self.velocity = here[input::VELOCITY];
+        let said = if now.is_moved_by_velocity() { position } else { u[input::POSITION] };
+        self.look(now, position, said, u[input::VELOCITY], tell);
+    }
+
+    /// Ways that position and velocity say the piston has made.
+    fn disagreement(&mut self, now: &Simulation, [by_position, by_velocity]: [f64; 2], tell: &mut impl FnMut(String)) {
+        let apart = (by_position - by_velocity).abs();
+        let geometry = &now.plant.balance.chamber.geometry;
+        let length = geometry.volume(now.gas.position).abs() / geometry.piston_area;
+        if apart > WAY_SHARE * by_position.abs().max(by_velocity.abs()) && apart > VOLUME_SHARE * length {
+            self.once(Warning::Disagreement, tell, || {
+                let cure = match now.kind {
+                    Kind::CoSimulation => {
+                        "the gas is taken to position adiabatically at the start of the step; set both, or strokeInput = velocity"
+                    }
+                    Kind::ModelExchange => "the gas does its work with velocity; set both, or strokeInput = velocity",
+                };
+                format!("t = {} s: position has moved by {by_position} m, velocity by {by_velocity} m; {cure}", now.time)
+            });
+        }
+    }
+
+    fn look(&mut self, now: &Simulation, position: f64, said: f64, velocity: f64, tell: &mut impl FnMut(String)) {
+        let time = now.time;
+        let pushed = now.plant.limits.apply(said, velocity).1 != velocity && now.is_moved_by_velocity();
+        if now.plant.limits.room(said).is_some_and(|room| room.iter().any(|room| *room < -NOISE_M)) || pushed {
+            let stroke = now.parameters.real[crate::plant::values::parameter::STROKE];
+            self.once(Warning::Limited, tell, || {
+                format!("t = {time} s: the piston is pushed beyond its stroke of {stroke} m (position {said} m) and rests at the end")
+            });
+        }
+        let states = &now.gas.states;
+        let chamber = &now.plant.balance.chamber;
+        let (scaled, volume) = (now.plant.balance.expansion * states[ENERGY], chamber.geometry.volume(position));
+        // Compared as products: a step need not wait for divisions.
+        if scaled > HIGHEST_PRESSURE_PA * volume {
+            let pressure = scaled / volume;
+            self.once(Warning::Pressure, tell, || {
+                format!("t = {time} s: {pressure:.3e} Pa is beyond {HIGHEST_PRESSURE_PA:.0e} Pa, where this model is not valid; check position, flows and deadVolume")
+            });
+        }
+        let (kelvin, mass) = (states[ENERGY] * now.plant.balance.per_cv, states[MASS]);
+        let (coldest, hottest) = (TEMPERATURES_K.start() * mass, TEMPERATURES_K.end() * mass);
+        if kelvin < coldest || kelvin > hottest {
+            let temperature = kelvin / mass;
+            self.once(Warning::Temperature, tell, || {
+                let (low, high) = (TEMPERATURES_K.start(), TEMPERATURES_K.end());
+                format!("t = {time} s: a gas at {temperature:.1} K is outside {low} to {high} K, where this model is not valid")
+            });
+        }
+        if velocity.abs() > HIGHEST_SPEED {
+            self.once(Warning::Speed, tell, || {
+                format!("t = {time} s: a piston at {velocity} m/s is faster than {HIGHEST_SPEED} m/s, where this model is not valid")
+            });
+        }
+    }
+
+    fn once(&mut self, warning: Warning, tell: &mut impl FnMut(String), text: impl FnOnce() -> String) {
+        if !std::mem::replace(&mut self.given[warning as usize], true) {
+            tell(text());
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! What depends on what, found by asking: directional derivatives at probes that switch every effect, port and choice on,
+//! alone and together. A new effect's dependencies follow from its equations; none is listed by hand. One structure serves
+//! both kinds of simulation: it is the union of what each depends on.
+
+use super::{Role, Type, Variable, table};
+use crate::plant::derivatives::{self, Seed};
+use crate::plant::history::Record;
+use crate::plant::rates::Present;
+use crate::plant::simulation::{Kind, Simulation};
+use crate::plant::states::{self, Origin};
+use crate::plant::step::Gas;
+use crate::plant::values::{BASE, Starts, StrokeInput, input, parameter, start_inputs};
+use chamber::balance::{self, ENERGY, MASS, OWN};
+use chamber::effects::{self, OWN_STATES};
+
+/// Smallest derivative that counts, with known and unknown in units of their nominal values. Far below any law's, far
+/// above what rounding and the adiabatic stroke's integration leave.
+const NOTICEABLE: f64 = 1e-9;
+
+/// An unknown and what it depends on, as places in the table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    /// Place of the unknown.
+    pub variable: usize,
+    /// Places of the variables it depends on, ascending.
+    pub dependencies: Vec<usize>,
+}
+
+/// Dependencies of the unknowns with these roles once initialization is over: on inputs and continuous states.
+pub fn between_steps(unknowns: impl Fn(Role) -> bool) -> Vec<Unknown> {
+    let known = |v: &Variable| matches!(v.role, Role::Input(_)) || super::state_of_role(v.role).is_some();
+    dependencies(&probes(true), unknowns, known)
+}
+
+/// Dependencies of everything calculated in initialization mode: on inputs and parameters.
+pub fn in_initialization() -> Vec<Unknown> {
+    let known = |v: &Variable| matches!(v.role, Role::Input(_) | Role::Parameter(_) | Role::Choice(_));
+    dependencies(&probes(false), |role| value(&Present::ZERO, role).is_some(), known)
+}
+
+/// The direction of one variable; `None` where it is no known. States are knowns once initialization is over.
+pub fn seed(seed: &mut Seed, role: Role, started: bool, value: f64) -> bool {
+    match (role, super::state_of_role(role)) {
+        (Role::Input(i), _) => seed.inputs[i] += value,
+        (Role::Parameter(i), _) => seed.parameters[i] += value,
+        (_, Some(state)) if started => seed.states[state] += value,
+        _ => return false,
+    }
+    true
+}
+
+fn dependencies(
+    probes: &[Simulation],
+    unknowns: impl Fn(Role) -> bool,
+    known: impl Fn(&Variable) -> bool,
+) -> Vec<Unknown> {
+    let is_unknown: Vec<bool> = table().iter().map(|v| unknowns(v.role)).collect();
+    let mut found = vec![Vec::new(); table().len()];
+    for (place, variable) in table().iter().enumerate().filter(|(_, v)| known(v)) {
+        let derivatives: Vec<Present> = probes.iter().map(|probe| derivative(probe, variable)).collect();
+        for (unknown, dependencies) in found.iter_mut().enumerate().filter(|(i, _)| is_unknown[*i]) {
+            let other = &table()[unknown];
+            let largest = derivatives.iter().filter_map(|d| value(d, other.role)).map(f64::abs).fold(0.0, f64::max);
+            if largest * variable.nominal > NOTICEABLE * other.nominal {
+                dependencies.push(place);
+            }
+        }
+    }
+    let all = found.into_iter().enumerate().filter(|(i, _)| is_unknown[*i]);
+    all.map(|(variable, dependencies)| Unknown { variable, dependencies }).collect()
+}
+
+/// Derivatives by one variable; for a choice, the difference between the two.
+fn derivative(probe: &Simulation, variable: &Variable) -> Present {
+    if let Role::Choice(choice) = variable.role {
+        let mut other = probe.clone();
+        let highest = if variable.is == Type::Boolean { 1 } else { 2 };
+        let Some(choices) = other.parameters.choices.with(choice, highest) else { return Present::ZERO };
+        other.parameters.choices = choices;
+        other.rebuild();
+        let (a, b) = (probe.present().unwrap_or(Present::ZERO), other.present().unwrap_or(Present::ZERO));
+        return minus(&a, &b);
+    }
+    let mut along = Seed::ZERO;
+    if !seed(&mut along, variable.role, probe.started, 1.0) {
+        return Present::ZERO;
+    }
+    derivatives::along(probe, &along).unwrap_or(Present::ZERO)
+}
+
+/// The value that belongs to a role, if it is a calculated one.
+pub fn value(present: &Present, role: Role) -> Option<f64> {
+    match role {
+        Role::Output(i) => Some(present.outputs[i]),
+        Role::State(i) => Some(present.states[i]),
+        Role::Rate(i) => Some(present.rates[i]),
+        _ => None,
+    }
+}
+
+fn minus(one: &Present, other: &Present) -> Present {
+    Present {
+        outputs: core::array::from_fn(|i| one.outputs[i] - other.outputs[i]),
+        states: core::array::from_fn(|i| one.states[i] - other.states[i]),
+        rates: core::array::from_fn(|i| one.rates[i] - other.rates[i]),
+    }
+}
+
+/// Chambers out of equilibrium, moving, with flows both ways, above and below the surroundings' and the ports' pressures;
+/// each effect alone at its typical values, none, and all; integrated by either side, with each choice.
+fn probes(started: bool) -> Vec<Simulation> {
+    let mut sets: Vec<Vec<usize>> = effects::all().map(|(i, _)| vec![i]).collect();
+    sets.push(Vec::new());
+    sets.push((0..effects::COUNT).collect());
+    let pressures = [1e5, 5e5];
+    let of_set = |set: &Vec<usize>| pressures.map(|pressure| probe(started, Kind::CoSimulation, set, pressure));
+    let mut probes: Vec<Simulation> = sets.iter().flat_map(of_set).collect();
+    for kind in [Kind::CoSimulation, Kind::ModelExchange] {
+        for set in &sets[effects::COUNT..] {
+            let mut chosen = probe(started, kind, set, 1e5);
+            chosen.parameters.choices.stroke_input = StrokeInput::Velocity;
+            chosen.parameters.choices.external_wall = true;
+            chosen.rebuild();
+            probes.extend([chosen, probe(started, kind, set, 5e5)]);
+        }
+    }
+    probes
+}
+
+fn probe(started: bool, kind: Kind, set: &[usize], around_pressure: f64) -> Simulation {
+    let mut starts = Starts::default();
+    starts.parameters.real[parameter::ROD_DIAMETER] = 0.008;
+    starts.parameters.real[parameter::INITIAL_PRESSURE] = 3e5;
+    starts.parameters.real[parameter::INITIAL_TEMPERATURE] = 350.0;
+    for &index in set {
+        for (i, p) in effects::CARDS[index].parameters.iter().enumerate() {
+            starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[index] + i] = p.typical;
+        }
+    }
+    let mut u = start_inputs(0.08, 290.0, around_pressure);
+    u[input::VELOCITY] = 0.3;
+    u[input::MASS_FLOW_IN] = 1e-3;
+    u[input::TEMPERATURE_IN] = 280.0;
+    u[input::MASS_FLOW_OUT] = 2e-3;
+    // One port above, one below the gas, so that both ratios and temperatures count.
+    u[input::SUPPLY_PORT..][..3].copy_from_slice(&[4e5, 310.0, 1e-8]);
+    u[input::EXHAUST_PORT..][..3].copy_from_slice(&[around_pressure, 300.0, 2e-8]);
+    if around_pressure < 3e5 {
+        u[input::SUPPLY_PORT] = 2e5;
+        u[input::EXHAUST_PORT] = 4e5;
+    }
+    starts.inputs = u;
+    let mut simulation = Simulation::new(&starts, kind);
+    if !started {
+        return simulation;
+    }
+    let boundary = crate::plant::inputs::boundary(&u);
+    let mut gas = balance::state_at(&simulation.plant.balance.chamber, &boundary, 3e5, 350.0);
+    for own in 0..OWN_STATES {
+        // Off equilibrium, each by another share.
+        gas[OWN + own] *= 1.0 + 0.02 * (own as f64 + 1.0);
+    }
+    simulation.started = true;
+    simulation.origin = Origin { mass: gas[MASS], energy: gas[ENERGY], position: u[input::POSITION] };
+    let states = states::with_sums(&gas, 0.0, 0.0, 0.0);
+    simulation.gas = Gas { states, position: u[input::POSITION], inner_step: 0.0, port_flows: None };
+    simulation.record = (simulation.delay() > 0.0).then(|| Record::new(3e5));
+    simulation
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::values::output;
+    use crate::table::place;
+
+    fn names(unknowns: &[Unknown], of: Role) -> Vec<String> {
+        let variable = place(of).unwrap();
+        let unknown = unknowns.iter().find(|u| u.variable == variable).unwrap();
+        unknown.dependencies.iter().map(|i| table()[*i].name.clone()).collect()
+    }
+
+    #[test]
+    fn the_volume_depends_on_the_position_or_the_way_of_the_piston_alone() {
+        let outputs = between_steps(|role| matches!(role, Role::Output(_)));
+        assert_eq!(names(&outputs, Role::Output(output::VOLUME)), ["position", "travel"]);
+    }
+
+    #[test]
+    fn the_force_depends_on_the_gas_the_position_and_the_ambient_pressure_but_on_no_flow() {
+        let outputs = between_steps(|role| matches!(role, Role::Output(_)));
+        let force = names(&outputs, Role::Output(output::FORCE));
+        for name in ["position", "ambientPressure", "internalEnergy"] {
+            assert!(force.contains(&name.to_owned()), "{name}: {force:?}");
+        }
+        assert!(!force.contains(&"massFlowIn".to_owned()) && !force.contains(&"velocity".to_owned()));
+    }
+
+    #[test]
+    fn at_the_start_the_mass_follows_from_geometry_gas_and_initial_state() {
+        let mass = names(&in_initialization(), Role::Output(output::MASS));
+        let expected =
+            ["position", "bore", "rodDiameter", "deadVolume", "initialPressure", "initialTemperature", "gasConstant"];
+        assert_eq!(mass, expected);
+    }
+}

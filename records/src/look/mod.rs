@@ -1,0 +1,101 @@
+//! What a trace file holds, understood without a rig file: `pneutherm look`.
+//!
+//! | module | finds |
+//! |---|---|
+//! | [`columns`] | which column is time, pressure, position, in which unit, by names and units lines |
+//! | [`readings`] | rate, gaps, resolution, how often the sensor is really read out |
+//! | [`motion`] | rests and moves; windows of one push-and-hold test each |
+//! | [`proposal`] | a rig file that says all this |
+
+pub mod columns;
+pub mod motion;
+pub mod proposal;
+pub mod readings;
+
+use crate::Layout;
+use crate::error::Error;
+use crate::format::Encoding;
+use crate::layout::Quantity;
+use crate::trace::{self, Need, Reading, Trace, Window};
+use columns::{Guess, Names};
+use motion::Phase;
+use readings::Readings;
+use std::path::Path;
+
+pub use crate::trace::Dialect;
+
+/// Refuses a column named by the user that is not there.
+fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
+    for name in [&names.time, &names.pressure, &names.position].into_iter().flatten() {
+        if dialect.place(name).0.is_none() {
+            let problem = Box::new(trace::missing_column(dialect, name));
+            return Err(Error::Trace { path: path.to_owned(), problem });
+        }
+    }
+    Ok(())
+}
+
+/// What was found in a trace file.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// How its text is written.
+    pub dialect: Dialect,
+    /// How characters are written.
+    pub encoding: Encoding,
+    /// Which column holds what.
+    pub guess: Guess,
+    /// The record, where time, pressure and position were found.
+    pub found: Option<Found>,
+}
+
+/// What a record shows.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The record itself.
+    pub trace: Trace,
+    /// How it was read.
+    pub readings: Readings,
+    /// Rests and moves, in order.
+    pub phases: Vec<Phase>,
+}
+
+impl Look {
+    /// Looks at a trace file. `names` are columns that the user has named.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no table, a column that is not there, more bad rows than one in fifty.
+    pub fn at(path: &Path, names: &Names) -> Result<Self, Error> {
+        let (dialect, encoding, sample) = trace::sample(path, &Layout::default())?;
+        check(path, &dialect, names)?;
+        let mut guess = Guess::from_names(&dialect, &sample, names);
+        if !guess.is_complete() {
+            return Ok(Self { dialect, encoding, guess, found: None });
+        }
+        let read = |guess: &Guess| {
+            let layout = guess.layout();
+            let reading = Reading { layout: &layout, stroke_m: None, window: Window::ALL, need: Need::Measurement };
+            Trace::read(path, &reading)
+        };
+        // Gauge pressures fall below what absolute ones can be, positions may count from anywhere, either way.
+        let trace = loop {
+            match read(&guess) {
+                Ok(trace) => break trace,
+                Err(error) if guess.learns_from(&error) => {}
+                Err(error) => return Err(error),
+            }
+        };
+        let trace = if guess.learns_from_record(&trace) { read(&guess)? } else { trace };
+        let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
+        let readings = Readings::of(&trace.time_s, pressure);
+        let phases = motion::phases(&trace.time_s, &trace.position_m);
+        Ok(Self { dialect, encoding, guess, found: Some(Found { trace, readings, phases }) })
+    }
+
+    /// The quantities without a column of their own that a record must have.
+    pub fn missing(&self) -> Vec<Quantity> {
+        [Quantity::Time, Quantity::Pressure, Quantity::Position]
+            .into_iter()
+            .filter(|quantity| self.guess.of(*quantity).is_none())
+            .collect()
+    }
+}

@@ -1,0 +1,183 @@
+//! Rests and moves of a piston, and the windows of single push-and-hold tests.
+
+use crate::trace::movement_threshold;
+use std::ops::Range;
+
+/// A piston that stays for so long has come to rest, s ...
+const REST_S: f64 = 0.15;
+/// ... or for so many rows, if that is longer.
+const REST_ROWS: usize = 8;
+/// How much of the rest before a push belongs to its window, s at the most.
+const LEAD_S: f64 = 1.0;
+/// A closed chamber answers a move by at least this share of what constant temperature and no dead volume would give.
+const LEAST_ANSWER: f64 = 0.15;
+/// Up to this share of a move ...
+const EARLY: f64 = 0.1;
+/// ... a closed chamber's pressure has changed by no more than this share of all that it changes.
+const MOST_EARLY: f64 = 0.6;
+
+/// A part of a record in which the piston rests, or moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// Its rows.
+    pub rows: Range<usize>,
+    /// Whether the piston moves.
+    pub moving: bool,
+}
+
+/// Rests and moves in order; every row is in one of them. Creep is no move.
+pub fn phases(time_s: &[f64], position_m: &[f64]) -> Vec<Phase> {
+    let n = position_m.len();
+    let threshold = movement_threshold(position_m);
+    let interval = super::readings::median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let width = ((REST_S / interval.max(f64::MIN_POSITIVE)) as usize).clamp(REST_ROWS, (n / 10).max(REST_ROWS));
+    let spread = |rows: Range<usize>| {
+        let part = &position_m[rows];
+        let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        high - low
+    };
+    let rests = |row: usize| spread(row..(row + width).min(n)) <= 2.0 * threshold;
+    let mut phases: Vec<Phase> = Vec::new();
+    let mut row = 0;
+    while row < n {
+        let first = row;
+        let moving = !rests(row);
+        if moving {
+            while row < n && !rests(row) {
+                row += 1;
+            }
+        } else {
+            // Far from where it has been of late: it moves.
+            let mut sum: f64 = position_m[row..(row + width).min(n)].iter().sum();
+            let mut count = (row + width).min(n) - row;
+            row = (row + width).min(n);
+            while row < n && (position_m[row] - sum / count as f64).abs() <= threshold {
+                sum += position_m[row] - position_m[row - width];
+                row += 1;
+                count = width;
+            }
+            // A piston that crosses the threshold in one row set out in the row before.
+            if row < n {
+                row = (row - 1).max(first + 1);
+            }
+        }
+        match phases.last_mut() {
+            Some(last) if last.moving == moving => last.rows.end = row,
+            _ => phases.push(Phase { rows: first..row, moving }),
+        }
+    }
+    phases
+}
+
+/// A part of a record with one move between two rests, the chamber closed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// First time, s.
+    pub from_s: f64,
+    /// Last time, s.
+    pub to_s: f64,
+    /// Whether the move makes the chamber smaller.
+    pub compresses: bool,
+}
+
+/// The windows of single push-and-hold tests, and how many moves were passed over as the pressure did not answer them:
+/// the port was open. A window ends before the next move, or where the pressure jumps as a port is opened.
+pub fn cycles(time_s: &[f64], pressure_pa: &[f64], position_m: &[f64], phases: &[Phase]) -> (Vec<Cycle>, usize) {
+    let mean = |values: &[f64], rows: Range<usize>| values[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
+    let (mut cycles, mut open) = (Vec::new(), 0);
+    for triple in phases.windows(3) {
+        let [before, push, after] = triple else { continue };
+        if before.moving || !push.moving || after.rows.len() < REST_ROWS {
+            continue;
+        }
+        let lead =
+            time_s[before.rows.end - 1] - LEAD_S.min((time_s[before.rows.end - 1] - time_s[before.rows.start]) / 2.0);
+        let first = before.rows.start + time_s[before.rows.clone()].partition_point(|t| *t < lead);
+        let begin = before.rows.end.saturating_sub(REST_ROWS).max(first)..before.rows.end;
+        let end = after.rows.start..(after.rows.start + REST_ROWS).min(after.rows.end);
+        let answer = (mean(pressure_pa, end.clone()) / mean(pressure_pa, begin.clone())).ln();
+        let (from_m, to_m) = (mean(position_m, begin.clone()), mean(position_m, end));
+        // Positions may count from anywhere: of the volume no more is taken than that it shrinks by so much at the least.
+        let travel = (from_m - to_m) / from_m.abs().max(to_m.abs());
+        // An opened port changes the pressure before the piston is on its way.
+        let on_its_way = |row: &usize| (position_m[*row] - from_m).abs() > EARLY * (to_m - from_m).abs();
+        let early = push.rows.clone().find(on_its_way).map_or(push.rows.start, |row| (row - 1).max(begin.start));
+        let answered = (pressure_pa[early] / mean(pressure_pa, begin)).ln() / answer;
+        if answer * travel.signum() < LEAST_ANSWER * travel.abs() || answered > MOST_EARLY {
+            open += 1;
+            continue;
+        }
+        let last = closed_until(pressure_pa, after.rows.clone());
+        cycles.push(Cycle { from_s: time_s[first], to_s: time_s[last - 1], compresses: travel > 0.0 });
+    }
+    (cycles, open)
+}
+
+/// One past the last row of a hold before its pressure changes faster, in the second half, than it did in the first.
+fn closed_until(pressure_pa: &[f64], hold: Range<usize>) -> usize {
+    let rate = |row: usize| (pressure_pa[row + 1] - pressure_pa[row]).abs();
+    let middle = hold.start + hold.len() / 2;
+    let fastest = (hold.start..middle).map(rate).fold(0.0, f64::max);
+    let jump = (middle..hold.end - 1).find(|row| rate(*row) > 2.0 * fastest);
+    // The last rows before a move, or a jump, may already belong to it.
+    jump.unwrap_or(hold.end).saturating_sub(2).max(hold.start + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rest, push, hold, return, rest, three times over; time, position and the pressure of a chamber closed but for returns.
+    fn record() -> [Vec<f64>; 3] {
+        let mut all = [Vec::new(), Vec::new(), Vec::new()];
+        for k in 0..3000 {
+            let t = (k % 1000) as f64 * 0.01;
+            let noise = 3e-6 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
+            let push = 0.05 * ((t - 2.0) / 0.1).clamp(0.0, 1.0);
+            let back = 0.05 * ((t - 7.0) / 0.1).clamp(0.0, 1.0);
+            let relaxed = if t > 2.1 { 5e4 * (-(t - 2.1) / 0.5).exp() } else { 5e5 * push };
+            let closed = if t > 6.5 { 1e5 } else { 1e5 / (1.0 - 10.0 * push) + relaxed };
+            [k as f64 * 0.01, 0.1 - push + back + noise, closed]
+                .into_iter()
+                .zip(&mut all)
+                .for_each(|(v, all)| all.push(v));
+        }
+        all
+    }
+
+    #[test]
+    fn rests_and_moves_follow_each_other() {
+        let [time, position, _] = record();
+        let found = phases(&time, &position);
+        let moves: Vec<f64> = found.iter().filter(|p| p.moving).map(|p| time[p.rows.start]).collect();
+        assert_eq!(moves.len(), 6, "{found:?}");
+        for (begin, expected) in moves.iter().zip([2.0, 7.0, 12.0, 17.0, 22.0, 27.0]) {
+            assert!((begin - expected).abs() < 0.03, "{begin} {expected}");
+        }
+        assert!(
+            found.windows(2).all(|pair| pair[0].rows.end == pair[1].rows.start && pair[0].moving != pair[1].moving)
+        );
+        assert_eq!((found[0].rows.start, found.last().unwrap().rows.end), (0, 3000));
+    }
+
+    #[test]
+    fn creep_is_no_move() {
+        let time: Vec<f64> = (0..2000).map(|k| k as f64 * 0.01).collect();
+        let creep = |t: f64| 0.1 - 0.05 * ((t - 2.0) / 0.1).clamp(0.0, 1.0) - 1e-4 * t;
+        let position: Vec<f64> = time.iter().map(|t| creep(*t)).collect();
+        assert_eq!(phases(&time, &position).iter().filter(|p| p.moving).count(), 1);
+    }
+
+    #[test]
+    fn cycles_are_cut_where_the_chamber_is_closed() {
+        let [time, position, pressure] = record();
+        let (found, open) = cycles(&time, &pressure, &position, &phases(&time, &position));
+        assert_eq!((found.len(), open), (3, 3), "{found:?}");
+        for (k, cycle) in found.iter().enumerate() {
+            let start = 10.0 * k as f64;
+            assert!(cycle.from_s >= start && cycle.from_s <= start + 1.05, "{cycle:?}");
+            assert!((cycle.to_s - start - 6.49).abs() < 0.03, "{cycle:?}");
+            assert!(cycle.compresses);
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! A rig file that says what was found in a trace.
+
+use super::Look;
+use super::columns::Guessed;
+use super::motion::Cycle;
+use crate::layout::Quantity;
+use crate::limits::STANDARD_ATMOSPHERE_PA;
+use crate::provenance::quoted;
+use crate::units::VOLT;
+use std::fmt::Write;
+
+/// What the user says beside the trace.
+#[derive(Clone, Debug, Default)]
+pub struct Stated {
+    /// Bore, m.
+    pub bore_m: Option<f64>,
+    /// The trace as the rig file is to name it.
+    pub trace: String,
+    /// Name of the experiment.
+    pub name: String,
+    /// Windows of single tests; none for the whole record.
+    pub cycles: Vec<Cycle>,
+}
+
+/// The text of a rig file. What cannot be known stands in it as a comment that begins with `FILL IN`.
+pub fn rig_file(look: &Look, stated: &Stated) -> String {
+    let mut out = String::new();
+    // Writing to a text does not fail.
+    let _ = write(&mut out, look, stated);
+    out
+}
+
+fn write(out: &mut String, look: &Look, stated: &Stated) -> std::fmt::Result {
+    let gauge = look.guess.of(Quantity::Pressure).is_some_and(|pressure| pressure.gauge);
+    writeln!(
+        out,
+        "# Proposed by `pneutherm look`. Check what is marked, then: pneutherm identify THIS-FILE\n[cylinder]"
+    )?;
+    match stated.bore_m {
+        Some(bore) => writeln!(out, "bore_m = {bore:?}")?,
+        None => writeln!(out, "# bore_m = 0.032  # FILL IN: the bore in m (or area_m2, the piston area in m2)")?,
+    }
+    writeln!(out, "# chamber = \"rod\" and rod_m = ... for a chamber that the rod runs through\n\n[ambient]")?;
+    match look.guess.of(Quantity::AmbientTemperature) {
+        Some(_) => writeln!(out, "# the temperature is recorded")?,
+        None => writeln!(
+            out,
+            "# temperature_k = 293.15  # FILL IN if it is known: lambda0 is estimated without it, but worse"
+        )?,
+    }
+    let why = if gauge { "CHECK: gauge pressures count from it" } else { "CHECK" };
+    writeln!(out, "pressure_pa = {STANDARD_ATMOSPHERE_PA:?}  # {why}\n\n[columns]")?;
+    for column in &look.guess.columns {
+        write_column(out, column)?;
+    }
+    for (quantity, name) in &look.guess.others {
+        writeln!(out, "# {} may also be: {}", quantity.key(), quoted(name))?;
+    }
+    for quantity in look.missing() {
+        writeln!(out, "# {} = {{ name = \"...\", unit = \"{}\" }}  # FILL IN", quantity.key(), quantity.si_unit())?;
+    }
+    if stated.cycles.is_empty() {
+        return write!(
+            out,
+            "\n[[experiment]]\nname = {}\ntraces = [{}]\n",
+            quoted(&stated.name),
+            quoted(&stated.trace)
+        );
+    }
+    for (k, cycle) in stated.cycles.iter().enumerate() {
+        let name = format!("{}-{}", stated.name, k + 1);
+        writeln!(out, "\n[[experiment]]  # {}", if cycle.compresses { "compresses" } else { "expands" })?;
+        writeln!(out, "name = {}\ntraces = [{}]", quoted(&name), quoted(&stated.trace))?;
+        writeln!(out, "from_s = {:?}\nto_s = {:?}", cycle.from_s, cycle.to_s)?;
+    }
+    Ok(())
+}
+
+fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
+    let mut keys = format!("name = {}, unit = \"{}\"", quoted(&column.name), column.unit.name);
+    let mut remarks = Vec::new();
+    if column.unit_guessed {
+        remarks.push("CHECK the unit: guessed from the values");
+    }
+    if column.unit.name == VOLT {
+        keys += ", scale = 1.0, offset = 0.0";
+        remarks.push("FILL IN scale (SI units a volt) and offset (SI units at zero volts)");
+    }
+    if column.quantity == Quantity::Pressure {
+        keys += if column.gauge { ", reference = \"gauge\"" } else { ", reference = \"absolute\"" };
+    }
+    if column.quantity == Quantity::Position && (column.sign, column.offset_m) != (1.0, 0.0) {
+        write!(keys, ", sign = {}, offset_m = {:?}", column.sign, column.offset_m)?;
+        remarks.push("CHECK: it is to count from the chamber's end, smaller as the gas is compressed");
+    }
+    let remarks = if remarks.is_empty() { String::new() } else { format!("  # {}", remarks.join("; ")) };
+    writeln!(out, "{} = {{ {keys} }}{remarks}", column.quantity.key())
+}

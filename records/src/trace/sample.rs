@@ -1,0 +1,51 @@
+//! The first rows of a trace file, before it is known what its columns hold.
+
+use super::clock;
+use super::dialect::Dialect;
+use super::fields::{number, texts};
+use super::lines::Line;
+use super::read::{dialect, with_lines};
+use crate::error::Error;
+use crate::format::Encoding;
+use crate::layout::Layout;
+use std::path::Path;
+
+/// What the columns of a file's first rows hold.
+#[derive(Clone, Debug, Default)]
+pub struct Sample {
+    /// The numbers of each column; what is none is left out.
+    pub numbers: Vec<Vec<f64>>,
+    /// Whether a column holds clock times or dates.
+    pub moments: Vec<bool>,
+}
+
+impl Sample {
+    /// Of the file's first lines.
+    pub fn of<'l>(dialect: &Dialect, head: impl IntoIterator<Item = &'l Line>) -> Self {
+        let count = dialect.names.len();
+        let (mut numbers, mut moments) = (vec![Vec::new(); count], vec![0_usize; count]);
+        let rows = head.into_iter().filter(|(line, text)| *line >= dialect.first_row && !dialect.is_comment(text));
+        for (_, text) in rows {
+            for (k, field) in texts(text, dialect.separator).into_iter().enumerate().take(count) {
+                match number(field, dialect.decimal) {
+                    Some(number) => numbers[k].push(number),
+                    None => moments[k] += usize::from(clock::is_moment(field)),
+                }
+            }
+        }
+        let moments = moments.iter().zip(&numbers).map(|(moments, numbers)| *moments > numbers.len()).collect();
+        Self { numbers, moments }
+    }
+}
+
+/// How a file is written, and its first rows.
+///
+/// # Errors
+/// A file that cannot be read or is no text.
+pub fn sample(path: &Path, layout: &Layout) -> Result<(Dialect, Encoding, Sample), Error> {
+    with_lines(path, layout, |lines| {
+        let dialect = dialect(lines, layout)?;
+        let sample = Sample::of(&dialect, lines.head()?);
+        Ok((dialect, lines.encoding(), sample))
+    })
+}

@@ -1,0 +1,217 @@
+//! Awkward files become rigs without a word from the user: the rig that is proposed reads the record that was written.
+
+use records::layout::Quantity;
+use records::look::columns::Names;
+use records::look::proposal::{Stated, rig_file};
+use records::look::{Look, motion};
+use records::{Layout, Need, Reading, Rig, Trace, Window};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+fn example() -> Trace {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/cylinder/compress-ambient-1.csv");
+    let layout = Layout::default();
+    let reading = Reading { layout: &layout, stroke_m: None, window: Window::ALL, need: Need::Measurement };
+    Trace::read(&path, &reading).unwrap()
+}
+
+/// Writes the example's rows, each by `row`, under a header.
+fn table(header: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
+    let trace = example();
+    let pressure = trace.pressure_pa.as_deref().unwrap();
+    let rows = (0..trace.len()).map(|i| row(trace.time_s[i], pressure[i], trace.position_m[i]) + "\n");
+    std::iter::once(header.to_owned() + "\n").chain(rows).collect()
+}
+
+/// The file, looked at, its rig beside it, and the rig's trace.
+fn looked_at(name: &str, bytes: &[u8]) -> (TempDir, PathBuf, Look, Trace) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let look = Look::at(&path, &Names::default()).unwrap();
+    let stated = Stated { bore_m: Some(0.032), trace: name.to_owned(), name: "test".to_owned(), cycles: Vec::new() };
+    std::fs::write(folder.path().join("rig.toml"), rig_file(&look, &stated)).unwrap();
+    let mut rig = Rig::read(folder.path()).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert_eq!(rig.cylinder.bore_m, 0.032);
+    let trace = rig.experiments.remove(0).traces.remove(0);
+    (folder, path, look, trace)
+}
+
+/// That the record is the example's, times from the first row on, within what the format rounds.
+#[track_caller]
+fn assert_is_the_example(name: &str, bytes: &[u8]) -> Trace {
+    let (_folder, _, _, trace) = looked_at(name, bytes);
+    let expected = example();
+    assert_eq!(trace.len(), expected.len(), "{name}");
+    let pressure = trace.pressure_pa.as_deref().unwrap();
+    for (i, pressure) in pressure.iter().enumerate() {
+        let time = trace.time_s[i] - trace.time_s[0];
+        assert!((time - expected.time_s[i]).abs() < 2e-6, "{name}: row {i}: {time} s");
+        assert!((pressure - expected.pressure_pa.as_deref().unwrap()[i]).abs() < 1.0, "{name}: row {i}");
+        assert!((trace.position_m[i] - expected.position_m[i]).abs() < 1e-6, "{name}: row {i}");
+    }
+    trace
+}
+
+fn comma(number: impl std::fmt::Display) -> String {
+    number.to_string().replace('.', ",")
+}
+
+#[test]
+fn decimal_commas_between_semicolons() {
+    let text = table("Zeit [s];Druck [bar];Weg [mm]", |t, p, x| {
+        [format!("{t:.3}"), format!("{:.6}", p / 1e5), format!("{:.4}", x * 1e3)].map(comma).join(";")
+    });
+    assert_is_the_example("german.csv", text.as_bytes());
+}
+
+#[test]
+fn comments_and_a_line_of_units() {
+    let head = "# Logger 7, run of 22 November\n# by hand\nt\tp\tx\ns\tkPa\tcm";
+    let text = table(head, |t, p, x| format!("{t}\t{:.4}\t{:.5}", p / 1e3, x * 100.0));
+    assert_is_the_example("units.txt", text.as_bytes());
+}
+
+#[test]
+fn a_labview_measurement() {
+    let head = "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\n\
+                Multi_Headings\tNo\nX_Columns\tOne\nTime_Pref\tRelative\n***End_of_Header***\t\n\t\n\
+                Channels\t2\t\t\nSamples\t519\t519\t\nY_Unit_Label\tbar\tmm\t\nX_Dimension\tTime\tTime\t\n\
+                X0\t0,0E+0\t0,0E+0\t\nDelta_X\t0,01\t0,01\t\n***End_of_Header***\t\t\t\n\
+                X_Value\tPressure\tPosition\tComment";
+    let text = table(head, |t, p, x| {
+        [format!("{t:.6}"), format!("{:.7}", p / 1e5), format!("{:.5}", x * 1e3)].map(comma).join("\t")
+    });
+    assert_is_the_example("run.lvm", text.as_bytes());
+}
+
+#[test]
+fn clock_times_over_midnight() {
+    let clock = |t: f64| {
+        let s = (86_398.5 + t) % 86_400.0;
+        format!("{:02}:{:02}:{:06.3}", (s / 3600.0) as u32, (s / 60.0) as u32 % 60, s % 60.0)
+    };
+    let text = table("Time,Chamber pressure (psia),Position (in)", |t, p, x| {
+        format!("{},{:.6},{:.6}", clock(t), p / 6894.757293168361, x / 0.0254)
+    });
+    assert_is_the_example("clock.csv", text.as_bytes());
+}
+
+#[test]
+fn dates_and_a_zone_with_a_gauge_pressure() {
+    let text = table("Timestamp,P_A [bar(g)],stroke_cm", |t, p, x| {
+        format!("2026-11-22T07:59:{:06.3}+01:00,{:.6},{:.5}", 50.0 + t, (p - 101_325.0) / 1e5, x * 100.0)
+    });
+    assert_is_the_example("iso.csv", text.as_bytes());
+}
+
+#[test]
+fn latin_1_and_utf_16_as_windows_exports_them() {
+    let head = "Prüfstand;;\nZeit (ms);Druck (hPa);Kolbenweg (µm)";
+    let text = table(head, |t, p, x| format!("{:.0};{:.3};{:.1}", t * 1e3, p / 100.0, x * 1e6).replace('.', ","));
+    let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
+    assert_is_the_example("latin.csv", &latin);
+    let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert_is_the_example("wide.csv", &[b"\xff\xfe", &wide[..]].concat());
+}
+
+#[test]
+fn blanks_under_a_commented_header_with_empty_cells_and_repeated_times() {
+    let mut text =
+        table("% time_s  pressure_kPa  position_mm", |t, p, x| format!("  {t:8.3}   {:.4}  {:.3}", p / 1e3, x * 1e3));
+    assert_is_the_example("blanks.dat", text.as_bytes());
+    let last = text.lines().last().unwrap().to_owned();
+    text += &format!("{last}\n    5.190   -  100.0\n");
+    let trace = assert_is_the_example("blanks.dat", text.as_bytes());
+    assert_eq!(trace.left_out.len(), 2);
+}
+
+#[test]
+fn unsorted_rows() {
+    let text = table("time_s,pressure_pa,position_m", |t, p, x| format!("{t},{p},{x}"));
+    let mut rows: Vec<&str> = text.lines().collect();
+    rows[1..].reverse();
+    assert!(assert_is_the_example("reversed.csv", (rows.join("\n") + "\n").as_bytes()).sorted);
+}
+
+#[test]
+fn positions_from_the_other_end_and_below_zero_are_turned_and_said() {
+    let text = table("t (s),p (bar),x (mm)", |t, p, x| format!("{t},{:.6},{:.4}", p / 1e5, 200.0 - x * 1e3));
+    let (_folder, _, look, trace) = looked_at("turned.csv", text.as_bytes());
+    assert_eq!(look.guess.of(Quantity::Position).unwrap().sign, -1.0);
+    let expected = example();
+    let shift = trace.position_m[0] - expected.position_m[0];
+    assert!(trace.position_m.iter().zip(&expected.position_m).all(|(a, b)| (a - b - shift).abs() < 1e-6));
+    let below = table("t (s),p (bar),x (mm)", |t, p, x| format!("{t},{:.6},{:.4}", p / 1e5, x * 1e3 - 500.0));
+    let (_folder, _, _, trace) = looked_at("below.csv", below.as_bytes());
+    assert!(trace.position_m.iter().all(|x| *x >= -1e-9));
+}
+
+#[test]
+fn a_voltage_is_left_to_the_user() {
+    let text = table("t (s);U1 pressure [V];U2 position [V]", |t, p, x| format!("{t};{:.6};{:.6}", p / 1e5, x * 10.0));
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("volts.csv");
+    std::fs::write(&path, text).unwrap();
+    let look = Look::at(&path, &Names::default());
+    let rig =
+        rig_file(&look.unwrap(), &Stated { trace: "volts.csv".to_owned(), name: "t".to_owned(), ..Stated::default() });
+    assert!(rig.contains("unit = \"V\", scale = 1.0") && rig.contains("FILL IN scale"), "{rig}");
+    assert!(rig.contains("# bore_m = ") && rig.contains("FILL IN: the bore"), "{rig}");
+}
+
+#[test]
+fn what_cannot_be_told_is_asked_for_and_a_named_column_is_taken() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("abc.csv");
+    std::fs::write(&path, table("a,b,c", |t, p, x| format!("{t},{p},{x}"))).unwrap();
+    let look = Look::at(&path, &Names::default()).unwrap();
+    assert_eq!(look.missing(), [Quantity::Time, Quantity::Pressure, Quantity::Position]);
+    let rig = rig_file(&look, &Stated::default());
+    assert!(rig.contains("# pressure = { name = \"...\", unit = \"Pa\" }  # FILL IN"), "{rig}");
+    let name = |name: &str| Some(name.to_owned());
+    let names = Names { time: name("a"), pressure: name("b"), position: name("column 3") };
+    let look = Look::at(&path, &names).unwrap();
+    let found = look.found.unwrap();
+    assert_eq!(found.trace.len(), 518);
+    assert!((found.readings.rate_hz() - 100.0).abs() < 1e-6);
+    assert_eq!(found.phases.iter().filter(|phase| phase.moving).count(), 1);
+    let message = Look::at(&path, &Names { pressure: name("p"), ..Names::default() }).unwrap_err().to_string();
+    assert!(message.contains("abc.csv: line 1: there is no column `p`"), "{message}");
+}
+
+#[test]
+fn cycles_in_one_file_become_experiments() {
+    let (trace, mut text) = (example(), "time_s,pressure_pa,position_m\n".to_owned());
+    let (rows, pressure) = (trace.len(), trace.pressure_pa.as_deref().unwrap());
+    for k in 0..3 {
+        let start = 7.0 * f64::from(k);
+        for (i, pressure) in pressure.iter().enumerate() {
+            text += &format!("{:.3},{pressure},{}\n", start + trace.time_s[i], trace.position_m[i]);
+        }
+        // The port opens, the piston goes back slowly.
+        for i in 0..150 {
+            let share = (f64::from(i) / 100.0).min(1.0);
+            let position = trace.position_m[rows - 1] + share * (trace.position_m[0] - trace.position_m[rows - 1]);
+            text += &format!("{:.3},{},{position}\n", start + 5.2 + f64::from(i) * 0.01, pressure[0]);
+        }
+    }
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("cycles.csv");
+    std::fs::write(&path, text).unwrap();
+    let look = Look::at(&path, &Names::default()).unwrap();
+    let found = look.found.as_ref().unwrap();
+    let pressure = found.trace.pressure_pa.as_deref().unwrap();
+    let (cycles, open) = motion::cycles(&found.trace.time_s, pressure, &found.trace.position_m, &found.phases);
+    assert_eq!((cycles.len(), open), (3, 3), "{cycles:?}");
+    let stated = Stated { bore_m: Some(0.032), trace: "cycles.csv".to_owned(), name: "cycle".to_owned(), cycles };
+    std::fs::write(folder.path().join("rig.toml"), rig_file(&look, &stated)).unwrap();
+    let rig = Rig::read(folder.path()).unwrap();
+    assert_eq!(rig.experiments.len(), 3);
+    for (k, experiment) in rig.experiments.iter().enumerate() {
+        let trace = &experiment.traces[0];
+        let (first, last) = (trace.time_s[0] - 7.0 * k as f64, trace.time_s[trace.len() - 1] - 7.0 * k as f64);
+        assert!(first >= 0.0 && last < 5.2 && last > 4.5, "{first} {last}");
+        assert!((10..trace.len()).contains(&trace.rows_at_rest()), "{}", trace.rows_at_rest());
+    }
+}

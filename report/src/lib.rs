@@ -1,0 +1,23 @@
+//! What every report is made of: numbers in words and digits, charts, pages. Knows nothing of cylinders.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`number`] | significant digits, percentages |
+//! | [`axis`], [`chart`] | line charts as SVG: round ticks, units on every axis, one palette |
+//! | [`document`], [`page`] | sections of text, tables and figures as Markdown or as one self-contained HTML page |
+
+pub mod axis;
+pub mod chart;
+pub mod document;
+pub mod number;
+pub mod page;
+
+pub use axis::Axis;
+pub use chart::{Chart, Colour, Mark, Series};
+pub use document::{Block, Section, Table};
+pub use number::{digits, percent, signed_percent};
+
+/// A figure that could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("a figure could not be drawn: {0}")]
+pub struct Error(String);

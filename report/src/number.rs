@@ -1,0 +1,38 @@
+//! Numbers as people read them.
+
+/// A number with that many significant digits, with an exponent where it is very large or small.
+pub fn digits(value: f64, significant: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..7).contains(&exponent) {
+        return format!("{value:.*e}", significant.saturating_sub(1));
+    }
+    format!("{value:.*}", (significant as i32 - 1 - exponent).max(0) as usize)
+}
+
+/// A ratio as a percentage with that many decimals and its sign.
+pub fn signed_percent(ratio: f64, decimals: usize) -> String {
+    format!("{:+.decimals$}\u{a0}%", 100.0 * ratio)
+}
+
+/// A ratio as a percentage with that many decimals.
+pub fn percent(ratio: f64, decimals: usize) -> String {
+    format!("{:.decimals$}\u{a0}%", 100.0 * ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_significant_digits() {
+        for (value, text) in
+            [(26.116_87, "26.12"), (4.0800e-3, "0.004080"), (3.92e-5, "3.920e-5"), (-202_241.0, "-202241")]
+        {
+            assert_eq!(digits(value, 4), text);
+        }
+        assert_eq!(signed_percent(0.0667, 1), "+6.7\u{a0}%");
+    }
+}

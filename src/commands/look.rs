@@ -1,0 +1,227 @@
+//! `pneutherm look`: what a trace file holds, and a rig file for it.
+
+use crate::output;
+use records::layout::Quantity;
+use records::look::columns::Names;
+use records::look::motion::{self, Cycle, Phase};
+use records::look::proposal::{self, Stated};
+use records::look::{Found, Look};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Show what a trace file holds, and write a rig file for it
+#[derive(clap::Args)]
+#[command(after_help = "\
+Columns are recognised by their names and units; what is only guessed, or has to be filled in, is marked in the rig file.
+
+Example:
+  pneutherm look run-1.csv
+  pneutherm look run-1.csv --bore-mm 32 -o rig.toml && pneutherm identify rig.toml
+  pneutherm look cycles.lvm --bore-mm 32 --split -o rig.toml")]
+pub struct Args {
+    /// The trace file, as the logger wrote it
+    #[arg(value_name = "TRACE")]
+    trace: PathBuf,
+    /// Bore of the cylinder, mm
+    #[arg(long, value_name = "MM", value_parser = bore)]
+    bore_mm: Option<f64>,
+    /// Name of the column with time, where it is not recognised
+    #[arg(long, value_name = "COLUMN")]
+    time: Option<String>,
+    /// Name of the column with the chamber's pressure
+    #[arg(long, value_name = "COLUMN")]
+    pressure: Option<String>,
+    /// Name of the column with the piston's position
+    #[arg(long, value_name = "COLUMN")]
+    position: Option<String>,
+    /// Make an experiment of each push-and-hold test in the file
+    #[arg(long)]
+    split: bool,
+    /// Write the rig file here, `-` for standard output
+    #[arg(short, long, value_name = "RIG.toml")]
+    output: Option<PathBuf>,
+    /// Write what was found as JSON to this file, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+fn bore(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.1..=5000.0).contains(&value) => Ok(value),
+        _ => Err("the bore in mm, from 0.1 to 5000, is expected".to_owned()),
+    }
+}
+
+/// Looks, writes what was asked for, and prints what was found unless standard output is taken.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let names = Names { time: args.time.clone(), pressure: args.pressure.clone(), position: args.position.clone() };
+    let look = Look::at(&args.trace, &names)?;
+    let (cycles, open) = look.found.as_ref().map(cycles).unwrap_or_default();
+    let rig = proposal::rig_file(
+        &look,
+        &Stated {
+            bore_m: args.bore_mm.map(|bore| bore / 1000.0),
+            trace: named_from(&args.trace, args.output.as_deref()),
+            name: args.trace.file_stem().map_or("test".to_owned(), |stem| stem.to_string_lossy().into_owned()),
+            cycles: if args.split { cycles.clone() } else { Vec::new() },
+        },
+    );
+    if let Some(path) = &args.output {
+        output::write(path, rig.as_bytes())?;
+    }
+    if let Some(path) = &args.json {
+        let value = json(&look, &cycles, &rig);
+        output::write(path, &[serde_json::to_vec_pretty(&value)?, b"\n".to_vec()].concat())?;
+    }
+    if [&args.output, &args.json].into_iter().flatten().any(|path| output::is_stdout(path)) {
+        return Ok(());
+    }
+    let mut out = summary(&look, &cycles, open);
+    if args.output.is_none() {
+        let _ = write!(out, "\nrig.toml (`-o rig.toml` writes it):\n\n{rig}");
+    }
+    output::print(out.as_bytes())
+}
+
+fn cycles(found: &Found) -> (Vec<Cycle>, usize) {
+    let trace = &found.trace;
+    let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
+    motion::cycles(&trace.time_s, pressure, &trace.position_m, &found.phases)
+}
+
+/// The trace's path as a rig file at `rig` has to name it: relative to its folder where both are in one.
+fn named_from(trace: &Path, rig: Option<&Path>) -> String {
+    let folder = |path: &Path| match path.parent() {
+        Some(parent) if parent != Path::new("") => std::fs::canonicalize(parent).ok(),
+        _ => std::env::current_dir().ok(),
+    };
+    let elsewhere = rig.is_some_and(|rig| !output::is_stdout(rig) && folder(rig) != folder(trace));
+    let path = match trace.file_name() {
+        // The rig file lies elsewhere.
+        _ if elsewhere => std::fs::canonicalize(trace).unwrap_or_else(|_| trace.to_owned()),
+        Some(name) if rig.is_some() => name.into(),
+        _ => trace.to_owned(),
+    };
+    path.to_string_lossy().into_owned()
+}
+
+fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
+    let mut out = String::new();
+    let dialect = &look.dialect;
+    let decimal = if dialect.decimal.name() == "," { "decimal commas" } else { "decimal points" };
+    let header = dialect.header.map_or("no header".to_owned(), |line| format!("header in line {line}"));
+    let _ = writeln!(
+        out,
+        "text: {}, separator {:?}, {decimal}, {header}\n",
+        look.encoding.name(),
+        dialect.separator.name()
+    );
+    let _ = writeln!(out, "{:<4} {:<36} {:<22} unit", "no.", "column", "holds");
+    for (place, name) in dialect.names.iter().enumerate() {
+        let column = look.guess.columns.iter().find(|column| column.place == place);
+        let holds = column.map_or("", |column| column.quantity.key());
+        let unit = column.map_or(String::new(), |column| {
+            let gauge = if column.gauge { " gauge" } else { "" };
+            let guessed = if column.unit_guessed { "  (guessed from the values)" } else { "" };
+            format!("{}{gauge}{guessed}", column.unit.name)
+        });
+        let _ = writeln!(out, "{:<4} {name:<36} {holds:<22} {unit}", place + 1);
+    }
+    match &look.found {
+        Some(found) => record(&mut out, found, cycles, open),
+        None => {
+            let options: Vec<String> = look.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
+            let _ = writeln!(out, "\nnot recognised; say which column it is: {}", options.join(", "));
+        }
+    }
+    out
+}
+
+fn record(out: &mut String, found: &Found, cycles: &[Cycle], open: usize) {
+    let (trace, readings) = (&found.trace, &found.readings);
+    let (first, last) = (trace.time_s[0], trace.time_s[trace.len() - 1]);
+    let gaps = if readings.gaps > 0 { format!(", {} gaps", readings.gaps) } else { String::new() };
+    let _ = writeln!(out, "\n{} rows, {} Hz{gaps}, {first} s to {last} s", trace.len(), digits(readings.rate_hz()));
+    let step = readings.step_pa.map_or("finely resolved".to_owned(), |step| format!("in steps of {} Pa", digits(step)));
+    let readout = readings.readout_hz.map_or(String::new(), |hz| format!(", read out at {} Hz only", digits(hz)));
+    let _ = writeln!(out, "pressure: {step}, noise from row to row {} Pa{readout}", digits(readings.noise_pa));
+    for note in trace.notes() {
+        let _ = writeln!(out, "note: {note}");
+    }
+    let _ = writeln!(out, "\n{:<6} {:>10} {:>10} {:>22} {:>24}", "", "from s", "to s", "position mm", "pressure bar");
+    let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
+    for Phase { rows, moving } in &found.phases {
+        let (a, b) = (rows.start, rows.end - 1);
+        let pair = |from: f64, to: f64, digits: usize| format!("{from:.digits$} -> {to:.digits$}");
+        let _ = writeln!(
+            out,
+            "{:<6} {:>10.3} {:>10.3} {:>22} {:>24}",
+            if *moving { "move" } else { "rest" },
+            trace.time_s[a],
+            trace.time_s[b],
+            pair(1e3 * trace.position_m[a], 1e3 * trace.position_m[b], 2),
+            pair(1e-5 * pressure[a], 1e-5 * pressure[b], 4),
+        );
+    }
+    if cycles.len() > 1 {
+        let _ = writeln!(out, "\n{} push-and-hold tests; --split makes an experiment of each", cycles.len());
+    }
+    if open > 0 {
+        let _ = writeln!(out, "{open} moves that the pressure does not answer: the port was open");
+    }
+}
+
+/// Four digits.
+fn digits(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = 10.0_f64.powf(3.0 - value.abs().log10().floor());
+    (value * scale).round() / scale
+}
+
+fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {
+    let columns: Vec<Value> = look
+        .guess
+        .columns
+        .iter()
+        .map(|c| {
+            json!({
+                "quantity": c.quantity.key(), "name": c.name, "number": c.place + 1, "unit": c.unit.name,
+                "unit_guessed": c.unit_guessed, "gauge": c.gauge, "sign": c.sign, "offset_m": c.offset_m,
+            })
+        })
+        .collect();
+    let mut value = json!({
+        "encoding": look.encoding.name(),
+        "separator": look.dialect.separator.name(),
+        "decimal": look.dialect.decimal.name(),
+        "header_line": look.dialect.header,
+        "names": look.dialect.names,
+        "columns": columns,
+        "missing": look.missing().into_iter().map(Quantity::key).collect::<Vec<_>>(),
+        "rig": rig,
+    });
+    if let Some(Found { trace, readings, phases }) = &look.found {
+        let phase = |p: &Phase| {
+            let (from, to) = (trace.time_s[p.rows.start], trace.time_s[p.rows.end - 1]);
+            json!({ "moving": p.moving, "from_s": from, "to_s": to })
+        };
+        let cycle = |c: &Cycle| json!({ "from_s": c.from_s, "to_s": c.to_s, "compresses": c.compresses });
+        let left_out = trace.left_out.iter().map(|row| json!({ "line": row.line, "reason": row.reason.to_string() }));
+        value["record"] = json!({
+            "rows": trace.len(),
+            "rate_hz": readings.rate_hz(),
+            "gaps": readings.gaps,
+            "step_pa": readings.step_pa,
+            "readout_hz": readings.readout_hz,
+            "noise_pa": readings.noise_pa,
+            "sorted": trace.sorted,
+            "left_out": left_out.collect::<Vec<_>>(),
+            "phases": phases.iter().map(phase).collect::<Vec<_>>(),
+            "tests": cycles.iter().map(cycle).collect::<Vec<_>>(),
+        });
+    }
+    value
+}

@@ -1,0 +1,121 @@
+//! How long work goes on: a bar on a terminal, or a line of JSON a second for programs, on standard error.
+//!
+//! The rate is that of the rows this run has solved since it began; rows that were there already count as done only.
+
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// How progress is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Telling {
+    /// A bar, where standard error is a terminal
+    Bar,
+    /// A line of JSON a second
+    Json,
+    /// Not at all
+    None,
+}
+
+impl Telling {
+    fn pause(self) -> Duration {
+        Duration::from_millis(if self == Telling::Bar { 250 } else { 1000 })
+    }
+}
+
+/// Rows done of those there are.
+pub struct Progress {
+    telling: Telling,
+    rows: u64,
+    solved: AtomicU64,
+    found: AtomicU64,
+    begun: Instant,
+}
+
+impl sweep::part::Progress for Progress {
+    fn solved(&self, rows: u64) {
+        self.solved.fetch_add(rows, Relaxed);
+    }
+
+    fn found(&self, rows: u64) {
+        self.found.fetch_add(rows, Relaxed);
+    }
+}
+
+/// How things stand.
+struct Standing {
+    done: u64,
+    found: u64,
+    rate: f64,
+    /// Not before the first row.
+    seconds_left: Option<f64>,
+}
+
+impl Progress {
+    /// Of that many rows, from now on.
+    pub fn new(telling: Telling, rows: u64) -> Self {
+        let zero = || AtomicU64::new(0);
+        Self { telling, rows, solved: zero(), found: zero(), begun: Instant::now() }
+    }
+
+    fn standing(&self) -> Standing {
+        let (solved, found) = (self.solved.load(Relaxed), self.found.load(Relaxed));
+        let rate = solved as f64 / self.begun.elapsed().as_secs_f64().max(1e-9);
+        let left = self.rows.saturating_sub(solved + found) as f64;
+        Standing { done: solved + found, found, rate, seconds_left: (solved > 0).then(|| left / rate) }
+    }
+
+    /// Does some work and tells of it meanwhile.
+    pub fn during<T>(&self, work: impl FnOnce(&Self) -> T) -> T {
+        std::thread::scope(|scope| {
+            let (end, ended) = channel::<()>();
+            scope.spawn(move || {
+                let bar = (self.telling == Telling::Bar).then(|| bar(self.rows));
+                while ended.recv_timeout(self.telling.pause()) == Err(RecvTimeoutError::Timeout) {
+                    self.tell(bar.as_ref());
+                }
+                self.tell(bar.as_ref());
+                if let Some(bar) = bar {
+                    bar.finish_and_clear();
+                }
+            });
+            let result = work(self);
+            drop(end);
+            result
+        })
+    }
+
+    fn tell(&self, bar: Option<&ProgressBar>) {
+        let now = self.standing();
+        if let Some(bar) = bar {
+            let left = now.seconds_left.map(|left| HumanDuration(Duration::from_secs_f64(left.min(1e12))));
+            let left = left.map_or(String::new(), |left| format!(", {left} left"));
+            bar.set_message(format!("{:.0} rows/s{left}", now.rate));
+            bar.set_position(now.done);
+        }
+        if self.telling == Telling::Json {
+            let line = json!({
+                "rows_done": now.done,
+                "rows": self.rows,
+                "rows_found": now.found,
+                "rows_per_second": now.rate,
+                "seconds_elapsed": self.begun.elapsed().as_secs_f64(),
+                "seconds_left": now.seconds_left,
+            });
+            // When nobody reads there is nobody to tell.
+            let _ = writeln!(io::stderr(), "{line}");
+        }
+    }
+}
+
+/// Hidden where standard error is no terminal.
+fn bar(rows: u64) -> ProgressBar {
+    let bar = ProgressBar::new(rows);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {human_pos} of {human_len} rows, {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,304 @@
+//! The page that `diagnose --report` writes: for a person who decides, in words and units that engineers use.
+
+mod drawings;
+mod meaning;
+pub mod quantities;
+mod spectrum;
+
+use chamber::effects;
+use identify::Diagnosed;
+use identify::fit::covariance::Estimate;
+use identify::outcome::diagnosis::{Diagnosis, Rmse};
+use quantities::{Quantity, lower, pressure, spaced};
+use report::Error;
+use report::document::{Block, Section, Table};
+use report::{digits, page};
+
+/// Rows of the evidence that the page shows.
+const SHOWN: usize = 16;
+
+/// The page.
+///
+/// # Errors
+/// A drawing that failed.
+pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
+    let d = &found.diagnosis;
+    let mut sections = vec![verdict(d), parameters(d), recording(d)];
+    if !d.missing.is_empty() {
+        sections.push(missing(rig, d)?);
+    }
+    sections.push(next(d));
+    for number in 0..found.data.experiments.len() {
+        let mut section = Section::new(&format!("Records of “{}”", found.data.experiments[number]));
+        if number == 0 {
+            section.note(
+                "Every repeat of the experiment. Residual: measured less model; the grey band is twice the noise.",
+            );
+        }
+        section.blocks.push(Block::Charts(drawings::experiment(found, number)?));
+        sections.push(section);
+    }
+    sections.push(residual(found)?);
+    sections.push(evidence(d));
+    sections.push(data(rig, d));
+    sections.retain(|s| !s.blocks.is_empty());
+    Ok(page::page("What the model of this cylinder lacks", &rig.path.display().to_string(), &sections))
+}
+
+fn effect_names(names: &[&str]) -> String {
+    names.iter().map(|n| format!("**{}**", spaced(n))).collect::<Vec<_>>().join(" and ")
+}
+
+fn documented(names: &[&str]) -> String {
+    let docs = names.iter().filter_map(|e| effects::find(e)).map(|(_, card)| lower(card.doc));
+    docs.collect::<Vec<_>>().join("; ")
+}
+
+fn verdict(d: &Diagnosis) -> Section {
+    let mut section = Section::new("Verdict");
+    let remaining = pressure(d.remaining_pa, 2);
+    let text = match d.verdict {
+        "adequate" => format!(
+            "**Adequate.** The paper's chamber model describes these records: what is systematic in its residual is {remaining}, no more than noise or than the {} that matter.",
+            pressure(d.accuracy_pa, 2)
+        ),
+        "explained" => format!(
+            "**Explained.** The paper's chamber model is visibly wrong here. What it lacks is {} ({}). With it, what remains is noise.",
+            effect_names(&d.effects),
+            documented(&d.effects)
+        ),
+        "improved" => format!(
+            "**Improved.** The paper's chamber model is visibly wrong here. {} ({}) predict records that were left out decisively better and are in the model. \
+             More than noise remains, {remaining} rms: they describe these records, and need not be the cause.",
+            effect_names(&d.effects),
+            documented(&d.effects)
+        ),
+        _ => format!(
+            "**Unexplained.** The paper's chamber model is visibly wrong here, and no known effect predicts records that were left out decisively better. \
+             What is missing, {remaining} rms, points to the {} balance. No effect is added to the model.",
+            d.balance
+        ),
+    };
+    section.blocks.push(Block::Verdict { kind: d.verdict, text });
+    let mut table = Table::new(&["model", "error on the data fitted", "error on data left out of the fit"]);
+    let errors = |name: String, rmse: &Rmse| {
+        let held_out = rmse.held_out.map_or("–".to_owned(), |h| pressure(h, 3));
+        [name, pressure(rmse.fit, 3), held_out]
+    };
+    for step in &d.steps {
+        let name = match step.effects.is_empty() {
+            true => "before: the paper's".to_owned(),
+            false => format!("with {}", step.effects.iter().map(|e| spaced(e)).collect::<Vec<_>>().join(" + ")),
+        };
+        table.row(errors(name, &step.rmse_pa));
+    }
+    table.row(["noise of the recording".to_owned(), pressure(d.noise_pa, 3), String::new()]);
+    section.table(table);
+    section.note(
+        "Errors are root mean squares. Left out: each repeat in turn; without repeats, records in turn; with few records, the last third of each, simulated on from its \
+         beginning. A record that was left out brings its own initial pressure: each half of its rows is judged with the one that the other half asks for.",
+    );
+    if !d.probabilities.is_empty() {
+        let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
+        section.text(format!(
+            "Probability of each effect, over all sets that were tried: {}.",
+            each.collect::<Vec<_>>().join(", ")
+        ));
+    }
+    for group in &d.indistinguishable {
+        let names: Vec<String> = group.iter().map(|n| format!("**{}**", spaced(n))).collect();
+        section.text(format!("These records cannot tell apart: {}.", names.join(", ")));
+    }
+    section
+}
+
+fn interval(q: &Quantity, e: &Estimate) -> String {
+    format!("{} … {}", q.number(e.ci95[0], 4), q.number(e.ci95[1], 4))
+}
+
+fn parameters(d: &Diagnosis) -> Section {
+    let mut section = Section::new("Parameters");
+    let mut table = Table::new(&["quantity", "before", "after", "95 % interval (after)"]);
+    for (name, e) in &d.after.parameters {
+        let q = Quantity::of(name, &e.unit, e.value);
+        let before = d.before.parameters.iter().find(|(n, _)| n == name);
+        let before = before.map_or("–".to_owned(), |(_, b)| q.number(b.value, 4));
+        table.row([q.headed(), before, q.number(e.value, 4), interval(&q, e)]);
+    }
+    section.table(table);
+    let shares: Vec<String> = d
+        .lambda0_budget
+        .iter()
+        .filter(|b| b.share > 0.005)
+        .map(|b| format!("{} {:.0} %", Quantity::of(&b.source, "", 1.0).name, 100.0 * b.share))
+        .collect();
+    if !shares.is_empty() {
+        section.text(format!("Where the variance of λ0 comes from: {}.", shares.join(", ")));
+    }
+    for u in &d.undetermined {
+        section.text(format!("Hardly determined by these records: {}.", u.words()));
+    }
+    for (_, card) in d.effects.iter().filter_map(|e| effects::find(e)) {
+        section.note(format!("{}: `{}`. {}", spaced(card.name), card.equation, card.source));
+    }
+    section
+}
+
+fn recording(d: &Diagnosis) -> Section {
+    let mut section = Section::new("The recording");
+    let n = &d.noise;
+    let mut parts = vec![format!("white noise of {}", pressure(n.white_pa, 3))];
+    if n.coloured_pa > 0.0 {
+        parts.push(format!(
+            "coloured noise of {} with a correlation time of {}",
+            pressure(n.coloured_pa, 3),
+            Quantity::of("", "s", n.correlation_s).text(n.correlation_s, 2)
+        ));
+    }
+    parts.extend(n.hum_hz.map(|hz| format!("a hum of {} Hz", digits(hz, 3))));
+    if n.step_pa > 0.0 {
+        parts.push(format!("steps of {} between readings", pressure(n.step_pa, 3)));
+    }
+    parts.extend(n.readout_hz.map(|hz| format!("{} readings in a second", digits(hz, 3))));
+    if n.outliers > 0 {
+        parts.push(format!("{} readings far off, which are left out", n.outliers));
+    }
+    section.text(format!("The pressure has {}.", parts.join(", ")));
+    let Some(first) = d.records.first() else { return section };
+    let largest = |name: &str| {
+        let of_all = d.records.iter().flat_map(|r| &r.parameters).filter(|(n, _)| n == name);
+        of_all.map(|(_, e)| e.value.abs()).fold(0.0, f64::max)
+    };
+    let quantities: Vec<(&String, Quantity)> =
+        first.parameters.iter().map(|(n, e)| (n, Quantity::of(n, &e.unit, largest(n)))).collect();
+    let mut table = Table::new(&["record", "error, Pa"]);
+    table.head.extend(quantities.iter().map(|(_, q)| q.headed()));
+    for r in &d.records {
+        let file = r.trace.rsplit(['/', '\\']).next().unwrap_or(&r.trace);
+        let mut cells = vec![file.to_owned(), digits(r.rmse_pa, 3)];
+        for (name, q) in &quantities {
+            let own = r.parameters.iter().find(|(n, _)| n == *name);
+            cells.push(own.map_or("–".to_owned(), |(_, e)| q.number(e.value, 5)));
+        }
+        table.rows.push(cells);
+    }
+    section.table(table);
+    section
+}
+
+fn missing(rig: &records::Rig, d: &Diagnosis) -> Result<Section, Error> {
+    let mut section = Section::new("What is missing, without a name");
+    section.text(
+        "The residual as a free function of one variable, to first order; the best ones by what they take away of the squares beyond noise. Bars: two standard deviations.",
+    );
+    let drawings: Result<Vec<_>, Error> =
+        d.missing.iter().take(4).map(|m| drawings::missing(m, meaning::sentence(m, rig.ambient.pressure_pa))).collect();
+    section.blocks.push(Block::Charts(drawings?));
+    Ok(section)
+}
+
+fn next(d: &Diagnosis) -> Section {
+    let mut section = Section::new("What to measure next");
+    let advice = d.next_experiments.iter().map(|n| {
+        let by = n
+            .difference_over_noise
+            .map_or(String::new(), |x| format!(" The two differ there by {} times the noise.", digits(x, 2)));
+        format!("To tell **{}** from **{}**: {}.{by}", spaced(&n.separates[0]), spaced(&n.separates[1]), n.test)
+    });
+    let advice: Vec<String> = advice.collect();
+    if !advice.is_empty() {
+        section.blocks.push(Block::List(advice));
+    }
+    section
+}
+
+fn residual(found: &Diagnosed) -> Result<Section, Error> {
+    let mut section = Section::new("The residual in every view");
+    section.text(
+        "All records. Spectrum: noise that is white is level; a hump or a rise towards low frequencies is colour, or something the model lacks. \
+         Clouds: means of blocks of rows; flat and within the band is noise.",
+    );
+    section.blocks.push(Block::Charts(drawings::residuals(found)?));
+    Ok(section)
+}
+
+fn evidence(d: &Diagnosis) -> Section {
+    let mut section = Section::new("Evidence");
+    section.text(
+        "Each effect was added to the model and everything fitted anew. ΔBIC: how much the data speak for it against the paper's model, each parameter paid for; \
+         above 10 is decisive. An effect enters only if the error on left-out data falls too.",
+    );
+    let paper: Vec<&String> = d.before.parameters.iter().map(|(n, _)| n).collect();
+    let mut table = Table::new(&["effect", "ΔBIC", "error on left-out data", "its parameters"]);
+    for (i, c) in d.candidates.iter().take(SHOWN).enumerate() {
+        let own = c.parameters.iter().filter(|(n, _)| !paper.contains(&n)).map(|(n, e)| {
+            let q = Quantity::of(n, &e.unit, e.value);
+            let words = q.name.split_once(": ").map_or(q.name.as_str(), |(_, words)| words);
+            format!("{words} {}", q.text(e.value, 3))
+        });
+        let held_out = c.held_out_rmse_pa.map_or("–".to_owned(), |h| pressure(h, 3));
+        let own: Vec<String> = own.collect();
+        table.row([spaced(&c.effect), format!("{:.1}", c.delta_bic), held_out, own.join(", ")]);
+        if is_chosen(&c.effect, d) {
+            table.chosen = Some(i);
+        }
+    }
+    section.table(table);
+    if d.candidates.len() > SHOWN {
+        section.note(format!("{} more are in the JSON.", d.candidates.len() - SHOWN));
+    }
+    section
+}
+
+/// Whether a row of the evidence is the set that was chosen.
+fn is_chosen(row: &str, d: &Diagnosis) -> bool {
+    let names: Vec<&str> = row.split(" + ").collect();
+    names.len() == d.effects.len() && d.effects.iter().all(|e| names.contains(e))
+}
+
+fn data(rig: &records::Rig, d: &Diagnosis) -> Section {
+    let mut section = Section::new("Data");
+    if !d.assumptions.is_empty() {
+        section.blocks.push(Block::List(d.assumptions.iter().map(|a| format!("{a}.")).collect()));
+    }
+    let mut table = Table::new(&["experiment", "record", "rows", "SHA-256"]);
+    for e in &rig.experiments {
+        for t in &e.traces {
+            let file = t.path.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned());
+            let sha256 = t.sha256.get(..12).unwrap_or("").to_owned();
+            table.row([e.name.clone(), file, t.len().to_string(), sha256]);
+        }
+    }
+    section.table(table);
+    section.note(format!("pneutherm {}", env!("CARGO_PKG_VERSION")));
+    section
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use identify::synthetic::Recipe;
+
+    #[test]
+    fn the_page_holds_everything_and_asks_for_nothing_else() {
+        let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(31) };
+        recipe = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]);
+        let rig = recipe.rig();
+        let found = identify::diagnose(&rig, &|_, _| ()).unwrap();
+        let page = html(&rig, &found).unwrap();
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+        for words in [
+            "<svg",
+            "pressure, bar",
+            "sonic conductance",
+            "compress-3bar: the push",
+            "pressure and position",
+            "Spectrum of the residual",
+        ] {
+            assert!(page.contains(words), "{words}");
+        }
+        for words in ["http://", "https://", "NaN", "lambda0_w_per_m2_k"] {
+            assert!(!page.contains(words), "{words}");
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The page that `validate --report` writes: a model on records that took no part in its fit.
+
+use crate::diagnosis_page::quantities::{Quantity, pressure};
+use identify::outcome::validation::Validated;
+use report::document::{Block, Drawing, Section, Table};
+use report::{Axis, Chart, Colour, Error, Mark, Series, chart, digits, page};
+use std::path::Path;
+
+const WIDTH: u32 = 440;
+
+/// The page.
+///
+/// # Errors
+/// A drawing that failed.
+pub fn html(model: &Path, rig: &Path, found: &Validated) -> Result<String, Error> {
+    let v = &found.validation;
+    let mut result = Section::new("Result");
+    result.blocks.push(Block::Verdict {
+        kind: "",
+        text: format!(
+            "The error is **{}** rms; the recording's noise is {}.",
+            pressure(v.rmse_pa, 3),
+            pressure(v.noise_pa, 3)
+        ),
+    });
+    let to =
+        if v.whole_record { "all of each record" } else { "each record's rest and first move; what follows is judged" };
+    result.text(format!("The records' own numbers are fitted to {to}; everything else is the model's."));
+    result.table(records(found));
+    let mut drawn = Section::new("Records and residuals");
+    drawn.note("Residual: measured less model; the grey band is twice the noise.");
+    drawn.blocks.push(Block::Charts((0..v.records.len()).map(|k| record(found, k)).collect::<Result<_, _>>()?));
+    drawn.note(format!("pneutherm {}", env!("CARGO_PKG_VERSION")));
+    let lead = format!("{} on {}", model.display(), rig.display());
+    Ok(page::page("A model on records that took no part", &lead, &[result, drawn]))
+}
+
+fn records(found: &Validated) -> Table {
+    let records = &found.validation.records;
+    let mut table = Table::new(&["record", "error, Pa", "judged from, s"]);
+    let own = records.first().map_or(&[][..], |r| r.parameters.as_slice());
+    let quantities: Vec<(&String, Quantity)> =
+        own.iter().map(|(name, e)| (name, Quantity::of(name, &e.unit, e.value))).collect();
+    table.head.extend(quantities.iter().map(|(_, q)| q.headed()));
+    for r in records {
+        let mut cells = vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3), digits(r.judged_from_s, 3)];
+        for (name, q) in &quantities {
+            let value = r.parameters.iter().find(|(n, _)| n == *name);
+            cells.push(value.map_or("–".to_owned(), |(_, e)| q.number(e.value, 5)));
+        }
+        table.rows.push(cells);
+    }
+    table
+}
+
+/// The last part of a path.
+fn file(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// A record's pressure with the model's, above its residual.
+fn record(found: &Validated, k: usize) -> Result<Drawing, Error> {
+    let (t, residual) = (&found.data.traces[k], &found.residuals[k]);
+    let rows = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        (0..t.time_s.len()).map(|i| (t.time_s[i], value(i))).collect()
+    };
+    let line = |points, colour, label, width| Series { points, colour, label, mark: Mark::Line(width) };
+    let above = Chart {
+        title: file(&found.validation.records[k].trace),
+        y: Axis::new("pressure, bar"),
+        series: vec![
+            line(rows(&|i| t.pressure_pa[i] * 1e-5), Colour::Ink, "measured", 2.2),
+            line(rows(&|i| (t.pressure_pa[i] - residual[i]) * 1e-5), Colour::After, "model", 1.0),
+        ],
+        size: (WIDTH, 210),
+        ..Chart::default()
+    };
+    let below = Chart {
+        x: Axis::new("time, s"),
+        y: Axis::new("residual, Pa"),
+        band: Some(2.0 * found.validation.noise_pa),
+        series: vec![line(rows(&|i| residual[i]), Colour::After, "", 0.8)],
+        size: (WIDTH, 160),
+        ..Chart::default()
+    };
+    Ok(Drawing { svg: chart::sheet("", &[above, below], 1)?, caption: String::new() })
+}

@@ -1,0 +1,310 @@
+//! What a study's results come to, without its rows: mean, variance, extremes, quantiles and histograms of each column.
+//!
+//! Each part has its [`State`]; those of all parts, merged in the parts' order, are the study's, so that shards and threads make
+//! no difference to a bit of it. Memory does not grow with the rows.
+
+mod sketch;
+
+pub use sketch::{ERROR, Sketch};
+
+use crate::columns;
+use crate::error::Error;
+use crate::hash;
+use crate::part::{CHUNK, StatusCounts};
+use crate::study::Study;
+use arrow::array::{Array, AsArray};
+use arrow::datatypes::Float64Type;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use std::fs::File;
+use std::path::Path;
+
+/// Name of the file with the statistics, beside the rows.
+pub const FILE: &str = "statistics.json";
+/// Probabilities of the quantiles unless the study says otherwise.
+pub const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// The columns, in the order of the table.
+    pub columns: Vec<String>,
+    /// Probabilities of the quantiles.
+    pub quantiles: Vec<f64>,
+    /// Histograms by column.
+    pub histograms: Vec<(String, Bins)>,
+}
+
+/// Equal bins of a histogram.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bins {
+    /// Lower edge of the first.
+    pub from: f64,
+    /// Upper edge of the last, which belongs to it.
+    pub to: f64,
+    /// How many.
+    pub bins: u64,
+}
+
+impl Plan {
+    /// Every computed column of a study.
+    pub fn all(study: &Study) -> Self {
+        let columns = columns::outputs(study).map(|o| o.name.to_owned()).collect();
+        Self { columns, quantiles: QUANTILES.to_vec(), histograms: Vec::new() }
+    }
+
+    /// What two states have to have in common to be merged.
+    pub fn identity(&self) -> String {
+        hash::of_bytes(json!([self.columns, self.histograms]).to_string().as_bytes())
+    }
+
+    fn bins(&self, column: &str) -> Option<Bins> {
+        self.histograms.iter().find(|(name, _)| name == column).map(|(_, bins)| *bins)
+    }
+}
+
+/// What is known of the rows so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// [`Plan::identity`].
+    pub plan: String,
+    columns: Vec<Column>,
+}
+
+/// What is known of one column.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Column {
+    count: u64,
+    nulls: u64,
+    mean: f64,
+    /// Sum of squared deviations from the mean.
+    squares: f64,
+    minimum: Option<Extreme>,
+    maximum: Option<Extreme>,
+    sketch: Sketch,
+    /// Counts of a histogram, those below and above at its ends.
+    bins: Vec<u64>,
+}
+
+/// A value and the first row that has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Extreme {
+    value: f64,
+    row: u64,
+}
+
+impl State {
+    /// Of no rows.
+    pub fn new(plan: &Plan) -> Self {
+        let column = |name: &String| {
+            let bins = plan.bins(name).map_or(Vec::new(), |bins| vec![0; bins.bins as usize + 2]);
+            Column { bins, ..Column::default() }
+        };
+        Self { plan: plan.identity(), columns: plan.columns.iter().map(column).collect() }
+    }
+
+    /// Adds rows from `first_row` on: the plan's columns, a missing value being NaN.
+    pub fn add<'v>(&mut self, plan: &Plan, first_row: u64, values: impl Iterator<Item = &'v [f64]>) {
+        for ((name, column), values) in plan.columns.iter().zip(&mut self.columns).zip(values) {
+            column.add(plan.bins(name), first_row, values);
+        }
+    }
+
+    /// Adds the rows of another state, all of which come later.
+    pub fn merge(&mut self, later: &Self) {
+        for (column, later) in self.columns.iter_mut().zip(&later.columns) {
+            column.merge(later);
+        }
+    }
+
+    /// The statistics, as the file has them.
+    ///
+    /// # Errors
+    /// A table of points cannot be read.
+    pub fn summary(&self, study: &Study, plan: &Plan, statuses: &StatusCounts) -> Result<Value, Error> {
+        let schema = columns::schema(study);
+        let mut list = Map::new();
+        for (name, column) in plan.columns.iter().zip(&self.columns) {
+            let unit = schema.field_with_name(name).ok().and_then(|field| field.metadata().get("unit"));
+            list.insert(name.clone(), column.summary(study, plan, plan.bins(name), unit)?);
+        }
+        Ok(json!({
+            "study": study.name,
+            "study_sha256": study.identity(),
+            "rows": study.rows,
+            "statuses": statuses,
+            "method": {
+                "variance": "unbiased (n - 1)",
+                "quantiles": format!("DDSketch: within {ERROR:.2e} of the exact ones, relative to them"),
+                "nulls": "rows without the value take no part and are counted",
+            },
+            "columns": list,
+        }))
+    }
+}
+
+impl Column {
+    fn add(&mut self, bins: Option<Bins>, first_row: u64, values: &[f64]) {
+        if values.iter().all(|value| value.is_finite()) {
+            self.add_finite(bins, values, |place| first_row + place as u64);
+        } else {
+            let rows: Vec<u64> = (first_row..).zip(values).filter(|(_, v)| v.is_finite()).map(|(row, _)| row).collect();
+            let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+            self.nulls += (values.len() - finite.len()) as u64;
+            self.add_finite(bins, &finite, |place| rows[place]);
+        }
+    }
+
+    fn add_finite(&mut self, bins: Option<Bins>, values: &[f64], row: impl Fn(usize) -> u64) {
+        if values.is_empty() {
+            return;
+        }
+        let (least, most) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+        let first = |wanted: f64| {
+            let place = values.iter().position(|value| *value == wanted).unwrap_or(0);
+            Extreme { value: wanted, row: row(place) }
+        };
+        if self.minimum.is_none_or(|so_far| least < so_far.value) {
+            self.minimum = Some(first(least));
+        }
+        if self.maximum.is_none_or(|so_far| most > so_far.value) {
+            self.maximum = Some(first(most));
+        }
+        self.sketch.add(values, least, most);
+        if let Some(Bins { from, to, bins }) = bins {
+            for &value in values {
+                let place = if value < from {
+                    0
+                } else if value > to {
+                    bins + 1
+                } else {
+                    1 + (((value - from) / (to - from) * bins as f64) as u64).min(bins - 1)
+                };
+                self.bins[place as usize] += 1;
+            }
+        }
+        // From the piece's own mean, so that nothing cancels; in eight sums, which a processor adds at once.
+        let count = values.len() as f64;
+        let mean = values[0] + sum(values, |value| value - values[0]) / count;
+        let squares = sum(values, |value| (value - mean) * (value - mean));
+        self.merge_moments(values.len() as u64, mean, squares);
+    }
+
+    /// T. Chan, G. Golub and R. LeVeque, "Algorithms for computing the sample variance" (1983).
+    fn merge_moments(&mut self, count: u64, mean: f64, squares: f64) {
+        if count == 0 {
+            return;
+        }
+        let (a, b) = (self.count as f64, count as f64);
+        let difference = mean - self.mean;
+        self.mean += difference * (b / (a + b));
+        self.squares += squares + difference * difference * (a * b / (a + b));
+        self.count += count;
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.nulls += later.nulls;
+        if let Some(minimum) = later.minimum.filter(|l| self.minimum.is_none_or(|s| l.value < s.value)) {
+            self.minimum = Some(minimum);
+        }
+        if let Some(maximum) = later.maximum.filter(|l| self.maximum.is_none_or(|s| l.value > s.value)) {
+            self.maximum = Some(maximum);
+        }
+        self.sketch.merge(&later.sketch);
+        for (count, later) in self.bins.iter_mut().zip(&later.bins) {
+            *count += later;
+        }
+        self.merge_moments(later.count, later.mean, later.squares);
+    }
+
+    fn summary(&self, study: &Study, plan: &Plan, bins: Option<Bins>, unit: Option<&String>) -> Result<Value, Error> {
+        let some = |value: f64| (self.count > 0 && value.is_finite()).then_some(value);
+        let variance = self.squares / (self.count as f64 - 1.0);
+        let quantiles = plan.quantiles.iter().map(|&probability| {
+            let (least, most) =
+                (self.minimum.map_or(f64::NAN, |e| e.value), self.maximum.map_or(f64::NAN, |e| e.value));
+            let value = self.sketch.quantile(probability).max(least).min(most);
+            json!({ "probability": probability, "value": some(value), "error_bound": some(ERROR * value.abs()) })
+        });
+        let mut summary = json!({
+            "unit": unit,
+            "count": self.count,
+            "nulls": self.nulls,
+            "mean": some(self.mean),
+            "variance": some(variance),
+            "standard_deviation": some(variance.sqrt()),
+            "minimum": described(study, self.minimum)?,
+            "maximum": described(study, self.maximum)?,
+            "quantiles": quantiles.collect::<Vec<_>>(),
+        });
+        if let (Some(Bins { from, to, bins }), [below, counts @ .., above]) = (bins, &self.bins[..]) {
+            let edges: Vec<f64> = (0..=bins).map(|i| from + (to - from) * i as f64 / bins as f64).collect();
+            summary["histogram"] = json!({ "edges": edges, "counts": counts, "below": below, "above": above });
+        }
+        Ok(summary)
+    }
+}
+
+/// An extreme with its row and the point of the design that it stands for.
+fn described(study: &Study, extreme: Option<Extreme>) -> Result<Value, Error> {
+    let Some(Extreme { value, row }) = extreme else { return Ok(Value::Null) };
+    let mut point = vec![Vec::with_capacity(1); study.varied.len()];
+    study.design.fill(row..row + 1, &mut point)?;
+    let at: Map<String, Value> =
+        study.varied.iter().zip(&point).map(|(varied, value)| (varied.column.clone(), json!(value[0]))).collect();
+    Ok(json!({ "value": value, "row": row, "at": at }))
+}
+
+/// A sum in eight lanes, the same whatever the processor.
+fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
+    let (whole, rest) = values.as_chunks::<8>();
+    let mut lanes = [0.0; 8];
+    for chunk in whole {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            *lane += term(*value);
+        }
+    }
+    lanes.iter().sum::<f64>() + rest.iter().map(|value| term(*value)).sum::<f64>()
+}
+
+/// The state of a part from its stored rows.
+///
+/// # Errors
+/// The file cannot be read, or lacks a column of the plan.
+pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error> {
+    let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    let parquet = |source| Error::Parquet { path: path.to_owned(), source };
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?;
+    let mask = ProjectionMask::columns(builder.parquet_schema(), plan.columns.iter().map(String::as_str));
+    let reader = builder.with_projection(mask).build().map_err(parquet)?;
+    let mut state = State::new(plan);
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); plan.columns.len()];
+    // Pieces are cut as when the rows are solved, so that the sums are the same bit for bit.
+    let mut begin = first_row;
+    for batch in reader {
+        let batch = batch.map_err(|error| Error::arrow(path, error))?;
+        for (name, values) in plan.columns.iter().zip(&mut columns) {
+            let column = batch.column_by_name(name).and_then(|column| column.as_primitive_opt::<Float64Type>());
+            let column = column.ok_or_else(|| Error::Table {
+                path: path.to_owned(),
+                message: format!("has no column `{name}` of numbers for the statistics"),
+            })?;
+            values.extend((0..column.len()).map(|i| if column.is_null(i) { f64::NAN } else { column.value(i) }));
+        }
+        loop {
+            let length = (CHUNK - begin % CHUNK) as usize;
+            if columns.iter().any(|values| values.len() < length) || columns.is_empty() {
+                break;
+            }
+            state.add(plan, begin, columns.iter().map(|values| &values[..length]));
+            columns.iter_mut().for_each(|values| drop(values.drain(..length)));
+            begin += length as u64;
+        }
+    }
+    if columns.iter().all(|values| !values.is_empty()) {
+        state.add(plan, begin, columns.iter().map(Vec::as_slice));
+    }
+    Ok(state)
+}

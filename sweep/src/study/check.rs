@@ -1,0 +1,123 @@
+//! What a study asks for against its cylinder and its test, before any row is solved: values that no row could use.
+//!
+//! A rule holds between two quantities. In a design of axes a value is refused where it breaks the rule with every value
+//! of the other one; single combinations of an axis with another are rows with their reason. A table's rows are what
+//! they are: the first that breaks a rule is refused.
+
+use crate::quantity::{self, Base, Point};
+use chamber::Geometry;
+use records::Model;
+use std::ops::RangeInclusive;
+
+/// A value that cannot be, and why: "takes 0.03: a rod has to be thinner than the bore, 0.02 at most".
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    /// The quantity whose value it is.
+    pub quantity: usize,
+    /// What is wrong with it.
+    pub message: String,
+}
+
+/// Where the values of each quantity lie; empty where it is not given.
+pub struct Bounds(Vec<Option<RangeInclusive<f64>>>);
+
+impl Bounds {
+    /// Those of one point.
+    pub fn of_point(point: &Point) -> Self {
+        Self(point.0.iter().map(|&value| value.is_finite().then_some(value..=value)).collect())
+    }
+
+    /// Sets those of one quantity.
+    pub fn set(&mut self, quantity: usize, bounds: RangeInclusive<f64>) {
+        self.0[quantity] = Some(bounds);
+    }
+
+    fn get(&self, base: Base) -> Option<&RangeInclusive<f64>> {
+        self.0[base as usize].as_ref()
+    }
+
+    fn least(&self, base: Base) -> Option<f64> {
+        self.get(base).map(|bounds| *bounds.start())
+    }
+
+    fn most(&self, base: Base) -> Option<f64> {
+        self.get(base).map(|bounds| *bounds.end())
+    }
+}
+
+/// The first value that no row could use.
+///
+/// # Errors
+/// That value.
+pub fn check(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
+    let solved = |base| bounds.get(base).is_some();
+    if !solved(Base::VolumeToArea) {
+        less(bounds, Base::Rod, Base::Bore, false, "the rod has to be thinner than the bore")?;
+    }
+    less(bounds, Base::PushTime, Base::Duration, true, "the test must not end before its push")?;
+    if solved(Base::VolumeToAreaByLength) {
+        positive(bounds, Base::FinalStroke, "both strokes are solved for in the proportion of the test's")?;
+        positive(bounds, Base::InitialStroke, "both strokes are solved for in the proportion of the test's")?;
+    } else {
+        for stroke in [Base::InitialStroke, Base::FinalStroke] {
+            let (Some(least), Some(most)) = (bounds.least(stroke), bounds.most(Base::DeadVolume)) else { continue };
+            if least == 0.0 && most == 0.0 {
+                return Err(refused(stroke, "takes 0 without a dead volume: the gas would have no volume"));
+            }
+        }
+    }
+    if solved(Base::HoldTimeConstants) {
+        positive(bounds, Base::Coefficient, "without heat transfer there is no time constant to hold for")?;
+    }
+    ratio(bounds, model)
+}
+
+/// `a` has to be less than `b`, or as much where `or_equal` says so.
+fn less(bounds: &Bounds, a: Base, b: Base, or_equal: bool, why: &str) -> Result<(), Refused> {
+    let (Some(of_a), Some(of_b)) = (bounds.get(a), bounds.get(b)) else { return Ok(()) };
+    let fits = |a: f64, b: f64| a < b || (or_equal && a == b);
+    let name = |base: Base| &quantity::all()[base as usize].name;
+    if !fits(*of_a.end(), *of_b.end()) {
+        return Err(refused(a, &format!("takes {}, but {} is {} at most: {why}", of_a.end(), name(b), of_b.end())));
+    }
+    if !fits(*of_a.start(), *of_b.start()) {
+        return Err(refused(
+            b,
+            &format!("takes {}, but {} is {} at least: {why}", of_b.start(), name(a), of_a.start()),
+        ));
+    }
+    Ok(())
+}
+
+fn positive(bounds: &Bounds, base: Base, why: &str) -> Result<(), Refused> {
+    match bounds.least(base) {
+        Some(least) if least <= 0.0 => Err(refused(base, &format!("takes {least}: {why}"))),
+        _ => Ok(()),
+    }
+}
+
+/// A volume-to-area ratio stays below what an endless bore or an endless length gives.
+fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
+    let law = model.chamber.geometry.area_law;
+    if let (Some(most), Some(stroke)) = (bounds.most(Base::VolumeToArea), bounds.most(Base::FinalStroke))
+        && bounds.most(Base::DeadVolume) == Some(0.0)
+        && most >= stroke / 2.0
+    {
+        let limit = stroke / 2.0;
+        let message = format!("takes {most}, but at a final stroke of {stroke} m every bore gives less than {limit} m");
+        return Err(refused(Base::VolumeToArea, &message));
+    }
+    if let (Some(most), Some(bore)) = (bounds.most(Base::VolumeToAreaByLength), bounds.most(Base::Bore)) {
+        let geometry = Geometry::new(bore, bounds.least(Base::Rod).unwrap_or(0.0), 0.0, law);
+        let limit = 1.0 / (geometry.heat_transfer_area(1.0) - geometry.heat_transfer_area(0.0));
+        if most >= limit {
+            let message = format!("takes {most}, but at a bore of {bore} m every length gives less than {limit:.6} m");
+            return Err(refused(Base::VolumeToAreaByLength, &message));
+        }
+    }
+    Ok(())
+}
+
+fn refused(base: Base, message: &str) -> Refused {
+    Refused { quantity: base as usize, message: message.to_owned() }
+}

@@ -1,0 +1,77 @@
+//! Whether a finished study's folder holds what its manifest says, byte for byte.
+
+use crate::error::Error;
+use crate::folder::MANIFEST;
+use crate::hash;
+use crate::new_file::Digest;
+use rayon::prelude::*;
+use serde::Deserialize;
+use std::path::Path;
+
+/// What was read back.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Parts that the manifest names.
+    pub parts: usize,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Rows that the manifest names.
+    pub rows: u64,
+    /// Files that are missing or not what the manifest says, with the difference.
+    pub wrong: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Manifest {
+    rows: u64,
+    parts: Vec<Part>,
+}
+
+#[derive(Deserialize)]
+struct Part {
+    file: String,
+    #[serde(flatten)]
+    digest: Digest,
+    rows: u64,
+}
+
+/// Reads every part that the manifest names, on the threads of the current pool.
+///
+/// # Errors
+/// The manifest is missing or is none.
+pub fn verify(folder: &Path) -> Result<Report, Error> {
+    let path = folder.join(MANIFEST);
+    let text = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+    let manifest: Manifest = serde_json::from_slice(&text).map_err(|error| {
+        let reason = error.to_string();
+        Error::Option(format!("{}: is no study's manifest ({reason}); was the study finished?", path.display()))
+    })?;
+    let mut wrong: Vec<String> = manifest.parts.par_iter().filter_map(|part| difference(folder, part)).collect();
+    let (rows, has_parts) = (manifest.parts.iter().map(|part| part.rows).sum::<u64>(), !manifest.parts.is_empty());
+    if has_parts && rows != manifest.rows {
+        wrong.push(format!("{MANIFEST}: its parts have {rows} rows, the study {}", manifest.rows));
+    }
+    Ok(Report {
+        parts: manifest.parts.len(),
+        bytes: manifest.parts.iter().map(|part| part.digest.bytes).sum(),
+        rows: manifest.rows,
+        wrong,
+    })
+}
+
+/// How a part differs from what the manifest says.
+fn difference(folder: &Path, part: &Part) -> Option<String> {
+    let path = folder.join(&part.file);
+    let length = match std::fs::metadata(&path) {
+        Ok(file) => file.len(),
+        Err(error) => return Some(format!("{}: {error}", part.file)),
+    };
+    if length != part.digest.bytes {
+        return Some(format!("{}: {length} bytes, not {}", part.file, part.digest.bytes));
+    }
+    match hash::of_file(&path) {
+        Ok(sha256) if sha256 == part.digest.sha256 => None,
+        Ok(_) => Some(format!("{}: its SHA-256 differs", part.file)),
+        Err(error) => Some(format!("{}: {error}", part.file)),
+    }
+}
