@@ -119,6 +119,11 @@ impl<S> Axis<S> {
         if self.logarithmic { x.exp() * self.scale } else { x * self.scale }
     }
 
+    /// Standard deviations of its prior between x and the prior's mean; 0 without a prior.
+    pub fn deviations(&self, x: f64) -> f64 {
+        self.prior.map_or(0.0, |[mean, sd]| (x - mean).abs() / sd)
+    }
+
     /// d value/d x at x.
     pub fn slope(&self, x: f64) -> f64 {
         if self.logarithmic { self.value(x) } else { self.scale }

@@ -33,7 +33,7 @@ fn line(points: Points, colour: Colour, label: &'static str, width: f64) -> Seri
 
 /// Rows of a record that are data, as points.
 fn rows(t: &Prepared, value: impl Fn(usize) -> f64) -> Points {
-    t.data_rows().enumerate().filter(|(_, is_data)| *is_data).map(|(i, _)| (t.time_s[i], value(i))).collect()
+    (0..t.time_s.len()).filter(|&i| t.readout.is_data(i)).map(|i| (t.time_s[i], value(i))).collect()
 }
 
 /// The drawings of one experiment: pressure, the push, position, residual.

@@ -2,7 +2,7 @@
  * from the FMI 2.0 standard, for any platform that a C compiler reaches: `tests/python/test_fmu_platforms.py` runs it under
  * emulators.
  *
- *   host LIBRARY GUID            value references 0 and 1 are position and velocity; those to print follow from 7 on
+ *   host LIBRARY GUID POSITION VELOCITY OUTPUT OUTPUT OUTPUT            the last five are value references
  */
 #include <inttypes.h>
 #include <stdarg.h>
@@ -59,7 +59,7 @@ static void check(int status, const char *what) {
 }
 
 int main(int count, char **arguments) {
-    if (count != 3) return 2;
+    if (count != 8) return 2;
     void *library = open_library(arguments[1]);
     if (library == NULL) {
         fprintf(stderr, "%s cannot be loaded\n", arguments[1]);
@@ -83,8 +83,10 @@ int main(int count, char **arguments) {
     check(enter(chamber), "fmi2EnterInitializationMode");
     check(leave(chamber), "fmi2ExitInitializationMode");
 
-    const unsigned inputs[] = {0, 1}, outputs[] = {7, 9, 13};
-    double refused = -1.0 / (double)(count - 3);
+    unsigned references[5];
+    for (int i = 0; i < 5; i++) references[i] = (unsigned)strtoul(arguments[3 + i], NULL, 10);
+    const unsigned *inputs = references, *outputs = references + 2;
+    double refused = -1.0 / (double)(count - 8);
     if (set(chamber, inputs, 1, &refused) != 2 || messages != 1) {
         fprintf(stderr, "an infinite position was not refused with a message\n");
         return 4;

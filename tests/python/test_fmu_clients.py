@@ -37,7 +37,13 @@ temperature_k = 295.0
 pressure_pa = 1.01e5
 """
 R, GAMMA, LAMBDA0, P0, T0 = 287.0, 1.4, 30.0, 5.65e5, 293.0
-BORE, AREA, DEAD = 0.025, np.pi / 4 * (0.025**2 - 0.01**2), 2e-6
+BORE, ROD, DEAD = 0.025, 0.01, 2e-6
+AREA = np.pi / 4 * (BORE**2 - ROD**2)
+
+
+def wall_area(volume):
+    """Barrel, rod and the two ring faces: Aq = 4 V/(bore - rod) + pi (bore^2 - rod^2)/2."""
+    return 4 * volume / (BORE - ROD) + 2 * AREA
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +110,7 @@ def test_the_held_piston_follows_the_exact_solution(fmu):
     volume = DEAD + AREA * 0.05
     mass = 3e5 * volume / (R * 350.0)
     cv = R / (GAMMA - 1)
-    area = 4 * volume / BORE + np.pi * BORE**2 / 2
+    area = wall_area(volume)
     k = 295.0 * LAMBDA0 * np.sqrt(mass * R / (P0 * T0)) / (mass * cv) * area / np.sqrt(volume)
     for h in (1e-3, 0.1):
         result = simulate_fmu(str(fmu), stop_time=1.0, output_interval=h, step_size=h, start_values=start)
@@ -129,7 +135,7 @@ def test_charging_and_discharging_agree_with_scipy(fmu):
         p, temperature = (GAMMA - 1) * u / volume, u / (m * cv)
         out, back = leak(p, temperature)
         coefficient = LAMBDA0 * np.sqrt(p * temperature / (P0 * T0))
-        heat = coefficient * (4 * volume / BORE + np.pi * BORE**2 / 2) * (295.0 - temperature)
+        heat = coefficient * (wall_area(volume)) * (295.0 - temperature)
         enthalpy = cp * (inflow * 280.0 + back * 295.0 - (outflow + out) * temperature)
         return [inflow + back - outflow - out, heat + enthalpy - p * AREA * v]
 

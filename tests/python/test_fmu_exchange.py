@@ -6,7 +6,7 @@ import pytest
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 integrate = pytest.importorskip("scipy.integrate", reason="SciPy is not installed")
 from fmpy import read_model_description, simulate_fmu  # noqa: E402
-from test_fmu_clients import AREA, BORE, DEAD, GAMMA, LAMBDA0, P0, R, T0, fmu  # noqa: E402, F401
+from test_fmu_clients import AREA, DEAD, GAMMA, LAMBDA0, P0, R, T0, fmu, wall_area  # noqa: E402, F401
 
 AMBIENT = 295.0
 START = {"strokeInput": 2, "initialPressure": 1.2e5, "initialTemperature": AMBIENT, "leakage.conductance": 0.0, "position": 0.1}
@@ -24,7 +24,7 @@ def exact_pressure(times):
     v0, rate = DEAD + AREA * 0.1, -0.5 * AREA
     mass_r = 1.2e5 * v0 / AMBIENT
     c = LAMBDA0 * np.sqrt(mass_r / (P0 * T0)) * (GAMMA - 1) / mass_r
-    b = lambda v: c * (4 * v / BORE + np.pi * BORE**2 / 2) / np.sqrt(v)  # noqa: E731
+    b = lambda v: c * wall_area(v) / np.sqrt(v)  # noqa: E731
     volume = lambda t: v0 + rate * min(t, 0.1)  # noqa: E731
     slope = lambda t, u: b(volume(t)) - (b(volume(t)) * AMBIENT - (GAMMA - 1) * (rate if t < 0.1 else 0) / volume(t)) * u  # noqa: E731
     u, result = 1 / AMBIENT, []
@@ -75,7 +75,7 @@ def test_port_into_a_small_volume_at_a_coarse_step_is_that_of_scipy(fmu):  # noq
     # 4 l/(s bar) into 3 cm3, 10 ms steps.
     position = 1e-6 / AREA
     volume, cv, cp = DEAD + AREA * position, R / (GAMMA - 1), GAMMA * R / (GAMMA - 1)
-    area = 4 * volume / BORE + np.pi * BORE**2 / 2
+    area = wall_area(volume)
 
     def rates(_, y):
         m, u = y

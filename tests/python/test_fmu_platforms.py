@@ -17,11 +17,11 @@ import zipfile
 import pytest
 
 lief = pytest.importorskip("lief", reason="lief is not installed")
-pytest.importorskip("fmpy", reason="FMPy is not installed")
+fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 from test_fmu_clients import fmu  # noqa: E402, F401
 from test_fmu_rust_clients import push_and_hold  # noqa: E402
 
-FUNCTIONS = 34
+FUNCTIONS = {"fmi2": 44, "fmi3": 75}  # both standards, whole
 OLDEST_GLIBC = (2, 17)
 
 
@@ -38,17 +38,18 @@ def library(fmu, tmp_path):  # noqa: F811
     return unpack
 
 
-def only_fmi2(names):
+def only_fmi(names):
     names = [str(name) for name in names]
-    assert len(names) == FUNCTIONS and all(name.startswith("fmi2") for name in names), names
+    assert {prefix: sum(name.startswith(prefix) for name in names) for prefix in FUNCTIONS} == FUNCTIONS, names
+    assert len(names) == sum(FUNCTIONS.values()), names
 
 
 @pytest.mark.parametrize("name", ["linux64", "aarch64-linux"])
-def test_the_library_for_linux_exports_fmi2_alone_and_runs_with_old_glibc(library, root, name):
+def test_the_library_for_linux_exports_fmi_alone_and_runs_with_old_glibc(library, root, name):
     path = library(name)
     binary = lief.ELF.parse(str(path))
     assert binary.header.machine_type.name == {"linux64": "X86_64", "aarch64-linux": "AARCH64"}[name]
-    only_fmi2(symbol.name for symbol in binary.dynamic_symbols if symbol.exported)
+    only_fmi(symbol.name for symbol in binary.dynamic_symbols if symbol.exported)
     assert {re.match(r"lib(m|c|dl|pthread|gcc_s)\.so|ld-linux", lib) is not None for lib in binary.libraries} == {True}
     assert not re.search(rb"/(root|home|work|tmp)/", path.read_bytes()), "a path of the machine that built it"
     versions = [aux.name for needed in binary.symbols_version_requirement for aux in needed.get_auxiliary_symbols()]
@@ -60,23 +61,23 @@ def test_the_library_for_linux_exports_fmi2_alone_and_runs_with_old_glibc(librar
     assert max(versions) <= OLDEST_GLIBC, versions
 
 
-def test_the_library_for_windows_exports_fmi2_alone(library):
+def test_the_library_for_windows_exports_fmi_alone(library):
     path = library("win64")
     binary = lief.PE.parse(str(path))
     assert binary.header.machine.name == "AMD64"
-    only_fmi2(function.name for function in binary.exported_functions)
+    only_fmi(function.name for function in binary.exported_functions)
     assert all(re.match(r"(?i)(kernel32|ntdll|bcryptprimitives|api-ms-win-.*)\.dll", i.name) for i in binary.imports)
     assert not re.search(rb"/(root|home|work|tmp)/", path.read_bytes()), "a path of the machine that built it"
 
 
 @pytest.mark.parametrize(("name", "kinds"), [("darwin64", ["X86_64", "ARM64"]), ("aarch64-darwin", ["ARM64"])])
-def test_the_library_for_macos_exports_fmi2_alone_and_its_signature_holds(library, name, kinds):
+def test_the_library_for_macos_exports_fmi_alone_and_its_signature_holds(library, name, kinds):
     path = library(name)
     universal = lief.MachO.parse(str(path))  # owns its parts
     binaries = [universal.at(i) for i in range(universal.size)]
     assert [binary.header.cpu_type.name for binary in binaries] == kinds
     for binary in binaries:
-        only_fmi2(symbol.name.removeprefix("_") for symbol in binary.exported_symbols)
+        only_fmi(symbol.name.removeprefix("_") for symbol in binary.exported_symbols)
         assert {lib.name for lib in binary.libraries} == {"@rpath/Chamber.dylib", "/usr/lib/libSystem.B.dylib"}
         content = path.read_bytes()[binary.fat_offset :][: binary.original_size]
         if binary.has_code_signature:
@@ -122,10 +123,12 @@ def test_a_host_in_c_reads_the_same_numbers_on_every_platform(fmu, library, root
     host = tmp_path / "host.exe"
     source = root / "tests" / "clients" / "host.c"
     subprocess.run([*compiler, "-O1", "-o", host, source, *([] if name == "win64" else ["-ldl"])], check=True)
-    with zipfile.ZipFile(fmu) as archive:
-        guid = re.search(r'guid="([^"]+)"', archive.read("modelDescription.xml").decode())[1]
+    description = fmpy.read_model_description(str(fmu))
+    references = {v.name: str(v.valueReference) for v in description.modelVariables}
+    names = ["position", "velocity", "pressure", "temperature", "heatFlow"]
     environment = {**os.environ, "WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all"}
-    command = [*([program, *options] if emulator else []), host, path.relative_to(tmp_path), guid]
+    command = [*([program, *options] if emulator else []), host, path.relative_to(tmp_path), description.guid,
+               *(references[name] for name in names)]
     run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
     assert run.returncode == 0, run.stderr
     rows = [[struct.unpack(">d", bytes.fromhex(word))[0] for word in line.split()] for line in run.stdout.splitlines()]

@@ -108,7 +108,7 @@ def test_the_module_and_the_program_give_the_same_rows(module, root, pneutherm, 
     (tmp_path / "model.toml").write_text((root / "fuzz/corpus/model/leaking.toml").read_text())
     (tmp_path / "study.toml").write_text((root / "fuzz/corpus/study/factorial.toml").read_text())
     pneutherm("sweep", tmp_path / "study.toml", "-o", tmp_path / "out")
-    parts = [pyarrow.parquet.read_table(part) for part in sorted((tmp_path / "out").glob("*.parquet"))]
+    parts = [pyarrow.parquet.read_table(part) for part in sorted((tmp_path / "out/rows").glob("*.parquet"))]
     assert module.sweep(tmp_path / "study.toml").to_pylist() == pyarrow.concat_tables(parts).to_pylist()
     motion = root / "examples/cylinder/validation.csv"
     pneutherm("simulate", tmp_path / "model.toml", "--motion", motion, "-o", tmp_path / "out.csv")

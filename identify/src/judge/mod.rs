@@ -2,6 +2,7 @@
 
 pub mod adequacy;
 pub mod evidence;
+pub mod kinds;
 pub mod left_out;
 pub mod misfit;
 pub mod policy;

@@ -15,7 +15,7 @@ use crate::fit::{self, Fit};
 use crate::judge::adequacy::{self, Adequacy};
 use crate::judge::evidence::{bic, bic_widened};
 use crate::judge::left_out::{self, Fold};
-use crate::judge::{misfit, policy, sanity};
+use crate::judge::{kinds, misfit, policy, sanity};
 use crate::parameters::{Model, Sizes};
 use crate::record::colour;
 use crate::record::prepare::Data;
@@ -187,7 +187,7 @@ impl Search {
         true
     }
 
-    /// Decisive evidence over the chosen model, and left-out data predicted better by more than nobody minds.
+    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, credible numbers.
     fn enters(&self, c: &Candidate, among: f64) -> bool {
         let over = &self.chosen;
         let lower = match (c.held_out_pa, over.held_out_pa) {
@@ -195,7 +195,10 @@ impl Search {
             (Some(_), None) => true,
             _ => false,
         };
-        c.fit.converged && lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
+        c.fit.converged
+            && sanity::credible(&c.fit)
+            && lower
+            && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
     }
 
     /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic.
@@ -357,7 +360,8 @@ impl Search {
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
-        if self.chosen_adequacy.settles(&self.baseline_adequacy) {
+        let faults = !kinds::follows_the_test(&self.data, &self.chosen.fit);
+        if faults && self.chosen_adequacy.settles(&self.baseline_adequacy) {
             return if nothing_named { Verdict::Adequate } else { Verdict::Explained };
         }
         let noise = self.data.noise.total_pa();

@@ -1,0 +1,84 @@
+//! Whether a recording fault that each record has for itself is one: repeats of one test agree in it no better than different
+//! tests do.
+//!
+//! A gauge's zero or a trigger's delay knows nothing of the test that is recorded. Where it follows the kind of test (pressure,
+//! stroke, direction), something of the rig stands behind it. Analysis of variance in one direction: with m records of k kinds,
+//! F = [Σ nᵢ (x̄ᵢ − x̄)²/(k − 1)] / [Σ (xᵢⱼ − x̄ᵢ)²/(m − k)], e.g. Montgomery, Design and Analysis of Experiments (2012), 3.3.
+
+use crate::fit::Fit;
+use crate::fit::covariance;
+use crate::judge::policy;
+use crate::record::prepare::Data;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+/// Whether some effect that the records have for themselves follows the kind of test, beyond what its own uncertainty allows.
+pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
+    let effects = fit.hypothesis.own.len();
+    if effects == 0 {
+        return false;
+    }
+    let rig = covariance::covariance(fit, false);
+    let deviations: Vec<Option<Vec<f64>>> = (0..data.traces.len())
+        .map(|k| Some(covariance::of_record(fit, k, &rig)?.diagonal().iter().map(|v| v.sqrt()).collect()))
+        .collect();
+    // A record's effects stand behind its initial state.
+    (1..=effects).any(|from_end| {
+        let last = |x: &[f64]| x[x.len() - from_end];
+        let mut kinds: Vec<Vec<f64>> = vec![Vec::new(); data.experiments.len()];
+        let mut uncertainty = 0f64;
+        for ((t, own), deviation) in data.traces.iter().zip(&fit.own).zip(&deviations) {
+            kinds[t.experiment].push(last(own));
+            uncertainty = uncertainty.max(deviation.as_ref().map_or(f64::INFINITY, |d| last(d)));
+        }
+        let span = span_of_means(&kinds);
+        span > policy::KINDS_DEVIATIONS * uncertainty
+            && one_way(&kinds).is_some_and(|probability| probability < policy::KINDS_PROBABILITY)
+    })
+}
+
+fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len() as f64
+}
+
+/// Largest less smallest mean of a kind.
+fn span_of_means(kinds: &[Vec<f64>]) -> f64 {
+    let means = || kinds.iter().filter(|kind| !kind.is_empty()).map(|kind| mean(kind));
+    means().fold(f64::NEG_INFINITY, f64::max) - means().fold(f64::INFINITY, f64::min)
+}
+
+/// Probability of so large an F where the kinds do not differ; `None` without two kinds and a repeat.
+fn one_way(kinds: &[Vec<f64>]) -> Option<f64> {
+    let kinds: Vec<&Vec<f64>> = kinds.iter().filter(|kind| !kind.is_empty()).collect();
+    let records: usize = kinds.iter().map(|kind| kind.len()).sum();
+    let (between, within) = (kinds.len().checked_sub(1)?, records.checked_sub(kinds.len())?);
+    if between == 0 || within == 0 {
+        return None;
+    }
+    let all = kinds.iter().flat_map(|kind| kind.iter()).sum::<f64>() / records as f64;
+    let square = |x: f64| x * x;
+    let among: f64 = kinds.iter().map(|kind| kind.len() as f64 * square(mean(kind) - all)).sum();
+    let inside: f64 = kinds.iter().flat_map(|kind| kind.iter().map(|x| square(x - mean(kind)))).sum();
+    let f = (among / between as f64) / (inside / within as f64);
+    if f.is_nan() {
+        return None;
+    }
+    Some(FisherSnedecor::new(between as f64, within as f64).ok()?.sf(f))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_probability_is_that_of_scipy() {
+        // scipy.stats.f_oneway([0, 1, 2], [3, 4, 5]).
+        let probability = one_way(&[vec![0.0, 1.0, 2.0], vec![3.0, 4.0, 5.0], vec![]]).unwrap();
+        assert!((probability - 0.021311641128756713).abs() < 1e-12, "{probability}");
+    }
+
+    #[test]
+    fn a_single_kind_or_single_records_say_nothing() {
+        assert_eq!(one_way(&[vec![1.0, 2.0]]), None);
+        assert_eq!(one_way(&[vec![1.0], vec![2.0]]), None);
+    }
+}
