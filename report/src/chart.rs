@@ -163,11 +163,14 @@ impl Chart<'_> {
             let corners = [(x.range[0], -band), (x.range[1], band)];
             chart.draw_series([Rectangle::new(corners, NOISE.filled())]).map_err(failed)?;
         }
-        chart
-            .configure_mesh()
-            .x_desc(x.name(self.x.name))
-            .y_desc(y.name(self.y.name))
-            .axis_desc_style(text(LABEL_PX))
+        let mut mesh = chart.configure_mesh();
+        if !self.x.name.is_empty() {
+            mesh.x_desc(x.name(self.x.name));
+        }
+        if !self.y.name.is_empty() {
+            mesh.y_desc(y.name(self.y.name));
+        }
+        mesh.axis_desc_style(text(LABEL_PX))
             .label_style(text(LABEL_PX))
             .x_label_formatter(&|v| x.text(*v))
             .y_label_formatter(&|v| y.text(*v))

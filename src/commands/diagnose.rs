@@ -87,8 +87,8 @@ fn table(d: &Diagnosis) -> String {
         ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
         "improved" => format!(
-            "{} predict left-out data decisively better; {} Pa rms remain beyond noise, so that they describe the records and need not be the cause",
-            d.effects.join(" and "),
+            "{}: predicts left-out data decisively better; {} Pa rms remain beyond noise, so that it describes the records and need not be the cause",
+            d.terms().join(" and "),
             digits(d.remaining_pa, 3)
         ),
         _ => format!(

@@ -68,10 +68,10 @@ fn verdict(d: &Diagnosis) -> Section {
             documented(&d.effects)
         ),
         "improved" => format!(
-            "**Improved.** The paper's chamber model is visibly wrong here. {} ({}) predict records that were left out decisively better and are in the model. \
-             More than noise remains, {remaining} rms: they describe these records, and need not be the cause.",
-            effect_names(&d.effects),
-            documented(&d.effects)
+            "**Improved.** The paper's chamber model is visibly wrong here. With {} ({}) records that were left out are predicted decisively better. \
+             More than noise remains, {remaining} rms: this describes the records, and need not be the cause.",
+            effect_names(d.terms()),
+            documented(d.terms())
         ),
         _ => format!(
             "**Unexplained.** The paper's chamber model is visibly wrong here, and no known effect predicts records that were left out decisively better. \

@@ -134,9 +134,9 @@ def test_a_host_in_c_reads_the_same_numbers_on_every_platform(fmu, library, root
     rows = [[struct.unpack(">d", bytes.fromhex(word))[0] for word in line.split()] for line in run.stdout.splitlines()]
     expected = [row[3:] for row in push_and_hold(fmu)]
     assert len(rows) == len(expected) and "position" in run.stderr, run.stderr
-    for k, (found, fmpy) in enumerate(zip(rows, expected, strict=True)):
+    for k, (found, reference) in enumerate(zip(rows, expected, strict=True)):
         # The same code with another C library's exp and pow.
-        assert found == pytest.approx(fmpy, rel=1e-12, abs=1e-9), k
+        assert found == pytest.approx(reference, rel=1e-12, abs=1e-9), k
 
 
 def test_what_cannot_be_built_is_left_out_with_a_reason(root):

@@ -137,6 +137,13 @@ pub struct Diagnosis {
     pub assumptions: Vec<String>,
 }
 
+impl Diagnosis {
+    /// The effects of the model found, those that each record has for itself among them.
+    pub fn terms(&self) -> &[&'static str] {
+        self.steps.last().map_or(&self.effects, |step| &step.effects)
+    }
+}
+
 /// A diagnosis with what a report draws.
 pub struct Diagnosed {
     /// The result.
