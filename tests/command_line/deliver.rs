@@ -39,7 +39,7 @@ fn an_fmu_is_a_zip_archive_the_same_each_time() {
     assert!(names.iter().all(|name| archive.windows(name.len()).any(|part| part == name.as_bytes())));
     // Its name is the file's; standard output has none.
     assert!(bench.call(0, &["fmu", "model.toml", "-o", "-"]).stdout.starts_with(b"PK\x03\x04"));
-    bench.call(0, &["fmu", "model.toml", "-o", "my chamber.fmu", "--force"]);
+    bench.call(0, &["fmu", "model.toml", "-o", "my chamber.fmu"]);
     assert!(std::fs::read(bench.path("my chamber.fmu")).unwrap() == archive, "two archives of one model differ");
 }
 
