@@ -158,8 +158,9 @@ impl<R: Scalar> Run<'_, R> {
             }
             disturbed_rates(gas_set, &balance, &warmed(boundary, warmer), state, disturbance.at(t))
         };
-        // A stroke that was recorded late is followed a little beyond the last row.
-        let last = last + effects::stroke_delay(set, &chamber.effects).value().max(0.0);
+        // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
+        let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
+        let last = last + late.value().max(0.0);
         record::follow(&inputs, &mut integrator, last, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
             on_step(until, &step.end());

@@ -8,6 +8,7 @@
 //! λ0 and wall capacities move on a logarithmic scale, everything else on a linear one within the bounds of its card.
 
 use crate::record::prepare::{Data, Prepared};
+use crate::search::terms;
 use chamber::card::Unit;
 use chamber::effects::{self, CARDS, EffectSet, PARAMETER_OFFSETS};
 use chamber::real::Real;
@@ -117,11 +118,6 @@ impl<S> Axis<S> {
     #[inline]
     pub fn value<R: Real>(&self, x: R) -> R {
         if self.logarithmic { x.exp() * self.scale } else { x * self.scale }
-    }
-
-    /// Standard deviations of its prior between x and the prior's mean; 0 without a prior.
-    pub fn deviations(&self, x: f64) -> f64 {
-        self.prior.map_or(0.0, |[mean, sd]| (x - mean).abs() / sd)
     }
 
     /// d value/d x at x.
@@ -288,10 +284,18 @@ impl Hypothesis {
         for e in model.effects.iter() {
             let free = |p: &chamber::card::Parameter| p.fitted || model.secondary.has(e);
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
-                let (logarithmic, scale, bounds) = coordinates_of(parameter, sizes);
+                let (logarithmic, scale, mut bounds) = coordinates_of(parameter, sizes);
                 let known = parameter.prior(&data.gas).filter(|_| !logarithmic);
                 let prior = known.map(|normal| [normal.mean / scale, normal.standard_deviation / scale]);
+                // What tables say of the gas keeps its sign.
+                if known.is_some_and(|normal| normal.mean > 0.0) {
+                    bounds[0] = f64::max(bounds[0], 0.0);
+                }
                 if model.own.has(e) {
+                    // Two clocks have no order: a record's pressure is late beside its position, or its position is.
+                    if terms::delays_pressure(e) {
+                        bounds[0] = -bounds[1];
+                    }
                     own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior });
                 } else {
                     axes.push(Axis { prior, ..axis(Slot::Effect(e, p), logarithmic, scale, bounds) });

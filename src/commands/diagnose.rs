@@ -87,7 +87,7 @@ fn table(d: &Diagnosis) -> String {
         ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
         "improved" => format!(
-            "{}: predicts left-out data decisively better; {} Pa rms remain beyond noise, so that it describes the records and need not be the cause",
+            "with {} left-out data are predicted decisively better; {} Pa rms remain beyond noise, so that this describes the records and need not be the cause",
             d.terms().join(" and "),
             digits(d.remaining_pa, 3)
         ),

@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let page = page::page(&options, &results);
     println!("{page}");
     if let Some(folder) = &options.out {
+        std::fs::create_dir_all(folder)?;
         std::fs::write(folder.join("recordings.md"), page)?;
         std::fs::write(folder.join("recordings.json"), format!("{}\n", serde_json::to_string_pretty(&results)?))?;
     }

@@ -269,7 +269,7 @@ fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, at_bound: &[bool]) -> 
 }
 
 /// Coordinates after a step, within their bounds.
-fn moved(x: &[f64], step: &[f64], bounds: impl Iterator<Item = [f64; 2]>) -> Vec<f64> {
+pub(crate) fn moved(x: &[f64], step: &[f64], bounds: impl Iterator<Item = [f64; 2]>) -> Vec<f64> {
     x.iter().zip(step).zip(bounds).map(|((x, step), [low, high])| (x + step).clamp(low, high)).collect()
 }
 

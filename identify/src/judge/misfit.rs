@@ -4,7 +4,7 @@
 //! common, √(mean of products), which needs no model of the noise; elsewhere √(rms² − variance expected of noise and
 //! position). Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
 
-use crate::fit::{Fit, readings};
+use crate::fit::{self, Fit, readings};
 use crate::parameters::Setting;
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
@@ -31,7 +31,7 @@ pub fn residuals(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
 pub fn residuals_moved(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
     // The rig's free numbers and the record's own adapt with the stated ones: to first order, from the normal equations.
     each_record(data, fit, |k| {
-        let (rig, own) = adapted(fit, k, &fit.own[k]);
+        let (rig, own) = adapted(data, fit, k);
         fit.hypothesis.setting(&data.traces[k], &rig, &fit.moved, &own)
     })
 }
@@ -51,14 +51,16 @@ pub fn squares(t: &Prepared, residual: &[f64], from: usize) -> (f64, usize) {
     rows.fold((0.0, 0), |(sum, n), i| (sum + residual[i] * residual[i], n + 1))
 }
 
-/// The free coordinates at the best move of the stated ones.
-fn adapted(fit: &Fit, k: usize, own: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let rig: Vec<f64> = fit.rig.iter().zip(&fit.follow).map(|(x, step)| x + step).collect();
-    let l = &fit.linear[k];
+/// The free coordinates at the best move of the stated ones, within their bounds.
+fn adapted(data: &Data, fit: &Fit, k: usize) -> (Vec<f64>, Vec<f64>) {
+    let h = &fit.hypothesis;
+    let rig = fit::moved(&fit.rig, &fit.follow, h.axes.iter().map(|axis| axis.bounds));
+    let (l, own) = (&fit.linear[k], &fit.own[k]);
     let all: Vec<f64> = fit.follow.iter().chain(&fit.moved).copied().collect();
     let left = DVector::from_column_slice(&l.residual) - &l.by_rig * DVector::from_vec(all);
     let step = l.by_own.tr_mul(&l.by_own).cholesky().map(|square| square.solve(&l.by_own.tr_mul(&left)));
-    let own = own.iter().enumerate().map(|(i, x)| x + step.as_ref().map_or(0.0, |s| s[i])).collect();
+    let bounds = h.own_of(&data.traces[k]).into_iter().map(|axis| axis.bounds);
+    let own = step.map_or_else(|| own.clone(), |step| fit::moved(own, step.as_slice(), bounds));
     (rig, own)
 }
 

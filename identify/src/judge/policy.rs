@@ -27,9 +27,6 @@ pub const NOISE_MODEL_SHARE: f64 = 0.05;
 pub const GEOMETRY_WIDENED: f64 = 5.0;
 /// So many tolerances a stated number may move before that counts as a contradiction rather than as uncertainty.
 pub const TOLERANCES: f64 = 3.0;
-/// A number whose prior its card gives (a constant of the gas from tables, the zero of a gauge) that lies further from the
-/// prior's mean than so many standard deviations contradicts its effect: something else wears its name.
-pub const PRIOR_DEVIATIONS: f64 = 5.0;
 /// Probability below which the records' own numbers do not scatter by chance with the kind of test...
 pub const KINDS_PROBABILITY: f64 = 1e-4;
 /// ...where the kinds lie apart by more than so many of the numbers' standard deviations.

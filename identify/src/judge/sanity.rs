@@ -1,5 +1,4 @@
-//! Contradictions that only a fit shows: gauge pressure taken for absolute, a dead volume below zero by far, a number that
-//! its effect cannot have.
+//! Contradictions that only a fit shows: gauge pressure taken for absolute, a dead volume below zero by far.
 
 use crate::error::Error;
 use crate::fit::covariance::covariance;
@@ -21,16 +20,6 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
         return Err(Error::NegativeDeadVolume { dead_volume_m3, half_width_m3, swept_m3 });
     }
     Ok(())
-}
-
-/// Whether each number of an effect is one that its card's prior allows: see [`policy::PRIOR_DEVIATIONS`].
-pub fn credible(fitted: &Fit) -> bool {
-    let h = &fitted.hypothesis;
-    let rig = h.axes.iter().zip(&fitted.rig).map(|(axis, x)| axis.deviations(*x));
-    // A record's effects stand behind its initial state.
-    let own = fitted.own.iter().flat_map(|x| h.own.iter().rev().zip(x.iter().rev()));
-    let own = own.map(|(axis, x)| axis.deviations(*x));
-    rig.chain(own).all(|deviations| deviations < policy::PRIOR_DEVIATIONS)
 }
 
 /// Refuses a heat transfer coefficient that no gas in a cylinder has.

@@ -1,10 +1,11 @@
 //! The coloured part of a recording's noise, from the residuals of a fit.
 //!
 //! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
-//! they have in common (Helmert contrasts, each with the covariance of one record). Without repeats short windows in the late
-//! parts of rests and holds are used, free of a cubic each (restricted likelihood): what is slower may be the gas. White noise alone, with one or with two
-//! Ornstein–Uhlenbeck processes, and with a line are compared by BIC; each by maximum likelihood, the innovations from a
-//! Kalman filter ([`Whitener`]). Source: D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood).
+//! they have in common (Helmert contrasts, each with the covariance of one record and free of its mean). Without repeats
+//! short windows in the late parts of rests and holds are used, free of a cubic each (restricted likelihood): what is slower
+//! may be the gas. White noise alone, with one or with two Ornstein–Uhlenbeck processes, and with a line are compared by
+//! BIC; each by maximum likelihood, the innovations from a Kalman filter ([`Whitener`]). Source: D. A. Harville, J. Am.
+//! Stat. Assoc. 72 (1977) 320 (restricted likelihood).
 
 use crate::fit::whiten::{Place, Whitener};
 use crate::record::noise::{Colour, Hum, Noise};
@@ -19,8 +20,10 @@ const AFTER_MOVE: usize = 10;
 const LONGEST: usize = 1500;
 /// Rows of a window where there are no repeats.
 const ALONE: usize = 120;
-/// Coefficients of the polynomial that such a window is free of.
-const FREE: usize = 4;
+/// Coefficients of the polynomial that a window of a single record is free of.
+const FREE_ALONE: usize = 4;
+/// Those that a contrast of repeats is free of: its mean, in which zeros of gauges differ and wander that began earlier shows.
+const FREE_IN_CONTRAST: usize = 1;
 /// Most points looked at in all.
 const MOST_POINTS: usize = 30_000;
 /// Fewest points that say anything about colour.
@@ -50,7 +53,7 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
         windows = windows.into_iter().step_by(2).collect();
     }
-    let likelihood = Likelihood { windows: &windows, free: !pure };
+    let likelihood = Likelihood { windows: &windows, free: if pure { FREE_IN_CONTRAST } else { FREE_ALONE } };
     let start = Noise { colours: Vec::new(), hum: None, ..before.clone() };
     let longest_s = match pure {
         true => data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max),
@@ -168,10 +171,10 @@ struct Ruler {
 }
 
 impl Ruler {
-    fn new(shape: &Noise, window: &Window) -> Self {
+    fn new(shape: &Noise, window: &Window, free: usize) -> Self {
         let n = window.values.len();
         let whitener = whitener(shape, window);
-        let mut basis = DMatrix::from_fn(n, FREE, |i, k| (2.0 * i as f64 / n as f64 - 1.0).powi(k as i32));
+        let mut basis = DMatrix::from_fn(n, free, |i, k| (2.0 * i as f64 / n as f64 - 1.0).powi(k as i32));
         whitener.apply_to(&mut basis);
         Self { distance_s: window.distance_s, averaged: window.averaged, whitener, basis }
     }
@@ -183,8 +186,8 @@ impl Ruler {
 
 struct Likelihood<'a> {
     windows: &'a [Window],
-    /// Whether each window has a cubic of its own.
-    free: bool,
+    /// Coefficients of the polynomial that each window is free of.
+    free: usize,
 }
 
 impl Likelihood<'_> {
@@ -202,7 +205,7 @@ impl Likelihood<'_> {
             let n = window.values.len();
             let ruler = match known.take() {
                 Some(ruler) if ruler.fits(window) => ruler,
-                _ => Ruler::new(shape, window),
+                _ => Ruler::new(shape, window, self.free),
             };
             let Ruler { whitener, basis, .. } = known.insert(ruler);
             let mut values = window.values.clone();
@@ -210,13 +213,13 @@ impl Likelihood<'_> {
             determinants += whitener.log_determinant_of(n);
             squares += values.iter().map(|v| v * v).sum::<f64>();
             freedom += n as f64;
-            if self.free {
+            if self.free > 0 {
                 let basis = basis.rows(0, n);
                 let Some(square) = basis.tr_mul(&basis).cholesky() else { continue };
                 let right = basis.tr_mul(&DVector::from_vec(values));
                 squares -= right.dot(&square.solve(&right));
                 determinants += 2.0 * square.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-                freedom -= FREE as f64;
+                freedom -= self.free as f64;
             }
         }
         let variance = (squares / freedom).max(f64::MIN_POSITIVE);
@@ -238,7 +241,8 @@ impl Likelihood<'_> {
                 }
             }
         }
-        self.improved(best, 2.0 * longest_s)
+        // A random walk is the limit of a memory far longer than the record.
+        self.improved(best, 20.0 * longest_s)
     }
 
     /// Every colour's size and time moved, up and down by factors that shrink, as long as that helps.
@@ -345,7 +349,7 @@ mod tests {
     fn white_noise_has_no_colour_and_no_line() {
         let mut random = Random::new(1);
         let windows = windows_of(|_| 80.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: false };
+        let likelihood = Likelihood { windows: &windows, free: 0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         assert!((white.1.white_pa / 80.0 - 1.0).abs() < 0.03);
         assert!(likelihood.with_another_colour(&white.1, 6.0).0 > white.0 - 12.0);
@@ -364,7 +368,7 @@ mod tests {
             };
             state + 40.0 * random.normal()
         });
-        let likelihood = Likelihood { windows: &windows, free: false };
+        let likelihood = Likelihood { windows: &windows, free: 0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let (deviance, found) = likelihood.with_another_colour(&white.1, 6.0);
         assert!(deviance < white.0 - 1000.0);
@@ -377,7 +381,7 @@ mod tests {
     fn hum_is_found_by_its_frequency() {
         let mut random = Random::new(3);
         let windows = windows_of(|i| 120.0 * (TAU * 1.3 * ROW_S * i as f64 + 0.4).sin() + 60.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: true };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");

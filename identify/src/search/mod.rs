@@ -187,7 +187,7 @@ impl Search {
         true
     }
 
-    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, credible numbers.
+    /// Decisive evidence over the chosen model, and left-out data predicted better by more than nobody minds.
     fn enters(&self, c: &Candidate, among: f64) -> bool {
         let over = &self.chosen;
         let lower = match (c.held_out_pa, over.held_out_pa) {
@@ -195,10 +195,7 @@ impl Search {
             (Some(_), None) => true,
             _ => false,
         };
-        c.fit.converged
-            && sanity::credible(&c.fit)
-            && lower
-            && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
+        c.fit.converged && lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
     }
 
     /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic.
