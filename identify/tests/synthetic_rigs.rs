@@ -7,7 +7,7 @@ use identify::forward::Run;
 use identify::parameters::names;
 use identify::record::prepare::Data;
 use identify::search::{self, Found, Verdict, baseline};
-use identify::synthetic::recording::Scattered;
+use identify::synthetic::recording::{Disturbance, Scattered};
 use identify::synthetic::{Outside, Recipe, Shape};
 
 fn traced(recipe: &Recipe) -> Found {
@@ -82,6 +82,28 @@ fn a_push_of_six_rows_is_no_effect() {
         recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|m| (m.1, m.2) = (0.06, shape));
         let found = traced(&recipe);
         assert_eq!(found.verdict, Verdict::Adequate, "{shape:?}: {:?}", names(found.chosen.model.effects));
+    }
+}
+
+#[test]
+fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
+    let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(71) };
+    recipe.faults.pressure_delay_s.between = 0.01;
+    recipe.faults.offset_pa.between = 500.0;
+    let found = traced(&recipe);
+    assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Adequate, vec![]));
+    let lambda0 = found.chosen.fit.chamber().heat_transfer.coefficient;
+    assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 0.01, "{lambda0}");
+}
+
+#[test]
+fn a_random_walk_of_the_readings_is_no_drift() {
+    for seed in 81..84 {
+        let mut recipe = Recipe::from_seed(seed);
+        recipe.faults.disturbances.push(Disturbance::Walk { after_a_second_pa: 150.0 });
+        recipe.noise_pa = 60.0;
+        let found = traced(&recipe);
+        assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Adequate, vec![]), "{seed}");
     }
 }
 

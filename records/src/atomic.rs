@@ -31,7 +31,8 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
     let path = if path.is_symlink() { std::fs::canonicalize(path)? } else { path.to_owned() };
     let temporary = temporary_beside(&path)?;
-    let result = fill(&temporary, bytes).and_then(|()| {
+    // Locked until it has its name: one that nobody has locked was left by a process that was killed.
+    let result = fill(&temporary, bytes).and_then(|_locked| {
         if let Some(old) = old {
             std::fs::set_permissions(&temporary, old.permissions())?;
         }
@@ -43,10 +44,13 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     result
 }
 
-fn fill(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn fill(path: &Path, bytes: &[u8]) -> io::Result<File> {
     let mut file = File::create_new(path)?;
+    // Some file systems know no locks; their files are written all the same.
+    let _ = file.lock();
     file.write_all(bytes)?;
-    file.sync_all()
+    file.sync_all()?;
+    Ok(file)
 }
 
 fn temporary_beside(path: &Path) -> io::Result<PathBuf> {

@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::hash;
 use crate::new_file::{Digest, TEMPORARY};
 use crate::part::{StatusCounts, Written};
-use crate::statistics::State;
+use crate::statistics::{self, State};
 use crate::study::Study;
 use crate::traces;
 use serde::{Deserialize, Serialize};
@@ -263,19 +263,21 @@ impl<'a> Folder<'a> {
     /// # Errors
     /// The folder cannot be read.
     pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
-        let mut prefixes: Vec<String> = (0..self.study.parts)
-            .filter(|part| mine(*part))
-            .map(|part| format!(".{}.", self.study.part_name(part)))
-            .collect();
+        let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
+        let mut names: Vec<String> =
+            parts.flat_map(|part| [Path::new(&part).with_extension("json").display().to_string(), part]).collect();
         if mine(0) {
-            prefixes.push(format!(".{}.", traces::FILE));
+            names.extend([traces::FILE, STUDY, MANIFEST, statistics::FILE].map(str::to_owned));
         }
-        for name in self.names(&self.records_path())? {
-            if name.ends_with(TEMPORARY) && prefixes.iter().any(|prefix| name.starts_with(prefix.as_str())) {
-                let path = self.records_path().join(&name);
-                let abandoned = File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
-                if abandoned {
-                    let _ = std::fs::remove_file(&path);
+        let prefixes: Vec<String> = names.iter().map(|name| format!(".{name}.")).collect();
+        for folder in [self.path.to_owned(), self.records_path()] {
+            for name in self.names(&folder)? {
+                if name.ends_with(TEMPORARY) && prefixes.iter().any(|prefix| name.starts_with(prefix.as_str())) {
+                    let path = folder.join(&name);
+                    let abandoned = File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
+                    if abandoned {
+                        let _ = std::fs::remove_file(&path);
+                    }
                 }
             }
         }

@@ -75,11 +75,17 @@ fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
     let bytes = std::fs::read(&broken).unwrap();
     std::fs::write(&broken, &bytes[..bytes.len() / 2]).unwrap();
     let stale = folder.path().join("parts").join(format!(".{}.1-2-3.tmp", study.part_name(0)));
-    std::fs::write(&stale, "half").unwrap();
+    let stale_record = folder.path().join("parts/.part-00001-of-00003.json.1-2.tmp");
+    let stale_manifest = folder.path().join(".manifest.json.1-2.tmp");
+    for path in [&stale, &stale_record, &stale_manifest] {
+        std::fs::write(path, "half").unwrap();
+    }
     let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
     assert_eq!((report.parts_written, report.parts_found, report.complete), (2, 1, true));
     assert_eq!(report.parts_damaged, 1);
-    assert!(!stale.exists(), "what a killed run left is removed");
+    for path in [&stale, &stale_record, &stale_manifest] {
+        assert!(!path.exists(), "{}: what a killed run left is removed", path.display());
+    }
     assert_eq!(parts(folder.path()), before);
 }
 
