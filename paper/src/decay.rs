@@ -143,6 +143,23 @@ impl<S: Shape> LeastSquaresProblem<f64, Dyn, Const<3>> for Problem<'_, S> {
 /// Rates tried per factor of ten.
 const RATES_PER_DECADE: f64 = 20.0;
 
+/// Rows of the hold's begin that are looked at one by one; later ones in means of rows that lie as close for the decay.
+const SINGLE_ROWS: usize = 400;
+
+/// Means of rows, the more rows the later: time, s, pressure, Pa, number of rows.
+fn means(time_s: &[f64], pressure_pa: &[f64]) -> Vec<[f64; 3]> {
+    let mut out = Vec::new();
+    let mut first = 0;
+    while first < time_s.len() {
+        let end = (first + 1 + first / SINGLE_ROWS).min(time_s.len());
+        let rows = (end - first) as f64;
+        let mean = |values: &[f64]| values[first..end].iter().sum::<f64>() / rows;
+        out.push([mean(time_s) - time_s[0], mean(pressure_pa), rows]);
+        first = end;
+    }
+    out
+}
+
 /// The best of many rates, A and B solved for at each.
 fn scan<S: Shape>(time_s: &[f64], pressure_pa: &[f64]) -> Result<Vector3<f64>, Error> {
     let hold_s = time_s[time_s.len() - 1] - time_s[0];
@@ -150,8 +167,9 @@ fn scan<S: Shape>(time_s: &[f64], pressure_pa: &[f64]) -> Result<Vector3<f64>, E
     let (slowest, fastest) = (0.05 / hold_s, 2.0 / interval);
     let steps = ((fastest / slowest).log10() * RATES_PER_DECADE).ceil() as usize;
     let rate = |j: usize| slowest * (fastest / slowest).powf(j as f64 / steps as f64);
+    let means = means(time_s, pressure_pa);
     let best = (0..=steps)
-        .map(|j| (j, separated::<S>(time_s, pressure_pa, rate(j))))
+        .map(|j| (j, separated::<S>(&means, rate(j))))
         .min_by(|(_, x), (_, y)| x.2.total_cmp(&y.2))
         .filter(|(j, (_, b, _))| *j > 0 && *j < steps && *b != 0.0 && b.is_finite());
     match best {
@@ -161,11 +179,11 @@ fn scan<S: Shape>(time_s: &[f64], pressure_pa: &[f64]) -> Result<Vector3<f64>, E
 }
 
 /// A, B and the weighted sum of squares that remains, for one rate.
-fn separated<S: Shape>(time_s: &[f64], pressure_pa: &[f64], rate: f64) -> (f64, f64, f64) {
+fn separated<S: Shape>(means: &[[f64; 3]], rate: f64) -> (f64, f64, f64) {
     let rows = || {
-        time_s.iter().zip(pressure_pa).map(|(t, p)| {
+        means.iter().map(|[t, p, rows]| {
             let (y, w) = S::linearised(*p);
-            ((-rate * (t - time_s[0])).exp(), y, w)
+            ((-rate * t).exp(), y, w * rows)
         })
     };
     let (mut sw, mut sx, mut sy) = (0.0, 0.0, 0.0);

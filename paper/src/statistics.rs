@@ -25,22 +25,47 @@ impl Estimate {
     }
 }
 
+/// Lags summed before rows are averaged.
+const LAGS: usize = 64;
+
 /// Integrated autocorrelation time of residuals, in rows; at least 1.
+///
+/// Residuals that remember more than [`LAGS`] rows are averaged in pairs, and again: variance × time × rows of a mean is the
+/// variance of the sum of many, whatever the rows of a mean. So the work grows as the rows do.
 fn autocorrelation_time(residuals: &[f64]) -> f64 {
-    let n = residuals.len();
-    let energy: f64 = residuals.iter().map(|r| r * r).sum();
-    if n < 2 || energy == 0.0 {
+    let energy = mean_square(residuals);
+    if residuals.len() < 2 || energy == 0.0 {
         return 1.0;
     }
+    let (mut means, mut rows) = (residuals.to_vec(), 1.0);
+    loop {
+        if let Some(time) = time_within(&means, LAGS) {
+            return (rows * time * mean_square(&means) / energy).max(1.0);
+        }
+        means = means.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+        rows *= 2.0;
+    }
+}
+
+/// 1 + 2 Σ ρ_k up to the first ρ_k ≤ 0; `None` where that is not among so many lags.
+fn time_within(values: &[f64], lags: usize) -> Option<f64> {
+    let energy: f64 = values.iter().map(|r| r * r).sum();
     let mut time = 1.0;
-    for lag in 1..n {
-        let product: f64 = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum();
+    for lag in 1..values.len() {
+        if lag > lags {
+            return None;
+        }
+        let product: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
         if product <= 0.0 {
             break;
         }
         time += 2.0 * product / energy;
     }
-    time
+    Some(time)
+}
+
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|r| r * r).sum::<f64>() / values.len() as f64
 }
 
 /// Scale of the covariance s² τ_c and the quantile that goes with it, for residuals of a fit of `parameters` numbers.
@@ -110,6 +135,21 @@ mod tests {
             })
             .collect();
         let theory = (1.0 + 0.8) / (1.0 - 0.8);
+        let found = autocorrelation_time(&process);
+        assert!((found / theory - 1.0).abs() < 0.1, "{found} {theory}");
+    }
+
+    #[test]
+    fn a_memory_of_many_rows_has_the_time_that_theory_gives() {
+        let mut last = 0.0;
+        let process: Vec<f64> = noise(2_000_000)
+            .into_iter()
+            .map(|e| {
+                last = 0.998 * last + e;
+                last
+            })
+            .collect();
+        let theory = (1.0 + 0.998) / (1.0 - 0.998);
         let found = autocorrelation_time(&process);
         assert!((found / theory - 1.0).abs() < 0.1, "{found} {theory}");
     }

@@ -54,11 +54,7 @@ impl Motion {
     /// Splits a stroke, m at times in s, into moves and holds.
     pub fn detect(time_s: &[f64], position_m: &[f64]) -> Self {
         let noise_m = position_noise(position_m);
-        let (low, high) = extent(position_m);
-        let threshold = (8.0 * noise_m).max(2e-4 * (high - low));
-        let mut moving = moving_rows(position_m, threshold);
-        widen(&mut moving, position_m, noise_m);
-        let ranges = ranges(&moving);
+        let ranges = ranges(&moving(position_m));
         let mut segments: Vec<Segment> = Vec::with_capacity(ranges.len());
         let n = time_s.len();
         for (k, &(first, end, moves)) in ranges.iter().enumerate() {
@@ -104,6 +100,31 @@ fn position_noise(position_m: &[f64]) -> f64 {
     let square = quiet.iter().map(|d| d * d).sum::<f64>() / quiet.len().max(1) as f64;
     // A stroke that never rests has no small second differences; then the step alone is believed.
     (square / 6.0).sqrt().max(quantisation.min(1e-4))
+}
+
+/// Which rows belong to moves.
+///
+/// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows: then means of rows are
+/// looked at instead, of twice as many until the moves are whole.
+fn moving(position_m: &[f64]) -> Vec<bool> {
+    /// No move is shorter, once it has its gentle begin and end.
+    const FEWEST_ROWS: usize = 10;
+    /// A record is not looked at in fewer means.
+    const FEWEST_MEANS: usize = 2000;
+    let mut averaged = 1;
+    loop {
+        let means: Vec<f64> =
+            position_m.chunks(averaged).map(|rows| rows.iter().sum::<f64>() / rows.len() as f64).collect();
+        let noise_m = position_noise(&means);
+        let (low, high) = extent(&means);
+        let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)));
+        widen(&mut moving, &means, noise_m);
+        let in_pieces = ranges(&moving).into_iter().any(|(first, end, moves)| moves && end - first < FEWEST_ROWS);
+        if !in_pieces || means.len() < 2 * FEWEST_MEANS {
+            return moving.iter().flat_map(|moves| [*moves].repeat(averaged)).take(position_m.len()).collect();
+        }
+        averaged *= 2;
+    }
 }
 
 /// Rows within reach of a change of position larger than `threshold`.
@@ -234,32 +255,46 @@ fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64], noi
 /// noise of the curve. The position's noise no longer shakes the speed from row to row, and a simulation takes longer steps.
 fn thinned(time_s: &[f64], position_m: &[f64], ends: [Option<f64>; 2], noise_m: f64) -> Option<Spline> {
     const FEWEST_ROWS: usize = 100;
-    /// Root mean square of the rows' distances from the curve, over their noise, at the most.
-    const WITHIN: f64 = 1.1;
     let n = time_s.len();
     if n < FEWEST_ROWS {
         return None;
     }
-    [16, 12, 8, 6, 4].into_iter().filter(|every| 8 * every < n).find_map(|every| {
-        let inner = every..n - every;
-        let (mut t, mut x) = (time_s[..every].to_vec(), position_m[..every].to_vec());
-        for i in inner.clone().step_by(every) {
-            let rows = i - every..i + every + 1;
-            t.push(time_s[i]);
-            x.push(local_cubic(&time_s[rows.clone()], &position_m[rows], time_s[i]));
-        }
-        let last = t[t.len() - 1];
-        let behind = (n - every..n).filter(|&i| time_s[i] > last);
-        behind.for_each(|i| {
-            t.push(time_s[i]);
-            x.push(position_m[i]);
-        });
+    [1024, 512, 256, 128, 64, 32, 16, 12, 8, 6, 4].into_iter().filter(|every| 8 * every < n).find_map(|every| {
+        let (t, x) = knots(n, every)
+            .into_iter()
+            .map(|(i, reach)| match reach {
+                0 | 1 => (time_s[i], position_m[i]),
+                _ => {
+                    let rows = i - reach..i + reach + 1;
+                    (time_s[i], local_cubic(&time_s[rows.clone()], &position_m[rows], time_s[i]))
+                }
+            })
+            .unzip();
         let curve = Spline::through(t, x, ends);
         let near = Cell::new(0);
-        let squares: f64 = inner.clone().map(|i| (position_m[i] - curve.at(time_s[i], &near).0).powi(2)).sum();
-        let rms = (squares / inner.len() as f64).sqrt();
-        (rms < WITHIN * noise_m).then_some(curve)
+        let squares: f64 = (0..n).map(|i| (position_m[i] - curve.at(time_s[i], &near).0).powi(2)).sum();
+        let rms = (squares / n as f64).sqrt();
+        (rms < within(every) * noise_m).then_some(curve)
     })
+}
+
+/// Root mean square of the rows' distances from the curve, over their noise, at the most: what is systematic in them stays near
+/// the curve's own error, which is smaller the more rows make a knot. The noise itself is known to a few per cent.
+fn within(every: usize) -> f64 {
+    (1.0 + 3.0 / every as f64).sqrt().clamp(1.02, 1.1)
+}
+
+/// Rows to put knots at, and the rows to either side that make one: `every` in the middle, half the way to the next end of the
+/// move at most, single rows at the ends themselves.
+fn knots(n: usize, every: usize) -> Vec<(usize, usize)> {
+    let mut out = Vec::new();
+    let mut i = 0;
+    while i < n {
+        let reach = (i.min(n - 1 - i) / 2).clamp(1, every);
+        out.push((i, reach));
+        i += reach;
+    }
+    out
 }
 
 /// The value at a time of the cubic that fits these rows best.
@@ -362,6 +397,24 @@ mod tests {
         assert!(off.sqrt() < 0.6e-5, "{}", off.sqrt());
         // Rows themselves give the speed to 1.4e-5/0.02 m/s.
         assert!(speed_off.sqrt() < 2e-4, "{}", speed_off.sqrt());
+    }
+
+    #[test]
+    fn a_push_sampled_a_hundred_thousand_times_a_second_is_one_move() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let push = |t: f64| 0.15 - 0.08 * smooth(((t - 0.3) / 0.2).clamp(0.0, 1.0));
+        let mut random = crate::synthetic::Random::new(5);
+        let (t, x): (Vec<f64>, Vec<f64>) =
+            (0..100_000).map(|i| f64::from(i) * 1e-5).map(|t| (t, push(t) + 4e-6 * random.normal())).unzip();
+        let motion = Motion::detect(&t, &x);
+        assert_eq!(
+            motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>(),
+            [Phase::Rest, Phase::Move, Phase::Hold]
+        );
+        let near = Cell::new(0);
+        let curve = &motion.segments[1].stroke;
+        let worst = (1..200).map(|k| 0.3 + 0.001 * f64::from(k)).map(|t| (curve.at(t, &near).0 - push(t)).abs());
+        assert!(worst.fold(0.0, f64::max) < 4e-6);
     }
 
     #[test]
