@@ -5,8 +5,10 @@
 pub const DECISIVE: f64 = 10.0;
 /// ΔBIC below which two sets of terms cannot be told apart ("positive" evidence ends there).
 pub const INDISTINGUISHABLE: f64 = 6.0;
-/// Terms beyond the paper's model at the most: more are a fit to anything.
+/// Effects of the gas and its wall at the most: more are a fit to anything.
 pub const MOST_TERMS: usize = 4;
+/// The same with those of the recording, of which a rig's logger may well have two of its own.
+pub const MOST_IN_ALL: usize = 6;
 /// Sets that go on to the next term.
 pub const GO_ON: usize = 3;
 /// Single terms that are joined in pairs where none of them is enough alone.

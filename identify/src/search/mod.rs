@@ -1,8 +1,8 @@
 //! From a rig's residual to the terms that explain it, or to the statement that none of the known ones does.
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
-//! better sets with every further term (a beam), until what is left is adequate, no term enters, or [`policy::MOST_TERMS`] are
-//! in. A term is an effect of the rig, an effect of the recording that each record has for itself, or initial temperatures.
+//! better sets with every further term (a beam) and, where none helps alone, with two of them, until what is left is adequate,
+//! nothing enters, or [`policy::MOST_TERMS`] are in. A term is an effect of the rig, an effect of the recording that each record has for itself, or initial temperatures.
 //! It enters by decisive evidence and a lower error on left-out data; at the end each has to be decisive beside the others
 //! and with the geometry far more uncertain than stated, or it goes out again.
 
@@ -76,11 +76,10 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     let mut search = Search::new(data, baseline, adequacy);
     progress("one term at a time", 0.1);
     search.first_round();
-    for round in 2..=policy::MOST_TERMS {
-        if !search.goes_on(round) {
-            break;
-        }
-        progress("further terms", 0.1 + 0.2 * round as f64);
+    let mut rounds = 1;
+    while search.goes_on(rounds) {
+        rounds += 1;
+        progress("further terms", 0.1 + 0.8 * rounds as f64 / (1 + policy::MOST_IN_ALL) as f64);
         if !search.round() {
             break;
         }
@@ -136,10 +135,13 @@ impl Search {
     }
 
     /// Whether a further term is worth looking for.
-    fn goes_on(&self, round: usize) -> bool {
-        let enough = self.chosen_adequacy.is_adequate();
-        // One more round where a term has entered: another one may be hidden behind it.
-        if enough { self.chosen.model.terms() + 1 == round && round == 2 } else { true }
+    fn goes_on(&self, rounds: usize) -> bool {
+        let model = &self.chosen.model;
+        if self.chosen_adequacy.is_adequate() {
+            // One more round where a term has entered: another one may be hidden behind it.
+            return rounds == 1 && model.terms() == 1;
+        }
+        terms::of_gas(model) < policy::MOST_TERMS && model.terms() < policy::MOST_IN_ALL
     }
 
     /// The better sets, each with every further term; whether a set entered.
@@ -159,8 +161,23 @@ impl Search {
             models.extend(terms::added_to(&self.data, part));
         }
         if level == 1 && !enough {
-            models.extend(terms::pairs(&parts[..parts.len().min(policy::PAIRED)]));
+            models.extend(terms::pairs(&parts[..parts.len().min(policy::PAIRED)], &Model::PAPER));
         }
+        if self.try_all(models) {
+            return true;
+        }
+        if enough || size == 0 {
+            return false;
+        }
+        // None of them helps alone: the better ones two by two.
+        let chosen = self.chosen.model;
+        let more = self.tried.iter().filter(|c| c.model.terms() == size + 1 && terms::is_part(&chosen, &c.model));
+        let more: Vec<Model> = more.map(|c| c.model).take(policy::PAIRED).collect();
+        self.try_all(terms::pairs(&more, &chosen))
+    }
+
+    /// Fits those that were not tried yet; whether one of them entered.
+    fn try_all(&mut self, models: Vec<Model>) -> bool {
         let mut fresh: Vec<Model> = Vec::new();
         for model in models {
             if !fresh.contains(&model) && self.tried.iter().all(|c| c.model != model) {

@@ -3,8 +3,8 @@
 
 use crate::parameters::Model;
 use crate::record::prepare::Data;
-use chamber::card::{Card, Scope, Unit};
-use chamber::effects::{self, EffectSet, EffectValues};
+use chamber::card::{ActsOn, Card, Scope, Unit};
+use chamber::effects::{self, CARDS, EffectSet, EffectValues};
 
 /// The model with one term more, each way there is.
 pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
@@ -24,22 +24,29 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
     out
 }
 
-/// All pairs of these models that share no effect.
-pub fn pairs(models: &[Model]) -> Vec<Model> {
+/// All pairs of these models that have no effect in common but those of `base`, which is a part of each.
+pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
     let mut out = Vec::new();
     for (i, a) in models.iter().enumerate() {
         for b in &models[i + 1..] {
-            if a.effects.iter().all(|e| !b.effects.has(e)) {
-                out.push(Model {
-                    effects: a.effects.union(b.effects),
-                    own: a.own.union(b.own),
-                    secondary: EffectSet::NONE,
-                    initial_temperature: a.initial_temperature || b.initial_temperature,
-                });
+            let joined = Model {
+                effects: a.effects.union(b.effects),
+                own: a.own.union(b.own),
+                secondary: EffectSet::NONE,
+                initial_temperature: a.initial_temperature || b.initial_temperature,
+            };
+            if joined.terms() + base.terms() == a.terms() + b.terms() {
+                out.push(joined);
             }
         }
     }
     out
+}
+
+/// Number of the model's effects that act on the gas or its wall, not on what is recorded of them.
+pub fn of_gas(model: &Model) -> usize {
+    let gas = |e: &usize| !matches!(CARDS[*e].acts_on, ActsOn::Reading | ActsOn::RecordedStroke);
+    model.effects.iter().filter(gas).count()
 }
 
 /// The model with one term less, each way there is.
