@@ -1,5 +1,6 @@
 """What all Python tests share: the program under test and a way to call it."""
 
+import json
 import os
 import pathlib
 import shutil
@@ -9,7 +10,21 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = pathlib.Path(os.environ.get("PNEUTHERM", ROOT / "target" / "release" / "pneutherm"))
+
+
+def target() -> pathlib.Path:
+    """Cargo's target folder, wherever CARGO_TARGET_DIR or a configuration file has put it."""
+    command = ["cargo", "metadata", "--no-deps", "--format-version", "1", "--offline"]
+    try:
+        found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return ROOT / "target"
+    return pathlib.Path(json.loads(found.stdout)["target_directory"])
+
+
+PROGRAM = pathlib.Path(os.environ.get("PNEUTHERM") or target() / "release" / "pneutherm")
+if not PROGRAM.exists():
+    pytest.exit(f"{PROGRAM} is not there: build it (cargo build --workspace --release), or name it in PNEUTHERM", 1)
 
 
 def library() -> pathlib.Path:
