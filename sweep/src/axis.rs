@@ -1,5 +1,6 @@
-//! The values that one varied quantity takes: a list, or a range with a linear or logarithmic scale.
+//! The values that one varied quantity takes: a list, a range with a linear or logarithmic scale, or a distribution.
 
+use crate::distribution::Distribution;
 use chamber::real::Real;
 use ensemble::lanes::{Lanes, WIDTH};
 use pulp::{Arch, Simd, WithSimd};
@@ -37,14 +38,18 @@ pub enum Axis {
         /// Equal steps or equal ratios.
         scale: Scale,
     },
+    /// Drawn from a distribution; not in a factorial design.
+    Drawn(Distribution),
 }
 
 impl Axis {
-    /// Number of levels in a factorial design; a range needs a count for it.
+    /// Number of levels in a factorial design; a range needs a count for it, a distribution has
+    /// none.
     pub fn levels(&self) -> Option<u64> {
         match self {
             Axis::Values { values } => Some(values.len() as u64),
             Axis::Range { count, .. } => *count,
+            Axis::Drawn(_) => None,
         }
     }
 
@@ -52,6 +57,7 @@ impl Axis {
     pub fn level(&self, level: u64) -> f64 {
         match *self {
             Axis::Values { ref values } => values[level as usize],
+            Axis::Drawn(ref distribution) => distribution.quantile(0.5),
             Axis::Range { from, to, count, scale } => {
                 let last = count.unwrap_or(1).saturating_sub(1);
                 if level == 0 {
@@ -65,7 +71,8 @@ impl Axis {
         }
     }
 
-    /// Puts values in place of shares in [0, 1) of the axis: of a range's length, or of the values in equal shares.
+    /// Puts values in place of shares in [0, 1) of the axis: of a range's length, of the values in equal shares, or of a
+    /// distribution's probability.
     pub fn place(&self, shares: &mut [f64]) {
         match *self {
             Axis::Values { ref values } => {
@@ -74,6 +81,9 @@ impl Axis {
             }
             Axis::Range { from, to, scale, .. } => {
                 Arch::new().dispatch(Place { between: Between::new(from, to, scale), shares });
+            }
+            Axis::Drawn(ref distribution) => {
+                shares.iter_mut().for_each(|share| *share = distribution.quantile(*share));
             }
         }
     }
@@ -85,6 +95,7 @@ impl Axis {
                 values.iter().copied().fold(f64::MAX, f64::min)..=values.iter().copied().fold(f64::MIN, f64::max)
             }
             Axis::Range { from, to, .. } => from..=to,
+            Axis::Drawn(ref distribution) => distribution.bounds(),
         }
     }
 

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 pub enum Error {
     /// The study's model or another record was refused.
     #[error(transparent)]
-    Record(#[from] records::Error),
+    Record(records::Error),
     /// A file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
@@ -128,6 +128,15 @@ fn hint(nearest: &Option<String>, key: &str, section: &str) -> String {
         (_, Some(kind)) if section == OUTERMOST => format!("; it belongs to a {kind}"),
         (Some(name), _) => format!("; did you mean `{name}`?"),
         _ => String::new(),
+    }
+}
+
+impl From<records::Error> for Error {
+    fn from(error: records::Error) -> Self {
+        match error {
+            records::Error::Write { path, source } => Error::Write { path, source },
+            other => Error::Record(other),
+        }
     }
 }
 

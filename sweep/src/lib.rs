@@ -10,7 +10,9 @@
 //! |---|---|
 //! | [`study`] | study files, read and checked: [`Study`] |
 //! | [`quantity`] | every number that can be varied |
-//! | [`axis`], [`design`] | the values a quantity takes; which points a study has |
+//! | [`axis`], [`distribution`] | the values a quantity takes, or how probable they are |
+//! | [`copula`], [`uncertain`] | quantities that hang together; a model's parameters as known |
+//! | [`design`] | which points a study has |
 //! | [`row`] | from a point to a scenario, and what comes out of it |
 //! | [`solve`] | rows through the kernel of `ensemble` |
 //! | [`columns`] | the table: names, units, encoding |
@@ -20,14 +22,16 @@
 //! | [`traces`] | the courses of some rows, as a second table |
 //! | [`run`](mod@run) | a study carried out: a shard into a folder, all into a file or memory |
 //! | [`statistics`] | what the results come to, with the rows or without |
-//! | [`sensitivity`] | first- and total-order indices of a Saltelli study |
+//! | [`sensitivity`] | first-, second- and total-order indices of a Saltelli study |
 //! | [`estimate`] | time and bytes of a study, from a short calibration |
 //!
 //! A row is a pure function of the study and its number. Shards, threads and interruptions make no difference to it.
 
 pub mod axis;
 pub mod columns;
+pub mod copula;
 pub mod design;
+pub mod distribution;
 pub mod error;
 pub mod estimate;
 pub mod folder;
@@ -44,6 +48,7 @@ pub mod solve;
 pub mod statistics;
 pub mod study;
 pub mod traces;
+pub mod uncertain;
 pub mod verify;
 
 pub use error::Error;

@@ -4,6 +4,8 @@
 
 use crate::columns;
 use chamber::effects::{self, PARAMETERS};
+use chamber::{Gas, Geometry, HeatTransfer};
+use records::Model;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::LazyLock;
@@ -147,6 +149,43 @@ pub struct Point(pub [f64; COUNT]);
 impl Point {
     /// No quantity given.
     pub const EMPTY: Point = Point([f64::NAN; COUNT]);
+
+    /// The numbers of a model; those of the test are not given.
+    pub fn of_model(model: &Model) -> Point {
+        let (c, mut point) = (&model.chamber, Point::EMPTY);
+        point.set(Base::GasConstant, c.gas.gas_constant);
+        point.set(Base::HeatCapacityRatio, c.gas.heat_capacity_ratio);
+        point.set(Base::Bore, c.geometry.bore);
+        point.set(Base::Rod, model.rod_m);
+        point.set(Base::DeadVolume, c.geometry.dead_volume);
+        point.set(Base::Coefficient, c.heat_transfer.coefficient);
+        point.set(Base::ReferencePressure, c.heat_transfer.reference_pressure);
+        point.set(Base::ReferenceTemperature, c.heat_transfer.reference_temperature);
+        point.set(Base::AmbientTemperature, model.ambient_temperature_k);
+        point.set(Base::AmbientPressure, model.ambient_pressure_pa);
+        point.effects_mut().copy_from_slice(&c.effects.0);
+        point
+    }
+
+    /// A model with these numbers in place of its own.
+    pub fn applied_to(&self, model: &Model) -> Model {
+        let get = |base| self.get(base);
+        let mut model = model.clone();
+        let chamber = &mut model.chamber;
+        chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
+        chamber.geometry =
+            Geometry::new(get(Base::Bore), get(Base::Rod), get(Base::DeadVolume), chamber.geometry.area_law);
+        chamber.heat_transfer = HeatTransfer {
+            coefficient: get(Base::Coefficient),
+            reference_pressure: get(Base::ReferencePressure),
+            reference_temperature: get(Base::ReferenceTemperature),
+        };
+        chamber.effects.0.copy_from_slice(self.effects());
+        model.rod_m = get(Base::Rod);
+        model.ambient_temperature_k = get(Base::AmbientTemperature);
+        model.ambient_pressure_pa = get(Base::AmbientPressure);
+        model
+    }
 
     /// The value of a base quantity.
     pub fn get(&self, base: Base) -> f64 {

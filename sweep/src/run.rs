@@ -11,6 +11,7 @@ use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
 use serde_json::Value;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
 
 /// Which of a study's parts a run writes: those whose number leaves `index` when divided by `count`.
@@ -299,6 +300,32 @@ pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<St
     let written = part::write(study, 0..study.rows, Some(&place), None, Workers::All, on_rows)?;
     written.file.map_or(Ok(()), Ended::publish)?;
     Ok(written.statuses)
+}
+
+/// The statistics of a whole study, as `statistics.json` of a folder has them; nothing is written.
+///
+/// # Errors
+/// A table of points cannot be read.
+pub fn statistics(study: &Study, plan: &Plan, on_rows: OnRows<'_>) -> Result<Value, Error> {
+    let (mut total, mut statuses) = (State::new(plan), StatusCounts::new());
+    for part in 0..study.parts {
+        let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::All, on_rows)?;
+        written.statistics.iter().for_each(|state| total.merge(state));
+        written.statuses.iter().for_each(|(status, count)| *statuses.entry(status.clone()).or_default() += count);
+    }
+    total.summary(study, plan, &statuses)
+}
+
+/// The rows of a study, batch after batch, in order: a wave of chunks is computed by all threads of the current pool when
+/// the one before is used up, so that memory does not grow with the study.
+pub fn batches(study: Arc<Study>) -> impl Iterator<Item = Result<RecordBatch, Error>> + Send {
+    let wave = part::CHUNK * 2 * rayon::current_num_threads() as u64;
+    let waves = (0..study.rows).step_by(wave as usize);
+    waves.flat_map(move |begin| {
+        let chunks: Vec<u64> = (begin..study.rows.min(begin + wave)).step_by(part::CHUNK as usize).collect();
+        let batch = |first: u64| part::batch(&study, first..study.rows.min(first + part::CHUNK));
+        chunks.into_par_iter().map(batch).collect::<Vec<_>>()
+    })
 }
 
 /// Carries out a whole study in memory.

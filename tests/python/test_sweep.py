@@ -350,6 +350,34 @@ def test_the_indices_of_a_saltelli_study_are_those_of_salib(tmp_path, pneutherm)
             assert ours[output]["total_order"][name]["value"] == pytest.approx(theirs["ST"][i], abs=1e-9)
 
 
+def test_indices_of_second_order_and_bootstrap_intervals_are_those_of_salib(tmp_path, pneutherm):
+    from SALib.analyze import sobol
+
+    names = ["bore_m", "initial_pressure_pa", "push_time_s"]
+    vary = "bore_m = { from = 0.016, to = 0.063 }\ninitial_pressure_pa = { from = 1e5, to = 7e5 }\npush_time_s = { from = 0.02, to = 0.4 }"
+    study = write(tmp_path, 'design = "saltelli"\nsamples = 512\nsecond_order = true\nfit = false', vary)
+    pneutherm("sweep", study, "-o", tmp_path / "out")
+    rows = table(tmp_path / "out")
+    assert rows.num_rows == 512 * 8
+    ours = json.loads((tmp_path / "out" / "sensitivity.json").read_text())["outputs"]
+    problem = {"num_vars": 3, "names": names, "bounds": [[0, 1]] * 3}
+    for output in ["pressure_peak_pa", "temperature_peak_k"]:
+        theirs = sobol.analyze(problem, rows[output].to_numpy(), num_resamples=1000, seed=1)
+        pairs = {tuple(entry["quantities"]): entry for entry in ours[output]["second_order"]}
+        assert len(pairs) == 3
+        for i, name in enumerate(names):
+            first, total = ours[output]["first_order"][name], ours[output]["total_order"][name]
+            assert first["value"] == pytest.approx(theirs["S1"][i], abs=1e-9)
+            assert total["value"] == pytest.approx(theirs["ST"][i], abs=1e-9)
+            # Two hundred resamples know a half-width within 5 %, one standard deviation.
+            assert first["ci95"] == pytest.approx(theirs["S1_conf"][i], rel=0.2, abs=1e-9)
+            assert total["ci95"] == pytest.approx(theirs["ST_conf"][i], rel=0.2, abs=1e-9)
+            for j in range(i + 1, 3):
+                pair = pairs[name, names[j]]
+                assert pair["value"] == pytest.approx(theirs["S2"][i, j], abs=1e-9)
+                assert pair["ci95"] == pytest.approx(theirs["S2_conf"][i, j], rel=0.2, abs=1e-9)
+
+
 def test_a_table_from_pyarrow_is_a_design(tmp_path, pneutherm):
     bores = np.linspace(0.01, 0.06, 5000)
     pq.write_table(pa.table({"bore_m": bores, "initial_pressure_pa": np.arange(5000) + 100_000}), tmp_path / "points.parquet")
@@ -523,3 +551,42 @@ def test_statistics_without_rows_are_numpys(tmp_path, pneutherm):
         pneutherm("sweep", study, "-o", tmp_path / "shards", "--no-rows", "--shard", f"{index}/3")
     expected = (tmp_path / "none" / "statistics.json").read_bytes()
     assert all((tmp_path / name / "statistics.json").read_bytes() == expected for name in ("rows", "shards"))
+
+
+def test_drawn_quantities_have_the_quantiles_moments_and_correlations_of_scipy(tmp_path, pneutherm):
+    import scipy.stats as st
+
+    measured = [0.051, 0.048, 0.055, 0.0505, 0.052]
+    vary = f"""bore_m = {{ distribution = "normal", mean = 0.02, sd = 1e-3 }}
+dead_volume_m3 = {{ distribution = "normal", mean = 1e-6, sd = 2e-6, from = 5e-7, to = 4e-6 }}
+coefficient_w_per_m2_k = {{ distribution = "log-normal", median = 30.0, sd_log = 0.4 }}
+ambient.temperature_k = {{ distribution = "log-normal", mean = 293.0, sd = 5.0, from = 285.0 }}
+push_time_s = {{ distribution = "triangular", from = 0.03, mode = 0.035, to = 0.06 }}
+initial_pressure_pa = {{ distribution = "uniform", from = 1e5, to = 7e5 }}
+final_stroke_m = {{ distribution = "empirical", values = {measured} }}"""
+    test = write(tmp_path, 'design = "sobol"\nsamples = 8192\nseed = 3\nfit = false', vary)
+    pneutherm("sweep", test, "-o", tmp_path / "out")
+    rows = table(tmp_path / "out").to_pandas()
+    sd_log = np.sqrt(np.log1p((5 / 293) ** 2))
+    log_normal = st.lognorm(sd_log, scale=293 / np.exp(sd_log**2 / 2))
+    assert np.isclose(log_normal.mean(), 293) and np.isclose(log_normal.std(), 5)
+    below = log_normal.cdf(285)
+    expected = {
+        "bore_m": st.norm(0.02, 1e-3).ppf,
+        "dead_volume_m3": st.truncnorm((5e-7 - 1e-6) / 2e-6, (4e-6 - 1e-6) / 2e-6, 1e-6, 2e-6).ppf,
+        "coefficient_w_per_m2_k": st.lognorm(0.4, scale=30).ppf,
+        "ambient.temperature_k": lambda u: log_normal.ppf(below + u * (1 - below)),
+        "push_time_s": st.triang(5 / 30, 0.03, 0.03).ppf,
+        "initial_pressure_pa": st.uniform(1e5, 6e5).ppf,
+        "final_stroke_m": lambda u: np.quantile(measured, u),
+    }
+    shares = []
+    for name, ppf in expected.items():
+        # Of 8192 scrambled points each 8192th of the probability has one: every value is known within its slice.
+        values = np.sort(rows[name])
+        slices = ppf(np.arange(8193) / 8192)
+        span = np.ptp(values)
+        assert (values >= slices[:-1] - 1e-12 * span).all() and (values <= slices[1:] + 1e-12 * span).all(), name
+        shares.append(rows[name].rank())
+    correlation = np.corrcoef(shares) - np.eye(len(shares))
+    assert abs(correlation).max() < 0.03, "independent axes"

@@ -6,6 +6,7 @@ pub mod sobol;
 pub mod table;
 
 use crate::axis::Axis;
+use crate::copula::Copula;
 use crate::error::Error;
 use pulp::{Arch, Simd, WithSimd};
 use random::{Permutation, Stream, mix, unit};
@@ -17,21 +18,75 @@ use table::Table;
 #[derive(Debug)]
 pub enum Design {
     /// Every combination of the axes' levels, the last axis changing fastest.
-    Factorial(Vec<Axis>),
+    Factorial(Axes),
     /// One row in each of `samples` equal slices of every axis.
     LatinHypercube(LatinHypercube),
     /// A scrambled low-discrepancy sequence.
-    Sobol(Vec<Axis>, u64, Sobol),
-    /// Saltelli's scheme for first- and total-order indices: blocks of A, A with one column of B for each axis, B.
-    Saltelli(Vec<Axis>, u64, Sobol),
+    Sobol(Axes, u64, Sobol),
+    /// Saltelli's scheme for indices of first and total order: blocks of A, A with one column of B for each axis, B; before
+    /// B, for those of second order, B with one column of A for each axis.
+    Saltelli {
+        /// What varies.
+        axes: Axes,
+        /// Number of blocks.
+        samples: u64,
+        /// A and B, side by side.
+        points: Sobol,
+        /// Whether the blocks have the rows for indices of second order.
+        second_order: bool,
+    },
     /// Points of one's own.
     Table(Table),
+}
+
+/// The axes of a design.
+#[derive(Clone, Debug)]
+pub struct Axes {
+    list: Vec<Axis>,
+    /// How some of them hang together.
+    copula: Option<Copula>,
+}
+
+impl From<Vec<Axis>> for Axes {
+    fn from(list: Vec<Axis>) -> Self {
+        Self { list, copula: None }
+    }
+}
+
+impl Axes {
+    /// Axes of which some hang together.
+    pub fn new(list: Vec<Axis>, copula: Option<Copula>) -> Self {
+        Self { list, copula }
+    }
+
+    /// How some of them hang together.
+    pub fn copula(&self) -> Option<&Copula> {
+        self.copula.as_ref()
+    }
+
+    /// Puts values in place of shares in [0, 1), one column for each axis.
+    pub fn place(&self, columns: &mut [Vec<f64>]) {
+        if let Some(copula) = &self.copula {
+            copula.apply(columns);
+        }
+        for (axis, column) in self.list.iter().zip(columns) {
+            axis.place(column);
+        }
+    }
+}
+
+impl std::ops::Deref for Axes {
+    type Target = [Axis];
+
+    fn deref(&self) -> &[Axis] {
+        &self.list
+    }
 }
 
 /// One row in each of `samples` equal slices of every axis, at a random place in its slice.
 #[derive(Debug)]
 pub struct LatinHypercube {
-    axes: Vec<Axis>,
+    axes: Axes,
     samples: u64,
     columns: Vec<(Permutation, Stream)>,
 }
@@ -41,7 +96,8 @@ pub const NAMES: [&str; 5] = ["factorial", "latin-hypercube", "sobol", "saltelli
 
 impl Design {
     /// A Latin hypercube of that many rows.
-    pub fn latin_hypercube(axes: Vec<Axis>, samples: u64, seed: u64) -> Self {
+    pub fn latin_hypercube(axes: impl Into<Axes>, samples: u64, seed: u64) -> Self {
+        let axes = axes.into();
         let keys = (0..axes.len() as u64).map(|d| (mix(seed, 2 * d), mix(seed, 2 * d + 1)));
         let columns =
             keys.map(|(permutation, place)| (Permutation::new(samples, permutation), Stream::new(place))).collect();
@@ -49,15 +105,17 @@ impl Design {
     }
 
     /// The first `samples` points of a scrambled Sobol' sequence.
-    pub fn sobol(axes: Vec<Axis>, samples: u64, seed: u64) -> Self {
+    pub fn sobol(axes: impl Into<Axes>, samples: u64, seed: u64) -> Self {
+        let axes = axes.into();
         let points = Sobol::scrambled(axes.len(), seed);
         Design::Sobol(axes, samples, points)
     }
 
     /// Saltelli's scheme on `samples` points of a scrambled Sobol' sequence of twice the dimensions.
-    pub fn saltelli(axes: Vec<Axis>, samples: u64, seed: u64) -> Self {
+    pub fn saltelli(axes: impl Into<Axes>, samples: u64, seed: u64, second_order: bool) -> Self {
+        let axes = axes.into();
         let points = Sobol::scrambled(2 * axes.len(), seed);
-        Design::Saltelli(axes, samples, points)
+        Design::Saltelli { axes, samples, points, second_order }
     }
 
     /// Its name in study files.
@@ -66,7 +124,7 @@ impl Design {
             Design::Factorial(_) => NAMES[0],
             Design::LatinHypercube(_) => NAMES[1],
             Design::Sobol(..) => NAMES[2],
-            Design::Saltelli(..) => NAMES[3],
+            Design::Saltelli { .. } => NAMES[3],
             Design::Table(_) => NAMES[4],
         }
     }
@@ -74,9 +132,18 @@ impl Design {
     /// The axes; none for a table.
     pub fn axes(&self) -> &[Axis] {
         match self {
-            Design::Factorial(axes) | Design::Sobol(axes, ..) | Design::Saltelli(axes, ..) => axes,
+            Design::Factorial(axes) | Design::Sobol(axes, ..) | Design::Saltelli { axes, .. } => axes,
             Design::LatinHypercube(cube) => &cube.axes,
             Design::Table(_) => &[],
+        }
+    }
+
+    /// How some of the axes hang together.
+    pub fn copula(&self) -> Option<&Copula> {
+        match self {
+            Design::Factorial(axes) | Design::Sobol(axes, ..) | Design::Saltelli { axes, .. } => axes.copula(),
+            Design::LatinHypercube(cube) => cube.axes.copula(),
+            Design::Table(_) => None,
         }
     }
 
@@ -86,7 +153,9 @@ impl Design {
             Design::Factorial(axes) => axes.iter().try_fold(1u64, |rows, a| rows.checked_mul(a.levels().unwrap_or(1))),
             Design::LatinHypercube(cube) => Some(cube.samples),
             Design::Sobol(_, samples, _) => Some(*samples),
-            Design::Saltelli(axes, samples, _) => samples.checked_mul(axes.len() as u64 + 2),
+            Design::Saltelli { axes, samples, second_order, .. } => {
+                samples.checked_mul(block_length(axes.len(), *second_order))
+            }
             Design::Table(table) => Some(table.rows()),
         }
     }
@@ -110,22 +179,28 @@ impl Design {
             }
             Design::LatinHypercube(cube) => cube.fill(rows, columns),
             Design::Sobol(axes, _, points) => {
-                for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
+                for (dimension, column) in columns.iter_mut().enumerate() {
                     column
                         .extend(points.coordinates_from(rows.start, dimension).take((rows.end - rows.start) as usize));
-                    axis.place(column);
                 }
+                axes.place(columns);
             }
-            Design::Saltelli(axes, _, points) => {
-                let block = axes.len() as u64 + 2;
-                for (dimension, (axis, column)) in axes.iter().zip(columns).enumerate() {
-                    let share = |row| {
-                        let of_b = row % block == dimension as u64 + 1 || row % block == block - 1;
+            Design::Saltelli { axes, points, second_order, .. } => {
+                let n = axes.len() as u64;
+                let block = block_length(axes.len(), *second_order);
+                for (dimension, column) in columns.iter_mut().enumerate() {
+                    let share = |row: u64| {
+                        let of_b = match row % block {
+                            0 => false,
+                            place if place == block - 1 => true,
+                            place if place <= n => place - 1 == dimension as u64,
+                            place => place - n - 1 != dimension as u64,
+                        };
                         points.coordinate(row / block, if of_b { axes.len() + dimension } else { dimension })
                     };
                     column.extend(rows.clone().map(share));
-                    axis.place(column);
                 }
+                axes.place(columns);
             }
             Design::Table(table) => table.fill(rows, columns)?,
         }
@@ -133,16 +208,21 @@ impl Design {
     }
 }
 
+/// Rows of a block of Saltelli's scheme.
+fn block_length(axes: usize, second_order: bool) -> u64 {
+    axes as u64 * if second_order { 2 } else { 1 } + 2
+}
+
 impl LatinHypercube {
     fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) {
         let mut slices = vec![0; (rows.end - rows.start) as usize];
-        for ((axis, (permutation, place)), column) in self.axes.iter().zip(&self.columns).zip(columns) {
+        for ((permutation, place), column) in self.columns.iter().zip(columns.iter_mut()) {
             permutation.fill(rows.start, &mut slices);
             column.resize(slices.len(), 0.0);
             let (first_row, samples) = (rows.start, self.samples as f64);
             Arch::new().dispatch(Shares { slices: &slices, samples, place: *place, first_row, out: column });
-            axis.place(column);
         }
+        self.axes.place(columns);
     }
 }
 
@@ -188,7 +268,7 @@ mod tests {
     #[test]
     fn a_factorial_design_has_every_combination_once_and_its_last_axis_runs_fastest() {
         let list = |values: &[f64]| Axis::Values { values: values.to_vec() };
-        let design = Design::Factorial(vec![list(&[1.0, 2.0]), list(&[3.0, 4.0, 5.0])]);
+        let design = Design::Factorial(vec![list(&[1.0, 2.0]), list(&[3.0, 4.0, 5.0])].into());
         assert_eq!(design.rows(), Some(6));
         let expected = [vec![1.0, 1.0, 1.0, 2.0, 2.0, 2.0], vec![3.0, 4.0, 5.0, 3.0, 4.0, 5.0]];
         assert_eq!(points(&design, 0..6, 2), expected);
@@ -207,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_saltelli_block_changes_one_column_at_a_time() {
-        let design = Design::saltelli(unit_axes(3), 8, 1);
+        let design = Design::saltelli(unit_axes(3), 8, 1, false);
         assert_eq!(design.rows(), Some(40));
         let columns = points(&design, 0..40, 3);
         for block in 0..8 {
@@ -223,8 +303,25 @@ mod tests {
     }
 
     #[test]
+    fn a_block_for_second_order_changes_all_columns_but_one_too() {
+        let design = Design::saltelli(unit_axes(3), 8, 1, true);
+        assert_eq!(design.rows(), Some(64));
+        let columns = points(&design, 0..64, 3);
+        for block in 0..8 {
+            let row = |k: usize| columns.iter().map(|c| c[block * 8 + k]).collect::<Vec<_>>();
+            let (a, b) = (row(0), row(7));
+            for k in 0..3 {
+                let (mut of_a, mut of_b) = (a.clone(), b.clone());
+                (of_a[k], of_b[k]) = (b[k], a[k]);
+                assert_eq!((row(1 + k), row(4 + k)), (of_a, of_b));
+            }
+        }
+    }
+
+    #[test]
     fn another_seed_is_another_design() {
-        for design in [Design::latin_hypercube, Design::sobol, Design::saltelli] {
+        let saltelli = |axes, samples, seed| Design::saltelli(axes, samples, seed, false);
+        for design in [Design::latin_hypercube, Design::sobol, saltelli] {
             assert_ne!(points(&design(unit_axes(2), 64, 1), 0..64, 2), points(&design(unit_axes(2), 64, 2), 0..64, 2));
         }
     }
@@ -235,10 +332,10 @@ mod tests {
             let axis = Axis::Range { from: 1.0, to: 2.0, count: Some(10), scale: Scale::Log };
             let axes = vec![axis; 3];
             let design = match kind {
-                0 => Design::Factorial(axes),
+                0 => Design::Factorial(axes.into()),
                 1 => Design::latin_hypercube(axes, 1000, seed),
                 2 => Design::sobol(axes, 1000, seed),
-                _ => Design::saltelli(axes, 200, seed),
+                _ => Design::saltelli(axes, 200, seed, false),
             };
             let whole = points(&design, 0..1000, 3);
             let piece = points(&design, start..start + length, 3);

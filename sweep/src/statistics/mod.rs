@@ -55,6 +55,31 @@ impl Plan {
         Self { columns, quantiles: QUANTILES.to_vec(), histograms: Vec::new() }
     }
 
+    /// Some computed columns of a study, all unless named, with the quantiles of some probabilities.
+    ///
+    /// # Errors
+    /// A column that the study does not compute, a probability beyond 0 to 1.
+    pub fn picked(study: &Study, columns: Option<&[String]>, quantiles: Option<&[f64]>) -> Result<Self, Error> {
+        let mut plan = Self::all(study);
+        if let Some(columns) = columns {
+            if let Some(unknown) = columns.iter().find(|name| !plan.columns.contains(name)) {
+                let hint = records::nearest(unknown, plan.columns.iter().map(String::as_str));
+                let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+                return Err(Error::Option(format!("`{unknown}` is no result of this study{hint}")));
+            }
+            plan.columns.retain(|column| columns.contains(column));
+        }
+        if let Some(quantiles) = quantiles {
+            if let Some(wrong) = quantiles.iter().find(|p| !(0.0..=1.0).contains(*p)) {
+                return Err(Error::Option(format!(
+                    "a quantile of {wrong} is asked for: probabilities from 0 to 1 were expected"
+                )));
+            }
+            plan.quantiles = quantiles.to_vec();
+        }
+        Ok(plan)
+    }
+
     /// What two states have to have in common to be merged.
     pub fn identity(&self) -> String {
         hash::of_bytes(json!([self.columns, self.histograms]).to_string().as_bytes())

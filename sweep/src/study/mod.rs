@@ -3,6 +3,7 @@
 pub mod check;
 mod read;
 mod section;
+mod vary;
 
 use crate::design::Design;
 use crate::error::Error;
@@ -130,6 +131,9 @@ impl Study {
         if let Some(samples) = self.samples {
             study.insert("samples".into(), json!(samples));
         }
+        if let Design::Saltelli { second_order: true, .. } = &self.design {
+            study.insert("second_order".into(), json!(true));
+        }
         study.insert("seed".into(), json!(self.seed));
         study.insert("rows".into(), json!(self.rows));
         study.insert("parts".into(), json!(self.parts));
@@ -154,6 +158,13 @@ impl Study {
                 let axes = self.varied.iter().zip(design.axes());
                 let axes: Map<String, Value> = axes.map(|(v, axis)| (v.column.clone(), json!(axis))).collect();
                 study.insert("vary".into(), Value::Object(axes));
+                if let Some(copula) = design.copula() {
+                    let columns: Vec<_> = copula.columns().iter().map(|i| &self.varied[*i].column).collect();
+                    study.insert(
+                        "correlated".into(),
+                        json!({ "quantities": columns, "correlation": copula.correlation() }),
+                    );
+                }
             }
         }
         Value::Object(study)

@@ -2,15 +2,16 @@
 
 use super::check::{self, Bounds};
 use super::section::{Entry, File, Section};
+use super::vary::{self, Found, not_found, varied};
 use super::{MOST_PARTS, MOST_ROWS, SOLVERS, Study, TOLERANCES, Varied};
-use crate::axis::{Axis, Scale};
-use crate::columns;
+use crate::axis::Axis;
 use crate::design::table::Table;
-use crate::design::{Design, NAMES, sobol};
+use crate::design::{Axes, Design, NAMES, sobol};
 use crate::error::{Error, OUTERMOST};
 use crate::hash;
-use crate::quantity::{self, Base, NotFound, Point};
+use crate::quantity::{self, Base, Point};
 use crate::statistics::{Bins, Plan};
+use crate::uncertain::Uncertain;
 use ensemble::{Options, Solver};
 use records::Model;
 use std::path::{Path, PathBuf};
@@ -66,6 +67,7 @@ impl Study {
                 Model::read(&beside(path, entry.text()?))?
             }
         };
+        let uncertain = Uncertain::of(&model);
         let left_out = model.leave_out_recorded_stroke();
         let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
@@ -75,7 +77,7 @@ impl Study {
         let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
         let parts = study.get("parts").map(|e| Ok::<_, Error>((e, e.whole(1)?))).transpose()?;
 
-        let Points { mut design, varied, entries, table_sha256 } = design(&study, &vary, path, seed)?;
+        let Points { mut design, varied, entries, table_sha256 } = design(&study, &vary, &uncertain, path, seed)?;
         study.finish()?;
         let base = base(&model, &test, &varied)?;
         possible(&model, &base, &mut design, &varied, &entries, &test, file)?;
@@ -124,7 +126,13 @@ fn tolerance(entry: Entry<'_>) -> Result<f64, Error> {
 }
 
 /// The points: from [vary] or, for a table, from its columns.
-fn design<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path, seed: u64) -> Result<Points<'a>, Error> {
+fn design<'a>(
+    study: &Section<'a>,
+    vary: &Section<'a>,
+    model: &Result<Uncertain, String>,
+    path: &Path,
+    seed: u64,
+) -> Result<Points<'a>, Error> {
     let names = NAMES.map(|name| (name, name));
     let list = NAMES.map(|name| format!("\"{name}\"")).join(", ");
     let entry = study.require("design", &format!("one of {list} was expected"))?;
@@ -135,14 +143,24 @@ fn design<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path, seed: u64) -
     if let Some(unused) = study.get("table") {
         return Err(unused.refuse(format!("belongs to design = \"table\"; this study's is \"{name}\"")));
     }
-    let found = axes(vary)?;
+    let (found, copula) = vary::axes(vary, model)?;
     if found.is_empty() {
         return Err(vary.missing("…", "at least one quantity to vary was expected"));
     }
     if name == "factorial"
-        && let Some((entry, ..)) = found.iter().find(|(_, _, axis)| axis.levels().is_none())
+        && let Some(Found { entry, axis, .. }) = found.iter().find(|found| found.axis.levels().is_none())
     {
-        return Err(entry.refuse("needs a `count` of levels in a factorial design"));
+        return Err(entry.refuse(match axis {
+            Axis::Drawn(_) => {
+                "is a distribution, which has no levels: design = \"sobol\", \"latin-hypercube\" or \"saltelli\" draws from it"
+            }
+            _ => "needs a `count` of levels in a factorial design",
+        }));
+    }
+    if name == "saltelli" && copula.as_ref().is_some_and(|copula| copula.is_correlated()) {
+        return Err(entry.refuse(
+            "is \"saltelli\", whose indices are of independent quantities; those that the model draws are correlated: take \"sobol\" or \"latin-hypercube\"",
+        ));
     }
     let limit = if name == "saltelli" { sobol::DIMENSIONS / 2 } else { sobol::DIMENSIONS };
     if found.len() > limit {
@@ -153,14 +171,21 @@ fn design<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path, seed: u64) -
         let samples = entry.whole(1)?;
         if samples > 1 << 52 { Err(entry.refuse("is more than 2^52")) } else { Ok(samples) }
     };
-    let varied = found.iter().map(|(_, varied, _)| varied.clone()).collect();
-    let entries = found.iter().map(|(entry, ..)| *entry).collect();
-    let axes = found.into_iter().map(|(.., axis)| axis).collect();
+    let second_order = match study.get("second_order") {
+        Some(entry) if name != "saltelli" => {
+            return Err(entry.refuse(format!("belongs to design = \"saltelli\"; this study's is \"{name}\"")));
+        }
+        Some(entry) => entry.boolean()?,
+        None => false,
+    };
+    let varied = found.iter().map(|found| found.varied.clone()).collect();
+    let entries = found.iter().map(|found| found.entry).collect();
+    let axes = Axes::new(found.into_iter().map(|found| found.axis).collect(), copula);
     let design = match name {
         "factorial" => Design::Factorial(axes),
         "latin-hypercube" => Design::latin_hypercube(axes, samples()?, seed),
         "sobol" => Design::sobol(axes, samples()?, seed),
-        _ => Design::saltelli(axes, samples()?, seed),
+        _ => Design::saltelli(axes, samples()?, seed, second_order),
     };
     Ok(Points { design, varied, entries, table_sha256: None })
 }
@@ -198,124 +223,6 @@ fn possible(
             None => Error::Option(format!("{}: {name} {}", file.path.display(), refused.message)),
         }
     })
-}
-
-/// Every axis of [vary], in the order of the file.
-fn axes<'a>(vary: &Section<'a>) -> Result<Vec<(Entry<'a>, Varied, Axis)>, Error> {
-    let mut found: Vec<(Entry<'a>, Varied, Axis)> = Vec::new();
-    for (entry, name) in leaves(vary, "")? {
-        let place = quantity::find(&name).map_err(|reason| entry.refuse(not_found(&name, &reason)))?;
-        if let Some((other, ..)) = found.iter().find(|(_, varied, _)| varied.quantity == place) {
-            let line = other.line;
-            return Err(
-                entry.refuse(format!("is {} once more: line {line} varies it already", quantity::all()[place].name))
-            );
-        }
-        let axis = axis(entry, place)?;
-        found.push((entry, varied(&name, place), axis));
-    }
-    let conflict = |a: Base, b: Base| {
-        let at = |base: Base| found.iter().find(|(_, varied, _)| varied.quantity == base as usize);
-        Some((at(a)?, at(b)?))
-    };
-    if let Some(((entry, ..), _)) = conflict(Base::VolumeToArea, Base::Bore) {
-        return Err(entry.refuse("is what the bore is solved from: vary one of the two"));
-    }
-    if let Some(((entry, ..), _)) = conflict(Base::VolumeToAreaByLength, Base::VolumeToArea) {
-        return Err(entry.refuse("and volume_to_area_m are one quantity, solved for in two ways: vary one of the two"));
-    }
-    for stroke in [Base::InitialStroke, Base::FinalStroke] {
-        if let Some(((entry, ..), _)) = conflict(Base::VolumeToAreaByLength, stroke) {
-            return Err(entry.refuse("is what both strokes are solved from: give them in [test]"));
-        }
-    }
-    if let Some(((entry, ..), _)) = conflict(Base::HoldTimeConstants, Base::Duration) {
-        return Err(entry.refuse("and duration_s both set the length of the test: vary one of the two"));
-    }
-    Ok(found)
-}
-
-/// A column has the name that the study uses, unless that is another column's.
-fn varied(name: &str, quantity: usize) -> Varied {
-    let full = &quantity::all()[quantity].name;
-    let taken = quantity != Base::VolumeToArea as usize && columns::is_output(name);
-    Varied { column: if taken { full.clone() } else { name.to_owned() }, quantity }
-}
-
-fn not_found(name: &str, reason: &NotFound) -> String {
-    match reason {
-        NotFound::OfRecordedStroke => {
-            "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
-                .into()
-        }
-        NotFound::Unknown(None) => "is no number of the model or of the test".into(),
-        NotFound::Unknown(Some(nearest)) => {
-            format!("is no number of the model or of the test; did you mean `{nearest}`?")
-        }
-        NotFound::Ambiguous(list) => {
-            format!("could be {}; write `{}`, say, instead of `{name}`", list.join(" or "), list[0])
-        }
-    }
-}
-
-/// The entries that describe an axis, with their dotted names: `a.b_m = {…}` without quotes is a table in a table.
-fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Entry<'a>, String)>, Error> {
-    let mut found = Vec::new();
-    for entry in section.entries() {
-        let name = if prefix.is_empty() { entry.key.to_owned() } else { format!("{prefix}.{}", entry.key) };
-        let nested = entry
-            .value
-            .as_table()
-            .is_some_and(|table| !table.is_empty() && table.iter().all(|(_, value)| value.get_ref().is_table()));
-        if nested {
-            found.extend(leaves(&entry.section()?, &name)?);
-        } else {
-            found.push((entry, name));
-        }
-    }
-    Ok(found)
-}
-
-fn axis(entry: Entry<'_>, place: usize) -> Result<Axis, Error> {
-    const FORMS: &str = "{ values = [...] } or { from = ..., to = ..., count = ..., scale = \"linear\" } was expected";
-    if entry.value.as_table().is_none() {
-        return Err(entry.refuse(format!("is {}: {FORMS}", entry.value.type_str())));
-    }
-    let section = entry.section()?;
-    let allowed = &quantity::all()[place].allowed;
-    let check = |value: f64| {
-        if allowed.contains(value) {
-            Ok(value)
-        } else {
-            Err(entry.refuse(format!("takes {value}, but has to be {allowed}")))
-        }
-    };
-    if let Some(values) = section.get("values") {
-        let values = values.numbers()?.into_iter().map(check).collect::<Result<_, _>>()?;
-        section.finish()?;
-        return Ok(Axis::Values { values });
-    }
-    let (from, to) = match (section.get("from"), section.get("to")) {
-        (Some(from), Some(to)) => (check(from.number()?)?, check(to.number()?)?),
-        _ => {
-            section.get("count");
-            section.get("scale");
-            section.finish()?;
-            return Err(entry.refuse(format!("says too little: {FORMS}")));
-        }
-    };
-    let scale =
-        section.get("scale").map(|e| e.one_of(&[("linear", Scale::Linear), ("log", Scale::Log)])).transpose()?;
-    let scale = scale.unwrap_or(Scale::Linear);
-    let count = section.get("count").map(|e| e.whole(2)).transpose()?;
-    section.finish()?;
-    if from >= to {
-        return Err(entry.refuse(format!("runs from {from} to {to}: `from` has to be below `to`")));
-    }
-    if scale == Scale::Log && from <= 0.0 {
-        return Err(entry.refuse(format!("runs from {from}: a logarithmic scale needs a value above 0")));
-    }
-    Ok(Axis::Range { from, to, count, scale })
 }
 
 /// A design that is read from a file: each of its columns is a quantity; `columns` picks some of them.
@@ -427,18 +334,7 @@ const MOST_BINS: u64 = 100_000;
 
 /// Every number that does not vary: the model's, then the test's.
 fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, Error> {
-    let (c, mut base) = (&model.chamber, Point::EMPTY);
-    base.set(Base::GasConstant, c.gas.gas_constant);
-    base.set(Base::HeatCapacityRatio, c.gas.heat_capacity_ratio);
-    base.set(Base::Bore, c.geometry.bore);
-    base.set(Base::Rod, model.rod_m);
-    base.set(Base::DeadVolume, c.geometry.dead_volume);
-    base.set(Base::Coefficient, c.heat_transfer.coefficient);
-    base.set(Base::ReferencePressure, c.heat_transfer.reference_pressure);
-    base.set(Base::ReferenceTemperature, c.heat_transfer.reference_temperature);
-    base.set(Base::AmbientTemperature, model.ambient_temperature_k);
-    base.set(Base::AmbientPressure, model.ambient_pressure_pa);
-    base.effects_mut().copy_from_slice(&c.effects.0);
+    let mut base = Point::of_model(model);
 
     // A misspelt key is said to be one before the key it was meant for is missed.
     for key in quantity::all().iter().filter_map(|q| q.name.strip_prefix("test.")) {

@@ -1,0 +1,244 @@
+//! The distribution of a quantity whose value is not known exactly, by its quantile function: from a share of its
+//! probability to its value, so that every sampled design draws from it.
+//!
+//! The standard normal and the triangular distribution are those of `statrs`. A truncated normal or log-normal
+//! distribution keeps its shape between its limits: z = Φ⁻¹(Φ(a) + u (Φ(b) − Φ(a))).
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal, Triangular};
+use std::ops::RangeInclusive;
+
+/// Probability beyond the least and the greatest value that is drawn, where a distribution has no end: 8.2 standard
+/// deviations of a normal one, the most that a double's share of one resolves.
+const TAIL: f64 = 1.0 / (1u64 << 53) as f64;
+/// Probability between the limits of a truncated distribution at least: below it, digits are lost.
+const LEAST_MASS: f64 = 1e-9;
+
+/// A distribution of one quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "distribution", rename_all = "kebab-case")]
+pub enum Distribution {
+    /// Normal, truncated where it has limits.
+    Normal {
+        /// Mean of the distribution before it is truncated.
+        mean: f64,
+        /// Its standard deviation.
+        sd: f64,
+        /// Where it is truncated.
+        #[serde(flatten)]
+        limits: Limits,
+    },
+    /// The logarithm is normal; truncated where it has limits.
+    LogNormal {
+        /// Median of the distribution before it is truncated.
+        median: f64,
+        /// Standard deviation of the natural logarithm.
+        sd_log: f64,
+        /// Where it is truncated.
+        #[serde(flatten)]
+        limits: Limits,
+    },
+    /// Triangular.
+    Triangular {
+        /// The least value.
+        from: f64,
+        /// The most probable value.
+        mode: f64,
+        /// The greatest value.
+        to: f64,
+    },
+    /// Measured values: between two neighbours in order every value is as probable as any other.
+    Empirical {
+        /// In order.
+        values: Vec<f64>,
+    },
+}
+
+/// Where a distribution is truncated, if it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Limits {
+    /// The least value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// The greatest value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+}
+
+impl Distribution {
+    /// Why there is no such distribution, if there is none: "has an `sd` of 0: …".
+    pub fn problem(&self) -> Option<String> {
+        match self {
+            Distribution::Normal { sd, .. } if *sd <= 0.0 => Some(format!("has an `sd` of {sd}: it has to be above 0")),
+            Distribution::LogNormal { median, .. } if *median <= 0.0 => {
+                Some(format!("has a `median` of {median}: a log-normal quantity is above 0"))
+            }
+            Distribution::LogNormal { sd_log, .. } if *sd_log <= 0.0 => {
+                Some(format!("has an `sd_log` of {sd_log}: it has to be above 0"))
+            }
+            Distribution::Normal { limits, .. } | Distribution::LogNormal { limits, .. } => {
+                if let (Some(from), Some(to)) = (limits.from, limits.to)
+                    && from >= to
+                {
+                    return Some(format!("runs from {from} to {to}: `from` has to be below `to`"));
+                }
+                let ends = self.standard_limits();
+                (mass(ends) < LEAST_MASS).then(|| "has next to no probability between `from` and `to`".to_owned())
+            }
+            Distribution::Triangular { from, mode, to } if from >= to || !(from..=to).contains(&mode) => {
+                Some(format!("runs from {from} by its mode {mode} to {to}: they have to be in this order"))
+            }
+            Distribution::Triangular { .. } => None,
+            Distribution::Empirical { values } => {
+                let same = values.first() == values.last();
+                same.then(|| "needs at least two different values".to_owned())
+            }
+        }
+    }
+
+    /// The value below which that share of the probability lies. Shares of 0 and 1 are taken as the nearest ones that
+    /// have a value.
+    pub fn quantile(&self, share: f64) -> f64 {
+        let share = share.clamp(TAIL, 1.0 - TAIL);
+        match self {
+            Distribution::Normal { mean, sd, limits } => limits.clamp(mean + sd * self.standard_quantile(share)),
+            Distribution::LogNormal { median, sd_log, limits } => {
+                limits.clamp(median * (sd_log * self.standard_quantile(share)).exp())
+            }
+            Distribution::Triangular { from, mode, to } => match Triangular::new(*from, *to, *mode) {
+                Ok(triangular) => triangular.inverse_cdf(share),
+                Err(_) => f64::NAN,
+            },
+            Distribution::Empirical { values } => {
+                let place = share * (values.len() - 1) as f64;
+                let before = (place as usize).min(values.len() - 2);
+                let (a, b) = (values[before], values[before + 1]);
+                a + (place - before as f64) * (b - a)
+            }
+        }
+    }
+
+    /// The least and the greatest value that are drawn.
+    pub fn bounds(&self) -> RangeInclusive<f64> {
+        self.quantile(0.0)..=self.quantile(1.0)
+    }
+
+    /// Limits of the standard normal variable behind a normal or log-normal distribution.
+    fn standard_limits(&self) -> [f64; 2] {
+        let ends = |limits: &Limits| [limits.from.unwrap_or(f64::NEG_INFINITY), limits.to.unwrap_or(f64::INFINITY)];
+        match self {
+            Distribution::Normal { mean, sd, limits } => ends(limits).map(|x| (x - mean) / sd),
+            Distribution::LogNormal { median, sd_log, limits } => {
+                ends(limits).map(|x| (x.max(0.0) / median).ln() / sd_log)
+            }
+            Distribution::Triangular { .. } | Distribution::Empirical { .. } => ends(&Limits::default()),
+        }
+    }
+
+    /// Quantile of the standard normal variable between its limits, from whichever tail keeps the digits.
+    fn standard_quantile(&self, share: f64) -> f64 {
+        let [a, b] = self.standard_limits();
+        let between = |a: f64, b: f64, share: f64| normal_quantile(normal(a) * (1.0 - share) + normal(b) * share);
+        if a > 0.0 { -between(-b, -a, 1.0 - share) } else { between(a, b, share) }
+    }
+}
+
+impl Limits {
+    fn clamp(self, value: f64) -> f64 {
+        let value = self.from.map_or(value, |from| value.max(from));
+        self.to.map_or(value, |to| value.min(to))
+    }
+}
+
+/// Probability of a standard normal variable between two limits.
+fn mass([a, b]: [f64; 2]) -> f64 {
+    if a > 0.0 { normal(-a) - normal(-b) } else { normal(b) - normal(a) }
+}
+
+/// Probability that a standard normal variable is below x.
+pub fn normal(x: f64) -> f64 {
+    Normal::standard().cdf(x)
+}
+
+/// The value that a standard normal variable is below with that probability.
+pub fn normal_quantile(probability: f64) -> f64 {
+    Normal::standard().inverse_cdf(probability)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use statrs::distribution::{Continuous, LogNormal};
+
+    const FREE: Limits = Limits { from: None, to: None };
+
+    /// ∫ f dF from the quantile function by the midpoint rule.
+    fn mean_of(distribution: &Distribution, f: impl Fn(f64) -> f64) -> f64 {
+        let n = 200_000;
+        (0..n).map(|i| f(distribution.quantile((f64::from(i) + 0.5) / f64::from(n)))).sum::<f64>() / f64::from(n)
+    }
+
+    #[test]
+    fn moments_are_those_of_the_textbooks() {
+        for (distribution, mean, variance) in [
+            (Distribution::Normal { mean: 3.0, sd: 0.5, limits: FREE }, 3.0, 0.25),
+            (
+                Distribution::LogNormal { median: 2.0, sd_log: 0.3, limits: FREE },
+                2.0 * 0.045f64.exp(),
+                4.0 * 0.09f64.exp() * (0.09f64.exp() - 1.0),
+            ),
+            (
+                Distribution::Triangular { from: 1.0, mode: 2.0, to: 5.0 },
+                8.0 / 3.0,
+                (1.0 + 4.0 + 25.0 - 2.0 - 5.0 - 10.0) / 18.0,
+            ),
+            // Between the values each piece is uniform: means 1.5 and 4, variances 1/12 and 4²/12, one half each.
+            (Distribution::Empirical { values: vec![1.0, 2.0, 6.0] }, 2.75, 17.0 / 24.0 + 1.25 * 1.25),
+            // Half a normal distribution: mean √(2/π), variance 1 − 2/π.
+            (
+                Distribution::Normal { mean: 0.0, sd: 1.0, limits: Limits { from: Some(0.0), to: None } },
+                std::f64::consts::FRAC_2_PI.sqrt(),
+                1.0 - std::f64::consts::FRAC_2_PI,
+            ),
+        ] {
+            let found = mean_of(&distribution, |x| x);
+            assert!((found / mean - 1.0).abs() < 2e-5, "{distribution:?}: {found} {mean}");
+            let spread = mean_of(&distribution, |x| (x - mean) * (x - mean));
+            assert!((spread / variance - 1.0).abs() < 2e-4, "{distribution:?}: {spread} {variance}");
+        }
+    }
+
+    #[test]
+    fn a_log_normal_quantile_is_that_of_statrs() {
+        let ours = Distribution::LogNormal { median: 2.0, sd_log: 0.3, limits: FREE };
+        let theirs = LogNormal::new(2f64.ln(), 0.3).unwrap();
+        for share in [1e-12, 0.025, 0.5, 0.975, 1.0 - 1e-12] {
+            assert!((ours.quantile(share) / theirs.inverse_cdf(share) - 1.0).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_distribution_without_ends_is_drawn_from_as_far_as_doubles_tell_shares_apart() {
+        let bounds = Distribution::Normal { mean: 0.0, sd: 1.0, limits: FREE }.bounds();
+        assert!((-8.3..-8.1).contains(bounds.start()) && (8.1..8.3).contains(bounds.end()), "{bounds:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn a_truncated_distribution_keeps_its_shape_within_its_limits(
+            from in -5.0..5.0f64, length in 0.01..8.0f64, share in 0.001..0.999f64,
+        ) {
+            let limits = Limits { from: Some(from), to: Some(from + length) };
+            let distribution = Distribution::Normal { mean: 0.0, sd: 1.0, limits };
+            prop_assume!(distribution.problem().is_none());
+            let x = distribution.quantile(share);
+            prop_assert!((from..=from + length).contains(&x));
+            // dx/du = mass/density.
+            let step = 1e-5;
+            let slope = (distribution.quantile(share + step) - distribution.quantile(share - step)) / (2.0 * step);
+            let expected = mass([from, from + length]) / Normal::standard().pdf(x);
+            prop_assert!((slope / expected - 1.0).abs() < 1e-3, "{slope} {expected}");
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! `[vary]` of a study file: which quantities vary, and which values or distributions they take.
+
+use super::Varied;
+use super::section::{Entry, Section};
+use crate::axis::{Axis, Scale};
+use crate::columns;
+use crate::copula::Copula;
+use crate::distribution::{Distribution, Limits};
+use crate::error::Error;
+use crate::quantity::{self, Base, NotFound};
+use crate::uncertain::{Parameter, Uncertain};
+
+/// Names of the distributions in study files.
+const DISTRIBUTIONS: [(&str, Kind); 6] = [
+    ("normal", Kind::Normal),
+    ("log-normal", Kind::LogNormal),
+    ("lognormal", Kind::LogNormal),
+    ("uniform", Kind::Uniform),
+    ("triangular", Kind::Triangular),
+    ("empirical", Kind::Empirical),
+];
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Normal,
+    LogNormal,
+    Uniform,
+    Triangular,
+    Empirical,
+}
+
+/// One quantity that varies, and where the study says so.
+pub struct Found<'a> {
+    /// Its entry.
+    pub entry: Entry<'a>,
+    /// The quantity and its column.
+    pub varied: Varied,
+    /// Its values.
+    pub axis: Axis,
+    /// Whether it is drawn from what the model knows of it.
+    of_model: bool,
+}
+
+/// Every axis of [vary], in the order of the file, and how those hang together that are drawn from the model.
+pub fn axes<'a>(
+    vary: &Section<'a>,
+    model: &Result<Uncertain, String>,
+) -> Result<(Vec<Found<'a>>, Option<Copula>), Error> {
+    let mut found: Vec<Found<'a>> = Vec::new();
+    let mut add = |new: Found<'a>| {
+        let place = new.varied.quantity;
+        if let Some(other) = found.iter().find(|other| other.varied.quantity == place) {
+            let (line, name) = (other.entry.line, &quantity::all()[place].name);
+            return Err(new.entry.refuse(format!("is {name} once more: line {line} varies it already")));
+        }
+        found.push(new);
+        Ok(())
+    };
+    for (entry, name) in leaves(vary, "")? {
+        if name == "from" {
+            for Parameter { quantity, distribution, .. } in &all_of_model(entry, model)?.parameters {
+                let column = quantity::all()[*quantity].name.clone();
+                let varied = Varied { column, quantity: *quantity };
+                add(Found { entry, varied, axis: Axis::Drawn(distribution.clone()), of_model: true })?;
+            }
+            continue;
+        }
+        let place = quantity::find(&name).map_err(|reason| entry.refuse(not_found(&name, &reason)))?;
+        let (axis, of_model) = axis(entry, place, model)?;
+        add(Found { entry, varied: varied(&name, place), axis, of_model })?;
+    }
+    refuse_contradictions(&found)?;
+    let copula = copula(&found, model)?;
+    Ok((found, copula))
+}
+
+/// The parameters that `from = "model"` of [vary] stands for.
+fn all_of_model(entry: Entry<'_>, model: &Result<Uncertain, String>) -> Result<Uncertain, Error> {
+    entry.one_of(&[("model", ())])?;
+    let known = known(entry, model)?.marginal(|parameter| !quantity::is_of_recorded_stroke(parameter.quantity));
+    if known.parameters.is_empty() {
+        return Err(entry.refuse("draws nothing: no parameter in the model's [uncertainty] has a variance"));
+    }
+    Ok(known)
+}
+
+fn known<'m>(entry: Entry<'_>, model: &'m Result<Uncertain, String>) -> Result<&'m Uncertain, Error> {
+    model.as_ref().map_err(|why| entry.refuse(format!("cannot be drawn from the model, which {why}")))
+}
+
+/// How the axes that are drawn from the model hang together.
+fn copula(found: &[Found<'_>], model: &Result<Uncertain, String>) -> Result<Option<Copula>, Error> {
+    let columns: Vec<usize> = (0..found.len()).filter(|i| found[*i].of_model).collect();
+    let (Some(first), Ok(model)) = (columns.first(), model) else { return Ok(None) };
+    let entry = found[*first].entry;
+    // In the order of the columns.
+    let place = |column: &usize| model.parameters.iter().position(|p| p.quantity == found[*column].varied.quantity);
+    let places: Vec<usize> = columns.iter().filter_map(place).collect();
+    let correlation = model.correlation.select_rows(&places).select_columns(&places);
+    let copula = Uncertain { parameters: Vec::new(), correlation }.copula(columns);
+    copula.map(Some).map_err(|why| entry.refuse(format!("cannot be drawn from the model, which {why}")))
+}
+
+/// Refuses quantities that set the same thing twice.
+fn refuse_contradictions(found: &[Found<'_>]) -> Result<(), Error> {
+    let conflict = |a: Base, b: Base| {
+        let at = |base: Base| found.iter().find(|f| f.varied.quantity == base as usize).map(|f| f.entry);
+        Some((at(a)?, at(b)?))
+    };
+    if let Some((entry, _)) = conflict(Base::VolumeToArea, Base::Bore) {
+        return Err(entry.refuse("is what the bore is solved from: vary one of the two"));
+    }
+    if let Some((entry, _)) = conflict(Base::VolumeToAreaByLength, Base::VolumeToArea) {
+        return Err(entry.refuse("and volume_to_area_m are one quantity, solved for in two ways: vary one of the two"));
+    }
+    for stroke in [Base::InitialStroke, Base::FinalStroke] {
+        if let Some((entry, _)) = conflict(Base::VolumeToAreaByLength, stroke) {
+            return Err(entry.refuse("is what both strokes are solved from: give them in [test]"));
+        }
+    }
+    if let Some((entry, _)) = conflict(Base::HoldTimeConstants, Base::Duration) {
+        return Err(entry.refuse("and duration_s both set the length of the test: vary one of the two"));
+    }
+    Ok(())
+}
+
+/// A column has the name that the study uses, unless that is another column's.
+pub fn varied(name: &str, quantity: usize) -> Varied {
+    let full = &quantity::all()[quantity].name;
+    let taken = quantity != Base::VolumeToArea as usize && columns::is_output(name);
+    Varied { column: if taken { full.clone() } else { name.to_owned() }, quantity }
+}
+
+/// Why a name stands for no quantity, in words that follow it.
+pub fn not_found(name: &str, reason: &NotFound) -> String {
+    match reason {
+        NotFound::OfRecordedStroke => {
+            "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
+                .into()
+        }
+        NotFound::Unknown(None) => "is no number of the model or of the test".into(),
+        NotFound::Unknown(Some(nearest)) => {
+            format!("is no number of the model or of the test; did you mean `{nearest}`?")
+        }
+        NotFound::Ambiguous(list) => {
+            format!("could be {}; write `{}`, say, instead of `{name}`", list.join(" or "), list[0])
+        }
+    }
+}
+
+/// The entries that describe an axis, with their dotted names: `a.b_m = {…}` without quotes is a table in a table.
+fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Entry<'a>, String)>, Error> {
+    let mut found = Vec::new();
+    for entry in section.entries() {
+        let name = if prefix.is_empty() { entry.key.to_owned() } else { format!("{prefix}.{}", entry.key) };
+        let nested = entry
+            .value
+            .as_table()
+            .is_some_and(|table| !table.is_empty() && table.iter().all(|(_, value)| value.get_ref().is_table()));
+        if nested {
+            found.extend(leaves(&entry.section()?, &name)?);
+        } else {
+            found.push((entry, name));
+        }
+    }
+    Ok(found)
+}
+
+/// The values that an entry stands for, and whether they are drawn from what the model knows.
+fn axis(entry: Entry<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<(Axis, bool), Error> {
+    const FORMS: &str = "{ values = [...] }, { from = ..., to = ..., count = ..., scale = \"linear\" }, \
+        { distribution = \"normal\", mean = ..., sd = ... } or { from = \"model\" } was expected";
+    if entry.value.as_table().is_none() {
+        return Err(entry.refuse(format!("is {}: {FORMS}", entry.value.type_str())));
+    }
+    let section = entry.section()?;
+    // Looked at without taking it: a list of values has no `from`.
+    if let Some(from) = section.entries().iter().find(|entry| entry.key == "from" && entry.value.is_str()) {
+        section.get("from");
+        from.one_of(&[("model", ())])?;
+        section.finish()?;
+        return of_model(entry, place, model).map(|axis| (axis, true));
+    }
+    let allowed = &quantity::all()[place].allowed;
+    let axis = match section.get("distribution") {
+        Some(name) => drawn(entry, name.one_of(&DISTRIBUTIONS)?, &section)?,
+        None => listed(entry, &section, FORMS)?,
+    };
+    section.finish()?;
+    let bounds = axis.bounds();
+    let drawn = matches!(axis, Axis::Drawn(_));
+    match [*bounds.start(), *bounds.end()].into_iter().find(|value| !allowed.contains(*value)) {
+        None => Ok((axis, false)),
+        Some(value) if drawn => Err(entry
+            .refuse(format!("reaches {value:.6e}, but has to be {allowed}: `from` and `to` truncate a distribution"))),
+        Some(value) => Err(entry.refuse(format!("takes {value}, but has to be {allowed}"))),
+    }
+}
+
+/// What the model knows of a quantity.
+fn of_model(entry: Entry<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<Axis, Error> {
+    let known = known(entry, model)?;
+    let parameter = known.parameters.iter().find(|parameter| parameter.quantity == place).ok_or_else(|| {
+        let names: Vec<_> = known.parameters.iter().map(|p| quantity::all()[p.quantity].name.as_str()).collect();
+        let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
+        entry.refuse(format!("has no variance in the model's [uncertainty], which knows that of {names}"))
+    })?;
+    Ok(Axis::Drawn(parameter.distribution.clone()))
+}
+
+/// A list of values or a range.
+fn listed(entry: Entry<'_>, section: &Section<'_>, forms: &str) -> Result<Axis, Error> {
+    if let Some(values) = section.get("values") {
+        return Ok(Axis::Values { values: values.numbers()? });
+    }
+    let (Some(from), Some(to)) = (section.get("from"), section.get("to")) else {
+        section.get("count");
+        section.get("scale");
+        section.finish()?;
+        return Err(entry.refuse(format!("says too little: {forms}")));
+    };
+    let (from, to) = (from.number()?, to.number()?);
+    let scale =
+        section.get("scale").map(|e| e.one_of(&[("linear", Scale::Linear), ("log", Scale::Log)])).transpose()?;
+    let scale = scale.unwrap_or(Scale::Linear);
+    let count = section.get("count").map(|e| e.whole(2)).transpose()?;
+    section.finish()?;
+    range(entry, from, to, count, scale)
+}
+
+fn range(entry: Entry<'_>, from: f64, to: f64, count: Option<u64>, scale: Scale) -> Result<Axis, Error> {
+    if from >= to {
+        return Err(entry.refuse(format!("runs from {from} to {to}: `from` has to be below `to`")));
+    }
+    if scale == Scale::Log && from <= 0.0 {
+        return Err(entry.refuse(format!("runs from {from}: a logarithmic scale needs a value above 0")));
+    }
+    Ok(Axis::Range { from, to, count, scale })
+}
+
+/// A distribution by its name and its parameters.
+fn drawn(entry: Entry<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Error> {
+    let optional = |key: &str| section.get(key).map(|entry| entry.number()).transpose();
+    let number = |key: &str, expected: &str| section.require(key, expected)?.number();
+    let limits = || Ok::<_, Error>(Limits { from: optional("from")?, to: optional("to")? });
+    let distribution = match kind {
+        Kind::Uniform => {
+            let (from, to) =
+                (number("from", "the least value was expected")?, number("to", "the greatest value was expected")?);
+            return range(entry, from, to, None, Scale::Linear);
+        }
+        Kind::Normal => {
+            let mean = number("mean", "the mean was expected")?;
+            let sd = number("sd", "the standard deviation was expected")?;
+            Distribution::Normal { mean, sd, limits: limits()? }
+        }
+        Kind::LogNormal => {
+            let (median, sd_log) = log_normal(entry, section)?;
+            Distribution::LogNormal { median, sd_log, limits: limits()? }
+        }
+        Kind::Triangular => Distribution::Triangular {
+            from: number("from", "the least value was expected")?,
+            mode: number("mode", "the most probable value was expected")?,
+            to: number("to", "the greatest value was expected")?,
+        },
+        Kind::Empirical => {
+            let mut values = section.require("values", "the measured values were expected")?.numbers()?;
+            values.sort_by(f64::total_cmp);
+            Distribution::Empirical { values }
+        }
+    };
+    section.finish()?;
+    match distribution.problem() {
+        Some(problem) => Err(entry.refuse(problem)),
+        None => Ok(Axis::Drawn(distribution)),
+    }
+}
+
+/// Median and logarithmic standard deviation, given as such or by mean and standard deviation of the quantity itself.
+fn log_normal(entry: Entry<'_>, section: &Section<'_>) -> Result<(f64, f64), Error> {
+    let optional = |key: &str| section.get(key).map(|entry| entry.number()).transpose();
+    match (optional("median")?, optional("sd_log")?, optional("mean")?, optional("sd")?) {
+        (Some(median), Some(sd_log), None, None) => Ok((median, sd_log)),
+        (None, None, Some(mean), Some(sd)) if mean > 0.0 && sd > 0.0 => {
+            let variance_log = (sd / mean).powi(2).ln_1p();
+            Ok((mean * (-0.5 * variance_log).exp(), variance_log.sqrt()))
+        }
+        (None, None, Some(mean), Some(sd)) => {
+            Err(entry.refuse(format!("has a mean of {mean} and an `sd` of {sd}: both have to be above 0")))
+        }
+        _ => Err(entry.refuse("takes either `median` and `sd_log` or `mean` and `sd`")),
+    }
+}
