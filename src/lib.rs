@@ -8,6 +8,7 @@ mod diagnosis_page;
 pub mod evaluation;
 mod failure;
 mod output;
+pub mod predictive;
 #[cfg(test)]
 mod reference;
 mod reproduce;

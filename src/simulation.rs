@@ -1,5 +1,6 @@
 //! A model's chamber along a motion: what `pneutherm simulate` and its like in Python compute.
 
+use crate::predictive::{self, Band, Wanted};
 use anyhow::{Context, bail};
 use chamber::signals::{Knot, Signals};
 use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
@@ -20,6 +21,8 @@ pub struct Request {
     pub rig: Option<PathBuf>,
     /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,
+    /// A predictive band from the model's uncertainty, where one is wanted.
+    pub band: Option<Wanted>,
 }
 
 /// A column of the result.
@@ -54,21 +57,81 @@ pub const COLUMNS: [Column; 7] = [
 pub struct Simulated {
     /// One for each row of the motion.
     pub samples: Vec<Sample>,
-    /// What was done to the motion's rows to read them, in sentences.
+    /// The band around each column but time.
+    pub band: Option<Band>,
+    /// What was done to the motion's rows to read them, and what the band holds, in sentences.
     pub notes: Vec<String>,
+}
+
+/// A column with its values.
+pub struct Values {
+    /// Its name, with the unit.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// One line for people.
+    pub doc: String,
+    /// One for each row.
+    pub values: Vec<f64>,
+}
+
+impl Simulated {
+    /// The whole result, column by column.
+    pub fn columns(&self) -> Vec<Values> {
+        let own = COLUMNS.iter().map(|column| Values {
+            name: column.name.to_owned(),
+            unit: column.unit,
+            doc: column.doc.to_owned(),
+            values: self.samples.iter().map(column.of).collect(),
+        });
+        own.chain(self.band.iter().flat_map(Band::columns)).collect()
+    }
+}
+
+/// What is simulated along: a motion that was read, and where its first rows are at rest.
+pub struct Course<'a> {
+    request: &'a Request,
+    motion: &'a Trace,
 }
 
 /// Simulates: one sample for each row of the motion.
 ///
 /// # Errors
-/// A file that is refused, a motion that leaves no gas, no pressure to begin from.
+/// A file that is refused, a motion that leaves no gas, no pressure to begin from; a band that the model cannot give.
 pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     let model = Model::read(&request.model)?;
     let motion = read_motion(&request.motion, request.rig.as_deref())?;
-    let signals = signals(&model, &motion);
-    check_volume(&model, &motion, &signals)?;
-    let start = start(request, &model, &motion, &signals)?;
-    Ok(Simulated { samples: along(&model, start, &signals, &motion, motion.len())?, notes: motion.notes() })
+    let course = Course { request, motion: &motion };
+    let samples = course.samples(&model, 0.0)?;
+    let mut notes = motion.notes();
+    let band = match &request.band {
+        None => None,
+        Some(wanted) => {
+            let band = predictive::band(&model, &course, *wanted)
+                .with_context(|| format!("{}: no band can be drawn", request.model.display()))?;
+            notes.push(band.note.clone());
+            Some(band)
+        }
+    };
+    Ok(Simulated { samples, band, notes })
+}
+
+impl Course<'_> {
+    /// A model along the motion, its mean pressure at rest that of the motion plus `shift`, Pa.
+    ///
+    /// # Errors
+    /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
+    pub fn samples(&self, model: &Model, shift: f64) -> anyhow::Result<Vec<Sample>> {
+        let signals = signals(model, self.motion);
+        check_volume(model, self.motion, &signals)?;
+        let start = start(self.request, model, self.motion, &signals, shift)?;
+        along(model, start, &signals, self.motion, self.motion.len())
+    }
+
+    /// How many rows the pressure at the start is the mean of; none where it was asked for.
+    pub fn rows_at_rest(&self) -> Option<usize> {
+        self.request.initial_pressure_pa.is_none().then(|| rows_at_rest(self.motion))
+    }
 }
 
 fn read_motion(path: &Path, rig: Option<&Path>) -> anyhow::Result<Trace> {
@@ -104,8 +167,9 @@ fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: u
         })
 }
 
-/// The state that the simulation begins from: the wall's temperature at rest, and the pressure asked for or measured.
-fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Result<Start> {
+/// The state that the simulation begins from: the wall's temperature at rest, and the pressure asked for, or the measured
+/// one plus `shift`.
+fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals, shift: f64) -> anyhow::Result<Start> {
     let rest = rows_at_rest(motion);
     let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
     let ambient = ambient.unwrap_or(model.ambient_temperature_k);
@@ -122,7 +186,7 @@ fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals) ->
             motion.path.display()
         );
     };
-    let measured = mean(measured[..rest].iter().copied());
+    let measured = mean(measured[..rest].iter().copied()) + shift;
     // At rest the sensor shows the mean, but a leak or a drift moves it meanwhile: begin so that the means agree.
     let mut pressure = measured;
     for _ in 0..MEAN_ITERATIONS {

@@ -13,15 +13,31 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-from typing import TYPE_CHECKING, Any, Literal, Optional, Union
+import pathlib
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, Optional, Union, overload
 
 from . import _native
 from ._native import Error
+from ._trace import as_trace, write_trace
 
 if TYPE_CHECKING:
     import pyarrow
+    import pyarrow.dataset
 
-__all__ = ["Diagnosis", "Error", "Identification", "diagnose", "identify", "simulate", "sweep"]
+__all__ = [
+    "Diagnosis",
+    "Error",
+    "Identification",
+    "StudyFolder",
+    "batches",
+    "diagnose",
+    "identify",
+    "simulate",
+    "statistics",
+    "sweep",
+    "write_trace",
+]
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -124,31 +140,163 @@ def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] 
 
 
 def simulate(
-    model: Path, motion: Path, *, rig: Optional[Path] = None, initial_pressure_pa: Optional[float] = None
+    model: Path,
+    motion: Union[Path, Any],
+    *,
+    rig: Optional[Path] = None,
+    initial_pressure_pa: Optional[float] = None,
+    samples: Optional[int] = None,
+    level: float = 0.95,
+    seed: int = 0,
 ) -> pyarrow.Table:
     """The chamber along a measured or planned stroke: one row for each row of the motion.
 
     Args:
         model: the model file.
-        motion: the trace file with the motion.
+        motion: the trace file with the motion, or what `write_trace` takes: a table, a MATLAB, Parquet or Excel file.
         rig: a rig file whose columns and format are the motion's.
         initial_pressure_pa: gas pressure at the start, Pa; otherwise from the motion's pressure before the first
             movement.
+        samples: also give a predictive band from so many draws of the identified parameters: ``pressure_low_pa``,
+            ``pressure_high_pa`` and so on.
+        level: probability of the band.
+        seed: seed of the draws.
     """
     import pyarrow
 
-    return pyarrow.table(_native.simulate(model, motion, rig, initial_pressure_pa))
+    with as_trace(motion) as path:
+        return pyarrow.table(_native.simulate(model, path, rig, initial_pressure_pa, samples, level, seed))
 
 
-def sweep(study: Path) -> pyarrow.Table:
-    """All rows of a study as one table. For studies larger than memory use ``pneutherm sweep`` and read its Parquet.
+@dataclasses.dataclass(frozen=True)
+class StudyFolder:
+    """What `sweep` did in a folder, and what is in it.
+
+    Attributes:
+        path: the folder.
+        rows_written: rows that this run computed; those that were there already stayed.
+        statuses: rows of this run's shard by status.
+        complete: whether the rows of all shards are there.
+    """
+
+    path: pathlib.Path
+    rows_written: int
+    statuses: dict[str, int]
+    complete: bool
+
+    @property
+    def rows(self) -> pyarrow.dataset.Dataset:
+        """The rows, to be filtered and read piece by piece: ``.to_table()``, or for DuckDB and polars as it is."""
+        import pyarrow.dataset
+
+        return pyarrow.dataset.dataset(self.path / "rows", format="parquet")
+
+    @property
+    def statistics(self) -> Optional[dict[str, Any]]:
+        """``statistics.json``, where the study asks for statistics or keeps no rows."""
+        return self._json("statistics.json")
+
+    @property
+    def sensitivity(self) -> Optional[dict[str, Any]]:
+        """``sensitivity.json`` of a Saltelli study."""
+        return self._json("sensitivity.json")
+
+    def _json(self, name: str) -> Optional[dict[str, Any]]:
+        path = self.path / name
+        return json.loads(path.read_text()) if path.exists() else None
+
+
+@overload
+def sweep(study: Union[Path, Mapping[str, Any]], out: None = None) -> pyarrow.Table: ...
+@overload
+def sweep(
+    study: Union[Path, Mapping[str, Any]],
+    out: Path,
+    *,
+    shard: str = "0/1",
+    rows: bool = True,
+    progress: Optional[Callable[[int, int], object]] = None,
+) -> StudyFolder: ...
+def sweep(
+    study: Union[Path, Mapping[str, Any]],
+    out: Optional[Path] = None,
+    *,
+    shard: str = "0/1",
+    rows: bool = True,
+    progress: Optional[Callable[[int, int], object]] = None,
+) -> Union[pyarrow.Table, StudyFolder]:
+    """A parameter study: all its rows as one table, or into a folder as ``pneutherm sweep`` writes it.
+
+    For studies larger than memory give a folder, or read `batches`.
 
     Args:
-        study: the study file.
+        study: the study file, or what it would say: ``{"study": {"model": ..., "design": ...}, "test": {...},
+            "vary": {...}}``, with paths relative to the working folder. NumPy's numbers and arrays will do.
+        out: the folder. A study that was interrupted goes on where it ended.
+        shard: only the parts i with i mod N = I, as ``"I/N"``.
+        rows: False keeps no rows, only `StudyFolder.statistics`.
+        progress: called now and then with the rows done and all rows.
     """
     import pyarrow
 
-    return pyarrow.table(_native.sweep(study))
+    native = _study(study)
+    if out is None:
+        return pyarrow.table(native.table())
+    raw = json.loads(native.write_folder(out, shard, rows, _telling(progress, len(native))))
+    return StudyFolder(pathlib.Path(out), raw["rows_written"], raw["statuses"], raw["complete"])
+
+
+def batches(study: Union[Path, Mapping[str, Any]]) -> pyarrow.RecordBatchReader:
+    """The rows of a study, batch after batch, computed as they are read: for DuckDB, polars or a loop.
+
+    Args:
+        study: as for `sweep`.
+    """
+    import pyarrow
+
+    return pyarrow.RecordBatchReader.from_stream(_study(study).batches())
+
+
+def statistics(
+    study: Union[Path, Mapping[str, Any]],
+    *,
+    columns: Optional[Sequence[str]] = None,
+    quantiles: Optional[Sequence[float]] = None,
+    progress: Optional[Callable[[int, int], object]] = None,
+) -> dict[str, Any]:
+    """What the rows of a study come to, as ``statistics.json`` has it; no row is kept, so a study may have any size.
+
+    Args:
+        study: as for `sweep`; its ``[statistics]`` holds unless columns or quantiles are given.
+        columns: which results; all unless given.
+        quantiles: probabilities of the quantiles.
+        progress: called now and then with the rows done and all rows.
+    """
+    native = _study(study)
+    names = None if columns is None else list(columns)
+    shares = None if quantiles is None else [float(share) for share in quantiles]
+    return json.loads(native.statistics(names, shares, _telling(progress, len(native))))
+
+
+def _study(study: Union[Path, Mapping[str, Any]]) -> _native.Study:
+    if isinstance(study, Mapping):
+        return _native.Study("study", json.dumps(study, default=_plain))
+    return _native.Study(study)
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's numbers and arrays and other mappings and paths as JSON knows them."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise Error(f"study: {type(value).__name__} is nothing that a study file can say")
+
+
+def _telling(progress: Optional[Callable[[int, int], object]], rows: int) -> Optional[Callable[[int], object]]:
+    return None if progress is None else lambda done: progress(done, rows)
 
 
 def _parameters(parameters: dict[str, Any]) -> pyarrow.Table:

@@ -1,5 +1,6 @@
 """The extension module, written in Rust (`python/src`)."""
 
+from collections.abc import Callable
 from os import PathLike
 from typing import Any, Optional, Union
 
@@ -17,5 +18,34 @@ class Table:
 def run(arguments: list[str]) -> int: ...
 def identify(rig: _Path, method: str, model: Optional[_Path]) -> str: ...
 def diagnose(rig: _Path, model: Optional[_Path], report: Optional[_Path]) -> str: ...
-def simulate(model: _Path, motion: _Path, rig: Optional[_Path], initial_pressure_pa: Optional[float]) -> Table: ...
-def sweep(study: _Path) -> Table: ...
+def simulate(
+    model: _Path,
+    motion: _Path,
+    rig: Optional[_Path],
+    initial_pressure_pa: Optional[float],
+    samples: Optional[int] = None,
+    level: float = 0.95,
+    seed: int = 0,
+) -> Table: ...
+
+class Batches:
+    """The rows of a study in the Arrow PyCapsule interface, computed as they are read."""
+
+    def __arrow_c_stream__(self, requested_schema: Optional[object] = None) -> Any: ...
+
+class Study:
+    """A study: its file, or its text as JSON."""
+
+    def __init__(self, path: _Path, json: Optional[str] = None) -> None: ...
+    def __len__(self) -> int: ...
+    def table(self) -> Table: ...
+    def batches(self) -> Batches: ...
+    def statistics(
+        self,
+        columns: Optional[list[str]],
+        quantiles: Optional[list[float]],
+        progress: Optional[Callable[[int], object]],
+    ) -> str: ...
+    def write_folder(
+        self, folder: _Path, shard: str, rows: bool, progress: Optional[Callable[[int], object]]
+    ) -> str: ...

@@ -4,7 +4,8 @@
 //! |---|---|
 //! | `run` | the program's exit code |
 //! | `identify`, `diagnose` | what `--json` writes, as text |
-//! | `simulate`, `sweep` | a `Table` in the Arrow C stream interface: Python reads the memory that Rust filled |
+//! | `simulate` | a `Table` in the Arrow C stream interface: Python reads the memory that Rust filled |
+//! | `Study` | a study: its rows as a `Table`, as a stream of batches or in a folder, and its statistics |
 //!
 //! All of them let other Python threads run meanwhile. What is wrong is raised as `pneutherm.Error`, whose text is the
 //! program's sentence. The package's own files, `pneutherm/*.py`, make dataclasses and pyarrow tables of it.
@@ -12,15 +13,18 @@
 mod table;
 mod work;
 
+use ::sweep::statistics::Plan;
 use anyhow::Context;
 use pneutherm::evaluation;
+use pneutherm::predictive::{self, Wanted};
 use pneutherm::simulation::{self, Request};
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
-use table::Table;
-use work::interruptible;
+use std::sync::Arc;
+use table::{Batches, Table};
+use work::{Watch, interruptible, watched};
 
 pyo3::create_exception!(pneutherm, Error, pyo3::exceptions::PyException, "What is wrong, in the program's sentence.");
 
@@ -28,9 +32,9 @@ pyo3::create_exception!(pneutherm, Error, pyo3::exceptions::PyException, "What i
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::{Error, diagnose, identify, run, simulate, sweep};
+    use super::{Error, Study, diagnose, identify, run, simulate};
     #[pymodule_export]
-    use crate::table::Table;
+    use crate::table::{Batches, Table};
 }
 
 /// The program: does what the arguments say, its name first, and returns the exit code.
@@ -66,27 +70,110 @@ fn diagnose(py: Python<'_>, rig: PathBuf, model: Option<PathBuf>, report: Option
     })
 }
 
-/// The chamber along a motion.
+/// The chamber along a motion, with a band where `samples` asks for one.
 #[pyfunction]
+#[pyo3(signature = (model, motion, rig, initial_pressure_pa, samples = None, level = predictive::LEVEL, seed = 0))]
+#[expect(clippy::too_many_arguments, reason = "Python's keyword arguments, one each")]
 fn simulate(
     py: Python<'_>,
     model: PathBuf,
     motion: PathBuf,
     rig: Option<PathBuf>,
     initial_pressure_pa: Option<f64>,
+    samples: Option<u32>,
+    level: f64,
+    seed: u64,
 ) -> PyResult<Table> {
     interruptible(py, move || {
-        let samples = simulation::simulated(&Request { model, motion, rig, initial_pressure_pa })?.samples;
-        Table::of_samples(&samples)
+        let band = samples.map(|samples| Wanted { samples, seed, level });
+        Table::of_simulation(&simulation::simulated(&Request { model, motion, rig, initial_pressure_pa, band })?)
     })
 }
 
-/// All rows of a study.
-#[pyfunction]
-fn sweep(py: Python<'_>, study: PathBuf) -> PyResult<Table> {
-    interruptible(py, move || {
-        let study = ::sweep::Study::read(&study)?;
-        let batches = ::sweep::run::run_in_memory(&study)?;
-        Table::new(batches).with_context(|| format!("{}: no rows", study.path.display()))
-    })
+/// A study: its file, or its text with paths relative to the working folder.
+#[pyclass(frozen, module = "pneutherm._native")]
+struct Study(Arc<::sweep::Study>);
+
+#[pymethods]
+impl Study {
+    /// From a file, or from a text as JSON that says what the file would.
+    #[new]
+    #[pyo3(signature = (path, json = None))]
+    fn new(py: Python<'_>, path: PathBuf, json: Option<String>) -> PyResult<Self> {
+        interruptible(py, move || {
+            let study = match json {
+                None => ::sweep::Study::read(&path)?,
+                Some(json) => {
+                    let value: serde_json::Value = serde_json::from_str(&json)?;
+                    let text = toml::to_string(&value).context("the study cannot be written as TOML")?;
+                    ::sweep::Study::from_toml(&text, &path)?
+                }
+            };
+            Ok(Self(Arc::new(study)))
+        })
+    }
+
+    /// Number of rows.
+    fn __len__(&self) -> usize {
+        self.0.rows as usize
+    }
+
+    /// All rows.
+    fn table(&self, py: Python<'_>) -> PyResult<Table> {
+        let study = self.0.clone();
+        interruptible(py, move || {
+            let batches = ::sweep::run_in_memory(&study)?;
+            Table::new(batches).with_context(|| format!("{}: no rows", study.path.display()))
+        })
+    }
+
+    /// The rows as they are computed.
+    fn batches(&self) -> Batches {
+        Batches(self.0.clone())
+    }
+
+    /// Statistics of the rows as JSON, without the rows.
+    fn statistics(
+        &self,
+        py: Python<'_>,
+        columns: Option<Vec<String>>,
+        quantiles: Option<Vec<f64>>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        let (study, watch) = (self.0.clone(), Arc::new(Watch::default()));
+        let teller = watch.clone();
+        watched(py, &watch, progress, move || {
+            let asked = columns.is_some() || quantiles.is_some();
+            let plan = match &study.statistics {
+                Some(plan) if !asked => plan.clone(),
+                _ => Plan::picked(&study, columns.as_deref(), quantiles.as_deref())?,
+            };
+            Ok(serde_json::to_string(&::sweep::run::statistics(&study, &plan, &*teller)?)?)
+        })
+    }
+
+    /// The study, or a shard of it, into a folder: what was done, as JSON.
+    fn write_folder(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        shard: String,
+        rows: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        let shard = shard.parse().map_err(Error::new_err)?;
+        let (study, watch) = (self.0.clone(), Arc::new(Watch::default()));
+        let teller = watch.clone();
+        watched(py, &watch, progress, move || {
+            let done = ::sweep::run(&study, &folder, ::sweep::Options { shard, rows }, &*teller)?;
+            Ok(serde_json::json!({
+                "rows_written": done.rows_written,
+                "parts_written": done.parts_written,
+                "parts_found": done.parts_found,
+                "statuses": done.statuses,
+                "complete": done.complete,
+            })
+            .to_string())
+        })
+    }
 }

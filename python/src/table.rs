@@ -4,9 +4,9 @@
 
 use arrow::array::{ArrayRef, Float64Array, RecordBatch, RecordBatchIterator};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use arrow::error::ArrowError;
 use arrow::ffi_stream::FFI_ArrowArrayStream;
-use chamber::simulate::Sample;
-use pneutherm::simulation::COLUMNS;
+use pneutherm::simulation::Simulated;
 use pyo3::prelude::*;
 use pyo3::types::{PyAny, PyCapsule};
 use std::collections::HashMap;
@@ -27,16 +27,18 @@ impl Table {
     }
 
     /// Of a simulation: a row a sample.
-    pub fn of_samples(samples: &[Sample]) -> anyhow::Result<Self> {
-        let fields = COLUMNS.iter().map(|column| {
-            let metadata = [("unit", column.unit), ("description", column.doc)];
-            let metadata: HashMap<_, _> = metadata.map(|(key, value)| (key.to_owned(), value.to_owned())).into();
-            Field::new(column.name, DataType::Float64, false).with_metadata(metadata)
-        });
-        let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
-        let array =
-            |of: fn(&Sample) -> f64| Arc::new(Float64Array::from_iter_values(samples.iter().map(of))) as ArrayRef;
-        let columns = COLUMNS.iter().map(|column| array(column.of)).collect();
+    pub fn of_simulation(simulated: &Simulated) -> anyhow::Result<Self> {
+        let (fields, columns): (Vec<_>, Vec<_>) = simulated
+            .columns()
+            .into_iter()
+            .map(|column| {
+                let metadata = [("unit", column.unit.to_owned()), ("description", column.doc)];
+                let metadata: HashMap<_, _> = metadata.map(|(key, value)| (key.to_owned(), value)).into();
+                let field = Field::new(column.name, DataType::Float64, false).with_metadata(metadata);
+                (field, Arc::new(Float64Array::from(column.values)) as ArrayRef)
+            })
+            .unzip();
+        let schema = Arc::new(Schema::new(fields));
         let batch = RecordBatch::try_new(schema.clone(), columns)?;
         Ok(Self { schema, batches: vec![batch] })
     }
@@ -60,5 +62,27 @@ impl Table {
     /// Number of rows.
     fn __len__(&self) -> usize {
         self.batches.iter().map(RecordBatch::num_rows).sum()
+    }
+}
+
+/// The rows of a study in the Arrow C stream interface, computed as they are read.
+#[pyclass(frozen, module = "pneutherm._native")]
+pub struct Batches(pub Arc<sweep::Study>);
+
+#[pymethods]
+impl Batches {
+    /// The rows as an Arrow C stream, anew at each call.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // As in `Table`.
+        drop(requested_schema);
+        let rows = sweep::run::batches(self.0.clone());
+        let rows = rows.map(|batch| batch.map_err(|error| ArrowError::ExternalError(Box::new(error))));
+        let rows = RecordBatchIterator::new(rows, sweep::columns::schema(&self.0));
+        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(rows)), c"arrow_array_stream")
     }
 }

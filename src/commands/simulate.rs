@@ -1,20 +1,22 @@
 //! `pneutherm simulate`: the chamber along a measured or planned stroke.
 
 use crate::output;
-use crate::simulation::{self, COLUMNS, Request};
-use chamber::simulate::Sample;
+use crate::predictive::{LEVEL, SAMPLES, Wanted};
+use crate::simulation::{self, Request, Simulated};
 use std::path::PathBuf;
 
 /// Simulate a model's chamber along a measured or planned stroke
 #[derive(clap::Args)]
 #[command(after_help = "\
 One row for each row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, temperature_k, \
-mass_kg, volume_m3, heat_flow_w (into the gas). The gas begins at ambient temperature, and at the pressure with which \
+mass_kg, volume_m3, heat_flow_w (into the gas); with --samples the ends of a band for each, pressure_low_pa, \
+pressure_high_pa and so on. The gas begins at ambient temperature, and at the pressure with which \
 the simulated mean before the first movement is that of the motion's pressure column.
 
 Example:
   pneutherm simulate model.toml --motion validation.csv -o simulated.csv
-  pneutherm simulate model.toml --motion plan.csv --initial-pressure 6e5 | head")]
+  pneutherm simulate model.toml --motion plan.csv --initial-pressure 6e5 | head
+  pneutherm simulate model.toml --motion validation.csv --samples 256 -o band.csv")]
 pub struct Args {
     /// The model, as `identify` and `diagnose` write it
     #[arg(value_name = "MODEL.toml")]
@@ -28,6 +30,16 @@ pub struct Args {
     /// Gas pressure at the start, Pa, absolute; otherwise from the motion's pressure before the first movement
     #[arg(long, value_name = "PA", value_parser = pressure)]
     initial_pressure: Option<f64>,
+    /// Also write a predictive band from so many draws of the identified parameters, 16 to 100000, by their covariance in
+    /// the model's [uncertainty]; that of pressure_pa has the noise that the model left in its records in it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())))]
+    samples: Option<u32>,
+    /// Probability of the band, between 0 and 1
+    #[arg(long, value_name = "P", value_parser = level, default_value_t = LEVEL, requires = "samples")]
+    level: f64,
+    /// Seed of the draws
+    #[arg(long, value_name = "SEED", default_value_t = 0, requires = "samples")]
+    seed: u64,
     /// The file to write
     #[arg(short, long, value_name = "OUT.csv", default_value = "-")]
     output: PathBuf,
@@ -40,6 +52,13 @@ fn pressure(text: &str) -> Result<f64, String> {
     }
 }
 
+fn level(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("a probability between 0 and 1 is expected, such as 0.95".to_owned()),
+    }
+}
+
 /// Simulates and writes the table.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let simulated = simulation::simulated(&Request {
@@ -47,14 +66,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         motion: args.motion.clone(),
         rig: args.rig.clone(),
         initial_pressure_pa: args.initial_pressure,
+        band: args.samples.map(|samples| Wanted { samples, seed: args.seed, level: args.level }),
     })?;
     simulated.notes.iter().for_each(|note| output::note(note));
-    output::write(&args.output, table(&simulated.samples).as_bytes())
+    output::write(&args.output, table(&simulated).as_bytes())
 }
 
-fn table(samples: &[Sample]) -> String {
+fn table(simulated: &Simulated) -> String {
     let line = |cells: Vec<String>| cells.join(",") + "\n";
-    let header = line(COLUMNS.iter().map(|column| column.name.to_owned()).collect());
-    let rows = samples.iter().map(|sample| line(COLUMNS.iter().map(|c| (c.of)(sample).to_string()).collect()));
-    std::iter::once(header).chain(rows).collect()
+    let columns = simulated.columns();
+    let header = line(columns.iter().map(|column| column.name.clone()).collect());
+    let row = |row: usize| line(columns.iter().map(|column| column.values[row].to_string()).collect());
+    std::iter::once(header).chain((0..simulated.samples.len()).map(row)).collect()
 }

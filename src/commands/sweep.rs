@@ -16,6 +16,9 @@ use sweep::{Options, Report, Shard, Study, traces};
 /// several machines that share the folder; the last one writes manifest.json.
 #[derive(clap::Args)]
 #[command(after_help = "\
+[vary] of a study takes values, ranges and distributions (normal, log-normal, uniform, triangular, empirical); from = \"model\" draws \
+the parameters that identify or diagnose found, with their correlations.
+
 Examples:
   pneutherm sweep study.toml -o out --dry-run
   pneutherm sweep study.toml -o out

@@ -18,6 +18,8 @@ fn page() -> String {
         ["column", "unit", ""],
         simulation::COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]),
     );
+    page += "\nWith `--samples` each column but time has two more, the ends of its band: `pressure_low_pa`, `pressure_high_pa` and \
+             so on. That of `pressure_pa` is of a record to be measured, noise included.\n";
     page += "\n## What `sweep` writes\n\n`row` (its number in the design), each varied quantity under its own name, then\n\n";
     page += &table(
         ["column", "unit", ""],

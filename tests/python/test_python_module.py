@@ -178,3 +178,152 @@ def test_an_interrupt_is_heard_during_long_work(package, root, tmp_path):
     begin = time.monotonic()
     out, err = process.communicate(timeout=60)
     assert "KeyboardInterrupt" in err and out == "" and time.monotonic() - begin < 5.0
+
+
+STUDY = {
+    "study": {"model": "", "design": "sobol", "samples": 3000, "fit": False},
+    "test": {"initial_pressure_pa": 1.01e5, "initial_stroke_m": 0.1, "final_stroke_m": 0.05, "push_time_s": 0.04, "duration_s": 3.0},
+    "vary": {"bore_m": {"from": 0.016, "to": 0.04}, "effect.leakage.conductance_m3_per_s_pa": {"from": 1e-13, "to": 1e-11, "scale": "log"}},
+}
+
+
+@pytest.fixture
+def study(root):
+    return STUDY | {"study": STUDY["study"] | {"model": root / "fuzz/corpus/model/paper.toml"}}
+
+
+def test_a_study_in_python_s_words_is_a_table_batches_and_a_folder_with_the_same_rows(module, study, tmp_path):
+    import numpy as np
+    import polars
+
+    told = []
+    table = module.sweep(study)
+    assert table.num_rows == 3000 and table.schema.field("bore_m").metadata[b"unit"] == b"m"
+    assert table.column_names[1:3] == ["bore_m", "effect.leakage.conductance_m3_per_s_pa"]
+    with module.batches(study) as reader:
+        assert reader.read_all().equals(table)
+    folder = module.sweep(study, tmp_path / "out", progress=lambda done, rows: told.append((done, rows)))
+    assert folder.complete and folder.rows_written == 3000 and sum(folder.statuses.values()) == 3000
+    assert folder.rows.to_table().sort_by("row")["pressure_peak_pa"].equals(table["pressure_peak_pa"])
+    assert told[-1] == (3000, 3000) and folder.statistics is None and folder.sensitivity is None
+    assert module.sweep(study, tmp_path / "out").rows_written == 0, "what is there stays"
+    assert polars.from_arrow(table).height == 3000
+    listed = study | {"study": study["study"] | {"design": "factorial"}, "vary": {"bore_m": {"values": np.array([0.02, 0.03])}}}
+    assert module.sweep(listed)["bore_m"].to_pylist() == [0.02, 0.03]
+
+
+def test_statistics_of_a_study_are_those_of_numpy(module, study, tmp_path):
+    import numpy as np
+
+    peak = np.array(module.sweep(study)["pressure_peak_pa"])
+    found = module.statistics(study, columns=["pressure_peak_pa"], quantiles=np.array([0.5, 0.9]))
+    column = found["columns"]["pressure_peak_pa"]
+    assert list(found["columns"]) == ["pressure_peak_pa"] and column["count"] == 3000
+    assert column["mean"] == pytest.approx(peak.mean(), rel=1e-12) and column["variance"] == pytest.approx(peak.var(ddof=1), rel=1e-9)
+    for quantile, share in zip(column["quantiles"], [0.5, 0.9], strict=True):
+        assert quantile["value"] == pytest.approx(np.quantile(peak, share), rel=1e-3)
+    without_rows = module.sweep(study | {"statistics": {"columns": ["pressure_peak_pa"], "quantiles": [0.5, 0.9]}}, tmp_path / "out", rows=False)
+    assert without_rows.statistics["columns"] == found["columns"]
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"vary": {"boer_m": {"values": [0.02]}}}, "did you mean `bore_m`?"),
+        ({"vary": {"bore_m": {"values": [-0.02]}}}, "has to be above 0"),
+        ({"vary": {"bore_m": {"values": [object()]}}}, "object is nothing that a study file can say"),
+        ({"vary": {"bore_m": {"values": [None]}}}, "study"),
+        ({"study": {"model": "absent.toml", "design": "factorial"}}, "absent.toml: cannot be read"),
+    ],
+)
+def test_a_study_that_cannot_be_raises_the_sentence(module, study, change, sentence):
+    with pytest.raises(module.Error, match="(?s)" + sentence.replace("?", r"\?").replace(".", r"\.")):
+        module.sweep(study | change)
+    with pytest.raises(module.Error, match="is no result of this study; did you mean `pressure_peak_pa`"):
+        module.statistics(study, columns=["presure_peak_pa"])
+    with pytest.raises(module.Error, match="I/N with I from 0 to N-1"):
+        module.sweep(study, "never", shard="2/2")
+
+
+def test_a_callback_that_raises_ends_the_study(module, study, tmp_path):
+    def refuse(done, rows):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        module.sweep(study | {"study": study["study"] | {"samples": 3_000_000}}, tmp_path / "out", progress=refuse)
+
+
+def test_a_motion_may_be_a_table_and_has_a_band(module, root, tmp_path):
+    import pandas
+
+    model = tmp_path / "model.toml"
+    module.identify(root / "examples/cylinder", model=model)
+    motion = root / "examples/cylinder/validation.csv"
+    from_file = module.simulate(model, motion)
+    assert module.simulate(model, pandas.read_csv(motion)).equals(from_file)
+    band = module.simulate(model, motion, samples=32, seed=3)
+    assert band.select(from_file.column_names).equals(from_file)
+    assert band.schema.field("pressure_low_pa").metadata[b"unit"] == b"Pa"
+    assert all(low < high for low, high in zip(band["pressure_low_pa"].to_pylist(), band["pressure_high_pa"].to_pylist()))
+    with pytest.raises(module.Error, match="16 to 100000 draws"):
+        module.simulate(model, motion, samples=3)
+
+
+def test_traces_from_tables_and_files_are_the_rows_of_the_text_file(module, root, tmp_path):
+    """The example's record, as other programs hold it, gives the chamber the same course."""
+    import pandas
+    import polars
+    import pyarrow
+    import pyarrow.feather
+    import pyarrow.parquet
+    import scipy.io
+
+    record = root / "examples/cylinder/validation.csv"
+    frame = pandas.read_csv(record)
+    expected = module.write_trace(frame, tmp_path / "expected.csv").read_text()
+    assert pandas.read_csv(tmp_path / "expected.csv").equals(frame)
+    arrays = {name: frame[name].to_numpy() for name in frame.columns}
+    pyarrow.parquet.write_table(pyarrow.table(arrays), tmp_path / "trace.parquet")
+    pyarrow.feather.write_feather(pyarrow.table(arrays), tmp_path / "trace.feather")
+    scipy.io.savemat(tmp_path / "trace.mat", arrays | {"comment": "a remark", "bore": 0.032})
+    scipy.io.savemat(tmp_path / "nested.mat", {"record": arrays, "matrix": frame.to_numpy()})
+    sources = [pyarrow.table(arrays), polars.DataFrame(arrays), arrays, tmp_path / "trace.parquet", tmp_path / "trace.feather", tmp_path / "trace.mat"]
+    for source in sources:
+        assert module.write_trace(source, tmp_path / "trace.csv").read_text() == expected, source
+    fields = {name: f"record.{name}" for name in arrays}
+    assert module.write_trace(tmp_path / "nested.mat", tmp_path / "trace.csv", columns=fields).read_text() == expected
+    matrix = {name: f"matrix(:,{i + 1})" for i, name in enumerate(arrays)}
+    assert module.write_trace(tmp_path / "nested.mat", tmp_path / "trace.csv", columns=matrix).read_text() == expected
+    import h5py
+
+    with h5py.File(tmp_path / "v73.mat", "w") as file:  # As MATLAB lays out version 7.3: HDF5, a column as 1 x n.
+        for name, values in arrays.items():
+            file[f"record/{name}"] = values.reshape(1, -1)
+    assert module.write_trace(tmp_path / "v73.mat", tmp_path / "trace.csv", columns=fields).read_text() == expected
+    with pandas.ExcelWriter(tmp_path / "trace.xlsx") as book:
+        pandas.DataFrame({"note": ["not this sheet"]}).to_excel(book, sheet_name="notes", index=False)
+        units = pandas.DataFrame([{name: name.rpartition("_")[2] for name in frame.columns}])
+        pandas.concat([units, frame]).to_excel(book, sheet_name="record", index=False)
+    assert module.write_trace(tmp_path / "trace.xlsx", tmp_path / "trace.csv", sheet="record").read_text() == expected
+
+
+def test_a_source_that_is_no_trace_is_refused_in_a_sentence(module, tmp_path):
+    import scipy.io
+
+    (tmp_path / "broken.mat").write_bytes(b"MATLAB?")
+    (tmp_path / "broken.parquet").write_bytes(b"PAR1")
+    scipy.io.savemat(tmp_path / "unequal.mat", {"t": [0.0, 1.0, 2.0], "p": [1e5, 1e5]})
+    for source, sentence in [
+        (tmp_path / "broken.mat", "broken.mat: cannot be read"),
+        (tmp_path / "broken.parquet", "broken.parquet: cannot be read"),
+        (tmp_path / "absent.parquet", "absent.parquet: cannot be read"),
+        (tmp_path / "unequal.mat", r"its columns differ in length: t \(3\), p \(2\)"),
+        (tmp_path / "trace.txt", "is none of .*text files are read as they are"),
+        (3, "int is no table"),
+        ({"name": ["a", "b"]}, "has no column of numbers"),
+    ]:
+        with pytest.raises(module.Error, match=sentence):
+            module.write_trace(source, tmp_path / "trace.csv")
+    with pytest.raises(module.Error, match="has no column `p`; it has `t`"):
+        module.write_trace({"t": [0.0, 1.0]}, tmp_path / "trace.csv", columns=["t", "p"])
+    assert not (tmp_path / "trace.csv").exists()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import reference
+import rigs
 
 EFFECTS = {
     "none": {},
@@ -111,3 +112,49 @@ def agree(chamber, pneutherm, tmp_path):
     for column, values in expected.items():
         ours = np.array([float(row[column]) for row in rows])
         np.testing.assert_allclose(ours, values, rtol=2e-7, err_msg=column)
+
+
+def columns(path):
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def test_a_predictive_band_covers_left_out_records_at_its_level(tmp_path, pneutherm):
+    """Rigs of another simulator, each identified and then asked for a motion that it has not seen."""
+    inside, rows = {0.95: 0, 0.5: 0}, 0
+    for number in range(6):
+        folder = tmp_path / str(number)
+        rigs.write(folder, number, "none")
+        rig = rigs.rig(number, "none")
+        rig["generator"] = np.random.default_rng(number)
+        rig["logger"]["position"] = 0.0  # The band takes the motion as it is given.
+        _, (far, near), _, hold = rig["tests"]["compress-3bar"]
+        moves = [(0.3, 0.4, far, near, "cosine"), (1.5, 0.3, near, (far + near) / 2, "quintic")]
+        rigs.save(folder / "left_out.csv", rigs.trace(rig, moves, 2.5e5, 1.8 + hold))
+        # What these rigs state is exact; with tolerances the band would be that of all rigs that could be meant.
+        exact = "[tolerance]\nbore_m = 1e-9\nposition_scale = 1e-9\nposition_offset_m = 1e-9\nambient_temperature_k = 1e-3\n"
+        (folder / "rig.toml").write_text(exact + (folder / "rig.toml").read_text())
+        pneutherm("identify", folder, "-o", folder / "model.toml")
+        measured = columns(folder / "left_out.csv")["pressure_pa"]
+        for level in inside:
+            process = pneutherm("simulate", folder / "model.toml", "--motion", folder / "left_out.csv", "--samples", 64, "--level", level, "-o", folder / "band.csv")
+            assert "64 draws of lambda0_w_per_m2_k, dead_volume_m3; that of pressure_pa adds" in process.stderr
+            band = columns(folder / "band.csv")
+            inside[level] += np.count_nonzero((band["pressure_low_pa"] <= measured) & (measured <= band["pressure_high_pa"]))
+            for name in ("gas_pressure_pa", "temperature_k", "mass_kg", "heat_flow_w"):
+                quantity, _, unit = name.rpartition("_")
+                low, high = band[f"{quantity}_low_{unit}"], band[f"{quantity}_high_{unit}"]
+                assert (low <= high).all() and (high - low).max() > 0, name
+        rows += len(measured)
+    assert rows > 2000
+    assert 0.93 < inside[0.95] / rows < 0.97 and 0.45 < inside[0.5] / rows < 0.55, (inside, rows)
+
+
+def test_a_band_needs_a_model_that_knows_how_well_it_is_known(tmp_path, pneutherm, root):
+    model, motion = root / "fuzz/corpus/model/paper.toml", root / "examples/cylinder/validation.csv"
+    error = pneutherm("simulate", model, "--motion", motion, "--samples", 64, code=1).stderr
+    assert "no band can be drawn: the model has no [uncertainty]" in error and error.count("\n") == 1
+    pneutherm("simulate", model, "--motion", motion, "--samples", 3, code=2)
+    pneutherm("simulate", model, "--motion", motion, "--level", 0.9, code=2)
+    pneutherm("simulate", model, "--motion", motion, "--samples", 64, "--level", 1.0, code=2)

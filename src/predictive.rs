@@ -1,0 +1,183 @@
+//! The band in which a simulated motion lies, as well as its model is known: draws of the identified parameters from
+//! their covariance, each simulated along the motion, and the quantiles of what they give at each row.
+//!
+//! The band of `pressure_pa` is that of a record to be measured: it adds the scatter that the model left in the records
+//! that it was identified from, as normal noise, independent from row to row, and the error of the pressure at the start,
+//! which is a mean over the rows at rest. With F the mean of the draws' normal distributions at a row, its ends are
+//! F⁻¹((1 ∓ level)/2). The bands of all other columns hold the parameters' uncertainty and that of the start.
+
+use crate::simulation::{COLUMNS, Course, Values};
+use anyhow::{Context, anyhow, bail};
+use chamber::simulate::Sample;
+use rayon::prelude::*;
+use records::Model;
+use sweep::axis::Axis;
+use sweep::design::{Axes, Design};
+use sweep::distribution::{Distribution, Limits, normal};
+use sweep::quantity::Point;
+use sweep::uncertain::Uncertain;
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// How many draws.
+    pub samples: u32,
+    /// Seed of the draws: points of a scrambled Sobol' sequence.
+    pub seed: u64,
+    /// Probability of the band, between 0 and 1.
+    pub level: f64,
+}
+
+/// Fewest and most draws that make sense.
+pub const SAMPLES: std::ops::RangeInclusive<u32> = 16..=100_000;
+/// Probability of the band unless told otherwise.
+pub const LEVEL: f64 = 0.95;
+
+/// A band around each column but time.
+pub struct Band {
+    /// Ends of each column, row by row.
+    ends: Vec<Vec<[f64; 2]>>,
+    level: f64,
+    /// What the band holds, in a sentence.
+    pub note: String,
+}
+
+impl Band {
+    /// The ends as columns, two for each column of the simulation.
+    pub fn columns(&self) -> impl Iterator<Item = Values> + '_ {
+        COLUMNS[1..].iter().zip(&self.ends).flat_map(|(column, ends)| {
+            [("low", "Lower", 0), ("high", "Upper", 1)].map(|(end, word, i)| Values {
+                name: name(column.name, end),
+                unit: column.unit,
+                doc: format!("{word} end of the {} % band of {}", 100.0 * self.level, column.name),
+                values: ends.iter().map(|ends| ends[i]).collect(),
+            })
+        })
+    }
+}
+
+/// `pressure_pa` and `low` give `pressure_low_pa`: the unit stays last.
+pub fn name(column: &str, end: &str) -> String {
+    match column.rsplit_once('_') {
+        Some((quantity, unit)) => format!("{quantity}_{end}_{unit}"),
+        None => format!("{column}_{end}"),
+    }
+}
+
+/// The band of a model along a course.
+///
+/// # Errors
+/// The model does not say how well it is known, or a draw cannot be followed along the motion.
+pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Result<Band> {
+    if !(SAMPLES.contains(&wanted.samples) && wanted.level > 0.0 && wanted.level < 1.0) {
+        bail!(
+            "{} draws and a probability of {} are asked for: {} to {} draws and a probability between 0 and 1 were expected",
+            wanted.samples,
+            wanted.level,
+            SAMPLES.start(),
+            SAMPLES.end()
+        );
+    }
+    let known = Uncertain::of(model).map_err(|why| anyhow!("the model {why}"))?;
+    let scatter = model.provenance.rmse_after_pa.map(|rmse| rmse.fit);
+    let of_start = course.rows_at_rest().map_or(0.0, |rows| scatter.unwrap_or(0.0) / (rows as f64).sqrt());
+    let draws = draws(model, &known, wanted)?;
+    let simulate = |(i, (model, start)): (usize, &(Model, f64))| {
+        course.samples(model, of_start * start).with_context(|| format!("draw {i} of {}", wanted.samples))
+    };
+    let runs: Vec<Vec<Sample>> = draws.par_iter().enumerate().map(simulate).collect::<Result<_, _>>()?;
+    let ends = |of: fn(&Sample) -> f64, scatter: f64| {
+        let row = |row: usize| ends(runs.iter().map(|run| of(&run[row])).collect(), scatter, wanted.level);
+        (0..runs[0].len()).into_par_iter().map(row).collect::<Vec<_>>()
+    };
+    let of_column = |column: &crate::simulation::Column| {
+        ends(column.of, if column.name == "pressure_pa" { scatter.unwrap_or(0.0) } else { 0.0 })
+    };
+    let names: Vec<_> = known.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let noise = match scatter {
+        Some(scatter) => format!("; that of pressure_pa adds {scatter:.4} Pa rms, what the model left in its records"),
+        None => "; the model does not say what it left in its records, so no noise is added".to_owned(),
+    };
+    Ok(Band {
+        ends: COLUMNS[1..].iter().map(of_column).collect(),
+        level: wanted.level,
+        note: format!("the band is that of {} draws of {}{noise}", wanted.samples, names.join(", ")),
+    })
+}
+
+/// Models with drawn parameters, each with the error of its start in standard deviations.
+fn draws(model: &Model, known: &Uncertain, wanted: Wanted) -> anyhow::Result<Vec<(Model, f64)>> {
+    let mut axes: Vec<Axis> = known.parameters.iter().map(|p| Axis::Drawn(p.distribution.clone())).collect();
+    let copula = known.copula((0..axes.len()).collect()).map_err(|why| anyhow!("the model {why}"))?;
+    axes.push(Axis::Drawn(Distribution::Normal { mean: 0.0, sd: 1.0, limits: Limits::default() }));
+    let mut columns = vec![Vec::new(); axes.len()];
+    let count = u64::from(wanted.samples);
+    Design::sobol(Axes::new(axes, Some(copula)), count, wanted.seed).fill(0..count, &mut columns)?;
+    let draw = |i: usize| {
+        let mut point = Point::of_model(model);
+        for (parameter, column) in known.parameters.iter().zip(&columns) {
+            point.0[parameter.quantity] = column[i];
+        }
+        (point.applied_to(model), columns[known.parameters.len()][i])
+    };
+    Ok((0..wanted.samples as usize).map(draw).collect())
+}
+
+/// Ends of the band of values that scatter normally around the draws.
+fn ends(mut draws: Vec<f64>, scatter: f64, level: f64) -> [f64; 2] {
+    draws.sort_by(f64::total_cmp);
+    [0.5 * (1.0 - level), 0.5 * (1.0 + level)].map(|probability| {
+        if scatter > 0.0 { mixed_quantile(&draws, scatter, probability) } else { quantile(&draws, probability) }
+    })
+}
+
+/// Quantile of sorted values, with straight lines between neighbours.
+fn quantile(sorted: &[f64], probability: f64) -> f64 {
+    let place = probability * (sorted.len() - 1) as f64;
+    let before = (place as usize).min(sorted.len().saturating_sub(2));
+    let (a, b) = (sorted[before], sorted[(before + 1).min(sorted.len() - 1)]);
+    a + (place - before as f64) * (b - a)
+}
+
+/// Quantile of the mixture of normal distributions around sorted values, by bisection.
+fn mixed_quantile(sorted: &[f64], scatter: f64, probability: f64) -> f64 {
+    /// Beyond it a normal distribution has nothing that doubles tell.
+    const FAR: f64 = 9.0;
+    let below = |x: f64| sorted.iter().map(|value| normal((x - value) / scatter)).sum::<f64>() / sorted.len() as f64;
+    let (mut low, mut high) = (sorted[0] - FAR * scatter, sorted[sorted.len() - 1] + FAR * scatter);
+    while high - low > 1e-6 * scatter {
+        let middle = 0.5 * (low + high);
+        // Where doubles end there is no middle.
+        if middle <= low || middle >= high {
+            break;
+        }
+        if below(middle) < probability { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_stays_the_last_part_of_a_name() {
+        assert_eq!(name("gas_pressure_pa", "low"), "gas_pressure_low_pa");
+        assert_eq!(name("volume_m3", "high"), "volume_high_m3");
+    }
+
+    #[test]
+    fn the_band_of_draws_that_agree_is_that_of_the_scatter_alone() {
+        let [low, high] = ends(vec![1e5; 16], 100.0, 0.95);
+        assert!((low - (1e5 - 195.9964)).abs() < 1e-3 && (high - (1e5 + 195.9964)).abs() < 1e-3, "{low} {high}");
+        assert_eq!(ends(vec![1e5; 16], 0.0, 0.95), [1e5, 1e5]);
+    }
+
+    #[test]
+    fn normal_draws_and_normal_scatter_add_up_by_their_squares() {
+        let normal = Distribution::Normal { mean: 0.0, sd: 3.0, limits: Limits::default() };
+        let draws: Vec<f64> = (0..4096).map(|i| normal.quantile((f64::from(i) + 0.5) / 4096.0)).collect();
+        let [low, high] = ends(draws, 4.0, 0.95);
+        assert!((low / -9.79982 - 1.0).abs() < 1e-3 && (high / 9.79982 - 1.0).abs() < 1e-3, "{low} {high}");
+    }
+}
