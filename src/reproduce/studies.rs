@@ -23,6 +23,8 @@ use std::path::Path;
 pub struct TrendPoint {
     /// Bore, m.
     pub bore_m: f64,
+    /// Length of the gas column at the final stroke, dead volume included, m.
+    pub column_m: f64,
     /// Initial pressure, Pa.
     pub initial_pressure_pa: f64,
     /// V/A at the final stroke, m.
@@ -189,10 +191,11 @@ pub fn read(folder: &Path, law: Law) -> Result<Vec<TrendPoint>> {
             let column = batch.column_by_name(name).and_then(|c| c.as_primitive_opt::<Float64Type>());
             column.with_context(|| format!("{}: no column `{name}` of numbers", path.display()))
         };
-        let (bore, pressure) = (column("bore_m")?, column("initial_pressure_pa")?);
+        let (bore, stroke, pressure) = (column("bore_m")?, column("final_stroke_m")?, column("initial_pressure_pa")?);
         let (ratio, coefficient) = (column("volume_to_area_m")?, column("lambda0_w_per_m2_k")?);
         points.extend((0..batch.num_rows()).map(|i| TrendPoint {
             bore_m: bore.value(i),
+            column_m: (1.0 + DEAD_VOLUME) * stroke.value(i),
             initial_pressure_pa: pressure.value(i),
             volume_to_area_m: ratio.value(i),
             coefficient_0_w_per_m2_k: coefficient.value(i),

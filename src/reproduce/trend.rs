@@ -21,10 +21,12 @@ pub fn section(
     let [column, one] = models.map(|m| m.chamber.heat_transfer.coefficient);
     section.text(format!(
         "Table 5 orders the tests by V/A and finds λ0 falling, with hardly a difference between the two pressures. A dense study \
-         of the same test, {} rows over bore, stroke and pressure, shows where that comes from: with λ = {} W/(m² K) · √(P T/(P0 T0)) · \
-         (l/0.1 m)^(−1/2), the paper's steps give a λ0 that falls along each bore's curve, the same for all pressures, because a longer \
-         gas column has more V/A; its sibling with one λ0 = {} W/(m² K) is flat. So V/A is not the cause by itself: bores of the same V/A \
-         differ. Coefficients are those of the exact decay behind each printed regression (geometric mean of six).",
+         of the same test, {} rows over bore, stroke and pressure, shows where that comes from. V/A varies in two ways, and they differ. \
+         With λ = {} W/(m² K) · √(P T/(P0 T0)) · (l/0.1 m)^(−1/2), the paper's steps give a λ0 that falls along each bore's curve, the same \
+         for all pressures, because a longer gas column has more V/A (left). At one length of the column a wider bore has more V/A, \
+         too, and λ0 stays where it is (right). The sibling with one λ0 = {} W/(m² K) is flat both ways. So V/A is not the cause by \
+         itself; the six points follow their columns' lengths. Coefficients are those of the exact decay behind each printed \
+         regression (geometric mean of six).",
         studied.len(),
         digits(column, 4),
         digits(one, 4),
@@ -32,7 +34,8 @@ pub fn section(
     section.blocks.push(Block::Figure {
         file: "lambda0_trend.svg",
         svg: figures::trend::draw(measured, studied, flat)?,
-        caption: "λ0 by the paper's steps against V/A at the final stroke: rows of the two studies, and table 5's six points."
+        caption: "λ0 by the paper's steps against V/A at the final stroke, varied by the column's length at each bore and by the \
+                  bore at each length: rows of the two studies, and table 5's six points (hollow: from 1 bar, filled: from 3 bar)."
             .to_owned(),
     });
     let mut table =

@@ -1,70 +1,98 @@
-//! λ0 against volume/area: the studies' rows as curves for each bore and pressure, the paper's six points on them.
+//! λ0 against volume/area in the two ways in which it varies, by the column's length at each bore and by the bore at each
+//! length: the studies' rows as curves, the paper's six points on them.
 
 use super::WIDTH;
 use crate::reproduce::studies::TrendPoint;
 use anyhow::Result;
-use paper::measured::Measured;
+use paper::measured::{Measured, Row};
 use paper::tables::{TABLE_5, Table, row_of};
-use report::{Axis, Chart, Colour, Mark, Series};
+use report::{Axis, Chart, Colour, Mark, Series, chart};
 
 const MM: f64 = 1e3;
+/// Range of the figure: V/A, mm, and λ0, W/(m² K). All six points lie in it.
+const X_MM: (f64, f64) = (2.0, 10.0);
+const Y: (f64, f64) = (10.0, 70.0);
 /// Bores of the paper's actuators, m, and their colours.
 const OF_THE_PAPER: [(f64, Colour); 2] = [(0.020, Colour::After), (0.032, Colour::Before)];
 /// The paper's actuators: name, colour, what the legend says.
-const ACTUATORS: [(&str, Colour, &str); 3] = [
-    ("A", Colour::After, "paper, actuator A, bore 20 mm (hollow: from 1 bar)"),
-    ("B", Colour::Before, "paper, actuator B, bore 32 mm (hollow: from 1 bar)"),
-    ("C", Colour::Before, "paper, actuator C, bore 32 mm (hollow: from 1 bar)"),
-];
+const ACTUATORS: [(&str, Colour, &str); 3] =
+    [("A", Colour::After, "A, 20 mm"), ("B", Colour::Before, "B, 32 mm"), ("C", Colour::Before, "C, 32 mm")];
+/// Logarithm of the ratio of two lengths that are drawn beside each other, at least.
+const APART: f64 = 0.45;
 
 /// The figure as SVG: `studied` with the column's length in λ, `flat` with one λ0.
+///
+/// # Errors
+/// A point of table 5 that is missing, a drawing that fails.
 pub fn draw(measured: &Measured, studied: &[TrendPoint], flat: &[TrendPoint]) -> Result<String> {
-    let table = Table::parse(TABLE_5)?;
+    let points = points_of_the_paper(measured)?;
+    let panel = |title, y, series, texts| Chart {
+        title,
+        x: Axis::new("V/A at the final stroke, mm").over(X_MM.0, X_MM.1),
+        y: Axis::new(y).over(Y.0, Y.1),
+        series,
+        texts,
+        size: (WIDTH / 2, 420),
+        ..Chart::default()
+    };
     let [low, high] = pressures(studied);
-    let from_low = format!("study, λ ∝ √(PT) l^(−1/2), from {:.1} bar; bore at the line", low * 1e-5);
-    let from_high = format!("the same from {:.1} bar", high * 1e-5);
+    let [from_low, from_high] = [low, high].map(|pressure| format!("from {:.1} bar", pressure * 1e-5));
     let (mut series, mut texts) = (Vec::new(), Vec::new());
-    for (k, bore) in bores(studied).into_iter().enumerate() {
+    for (k, bore) in distinct(studied.iter().map(|p| p.bore_m)).into_iter().enumerate() {
         let colour = OF_THE_PAPER.iter().find(|(b, _)| *b == bore).map_or(Colour::Pale, |(_, c)| *c);
-        let line = curve(studied, bore, low);
-        texts.extend(line.first().map(|(x, y)| (*x, *y, format!("{:.0} mm", bore * MM))));
+        let curves = [low, high].map(|pressure| curve(studied, pressure, |p| p.bore_m == bore));
+        texts.extend(curves[0].first().map(|(x, y)| (*x, *y, format!("{:.0}", bore * MM))));
         let label = |text| if k == 0 { text } else { "" };
-        let points = curve(studied, bore, high);
-        series.push(Series { points: line, colour, label: label(from_low.as_str()), mark: Mark::Beneath(6.0) });
-        series.push(Series { points, colour, label: label(from_high.as_str()), mark: Mark::Line(1.6) });
+        let [of_low, of_high] = curves;
+        series.push(Series { points: of_low, colour, label: label(&from_low), mark: Mark::Beneath(6.0) });
+        series.push(Series { points: of_high, colour, label: label(&from_high), mark: Mark::Line(1.6) });
     }
-    let mut all: Vec<(f64, f64)> = flat.iter().map(|p| (p.volume_to_area_m * MM, p.coefficient_0_w_per_m2_k)).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    series.push(Series {
-        // Thinned: a dashed line through hundreds of points a pixel apart would lose its dashes.
-        points: all.iter().copied().step_by(all.len().div_ceil(60).max(1)).collect(),
-        colour: Colour::Ink,
-        label: "study with one λ0: every bore and pressure",
-        mark: Mark::Dashed(1.6),
-    });
+    series.push(Series { label: "one λ0", ..one_coefficient(flat) });
+    series.extend(points.iter().map(|point| Series { label: "", ..point.series.clone() }));
+    let by_length = panel("Longer columns at each bore, mm", "λ0 by the paper's steps, W/(m² K)", series, texts);
+
+    let (mut series, mut texts) = (Vec::new(), Vec::new());
+    for length in lengths(studied, &points) {
+        let near = |point: &&OfThePaper| (point.column_m / length).ln().abs() < 0.1;
+        let colour = points.iter().find(near).map_or(Colour::Pale, |point| point.series.colour);
+        let line = curve(studied, high, |p| p.column_m == length);
+        texts.extend(line.first().map(|(x, y)| (*x, *y, format!("{:.0}", length * MM))));
+        series.push(Series { points: line, colour, label: "", mark: Mark::Line(1.6) });
+    }
+    series.push(one_coefficient(flat));
+    series.extend(points.into_iter().map(|point| point.series));
+    let by_bore = panel("Wider bores at each length of the column, mm", "", series, texts);
+    Ok(chart::sheet("", &[by_length, by_bore], 2)?)
+}
+
+/// A point of table 5 as it is drawn.
+struct OfThePaper {
+    actuator: &'static str,
+    /// Length of its gas column, m.
+    column_m: f64,
+    series: Series<'static>,
+}
+
+/// The six points of table 5; those from 1 bar are hollow.
+fn points_of_the_paper(measured: &Measured) -> Result<Vec<OfThePaper>> {
+    let table = Table::parse(TABLE_5)?;
+    let mut points = Vec::new();
     for (actuator, colour, label) in ACTUATORS {
-        for row in measured.rows.iter().filter(|r| r.test.actuator == actuator) {
+        for row in measured.rows.iter().filter(|row| row.test.actuator == actuator) {
             let at = row_of(&table, &row.test.experiment, actuator)?;
             let point = (table.number(at, "volume_to_area_mm")?, table.number(at, "coefficient_0_w_per_m2_k")?);
             let filled = row.test.experiment != "1";
-            series.push(Series {
-                points: vec![point],
-                colour,
-                label: if filled { label } else { "" },
-                mark: marker(actuator, filled),
-            });
+            let label = if filled { label } else { "" };
+            let series = Series { points: vec![point], colour, label, mark: marker(actuator, filled) };
+            points.push(OfThePaper { actuator, column_m: column_of(row), series });
         }
     }
-    let chart = Chart {
-        title: "λ0 by the paper's steps, against volume over area",
-        x: Axis::new("V/A at the final stroke, mm").over(2.0, 10.0),
-        y: Axis::new("λ0, W/(m² K)").over(0.0, 100.0),
-        series,
-        texts,
-        size: (WIDTH, 540),
-        ..Chart::default()
-    };
-    Ok(chart.draw()?)
+    Ok(points)
+}
+
+/// Length of a test's gas column, m.
+fn column_of(row: &Row) -> f64 {
+    row.steps.final_volume_m3.value / row.setup.piston_area_m2
 }
 
 fn marker(actuator: &str, filled: bool) -> Mark {
@@ -76,20 +104,56 @@ fn marker(actuator: &str, filled: bool) -> Mark {
     }
 }
 
-/// The curve of one bore and pressure, in the figure's units.
-fn curve(points: &[TrendPoint], bore_m: f64, pressure_pa: f64) -> Vec<(f64, f64)> {
-    let own = points.iter().filter(|p| p.bore_m == bore_m && p.initial_pressure_pa == pressure_pa);
-    let mut curve: Vec<(f64, f64)> = own.map(|p| (p.volume_to_area_m * MM, p.coefficient_0_w_per_m2_k)).collect();
+/// The rows of the study with one λ0, all bores and pressures.
+fn one_coefficient(flat: &[TrendPoint]) -> Series<'static> {
+    let mut points: Vec<(f64, f64)> = flat.iter().map(place).filter(inside).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Thinned: a dashed line through hundreds of points a pixel apart would lose its dashes.
+    let points = points.iter().copied().step_by(points.len().div_ceil(60).max(1)).collect();
+    Series { points, colour: Colour::Ink, label: "", mark: Mark::Dashed(1.6) }
+}
+
+/// A row in the figure's units.
+fn place(point: &TrendPoint) -> (f64, f64) {
+    (point.volume_to_area_m * MM, point.coefficient_0_w_per_m2_k)
+}
+
+fn inside((x, y): &(f64, f64)) -> bool {
+    (X_MM.0..=X_MM.1).contains(x) && (Y.0..=Y.1).contains(y)
+}
+
+/// The curve of some rows from one pressure, as far as it is in the figure.
+fn curve(points: &[TrendPoint], pressure_pa: f64, of: impl Fn(&TrendPoint) -> bool) -> Vec<(f64, f64)> {
+    let own = points.iter().filter(|p| p.initial_pressure_pa == pressure_pa && of(p));
+    let mut curve: Vec<(f64, f64)> = own.map(place).filter(inside).collect();
     curve.sort_by(|a, b| a.0.total_cmp(&b.0));
     curve
 }
 
-/// Bores of the study whose curves fit the figure, m.
-fn bores(points: &[TrendPoint]) -> Vec<f64> {
-    let mut bores: Vec<f64> = points.iter().map(|p| p.bore_m).filter(|b| (0.012..=0.040).contains(b)).collect();
-    bores.sort_by(f64::total_cmp);
-    bores.dedup();
-    bores
+/// Lengths of the study whose lines are drawn, m: the one nearest to each actuator's, and others that keep their distance.
+fn lengths(studied: &[TrendPoint], points: &[OfThePaper]) -> Vec<f64> {
+    let all = distinct(studied.iter().map(|p| p.column_m));
+    let far = |length: f64, other: f64| (length / other).ln().abs();
+    let mut drawn = Vec::new();
+    for (actuator, ..) in ACTUATORS {
+        let own = points.iter().filter(|point| point.actuator == actuator).map(|point| point.column_m.ln());
+        let mean = (own.clone().sum::<f64>() / own.count() as f64).exp();
+        drawn.extend(all.iter().copied().min_by(|a, b| far(*a, mean).total_cmp(&far(*b, mean))));
+    }
+    for length in all.iter().copied() {
+        if drawn.iter().all(|other| far(length, *other) > APART) {
+            drawn.push(length);
+        }
+    }
+    distinct(drawn.into_iter())
+}
+
+/// Sorted, each once.
+fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
 
 /// Lowest and highest initial pressure of the study, Pa.
