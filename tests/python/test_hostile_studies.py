@@ -125,6 +125,9 @@ STUDIES = {
     "a table without the design": ([("[study]", '[study]\ntable = "points.csv"')], 'belongs to design = "table"'),
     "statistics of nothing": ([("[vary]", "[statistics]\ncolumns = []\n[vary]")], "is empty"),
     "statistics of what is not there": ([("[vary]", '[statistics]\ncolumns = ["presure_peak_pa"]\n[vary]')], "did you mean `pressure_peak_pa`?"),
+    "a front of one column": ([("[vary]", '[statistics]\npareto = { minimise = ["settling_time_s"] }\n[vary]')], "2 to 4 were expected"),
+    "a front of what is not there": ([("[vary]", '[statistics]\npareto = { minimise = ["setling_time_s", "area_m2"] }\n[vary]')], "did you mean `settling_time_s`?"),
+    "a front both ways": ([("[vary]", '[statistics]\npareto = { minimise = ["area_m2"], maximise = ["area_m2"] }\n[vary]')], "names `area_m2` twice"),
     "a probability beyond one": ([("[vary]", "[statistics]\nquantiles = [95]\n[vary]")], "probabilities from 0 to 1 were expected"),
     "a histogram the wrong way round": ([("[vary]", "[statistics]\nhistograms = { area_m2 = { from = 1, to = 0, bins = 9 } }\n[vary]")], "`from` has to be below `to`"),
 }

@@ -590,3 +590,24 @@ final_stroke_m = {{ distribution = "empirical", values = {measured} }}"""
         shares.append(rows[name].rank())
     correlation = np.corrcoef(shares) - np.eye(len(shares))
     assert abs(correlation).max() < 0.03, "independent axes"
+
+
+def test_the_pareto_front_is_the_rows_that_no_other_betters(tmp_path, pneutherm):
+    vary = 'bore_m = { from = 0.016, to = 0.063 }\npush_time_s = { from = 0.02, to = 0.4 }\nfinal_stroke_m = { from = 0.03, to = 0.08 }'
+    study = write(tmp_path, 'design = "sobol"\nsamples = 3000\nfit = false', vary)
+    front = 'pareto = { minimise = ["settling_time_s"], maximise = ["pressure_peak_pa", "volume_m3"] }'
+    study.write_text(study.read_text() + f"[statistics]\n{front}\n")
+    pneutherm("sweep", study, "-o", tmp_path / "out")
+    rows = table(tmp_path / "out").to_pandas().set_index("row")
+    goals = rows[["settling_time_s", "pressure_peak_pa", "volume_m3"]].dropna() * [1, -1, -1]
+    points = goals.to_numpy()
+    bettered = [((points <= point).all(axis=1) & (points < point).any(axis=1)).any() for point in points]
+    expected = set(goals.index[~np.array(bettered)])
+    found = json.loads((tmp_path / "out" / "statistics.json").read_text())["pareto"]
+    assert found["complete"] and {point["row"] for point in found["points"]} == expected and 5 < len(expected) < 2000
+    for point in found["points"]:
+        row = rows.loc[point["row"]]
+        assert all(row[name] == value for name, value in (point["values"] | point["at"]).items())
+    # The same without rows, which are merged from the parts.
+    pneutherm("sweep", study, "-o", tmp_path / "summary", "--no-rows")
+    assert json.loads((tmp_path / "summary" / "statistics.json").read_text())["pareto"] == found

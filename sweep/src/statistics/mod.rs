@@ -3,8 +3,10 @@
 //! Each part has its [`State`]; those of all parts, merged in the parts' order, are the study's, so that shards and threads make
 //! no difference to a bit of it. Memory does not grow with the rows.
 
+mod front;
 mod sketch;
 
+pub use front::{Front, Goals};
 pub use sketch::{ERROR, Sketch};
 
 use crate::columns;
@@ -35,6 +37,9 @@ pub struct Plan {
     pub quantiles: Vec<f64>,
     /// Histograms by column.
     pub histograms: Vec<(String, Bins)>,
+    /// The Pareto front, where one is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pareto: Option<Goals>,
 }
 
 /// Equal bins of a histogram.
@@ -52,7 +57,7 @@ impl Plan {
     /// Every computed column of a study.
     pub fn all(study: &Study) -> Self {
         let columns = columns::outputs(study).map(|o| o.name.to_owned()).collect();
-        Self { columns, quantiles: QUANTILES.to_vec(), histograms: Vec::new() }
+        Self { columns, quantiles: QUANTILES.to_vec(), histograms: Vec::new(), pareto: None }
     }
 
     /// Some computed columns of a study, all unless named, with the quantiles of some probabilities.
@@ -82,7 +87,9 @@ impl Plan {
 
     /// What two states have to have in common to be merged.
     pub fn identity(&self) -> String {
-        hash::of_bytes(json!([self.columns, self.histograms]).to_string().as_bytes())
+        let mut asked = vec![json!(self.columns), json!(self.histograms)];
+        asked.extend(self.pareto.iter().map(|goals| json!(goals)));
+        hash::of_bytes(json!(asked).to_string().as_bytes())
     }
 
     fn bins(&self, column: &str) -> Option<Bins> {
@@ -96,6 +103,8 @@ pub struct State {
     /// [`Plan::identity`].
     pub plan: String,
     columns: Vec<Column>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    front: Option<Front>,
 }
 
 /// What is known of one column.
@@ -127,13 +136,27 @@ impl State {
             let bins = plan.bins(name).map_or(Vec::new(), |bins| vec![0; bins.bins as usize + 2]);
             Column { bins, ..Column::default() }
         };
-        Self { plan: plan.identity(), columns: plan.columns.iter().map(column).collect() }
+        let front = plan.pareto.as_ref().map(|_| Front::default());
+        Self { plan: plan.identity(), columns: plan.columns.iter().map(column).collect(), front }
     }
 
     /// Adds rows from `first_row` on: the plan's columns, a missing value being NaN.
     pub fn add<'v>(&mut self, plan: &Plan, first_row: u64, values: impl Iterator<Item = &'v [f64]>) {
-        for ((name, column), values) in plan.columns.iter().zip(&mut self.columns).zip(values) {
+        let values: Vec<&[f64]> = values.collect();
+        for ((name, column), values) in plan.columns.iter().zip(&mut self.columns).zip(&values) {
             column.add(plan.bins(name), first_row, values);
+        }
+        let (Some(goals), Some(front)) = (&plan.pareto, &mut self.front) else { return };
+        let place = |name: &str| plan.columns.iter().position(|column| column == name);
+        let wanted: Vec<(&[f64], f64)> =
+            goals.columns().filter_map(|(name, sign)| Some((*values.get(place(name)?)?, sign))).collect();
+        let mut point = Vec::with_capacity(wanted.len());
+        for (i, row) in (first_row..).take(values.first().map_or(0, |column| column.len())).enumerate() {
+            point.clear();
+            point.extend(wanted.iter().map(|(column, sign)| sign * column[i]));
+            if point.iter().all(|value| value.is_finite()) {
+                front.add(row, &point);
+            }
         }
     }
 
@@ -141,6 +164,9 @@ impl State {
     pub fn merge(&mut self, later: &Self) {
         for (column, later) in self.columns.iter_mut().zip(&later.columns) {
             column.merge(later);
+        }
+        if let (Some(front), Some(later)) = (&mut self.front, &later.front) {
+            front.merge(later);
         }
     }
 
@@ -155,7 +181,7 @@ impl State {
             let unit = schema.field_with_name(name).ok().and_then(|field| field.metadata().get("unit"));
             list.insert(name.clone(), column.summary(study, plan, plan.bins(name), unit)?);
         }
-        Ok(json!({
+        let mut summary = json!({
             "study": study.name,
             "study_sha256": study.identity(),
             "rows": study.rows,
@@ -166,8 +192,28 @@ impl State {
                 "nulls": "rows without the value take no part and are counted",
             },
             "columns": list,
-        }))
+        });
+        if let (Some(goals), Some(front)) = (&plan.pareto, &self.front) {
+            summary["pareto"] = described_front(study, goals, front)?;
+        }
+        Ok(summary)
     }
+}
+
+/// A Pareto front, each point with its row and where it is in the design.
+fn described_front(study: &Study, goals: &Goals, front: &Front) -> Result<Value, Error> {
+    let point = |(row, values): &(u64, Vec<f64>)| {
+        let values: Map<String, Value> =
+            goals.columns().zip(values).map(|((name, sign), value)| (name.to_owned(), json!(sign * value))).collect();
+        Ok(json!({ "row": row, "values": values, "at": point_of(study, *row)? }))
+    };
+    let points = front.sorted().into_iter().map(point).collect::<Result<Vec<_>, Error>>()?;
+    Ok(json!({
+        "minimise": goals.minimise,
+        "maximise": goals.maximise,
+        "complete": front.is_complete(),
+        "points": points,
+    }))
 }
 
 impl Column {
@@ -275,11 +321,14 @@ impl Column {
 /// An extreme with its row and the point of the design that it stands for.
 fn described(study: &Study, extreme: Option<Extreme>) -> Result<Value, Error> {
     let Some(Extreme { value, row }) = extreme else { return Ok(Value::Null) };
+    Ok(json!({ "value": value, "row": row, "at": point_of(study, row)? }))
+}
+
+/// The varied quantities of a row by name.
+fn point_of(study: &Study, row: u64) -> Result<Map<String, Value>, Error> {
     let mut point = vec![Vec::with_capacity(1); study.varied.len()];
     study.design.fill(row..row + 1, &mut point)?;
-    let at: Map<String, Value> =
-        study.varied.iter().zip(&point).map(|(varied, value)| (varied.column.clone(), json!(value[0]))).collect();
-    Ok(json!({ "value": value, "row": row, "at": at }))
+    Ok(study.varied.iter().zip(&point).map(|(varied, value)| (varied.column.clone(), json!(value[0]))).collect())
 }
 
 /// A sum in eight lanes, the same whatever the processor.

@@ -10,7 +10,7 @@ use crate::design::{Axes, Design, NAMES, sobol};
 use crate::error::{Error, OUTERMOST};
 use crate::hash;
 use crate::quantity::{self, Base, Point};
-use crate::statistics::{Bins, Plan};
+use crate::statistics::{Bins, Goals, Plan};
 use crate::uncertain::Uncertain;
 use ensemble::{Options, Solver};
 use records::Model;
@@ -324,6 +324,32 @@ fn plan(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
             return Err(count.refuse(format!("is {number}: {MOST_BINS} at most were expected")));
         }
         plan.histograms.push((entry.key.to_owned(), Bins { from, to, bins: number }));
+    }
+    if let Some(entry) = section.get("pareto") {
+        let goals = entry.section()?;
+        let list = |key: &str| {
+            goals.get(key).map_or(Ok(Vec::new()), |entry| {
+                let names = texts(entry)?;
+                names.iter().try_for_each(|name| known(&entry, name))?;
+                Ok::<_, Error>(names.into_iter().map(str::to_owned).collect())
+            })
+        };
+        let found = Goals { minimise: list("minimise")?, maximise: list("maximise")? };
+        goals.finish()?;
+        let names: Vec<&str> = found.columns().map(|(name, _)| name).collect();
+        if !(2..=4).contains(&names.len()) {
+            let count = names.len();
+            return Err(
+                entry.refuse(format!("names {count} columns in `minimise` and `maximise`: 2 to 4 were expected"))
+            );
+        }
+        if let Some((_, twice)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            return Err(entry.refuse(format!("names `{twice}` twice")));
+        }
+        if let Some(absent) = names.iter().find(|name| !plan.columns.iter().any(|column| column == *name)) {
+            return Err(entry.refuse(format!("names `{absent}`, which is none of the `columns` of [statistics]")));
+        }
+        plan.pareto = Some(found);
     }
     section.finish()?;
     Ok(plan)

@@ -1,0 +1,106 @@
+//! The Pareto front of some columns: the rows that no other row betters in one of them without being worse in another.
+//!
+//! Of rows with the same values the first is kept, so that fronts of pieces, merged in order, are the front of the whole.
+
+use serde::{Deserialize, Serialize};
+
+/// Points of a front at most: each part keeps them all.
+pub const MOST: usize = 10_000;
+
+/// What is looked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Goals {
+    /// Columns that should be small.
+    pub minimise: Vec<String>,
+    /// Columns that should be large.
+    pub maximise: Vec<String>,
+}
+
+impl Goals {
+    /// The columns, those that should be small first, each with the sign that makes small what is good.
+    pub fn columns(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.minimise
+            .iter()
+            .map(|name| (name.as_str(), 1.0))
+            .chain(self.maximise.iter().map(|name| (name.as_str(), -1.0)))
+    }
+}
+
+/// The front of the rows so far.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Front {
+    /// Row and values of each point, signed so that small is good.
+    points: Vec<(u64, Vec<f64>)>,
+    /// Whether there were more points than [`MOST`].
+    overflown: bool,
+}
+
+impl Front {
+    /// Adds a row, unless another is as good in all columns.
+    pub fn add(&mut self, row: u64, values: &[f64]) {
+        let as_good = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
+        if let Some(place) = self.points.iter().position(|(_, point)| as_good(point, values)) {
+            // What bettered this row will better the next one, too: it is asked first.
+            self.points.swap(0, place);
+            return;
+        }
+        self.points.retain(|(_, point)| !as_good(values, point));
+        if self.points.len() < MOST {
+            self.points.push((row, values.to_vec()));
+        } else {
+            self.overflown = true;
+        }
+    }
+
+    /// Adds the front of rows that all come later.
+    pub fn merge(&mut self, later: &Self) {
+        self.overflown |= later.overflown;
+        later.points.iter().for_each(|(row, values)| self.add(*row, values));
+    }
+
+    /// The points by their first column, then by row.
+    pub fn sorted(&self) -> Vec<&(u64, Vec<f64>)> {
+        let mut points: Vec<_> = self.points.iter().collect();
+        points.sort_by(|(a, of_a), (b, of_b)| of_a[0].total_cmp(&of_b[0]).then(a.cmp(b)));
+        points
+    }
+
+    /// Whether no point was left out.
+    pub fn is_complete(&self) -> bool {
+        !self.overflown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_front_is_what_no_other_row_betters_however_it_was_put_together(
+            rows in prop::collection::vec(prop::array::uniform3(0..12u8), 1..120), cut in 0..120usize,
+        ) {
+            let values: Vec<Vec<f64>> = rows.iter().map(|row| row.map(f64::from).to_vec()).collect();
+            let better = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b) && a != b;
+            let expected: Vec<u64> = (0..values.len())
+                .filter(|&i| !values.iter().any(|v| better(v, &values[i])) && !values[..i].contains(&values[i]))
+                .map(|i| i as u64)
+                .collect();
+            let front = |range: std::ops::Range<usize>| {
+                let mut front = Front::default();
+                range.for_each(|i| front.add(i as u64, &values[i]));
+                front
+            };
+            let cut = cut.min(values.len());
+            let mut merged = front(0..cut);
+            merged.merge(&front(cut..values.len()));
+            for front in [merged, front(0..values.len())] {
+                let mut found: Vec<u64> = front.sorted().iter().map(|(row, _)| *row).collect();
+                found.sort_unstable();
+                prop_assert_eq!(&found, &expected);
+                prop_assert!(front.is_complete());
+            }
+        }
+    }
+}
