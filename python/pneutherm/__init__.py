@@ -30,12 +30,14 @@ __all__ = [
     "Error",
     "Identification",
     "StudyFolder",
+    "Validation",
     "batches",
     "diagnose",
     "identify",
     "simulate",
     "statistics",
     "sweep",
+    "validate",
     "write_trace",
 ]
 
@@ -92,6 +94,25 @@ class Diagnosis:
     raw: dict[str, Any]
 
 
+@dataclasses.dataclass(frozen=True)
+class Validation:
+    """What `validate` found.
+
+    Attributes:
+        rmse_pa: error over all rows judged, Pa rms.
+        noise_pa: the recording's noise, Pa.
+        systematic_pa: what is systematic in the error, Pa, where whole records are judged.
+        records: trace, rmse_pa, judged_from_s, rows and the record's own numbers (JSON): one row a record.
+        raw: everything, as ``pneutherm validate --json`` writes it.
+    """
+
+    rmse_pa: float
+    noise_pa: float
+    systematic_pa: Optional[float]
+    records: pyarrow.Table
+    raw: dict[str, Any]
+
+
 def identify(
     rig: Path, *, method: Literal["exact", "time-constant"] = "exact", model: Optional[Path] = None
 ) -> Identification:
@@ -135,6 +156,25 @@ def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] 
         rmse_before_pa=raw["before"]["rmse_pa"],
         rmse_after_pa=raw["after"]["rmse_pa"],
         candidates=_rows(candidates),
+        raw=raw,
+    )
+
+
+def validate(model: Path, rig: Path, *, whole_record: bool = False) -> Validation:
+    """How well a model predicts records that took no part in finding it.
+
+    Args:
+        model: the model file.
+        rig: the rig file of the records, or the folder with a ``rig.toml``.
+        whole_record: fit the records' own numbers (initial pressure, delay, offsets) to all of each record, not only to its
+            rest and first move.
+    """
+    raw = json.loads(_native.validate(model, rig, whole_record))
+    return Validation(
+        rmse_pa=raw["rmse_pa"],
+        noise_pa=raw["noise_pa"],
+        systematic_pa=raw["systematic_pa"],
+        records=_rows([_flat(record) for record in raw["records"]]),
         raw=raw,
     )
 

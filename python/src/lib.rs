@@ -3,7 +3,7 @@
 //! | function | gives |
 //! |---|---|
 //! | `run` | the program's exit code |
-//! | `identify`, `diagnose` | what `--json` writes, as text |
+//! | `identify`, `diagnose`, `validate` | what `--json` writes, as text |
 //! | `simulate` | a `Table` in the Arrow C stream interface: Python reads the memory that Rust filled |
 //! | `Study` | a study: its rows as a `Table`, as a stream of batches or in a folder, and its statistics |
 //!
@@ -32,7 +32,7 @@ pyo3::create_exception!(pneutherm, Error, pyo3::exceptions::PyException, "What i
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::{Error, Study, diagnose, identify, run, simulate};
+    use super::{Error, Study, diagnose, identify, run, simulate, validate};
     #[pymodule_export]
     use crate::table::{Batches, Table};
 }
@@ -68,6 +68,12 @@ fn diagnose(py: Python<'_>, rig: PathBuf, model: Option<PathBuf>, report: Option
         }
         Ok(serde_json::to_string(&found.diagnosis)?)
     })
+}
+
+/// How well a model predicts the records of a rig, as JSON.
+#[pyfunction]
+fn validate(py: Python<'_>, model: PathBuf, rig: PathBuf, whole_record: bool) -> PyResult<String> {
+    interruptible(py, move || Ok(serde_json::to_string(&evaluation::validate(&model, &rig, whole_record)?.validation)?))
 }
 
 /// The chamber along a motion, with a band where `samples` asks for one.

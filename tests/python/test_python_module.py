@@ -50,6 +50,17 @@ def test_diagnose_and_simulate_agree_with_the_record_and_with_the_answer(module,
     assert math.sqrt(sum(e * e for e in errors) / len(errors)) < 1.3 * diagnosis.noise_pa
 
 
+def test_validate_judges_a_model_by_records(module, root, tmp_path):
+    model = tmp_path / "model.toml"
+    module.diagnose(root / "examples/cylinder", model=model)
+    found = module.validate(model, root / "examples/cylinder")
+    assert found.rmse_pa < 1.3 * found.noise_pa and found.systematic_pa is None
+    assert found.records.num_rows == len(found.raw["records"]) > 5 and "rmse_pa" in found.records.column_names
+    assert module.validate(model, root / "examples/cylinder", whole_record=True).systematic_pa is not None
+    with pytest.raises(module.Error, match="absent.toml: cannot be read"):
+        module.validate("absent.toml", root / "examples/cylinder")
+
+
 def test_an_initial_pressure_is_passed_on(module, root):
     model = root / "fuzz/corpus/model/paper.toml"
     motion = root / "examples/cylinder/validation.csv"
