@@ -305,7 +305,7 @@ impl Recipe {
             path: format!("synthetic-{}", self.seed).into(),
             cylinder: Cylinder {
                 bore_m: geometry.bore * stated.bore_times,
-                rod_through_m: 0.0,
+                rod_through_m: geometry.rod_diameter * stated.bore_times,
                 piston_area_m2: geometry.piston_area * stated.bore_times.powi(2),
                 stroke_m: None,
             },
