@@ -45,15 +45,19 @@ impl Signals {
             return self;
         }
         let (begin, end) = (self.knots[0].time, self.knots[self.knots.len() - 1].time);
-        let shifts = position_averaging::shifts(window);
+        let shifts = [0.0, 0.5 * window, -0.5 * window];
         let of_stroke = self.knots.iter().flat_map(|knot| shifts.map(|shift| knot.time - delay - shift));
         let mut times: Vec<f64> = self.knots.iter().map(|knot| knot.time).chain(of_stroke).collect();
         times.retain(|time| (begin..=end).contains(time));
         times.sort_by(f64::total_cmp);
         times.dedup_by(|later, earlier| *later - *earlier < SMALLEST_STRETCH * (end - begin));
         let knots = times.iter().map(|&time| {
-            let recorded = |shift: f64| self.knot(time + delay + shift).position;
-            Knot { time, position: position_averaging::undone(recorded, window), ..self.knot(time) }
+            let recorded = |time: f64| self.knot(time).position;
+            Knot {
+                time,
+                position: position_averaging::undone(recorded, window, [begin, end], time + delay),
+                ..self.knot(time)
+            }
         });
         Self { knots: knots.collect(), ambient_pressure: self.ambient_pressure }
     }

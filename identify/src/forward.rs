@@ -5,6 +5,7 @@
 //! ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual numbers give exact sensitivities.
 
 use crate::record::stroke::{Motion, Spline};
+use crate::record::true_stroke::TrueStroke;
 use chamber::Chamber;
 use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
@@ -27,40 +28,55 @@ pub struct Course {
     pub mass_flow: Option<Spline>,
 }
 
-/// A course on the way: with the places of its splines that were asked last.
-struct Passing<'a> {
+/// A course on the way, its stroke the true one: with the places of its splines that were asked last.
+struct Passing<'a, R> {
     course: &'a Course,
-    near: Cell<usize>,
+    stroke: TrueStroke<'a>,
+    /// The window that the stroke was recorded over, s.
+    window: R,
     near_flow: Cell<usize>,
 }
 
-impl<'a> Passing<'a> {
-    fn new(course: &'a Course) -> Self {
-        Self { course, near: Cell::new(0), near_flow: Cell::new(0) }
+impl<'a, R: Scalar> Passing<'a, R> {
+    fn new(course: &'a Course, chamber: &Chamber<R>, set: EffectSet) -> Self {
+        let window = effects::stroke_window(set, &chamber.effects);
+        let stroke = TrueStroke::new(&course.motion, window.value().max(0.0));
+        Self { course, stroke, window, near_flow: Cell::new(0) }
+    }
+
+    /// The same boundary with what the window's derivatives, if it has any, make of position and velocity.
+    #[inline(always)]
+    fn with_window(&self, mut boundary: Boundary<R>, time: f64) -> Boundary<R> {
+        if self.window.value() > 0.0 {
+            let [position, velocity] = self.stroke.by_window(time);
+            let wider = self.window - self.window.value();
+            boundary.position += wider * position;
+            boundary.velocity += wider * velocity;
+        }
+        boundary
     }
 }
 
-impl Inputs for Passing<'_> {
+impl<R: Scalar> Inputs for Passing<'_, R> {
     #[inline]
     fn begin(&self) -> f64 {
-        self.course.motion.segments[0].from_s
+        self.course.motion.extent().0
     }
 
     #[inline]
     fn stretches(&self) -> usize {
-        self.course.motion.segments.len()
+        self.stroke.stretches()
     }
 
     #[inline]
     fn end(&self, stretch: usize) -> f64 {
-        let segments = &self.course.motion.segments;
-        if stretch + 1 < segments.len() { segments[stretch].to_s } else { f64::INFINITY }
+        if stretch + 1 < self.stroke.stretches() { self.stroke.end(stretch) } else { f64::INFINITY }
     }
 
     #[inline]
     fn boundary(&self, stretch: usize, time: f64) -> Boundary {
         let course = self.course;
-        let (position, velocity) = course.motion.segments[stretch].stroke.at(time, &self.near);
+        let [position, velocity] = self.stroke.at(stretch, time);
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
         let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
         Boundary {
@@ -140,23 +156,24 @@ impl<R: Scalar> Run<'_, R> {
     ) -> Result<Vec<R>, IntegrationError> {
         let Run { chamber, set, start, warmer, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Vec::new()) };
-        let inputs = Passing::new(course);
+        let inputs = Passing::new(course, chamber, set);
         let begin = inputs.begin();
-        let first = inputs.boundary(0, begin);
-        let initial = balance::state_at(chamber, &warmed(first, warmer), start.pressure, start.temperature);
+        let around = |boundary: Boundary, time: f64| inputs.with_window(warmed(boundary, warmer), time);
+        let first = around(inputs.boundary(0, begin), begin);
+        let initial = balance::state_at(chamber, &first, start.pressure, start.temperature);
         on_step(begin, &initial);
         let mut sensor = Sensor::new(chamber, set, course, times, start.pressure);
-        let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
         let evaluations = Cell::new(0usize);
         let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
         let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
         let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
+        let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
         let rates = |t: f64, boundary: Boundary, state: &[R; STATES]| -> [R; STATES] {
             evaluations.set(evaluations.get() + 1);
             if evaluations.get() > most_evaluations {
                 return [R::from(f64::NAN); STATES];
             }
-            disturbed_rates(gas_set, &balance, &warmed(boundary, warmer), state, disturbance.at(t))
+            disturbed_rates(gas_set, &balance, &around(boundary, t), state, disturbance.at(t))
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
@@ -203,7 +220,7 @@ fn disturbed_rates<R: Scalar>(
 struct Sensor<'a, R> {
     balance: Balance<R>,
     set: EffectSet,
-    inputs: Passing<'a>,
+    inputs: Passing<'a, R>,
     lag: Option<R>,
     lagged: R,
     readings: Readings<'a, R>,
@@ -212,7 +229,7 @@ struct Sensor<'a, R> {
 impl<'a, R: Scalar> Sensor<'a, R> {
     /// Before the record the chamber is at rest at its first pressure.
     fn new(chamber: &'a Chamber<R>, set: EffectSet, course: &'a Course, times: &'a [f64], pressure: R) -> Self {
-        let inputs = Passing::new(course);
+        let inputs = Passing::new(course, chamber, set);
         let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
         let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
         let behind_lag = set.without(sensor_lag.into_iter().collect());
@@ -230,8 +247,8 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
         let dense = step.dense();
         let pressure = |t: R| {
-            let position = record::boundary_at(&self.inputs, stretch, t).position;
-            let mut volume = self.balance.chamber.geometry.volume(position);
+            let boundary = self.inputs.with_window(record::boundary_at(&self.inputs, stretch, t), t.value());
+            let mut volume = self.balance.chamber.geometry.volume(boundary.position);
             if let Some([_, _, change, _]) = extra.at(t.value()) {
                 volume += change;
             }

@@ -17,13 +17,14 @@ fn traced(recipe: &Recipe) -> Found {
 #[test]
 fn each_effect_of_the_list_is_named_on_a_rig_of_its_own() {
     for (e, card) in effects::all().filter(|(_, card)| card.candidate) {
-        let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(100 + e as u64) }.with_strength(e, 1.0);
-        if card.name == "sensor_offset" {
-            recipe.faults.offset_pa = Scattered::common(2e3);
-        }
-        if card.acts_on == ActsOn::RecordedStroke {
-            // The simulated rig records its stroke as it is.
-            continue;
+        let plain = Recipe { repeats: 2, ..Recipe::from_seed(100 + e as u64) };
+        // What a record does to the stroke, or adds to the pressure, is no matter of the chamber.
+        let mut recipe = if card.acts_on == ActsOn::RecordedStroke { plain } else { plain.with_strength(e, 1.0) };
+        match card.name {
+            "sensor_offset" => recipe.faults.offset_pa = Scattered::common(2e3),
+            "position_delay" => recipe.faults.position_delay_s = 0.02,
+            "position_averaging" => recipe.faults.position_window_s = 0.04,
+            _ => {}
         }
         let found = traced(&recipe);
         if card.name == "warm_wall" && found.verdict == Verdict::Adequate {

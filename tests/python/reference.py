@@ -148,7 +148,7 @@ class Chamber:
 
 def true_stroke(chamber, times, positions):
     """Knots of the true stroke from a recorded one that was late and a moving average: x - (w^2/24) x" with x" the
-    second difference over half the window."""
+    second difference over half the window, near an end that of half a window from it."""
     delay = chamber.value("position_delay", "delay_s")
     half = chamber.value("position_averaging", "window_s") / 2
 
@@ -157,7 +157,8 @@ def true_stroke(chamber, times, positions):
 
     knots = np.concatenate([times] + [times - delay + shift for shift in (0.0, half, -half)])
     knots = np.unique(np.round(knots[(knots >= times[0]) & (knots <= times[-1])], 9))
-    second = (recorded(knots + half) - 2 * recorded(knots) + recorded(knots - half)) / half**2 if half else 0.0
+    inside = np.clip(knots, times[0] + half - delay, times[-1] - half - delay)
+    second = (recorded(inside + half) - 2 * recorded(inside) + recorded(inside - half)) / half**2 if half else 0.0
     return knots, recorded(knots) - (2 * half) ** 2 / 24 * second
 
 

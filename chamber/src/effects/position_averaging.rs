@@ -1,8 +1,9 @@
 //! Position averaging: the position record is a moving average of the stroke over a time w, centred.
 //!
 //! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2, is x + (w²/24) x″ + O(w⁴), and so x ≈ x_rec − (w²/24) x_rec″.
-//! w ≥ 0 in s. Of a stroke recorded in rows x″ is the second difference over w/2 either side ([`undone`]): it makes noise
-//! of the position larger by 5/3 at most, however short the rows. A filter's delay is `position_delay`'s matter.
+//! w ≥ 0 in s. Of a stroke recorded in rows x″ is the second difference over w/2 either side ([`bend`]): it makes noise
+//! of the position larger by 5/3 at most, however short the rows. Nearer than w/2 to an end of the record x″ is taken to
+//! be that of w/2 from it. A filter's delay is `position_delay`'s matter.
 //! Source: Taylor's expansion; the gas spring of design finding 5 has w near 0.6 s.
 
 use super::Effect;
@@ -22,7 +23,6 @@ impl Effect for PositionAveraging {
         acts_on: ActsOn::RecordedStroke,
         scope: Scope::Record,
         closed_form: ClosedForm::Kept,
-        candidate: false,
         parameters: &[Parameter {
             name: "window",
             unit: Unit::Second,
@@ -41,23 +41,25 @@ impl Effect for PositionAveraging {
     }
 }
 
-/// Times, s, relative to the moment asked for, at which [`undone`] reads the record.
-pub fn shifts(window: f64) -> [f64; 3] {
-    [0.0, 0.5 * window, -0.5 * window]
+/// By how much the average is beside the stroke, m, from what it is half a window before a moment, then and half a window
+/// after: (w²/24) x″ with the second difference over half a window, and so a sixth of that.
+#[inline]
+pub fn bend([before, here, after]: [f64; 3]) -> f64 {
+    ((after - here) - (here - before)) * (1.0 / 6.0)
 }
 
-/// The stroke at a moment from its moving average over `window`, s, `recorded` that time, s, after the moment:
-/// x − (1/6) (x₊ − 2 x + x₋), with the second difference over half a window.
-pub fn undone(recorded: impl Fn(f64) -> f64, window: f64) -> f64 {
-    let [here, after, before] = shifts(window).map(recorded);
-    here - ((after - here) - (here - before)) * (1.0 / 6.0)
+/// The moment, s, whose [`bend`] stands for that of `time` where a record with these ends is read `half` a window, s, to
+/// either side.
+#[inline]
+pub fn middle(time: f64, half: f64, [begin, end]: [f64; 2]) -> f64 {
+    time.min(end - half).max(begin + half)
 }
 
-/// The same of a smooth record: position and velocity from the record's value and its first three derivatives, in m, m/s,
-/// m/s² and m/s³.
-pub fn undone_smooth<R: Real>(recorded: [R; 4], window: R) -> [R; 2] {
-    let share = window * window * (1.0 / 24.0);
-    [recorded[0] - share * recorded[2], recorded[1] - share * recorded[3]]
+/// The stroke at a moment, m, from its moving average over `window`, s, as `recorded` between its two ends, s.
+pub fn undone(recorded: impl Fn(f64) -> f64, window: f64, ends: [f64; 2], time: f64) -> f64 {
+    let half = 0.5 * window;
+    let middle = middle(time, half, ends);
+    recorded(time) - bend([middle - half, middle, middle + half].map(&recorded))
 }
 
 #[cfg(test)]
@@ -65,11 +67,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_forms_agree_on_a_parabola_and_on_rest() {
+    fn a_parabola_is_found_again_up_to_the_ends_of_its_record_and_rest_is_rest() {
         let (window, acceleration) = (0.3, -2.0);
         let x = |t: f64| 0.1 + 0.5 * acceleration * t * t;
-        let smooth = undone_smooth([x(0.2), acceleration * 0.2, acceleration, 0.0], window);
-        assert!((undone(|shift| x(0.2 + shift), window) - smooth[0]).abs() < 1e-15);
-        assert_eq!((undone(|_| 0.1, window), undone(|shift| x(0.2 + shift), 0.0)), (0.1, x(0.2)));
+        let averaged = |t: f64| x(t) + acceleration * window * window / 24.0;
+        for t in [-1.0, -0.9, 0.2, 0.95, 1.0] {
+            assert!((undone(averaged, window, [-1.0, 1.0], t) - x(t)).abs() < 1e-15, "{t}");
+        }
+        assert_eq!((undone(|_| 0.1, window, [0.0, 1.0], 0.5), undone(x, 0.0, [0.0, 1.0], 0.2)), (0.1, x(0.2)));
     }
 }

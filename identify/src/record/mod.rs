@@ -11,3 +11,4 @@ pub mod ramp;
 pub mod readout;
 pub mod spline;
 pub mod stroke;
+pub mod true_stroke;

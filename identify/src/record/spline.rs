@@ -117,6 +117,21 @@ impl Spline {
         let (c2, c3) = (3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q);
         (a + u * (p + u * (c2 + u * c3)), (p + u * (2.0 * c2 + 3.0 * u * c3)) / h)
     }
+
+    /// Second derivative at time `t`; of the later piece at a knot.
+    pub fn curvature(&self, t: f64, near: &Cell<usize>) -> f64 {
+        let last = self.time.len() - 1;
+        if t < self.time[0] || t > self.time[last] || last == 0 {
+            return 0.0;
+        }
+        self.at(t, near);
+        let i = near.get().min(last - 1);
+        let h = self.time[i + 1] - self.time[i];
+        let u = (t - self.time[i]) / h;
+        let (rise, p, q) = (self.value[i + 1] - self.value[i], self.slope[i] * h, self.slope[i + 1] * h);
+        let (c2, c3) = (3.0 * rise - 2.0 * p - q, p + q - 2.0 * rise);
+        (2.0 * c2 + 6.0 * u * c3) / (h * h)
+    }
 }
 
 /// Smallest and largest.
@@ -139,6 +154,7 @@ mod tests {
             let t = f64::from(k) * 0.05;
             let (value, slope) = s.at(t, &near);
             assert!((value - f(t)).abs() < 1e-12 && (slope - g(t)).abs() < 1e-11, "{t}");
+            assert!((s.curvature(t, &near) - (3.0 * t - 4.0)).abs() < 1e-10, "{t}");
         }
     }
 }

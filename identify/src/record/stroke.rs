@@ -81,6 +81,11 @@ impl Motion {
         Self { segments, noise_m }
     }
 
+    /// Its begin and its end, s.
+    pub fn extent(&self) -> (f64, f64) {
+        (self.segments[0].from_s, self.segments[self.segments.len() - 1].to_s)
+    }
+
     /// Whether the record begins with the piston held.
     pub fn starts_at_rest(&self) -> bool {
         self.segments.first().is_some_and(|s| s.phase == Phase::Rest)

@@ -366,7 +366,7 @@ impl Recipe {
         let mut pressure_pa: Vec<f64> = shown.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect();
         let stated = &faults.stated;
         let position_m = sampled(&time_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
-            times.iter().map(|t| stroke.at(*t, *t).0).collect()
+            times.iter().map(|t| averaged(*t, faults.position_window_s, |t| stroke.at(t, t).0)).collect()
         })
         .into_iter()
         .map(|x| x * stated.position_times + stated.position_offset_m)
@@ -419,6 +419,16 @@ impl Recipe {
         first.time_s = (0..first.position_m.len()).map(|i| i as f64 / self.rate_hz).collect();
         first
     }
+}
+
+/// The mean of a signal over a window around a moment.
+fn averaged(time: f64, window_s: f64, signal: impl Fn(f64) -> f64) -> f64 {
+    const PARTS: usize = 100;
+    if window_s == 0.0 {
+        return signal(time);
+    }
+    let part = |k: usize| window_s * ((k as f64 + 0.5) / PARTS as f64 - 0.5);
+    (0..PARTS).map(|k| signal(time + part(k))).sum::<f64>() / PARTS as f64
 }
 
 /// A signal at `times`, recorded late by `delay_s` and through a low-pass of `low_pass_s`.

@@ -89,6 +89,8 @@ pub struct Faults {
     pub position_delay_s: f64,
     /// Time constant of a low-pass that the position passes, s.
     pub position_low_pass_s: f64,
+    /// Time over which the recorded position is a centred moving average, s.
+    pub position_window_s: f64,
     /// Number of rows in each record that have the time stamp of the row before.
     pub repeated_stamps: usize,
     /// Recorded pressure over its value in Pa, as of a wrong unit.
@@ -113,6 +115,7 @@ impl Default for Faults {
             readout: None,
             position_delay_s: 0.0,
             position_low_pass_s: 0.0,
+            position_window_s: 0.0,
             repeated_stamps: 0,
             pressure_unit: 1.0,
             time_unit: 1.0,

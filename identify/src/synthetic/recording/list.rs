@@ -162,6 +162,14 @@ pub const ALL: &[Recording] = &[
         ..PLAIN
     },
     Recording {
+        name: "position-averaged",
+        what: "position a moving average over 40 ms",
+        expected: Expected::Named(&["position_averaging"]),
+        changes: |r, _| r.faults.position_window_s = 0.04,
+        hides: &["record_delay", "sensor_lag", "position_delay"],
+        ..PLAIN
+    },
+    Recording {
         name: "low-pass",
         what: "pressure and its noise through a low-pass of 20 Hz",
         expected: Expected::Named(&["sensor_lag", "record_delay"]),
