@@ -10,6 +10,7 @@ use crate::history::{History, Knot};
 use crate::outcome::{Failure, Outcome};
 use crate::plan::Plan;
 use crate::reader::{self, Answer, ROUNDING, Traces, seen_from};
+use crate::regression::Regression;
 use crate::scenario::{Options, Scenario};
 use crate::step::View;
 use chamber::balance::{self, Balance, ENERGY, MASS, STATES};
@@ -224,7 +225,7 @@ impl<'a, const N: usize> Course<'a, N> {
     }
 
     /// The outcome from what the record has answered.
-    fn outcome(&self, a: &Answer, regression: Option<[f64; 3]>) -> Outcome {
+    fn outcome(&self, a: &Answer, regression: Option<Regression>) -> Outcome {
         let End { position, volume, ambient_temperature: ambient } = self.end();
         let distance = (a.pressure_peak - a.pressure_final).abs();
         let gas_pressure = self.at_rest().pressure(a.temperature_final, volume);

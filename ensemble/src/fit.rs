@@ -1,6 +1,7 @@
 //! The paper's steps 2 to 7 on the pressures and the time constant that step 1 has found, and a guess to begin that with.
 
 use crate::outcome::Fit;
+use crate::regression::Regression;
 use crate::scenario::Scenario;
 use chamber::AreaLaw;
 use chamber::Geometry;
@@ -16,8 +17,8 @@ pub fn time_constant<R: Real>(rate: R, excess: R) -> R {
 
 /// Steps 2 to 7 on the result of step 1, as published: Aq by (27) with all the gas's volume. None where pressures and
 /// strokes contradict each other.
-pub fn steps(scenario: &Scenario, positions: [f64; 2], initial_pressure: f64, regression: [f64; 3]) -> Option<Fit> {
-    let [pf, rise, tau] = regression;
+pub fn steps(scenario: &Scenario, positions: [f64; 2], initial_pressure: f64, regression: Regression) -> Option<Fit> {
+    let Regression { final_pressure: pf, rise, time_constant: tau, misfit } = regression;
     let c = &scenario.chamber;
     let swept = positions.map(|x| c.geometry.piston_area * x);
     let rt = c.gas.gas_constant * scenario.ambient_temperature_k;
@@ -38,5 +39,6 @@ pub fn steps(scenario: &Scenario, positions: [f64; 2], initial_pressure: f64, re
         time_constant_s: tau,
         lambda_av_w_per_m2_k: lambda_av,
         lambda0_w_per_m2_k: lambda0,
+        misfit,
     })
 }

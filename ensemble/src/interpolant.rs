@@ -1,22 +1,32 @@
-//! A quantity between two knots of a trace: the polynomial of degree 7 that has the values and the slopes of the
-//! interval's two knots and of two neighbours, in Newton's form (E. Isaacson and H. B. Keller, Analysis of Numerical
-//! Methods, 1966, 6.3). Where a segment has fewer knots the degree is lower.
+//! Pressure or temperature between two knots of a trace: its reciprocal is the polynomial of degree 11 that has the values
+//! and the slopes of the interval's two knots and of four neighbours, in Newton's form (E. Isaacson and H. B. Keller,
+//! Analysis of Numerical Methods, 1966, 6.3). Where a segment has fewer knots the degree is lower. So it is where the terms
+//! that a neighbour adds no longer shrink: between the two there is a corner, which a higher degree would only spread.
+//!
+//! The reciprocals, for in a closed chamber they solve a linear equation: 1/P = (1/Pf)(1 − a e^(−kt)) while the piston is
+//! held has no poles, P has.
 
 use crate::clock::Clock;
 use crate::history::Knot;
 use crate::lanes::{Lanes, WIDTH};
 use chamber::real::Real;
 
-/// A neighbour nearer than this share of the interval adds rounding rather than knowledge.
-const NEAREST: f64 = 0.1;
+/// Knots that an interval is interpolated by, and the number of the polynomial's terms.
+const KNOTS: usize = 6;
+const TERMS: usize = 2 * KNOTS;
+/// Knots nearer to each other than this share of the interval add rounding rather than knowledge.
+const NEAREST: f64 = 0.3;
+/// A neighbour's terms count where they are, in the middle of the interval, below this share of those of the one before.
+const SHRINK: f64 = 0.5;
 
 /// The knots that an interval is interpolated by, of one row.
 #[derive(Clone, Copy, Debug)]
 pub struct Stencil {
-    /// Moments, values and slopes in the integrator's time: of the interval's begin and end, then of its neighbours.
-    at: [f64; 4],
-    value: [f64; 4],
-    slope: [f64; 4],
+    /// Moments in the integrator's time, and there the quantity's reciprocal and its slope: of the interval's begin and end,
+    /// then of its neighbours.
+    at: [f64; KNOTS],
+    value: [f64; KNOTS],
+    slope: [f64; KNOTS],
     /// How many of them there are.
     count: f64,
 }
@@ -26,29 +36,34 @@ impl Stencil {
     pub fn new(knots: &[Knot], index: usize, quantity: usize) -> Self {
         let length = knots[index + 1].at - knots[index].at;
         let near = length * NEAREST;
-        let mut before = (0..index).rev().filter(|&i| knots[index].at - knots[i].at > near);
-        let mut after = (index + 2..knots.len()).filter(|&i| knots[i].at - knots[index + 1].at > near);
-        let mut picked = [index, index + 1, index, index];
+        let mut picked = [index; KNOTS];
+        picked[1] = index + 1;
         let mut count = 2;
-        let distinct = |picked: &[usize], i: usize| picked.iter().all(|&p| (knots[p].at - knots[i].at).abs() > near);
-        // One from each side, then a second from where there is one.
-        let candidates = [before.next(), after.next(), before.next(), after.next()];
-        for i in candidates.into_iter().flatten() {
-            if count < 4 && distinct(&picked[..count], i) {
-                picked[count] = i;
-                count += 1;
+        // One from each side in turn, as far as there are any.
+        let mut sides = [index, index + 1];
+        let next_before = |from: usize| (0..from).rev().find(|&i| knots[from].at - knots[i].at > near);
+        let next_after = |from: usize| (from + 1..knots.len()).find(|&i| knots[i].at - knots[from].at > near);
+        while count < KNOTS {
+            let had = count;
+            for side in 0..2 {
+                let next = if side == 0 { next_before(sides[0]) } else { next_after(sides[1]) };
+                if let Some(next) = next.filter(|_| count < KNOTS) {
+                    picked[count] = next;
+                    sides[side] = next;
+                    count += 1;
+                }
+            }
+            if count == had {
+                break;
             }
         }
         let mut at = picked.map(|i| knots[i].at);
         for (missing, at) in at.iter_mut().enumerate().skip(count) {
-            *at += length * missing as f64;
+            *at += length * (missing + 1) as f64;
         }
-        Self {
-            at,
-            value: picked.map(|i| knots[i].view.value[quantity]),
-            slope: picked.map(|i| knots[i].view.slope[quantity]),
-            count: count as f64,
-        }
+        let value = picked.map(|i| 1.0 / knots[i].view.value[quantity]);
+        let slope = core::array::from_fn(|k| -knots[picked[k]].view.slope[quantity] * value[k] * value[k]);
+        Self { at, value, slope, count: count as f64 }
     }
 }
 
@@ -56,21 +71,21 @@ impl Stencil {
 #[derive(Clone, Copy, Debug)]
 pub struct Stencils {
     clock: Clock<Lanes>,
-    at: [Lanes; 4],
-    value: [Lanes; 4],
-    slope: [Lanes; 4],
+    at: [Lanes; KNOTS],
+    value: [Lanes; KNOTS],
+    slope: [Lanes; KNOTS],
     count: Lanes,
 }
 
 impl Stencils {
     /// Of each lane, and the clock of its segment.
     pub fn new<'a>(mut of: impl FnMut(usize) -> (&'a Clock, Stencil)) -> Self {
-        let zero = [Lanes::ZERO; 4];
+        let zero = [Lanes::ZERO; KNOTS];
         let mut all = Self { clock: Clock::NONE, at: zero, value: zero, slope: zero, count: Lanes::ZERO };
         for lane in 0..WIDTH {
             let (clock, stencil) = of(lane);
             all.clock.load(lane, clock);
-            for k in 0..4 {
+            for k in 0..KNOTS {
                 all.at[k][lane] = stencil.at[k];
                 all.value[k][lane] = stencil.value[k];
                 all.slope[k][lane] = stencil.slope[k];
@@ -87,9 +102,9 @@ pub struct Interpolant {
     clock: Clock<Lanes>,
     begin: Lanes,
     per_length: Lanes,
-    /// Places of the two neighbours, the interval being from 0 to 1.
-    places: [Lanes; 2],
-    terms: [Lanes; 8],
+    /// Places of the knots, the interval being from 0 to 1.
+    places: [Lanes; KNOTS],
+    terms: [Lanes; TERMS],
 }
 
 impl Interpolant {
@@ -99,24 +114,46 @@ impl Interpolant {
         let Stencils { clock, at, value, slope, count } = stencils;
         let length = at[1] - at[0];
         let per_length = length.recip();
-        let places = [(at[2] - at[0]) * per_length, (at[3] - at[0]) * per_length];
-        let all = [Lanes::ZERO, Lanes::ONE, places[0], places[1]];
+        let mut places = [Lanes::ZERO; KNOTS];
+        for k in 1..KNOTS {
+            places[k] = (at[k] - at[0]) * per_length;
+        }
         // Divided differences with each place twice, order by order.
-        let mut table = [Lanes::ZERO; 8];
-        let mut terms = [Lanes::ZERO; 8];
+        let mut table = [Lanes::ZERO; TERMS];
+        let mut terms = [Lanes::ZERO; TERMS];
         terms[0] = value[0];
-        for k in 0..4 {
+        for k in 0..KNOTS {
             table[2 * k] = slope[k] * length;
-            if k < 3 {
-                table[2 * k + 1] = (value[k + 1] - value[k]) / (all[k + 1] - all[k]);
+            if k + 1 < KNOTS {
+                table[2 * k + 1] = (value[k + 1] - value[k]) / (places[k + 1] - places[k]);
             }
         }
         terms[1] = table[0];
-        for order in 2..8 {
-            for i in 0..8 - order {
-                table[i] = (table[i + 1] - table[i]) / (all[(i + order) / 2] - all[i / 2]);
+        let mut per_distance = [[Lanes::ZERO; KNOTS]; KNOTS];
+        for k in 0..KNOTS {
+            for i in 0..k {
+                per_distance[i][k] = (places[k] - places[i]).recip();
+            }
+        }
+        for order in 2..TERMS {
+            for i in 0..TERMS - order {
+                table[i] = (table[i + 1] - table[i]) * per_distance[i / 2][(i + order) / 2];
             }
             terms[order] = (*count - (order / 2) as f64).where_positive(table[0], Lanes::ZERO);
+        }
+        // What each knot adds in the middle.
+        let (mut product, mut before) = (Lanes::from(0.25), Lanes::ZERO);
+        let mut counts = Lanes::ONE;
+        for k in 1..KNOTS {
+            let distance = (places[k] - 0.5).abs();
+            let adds = product * terms[2 * k].abs().max(terms[2 * k + 1].abs() * distance);
+            if k > 1 {
+                counts = (before * SHRINK - adds).where_positive(counts, Lanes::ZERO);
+                terms[2 * k] = counts.where_positive(terms[2 * k], Lanes::ZERO);
+                terms[2 * k + 1] = counts.where_positive(terms[2 * k + 1], Lanes::ZERO);
+            }
+            before = adds;
+            product = product * distance * distance;
         }
         Self { clock: *clock, begin: at[0], per_length, places, terms }
     }
@@ -125,8 +162,10 @@ impl Interpolant {
     #[inline(always)]
     pub fn at(&self, time: Lanes) -> Lanes {
         let x = (self.clock.shown(time) - self.begin) * self.per_length;
-        let (y, [c, d]) = (x - 1.0, self.places.map(|place| x - place));
-        let [t0, t1, t2, t3, t4, t5, t6, t7] = self.terms;
-        t0 + x * (t1 + x * (t2 + y * (t3 + y * (t4 + c * (t5 + c * (t6 + d * t7))))))
+        let mut sum = self.terms[TERMS - 1];
+        for order in (1..TERMS).rev() {
+            sum = self.terms[order - 1] + (x - self.places[(order - 1) / 2]) * sum;
+        }
+        sum.recip()
     }
 }

@@ -16,6 +16,8 @@ pub struct Fit {
     pub lambda_av_w_per_m2_k: f64,
     /// λ0, W/(m² K): step 7.
     pub lambda0_w_per_m2_k: f64,
+    /// How far the record is from the exponential at most, as a share of its own rise.
+    pub misfit: f64,
 }
 
 /// Results of one scenario; numbers are NaN where `status` is an error.

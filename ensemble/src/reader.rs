@@ -10,7 +10,7 @@ use crate::history::Knot;
 use crate::interpolant::{Interpolant, Stencil, Stencils};
 use crate::lanes::{Lanes, WIDTH};
 use crate::plan::{Plan, Stretch};
-use crate::regression::{Part, Records};
+use crate::regression::{Part, Records, Regression};
 use crate::root::{Curve, root};
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use chamber::real::Real;
@@ -514,13 +514,13 @@ impl<'a> Traces<'a> {
         (samples.count > 0.0).then_some(Part { samples, pressure })
     }
 
-    /// Step 1 of the paper on the samples of each record from its peak on: Pf, ΔP, τ, from guesses of τ.
+    /// Step 1 of the paper on the samples of each record from its peak on, from guesses of τ.
     pub fn regressions(
         &mut self,
         arch: Arch,
         answers: &[Option<Answer>],
         guess: impl Fn(usize) -> f64,
-    ) -> Vec<Option<[f64; 3]>> {
+    ) -> Vec<Option<Regression>> {
         let firsts = self.first_samples(arch, answers);
         self.memory.jobs.clear();
         // Per job: the samples its piece holds.
@@ -745,7 +745,7 @@ mod tests {
             let mut memory = Memory::default();
             let mut traces = Traces::new(&mut memory);
             traces.begin(&plan, Sensor { lag, offset: 0.0, drift: 0.0 }, start);
-            for (stretch, [from, to, steps]) in [[0.0, 0.04, 6.0], [0.04, 5.04, 60.0]].into_iter().enumerate() {
+            for (stretch, [from, to, steps]) in [[0.0, 0.04, 8.0], [0.04, 5.04, 30.0]].into_iter().enumerate() {
                 let clock = plan.stretches[stretch].clock;
                 traces.stretch(stretch, |knots| {
                     for k in 0..=steps as usize {

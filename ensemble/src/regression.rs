@@ -19,6 +19,8 @@ const CONVERGED: f64 = 2e-3;
 const CONVEX: f64 = 0.3;
 /// Farthest from the guess, in ln τ.
 const FARTHEST: f64 = 12.0;
+/// A node of less weight is none.
+const NO_WEIGHT: f64 = 1e-6;
 /// A record of fewer samples determines nothing.
 const FEWEST: f64 = 5.0;
 
@@ -54,15 +56,30 @@ pub struct Records {
     begin: [Lanes; 2],
 }
 
-/// Pf and ΔP, Pa, and τ, s, by lane; NaN where the record determines none.
+/// What the least squares of one record are.
 #[derive(Clone, Copy, Debug)]
-pub struct Found([Lanes; 3]);
+pub struct Regression {
+    /// Pf, Pa.
+    pub final_pressure: f64,
+    /// ΔP, Pa.
+    pub rise: f64,
+    /// τ, s.
+    pub time_constant: f64,
+    /// How far the record is from the exponential at most, as a share of its own rise.
+    pub misfit: f64,
+}
+
+/// Pf and ΔP, Pa, and τ, s, by lane, NaN where the record determines none; and how far the record is from that
+/// exponential at most, as a share of its own rise.
+#[derive(Clone, Copy, Debug)]
+pub struct Found([Lanes; 4]);
 
 impl Found {
     /// Those of a lane.
-    pub fn lane(&self, lane: usize) -> Option<[f64; 3]> {
-        let found = [self.0[0][lane], self.0[1][lane], self.0[2][lane]];
-        found.iter().all(|v| v.is_finite()).then_some(found)
+    pub fn lane(&self, lane: usize) -> Option<Regression> {
+        let [final_pressure, rise, time_constant, misfit] = self.0.map(|found| found[lane]);
+        let found = [final_pressure, rise, time_constant].iter().all(|v| v.is_finite());
+        found.then_some(Regression { final_pressure, rise, time_constant, misfit })
     }
 }
 
@@ -286,8 +303,20 @@ fn least_squares<const FUSED: bool>(nodes: &[[Node; POINTS]], reference: Lanes, 
             break;
         }
     }
-    found[2] = black_box(found[2]).exp();
-    Found(found)
+    let [pressure, rise, log_tau] = found;
+    let rate = black_box((-log_tau).exp());
+    let rest = pressure - reference;
+    let (mut farthest, mut span) = (Lanes::ZERO, [Lanes::ZERO; 2]);
+    for node in nodes.as_flattened() {
+        let misfit = node.pressure - rest - rise * decay::<FUSED>(node.time * rate);
+        // Nodes without weight are none of the record's.
+        let there = (node.weight - NO_WEIGHT).where_positive(Lanes::ONE, Lanes::ZERO);
+        farthest = farthest.max(misfit.abs() * there);
+        let pressure = there * node.pressure;
+        span = [span[0].min(pressure), span[1].max(pressure)];
+    }
+    let own = black_box(farthest) / (span[1] - span[0]);
+    Found([pressure, rise, black_box(log_tau).exp(), own])
 }
 
 #[cfg(test)]
@@ -339,7 +368,7 @@ mod tests {
             sampled(&mut records, lane, &pressures);
             let found = records.fit(Arch::new(), Lanes::from(tau * off)).lane(lane).unwrap();
             let expected = best(&pressures, tau);
-            prop_assert!((found[2] / expected - 1.0).abs() < 2e-5, "{} {expected}", found[2]);
+            prop_assert!((found.time_constant / expected - 1.0).abs() < 2e-5, "{found:?} {expected}");
         }
 
         #[test]
@@ -361,9 +390,32 @@ mod tests {
             records.add(4, Part { samples, pressure });
             first += count;
         }
-        let [pf, rise, found] = records.fit(Arch::new(), Lanes::from(tau * off)).lane(4).unwrap();
+        let Regression { final_pressure: pf, rise, time_constant: found, .. } =
+            records.fit(Arch::new(), Lanes::from(tau * off)).lane(4).unwrap();
         assert!((found / tau - 1.0).abs() < 1e-5, "{found} {tau}");
         assert!((pf / 2e5 - 1.0).abs() < 1e-5 && (rise / 7e4 - 1.0).abs() < 1e-5, "{pf} {rise}");
+    }
+
+    #[test]
+    fn the_misfit_is_the_largest_distance_from_the_exponential_over_the_records_rise() {
+        let mut records = Records::default();
+        let record = |leak: f64| -> Vec<f64> {
+            (0..400).map(|k| f64::from(k) / 50.0).map(|x| 2e5 + 7e4 * (-x).exp() - leak * x).collect()
+        };
+        let leaks = [0.0, 5e2, 5e3, 1.5e4];
+        for (lane, leak) in leaks.into_iter().enumerate() {
+            sampled(&mut records, lane, &record(leak));
+        }
+        let found = records.fit(Arch::new(), Lanes::from(0.5));
+        for (lane, leak) in leaks.into_iter().enumerate() {
+            let Regression { final_pressure, rise, time_constant, misfit } = found.lane(lane).unwrap();
+            let exponential = |k: usize| final_pressure + rise * (-(k as f64) / SAMPLE_RATE_HZ / time_constant).exp();
+            let pressures = record(leak);
+            let distances = pressures.iter().enumerate().map(|(k, p)| (p - exponential(k)).abs());
+            let span = pressures[0] - pressures.iter().copied().fold(f64::INFINITY, f64::min);
+            let expected = distances.fold(0.0, f64::max) / span;
+            assert!((misfit - expected).abs() < 1e-9, "{leak}: {misfit} {expected}");
+        }
     }
 
     #[test]
@@ -387,7 +439,7 @@ mod tests {
         sampled(&mut records, 3, &[2e5, 1.5e5, 1.25e5, 1.125e5, 1.0625e5, 1.031_25e5]);
         let found = records.fit(Arch::new(), Lanes::from(0.02));
         assert!([0, 1, 2].into_iter().all(|lane| found.lane(lane).is_none()));
-        let tau = found.lane(3).unwrap()[2];
+        let tau = found.lane(3).unwrap().time_constant;
         assert!((tau - 0.01 / 2f64.ln()).abs() < 1e-9, "{tau}");
     }
 }

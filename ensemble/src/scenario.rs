@@ -76,7 +76,7 @@ impl Scenario {
 /// How a batch is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// The exact solution where it applies (no effect, no flow, no profile), the integrator elsewhere.
+    /// The exact solution where it applies (no flow, no profile, no effect but those that keep it), the integrator elsewhere.
     #[default]
     Auto,
     /// The exact solution only; where it does not apply the row fails and says so.

@@ -16,6 +16,7 @@ use crate::finish::SETTLED;
 use crate::fit;
 use crate::lanes::Lanes;
 use crate::outcome::Outcome;
+use crate::regression::Regression;
 use crate::scenario::Scenario;
 use crate::step::{LaneSystem, View};
 use chamber::exact::Closed;
@@ -73,8 +74,8 @@ pub struct Ending<'a> {
     pub pressure_per_temperature: f64,
     /// From the end of the push until within 1 %, s.
     pub settling: f64,
-    /// Pf, ΔP and τ.
-    pub regression: Option<[f64; 3]>,
+    /// Of its record.
+    pub regression: Option<Regression>,
 }
 
 impl Ending<'_> {
@@ -90,7 +91,9 @@ impl Ending<'_> {
             pressure_final_pa: end * self.pressure_per_temperature,
             temperature_final_k: end,
             temperature_peak_k: peak,
-            fit: self.regression.and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            // A record that peaks at its end has no relaxation to describe.
+            fit: (self.regression.filter(|_| peak == pushed))
+                .and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
             settling_time_s: settled.then_some(self.settling),
             energy_error: 0.0,
             duration_s: self.duration,

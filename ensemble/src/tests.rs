@@ -371,7 +371,9 @@ fn every_instruction_set_gives_the_same_but_for_the_last_digits() {
         (EffectSet::one(0), varied(32, Some(0)), Solver::Auto),
         (EffectSet::ALL, varied(32, None), Solver::Auto),
     ] {
-        let options = Options { solver, ..Options::default() };
+        // Where gas passes the wall's temperature natural convection has a corner, and how a step meets it depends on the
+        // last digits: by 2e-8 at the default tolerance.
+        let options = Options { solver, relative_tolerance: 1e-12, ..Options::default() };
         let widest = results(set, &rows, &options);
         for (name, instructions) in InstructionSet::all() {
             for (k, (o, expected)) in

@@ -12,6 +12,9 @@ use thiserror::Error;
 /// Largest and smallest bore that a volume-to-area ratio is solved for, m.
 const BORES_M: (f64, f64) = (1e-4, 10.0);
 
+/// Share of its rise within which a relaxation must be an exponential's, else its regression does not describe it.
+const DESCRIBED: f64 = 0.05;
+
 /// Why a row has no results. Few and without numbers, so that the status column is a small dictionary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
 pub enum Failure {
@@ -39,6 +42,8 @@ pub enum Status {
     Ok,
     /// Pressure had not settled to 1 % when the test ended.
     NotSettled,
+    /// No exponential describes the relaxation within 5 % of its rise.
+    NoTimeConstant,
     /// No results, and why.
     Failed(Failure),
 }
@@ -49,6 +54,7 @@ impl Status {
         match self {
             Status::Ok => "ok".into(),
             Status::NotSettled => "not_settled".into(),
+            Status::NoTimeConstant => "no_time_constant".into(),
             Status::Failed(failure) => format!("failed: {failure}").into(),
         }
     }
@@ -75,13 +81,14 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// What a scenario gave.
-    pub fn new(scenario: &Scenario, outcome: &Outcome) -> Self {
+    /// What a scenario gave; `fit_wanted` says whether the regression was asked for.
+    pub fn new(scenario: &Scenario, outcome: &Outcome, fit_wanted: bool) -> Self {
         if let Err(failure) = outcome.status {
             return Self::failed(failure.into());
         }
         let (volume, area) = final_geometry(scenario);
-        let fit = |value: fn(&ensemble::Fit) -> f64| outcome.fit.as_ref().map_or(f64::NAN, value);
+        let described = outcome.fit.as_ref().filter(|fit| fit.misfit <= DESCRIBED);
+        let fit = |value: fn(&ensemble::Fit) -> f64| described.map_or(f64::NAN, value);
         Self {
             volume,
             area,
@@ -96,7 +103,11 @@ impl Outputs {
             energy_error: outcome.energy_error,
             bore: scenario.chamber.geometry.bore,
             strokes: [scenario.initial_position_m, scenario.final_position_m],
-            status: if outcome.settling_time_s.is_some() { Status::Ok } else { Status::NotSettled },
+            status: match (outcome.settling_time_s, described) {
+                (None, _) => Status::NotSettled,
+                (_, None) if fit_wanted => Status::NoTimeConstant,
+                _ => Status::Ok,
+            },
         }
     }
 

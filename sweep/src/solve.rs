@@ -114,7 +114,9 @@ impl<'a> Solver<'a> {
         let (scenarios, outcomes) = (&self.scenarios[..count], &mut self.outcomes[..count]);
         self.kernel.run(self.effects, scenarios, &self.options, outcomes);
         self.outputs.clear();
-        self.outputs.extend(scenarios.iter().zip(outcomes).map(|(scenario, outcome)| Outputs::new(scenario, outcome)));
+        self.outputs.extend(
+            scenarios.iter().zip(outcomes).map(|(scenario, outcome)| Outputs::new(scenario, outcome, self.options.fit)),
+        );
         for (i, failure) in impossible {
             self.outputs[i] = Outputs::failed(failure);
         }

@@ -1,0 +1,189 @@
+//! How fast rows with each effect are solved beside sealed ones, how accurately, and in how much memory.
+//!
+//! `cargo run --release -p pneutherm-ensemble --example effect_rates` writes `results/effect_rates.md`: all cases in turn on
+//! one thread, medians over the rounds. Rows are those of `benches/sealed.toml`, drawn at random, with one effect at its
+//! typical values. The error is the largest over the rows, against the integrator at a tolerance of 1e-13.
+
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
+use ensemble::{CHUNK, Failure, Hold, Kernel, Options, Outcome, Scenario, Solver};
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+/// Rows that each case is timed on, and of which the errors are taken.
+const ROWS: usize = 16 * CHUNK;
+const CHECKED: usize = CHUNK;
+const ROUNDS: usize = 9;
+/// Whose child reports its memory.
+const MEMORY_OF: &str = "PNEUTHERM_MEMORY_OF";
+
+struct Case {
+    name: String,
+    set: EffectSet,
+    rows: Vec<Scenario>,
+    solver: Solver,
+    seconds: [Vec<f64>; 2],
+}
+
+/// Reproducible numbers in [0, 1): a 64-bit linear congruence, the high bits of it.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.next())
+    }
+}
+
+/// The rows of `benches/sealed.toml`, at random.
+fn sealed() -> Vec<Scenario> {
+    let mut r = Numbers(1);
+    (0..ROWS)
+        .map(|_| {
+            let geometry = Geometry::new(r.log_between(0.016, 0.1), 0.0, r.log_between(1e-6, 1e-5), AreaLaw::Total);
+            let heat_transfer = HeatTransfer::at_paper_reference(r.between(10.0, 60.0));
+            let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
+            let positions = [r.between(0.1, 0.4), r.between(0.05, 0.1)];
+            Scenario::push(chamber, r.between(1e5, 7e5), positions, 0.04, Hold::Duration(5.04))
+        })
+        .collect()
+}
+
+fn case(name: &str, solver: Solver, effects_and_values: &[(&str, Option<f64>)], flow: bool) -> Case {
+    let mut rows = sealed();
+    let place = |effect: &str| effects::find(effect).expect("an effect of that name");
+    let set: EffectSet = effects_and_values.iter().map(|(effect, _)| place(effect).0).collect();
+    for (effect, value) in effects_and_values {
+        let (index, card) = place(effect);
+        for row in &mut rows {
+            for (to, parameter) in row.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
+                *to = parameter.typical;
+            }
+            if let Some(value) = value {
+                row.chamber.effects.of_mut(index)[0] = *value;
+            }
+        }
+    }
+    if flow {
+        rows.iter_mut().for_each(|row| row.mass_flow_in_kg_per_s = 1e-6);
+    }
+    Case { name: name.into(), set, rows, solver, seconds: [Vec::new(), Vec::new()] }
+}
+
+fn cases() -> Vec<Case> {
+    let mut all = vec![
+        case("sealed, as it comes (closed form)", Solver::Auto, &[], false),
+        case("sealed, full equations", Solver::Adaptive, &[], false),
+        case("gas_column_length, as results/model.toml", Solver::Auto, &[("gas_column_length", None)], false),
+        case("constant inflow", Solver::Auto, &[], true),
+        case("leakage and inflow", Solver::Auto, &[("leakage", None)], true),
+        case("sensor_lag of 1 ms and inflow", Solver::Auto, &[("sensor_lag", Some(1e-3))], true),
+        case("sensor_lag of 0.1 ms and inflow", Solver::Auto, &[("sensor_lag", Some(1e-4))], true),
+    ];
+    for (_, card) in effects::all().filter(|(_, card)| card.name != "gas_column_length") {
+        all.push(case(card.name, Solver::Auto, &[(card.name, None)], false));
+    }
+    all
+}
+
+impl Case {
+    fn solve(&self, rows: &[Scenario], options: &Options) -> Vec<Outcome> {
+        let mut out = vec![Outcome::failed(Failure::TooManySteps); rows.len()];
+        Kernel::default().run(self.set, rows, options, &mut out);
+        out
+    }
+
+    fn options(&self, fit: bool) -> Options {
+        Options { solver: self.solver, fit, ..Options::default() }
+    }
+
+    fn rate(&self, fit: bool) -> f64 {
+        let mut seconds = self.seconds[usize::from(fit)].clone();
+        seconds.sort_by(f64::total_cmp);
+        ROWS as f64 / seconds[seconds.len() / 2]
+    }
+
+    /// Largest relative errors of the peak, final pressure and settling time.
+    fn errors(&self) -> [f64; 3] {
+        let rows = &self.rows[..CHECKED];
+        let tight = Options { solver: Solver::Adaptive, relative_tolerance: 1e-13, fit: false };
+        let mut worst = [0.0f64; 3];
+        for (ours, reference) in self.solve(rows, &self.options(false)).iter().zip(self.solve(rows, &tight)) {
+            let settling = |o: &Outcome| o.settling_time_s.unwrap_or(1.0);
+            let pairs = [
+                (ours.pressure_peak_pa, reference.pressure_peak_pa),
+                (ours.pressure_final_pa, reference.pressure_final_pa),
+                (settling(ours), settling(&reference)),
+            ];
+            for (worst, (a, b)) in worst.iter_mut().zip(pairs) {
+                if b != 0.0 {
+                    *worst = worst.max((a / b - 1.0).abs());
+                }
+            }
+        }
+        worst
+    }
+
+    /// Most memory that a process takes which solves its rows on one thread, MB.
+    fn memory(&self) -> Option<f64> {
+        let output = Command::new(std::env::current_exe().ok()?).env(MEMORY_OF, &self.name).output().ok()?;
+        String::from_utf8(output.stdout).ok()?.trim().parse().ok()
+    }
+}
+
+/// The process's largest resident memory so far, MB, where the system tells.
+fn resident() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
+    line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kb| kb / 1024.0)
+}
+
+fn main() {
+    if let Ok(name) = std::env::var(MEMORY_OF) {
+        let case = cases().into_iter().find(|case| case.name == name).expect("a case of that name");
+        let before = resident().unwrap_or(f64::NAN);
+        case.solve(&case.rows, &case.options(true));
+        println!("{}", resident().unwrap_or(f64::NAN) - before);
+        return;
+    }
+    let mut cases = cases();
+    for _ in 0..ROUNDS {
+        for case in &mut cases {
+            for fit in [false, true] {
+                let begun = Instant::now();
+                std::hint::black_box(case.solve(&case.rows, &case.options(fit)));
+                case.seconds[usize::from(fit)].push(begun.elapsed().as_secs_f64());
+            }
+        }
+    }
+    let sealed = [false, true].map(|fit| [cases[0].rate(fit), cases[1].rate(fit)]);
+    let mut page = String::from(
+        "# Rows with effects beside sealed ones\n\n\
+         Written by `cargo run --release -p pneutherm-ensemble --example effect_rates`. Not to be edited.\n\n\
+         One thread, all cases in turn, medians; rows of `benches/sealed.toml` at random, each effect at its typical values.\n\
+         Rates in thousand rows a second and, in brackets, over sealed rows as they come and over sealed rows by their full\n\
+         equations. *Memory*: what solving with the regression adds to the process. Errors: the largest over 512 rows, against the integrator at a\n\
+         tolerance of 1e-13.\n\n\
+         | rows | rate | rate with the regression | memory, MB | error, peak | error, final | error, settling |\n\
+         |---|---|---|---|---|---|---|\n",
+    );
+    for case in &cases {
+        let rates = [false, true].map(|fit| {
+            let (rate, of) = (case.rate(fit), sealed[usize::from(fit)]);
+            format!("{:.0} ({:.2}, {:.2})", rate / 1e3, rate / of[0], rate / of[1])
+        });
+        let memory = case.memory().map_or("?".into(), |mb| format!("{mb:.1}"));
+        let errors = case.errors().map(|error| format!("{error:.1e}"));
+        writeln!(page, "| {} | {} | {memory} | {} |", case.name, rates.join(" | "), errors.join(" | ")).unwrap();
+    }
+    print!("{page}");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/effect_rates.md");
+    std::fs::write(path, page).expect("results/effect_rates.md");
+}
