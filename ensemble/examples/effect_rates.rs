@@ -21,6 +21,10 @@ const MEMORY_OF: &str = "PNEUTHERM_MEMORY_OF";
 struct Case {
     name: String,
     set: EffectSet,
+    /// Its effects, at typical values but for the first parameter where it is given.
+    changes: Vec<(usize, Option<f64>)>,
+    /// Whether gas flows in.
+    flow: bool,
     rows: Vec<Scenario>,
     solver: Solver,
     seconds: [Vec<f64>; 2],
@@ -57,24 +61,11 @@ fn sealed() -> Vec<Scenario> {
 }
 
 fn case(name: &str, solver: Solver, effects_and_values: &[(&str, Option<f64>)], flow: bool) -> Case {
-    let mut rows = sealed();
     let place = |effect: &str| effects::find(effect).expect("an effect of that name");
     let set: EffectSet = effects_and_values.iter().map(|(effect, _)| place(effect).0).collect();
-    for (effect, value) in effects_and_values {
-        let (index, card) = place(effect);
-        for row in &mut rows {
-            for (to, parameter) in row.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
-                *to = parameter.typical;
-            }
-            if let Some(value) = value {
-                row.chamber.effects.of_mut(index)[0] = *value;
-            }
-        }
-    }
-    if flow {
-        rows.iter_mut().for_each(|row| row.mass_flow_in_kg_per_s = 1e-6);
-    }
-    Case { name: name.into(), set, rows, solver, seconds: [Vec::new(), Vec::new()] }
+    let changes: Vec<(usize, Option<f64>)> =
+        effects_and_values.iter().map(|(effect, value)| (place(effect).0, *value)).collect();
+    Case { name: name.into(), set, changes, flow, rows: Vec::new(), solver, seconds: [Vec::new(), Vec::new()] }
 }
 
 fn cases() -> Vec<Case> {
@@ -94,6 +85,21 @@ fn cases() -> Vec<Case> {
 }
 
 impl Case {
+    /// Makes its rows.
+    fn fill(&mut self) {
+        self.rows = sealed();
+        for row in &mut self.rows {
+            for &(effect, value) in &self.changes {
+                let parameters = row.chamber.effects.of_mut(effect);
+                for (to, parameter) in parameters.iter_mut().zip(effects::CARDS[effect].parameters) {
+                    *to = parameter.typical;
+                }
+                parameters[0] = value.unwrap_or(parameters[0]);
+            }
+            row.mass_flow_in_kg_per_s = if self.flow { 1e-6 } else { 0.0 };
+        }
+    }
+
     fn solve(&self, rows: &[Scenario], options: &Options) -> Vec<Outcome> {
         let mut out = vec![Outcome::failed(Failure::TooManySteps); rows.len()];
         Kernel::default().run(self.set, rows, options, &mut out);
@@ -147,13 +153,15 @@ fn resident() -> Option<f64> {
 
 fn main() {
     if let Ok(name) = std::env::var(MEMORY_OF) {
-        let case = cases().into_iter().find(|case| case.name == name).expect("a case of that name");
+        let mut case = cases().into_iter().find(|case| case.name == name).expect("a case of that name");
+        case.fill();
         let before = resident().unwrap_or(f64::NAN);
         case.solve(&case.rows, &case.options(true));
         println!("{}", resident().unwrap_or(f64::NAN) - before);
         return;
     }
     let mut cases = cases();
+    cases.iter_mut().for_each(Case::fill);
     for _ in 0..ROUNDS {
         for case in &mut cases {
             for fit in [false, true] {
@@ -169,8 +177,8 @@ fn main() {
          Written by `cargo run --release -p pneutherm-ensemble --example effect_rates`. Not to be edited.\n\n\
          One thread, all cases in turn, medians; rows of `benches/sealed.toml` at random, each effect at its typical values.\n\
          Rates in thousand rows a second and, in brackets, over sealed rows as they come and over sealed rows by their full\n\
-         equations. *Memory*: what solving with the regression adds to the process. Errors: the largest over 512 rows, against the integrator at a\n\
-         tolerance of 1e-13.\n\n\
+         equations. *Memory*: what solving with the regression adds to the process. Errors: the largest over 512\n\
+         rows, against the integrator at a tolerance of 1e-13.\n\n\
          | rows | rate | rate with the regression | memory, MB | error, peak | error, final | error, settling |\n\
          |---|---|---|---|---|---|---|\n",
     );

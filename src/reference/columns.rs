@@ -32,8 +32,8 @@ fn page() -> String {
             [code(o.name), o.unit.to_owned(), format!("{}{when}", o.doc)]
         }),
     );
-    page += "\nand `status`: `ok`, `not_settled` (the test ends before), `no_time_constant` (no exponential describes the \
-             relaxation within 5 % of its rise; with `fit = true`), or `failed: ` and the reason.\n";
+    page += "\nand `status`: `ok`, `not_settled` (the test ends before), `no_time_constant` (a leak, say: the relaxation is over 5 % \
+             of its rise, and more than a closed chamber's, from an exponential; with `fit = true`), or `failed: ` and the reason.\n";
     page += "\n## What `sweep --traces` writes\n\n`row`, then\n\n";
     page += &table(
         ["column", "unit", ""],

@@ -109,8 +109,8 @@ pub fn schema(study: &Study) -> SchemaRef {
     }
     fields.extend(outputs(study).map(|o| field(o.name, DataType::Float64, true, o.unit, o.doc)));
     let dictionary = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
-    let statuses = "ok, not_settled (the test ends before), no_time_constant (no exponential describes the relaxation \
-                    within 5 % of its rise), or failed: reason";
+    let statuses = "ok, not_settled (the test ends before), no_time_constant (a leak, say: the relaxation is over 5 % \
+                    of its rise, and more than a closed chamber's, from an exponential), or failed: reason";
     fields.push(field("status", dictionary, false, "1", statuses));
     Arc::new(Schema::new(fields))
 }

@@ -14,6 +14,9 @@ const BORES_M: (f64, f64) = (1e-4, 10.0);
 
 /// Share of its rise within which a relaxation must be an exponential's, else its regression does not describe it.
 const DESCRIBED: f64 = 0.05;
+/// A closed chamber's own relaxation, of which 1 − Pf/P is an exponential, is 0.107 |ln(P/Pf)| of its rise from one at the
+/// most, P being its first pressure (P/Pf from 0.2 to 10, least squares): what has that much more than 5 % is no leak.
+const OWN_MISFIT: f64 = 0.11;
 
 /// Why a row has no results. Few and without numbers, so that the status column is a small dictionary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
@@ -42,7 +45,7 @@ pub enum Status {
     Ok,
     /// Pressure had not settled to 1 % when the test ended.
     NotSettled,
-    /// No exponential describes the relaxation within 5 % of its rise.
+    /// The relaxation is over 5 % of its rise, and more than a closed chamber's, from an exponential.
     NoTimeConstant,
     /// No results, and why.
     Failed(Failure),
@@ -87,7 +90,10 @@ impl Outputs {
             return Self::failed(failure.into());
         }
         let (volume, area) = final_geometry(scenario);
-        let described = outcome.fit.as_ref().filter(|fit| fit.misfit <= DESCRIBED);
+        let described = outcome.fit.as_ref().filter(|fit| {
+            let own = OWN_MISFIT * (outcome.pressure_peak_pa / fit.final_pressure_pa).ln().abs();
+            fit.misfit <= own.max(DESCRIBED)
+        });
         let fit = |value: fn(&ensemble::Fit) -> f64| described.map_or(f64::NAN, value);
         Self {
             volume,

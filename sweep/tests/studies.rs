@@ -40,9 +40,10 @@ fn the_same_study_gives_the_same_rows_whatever_the_shard_and_the_number_of_threa
     let text = |i: usize| std::fs::read_to_string(folders[i].path().join("manifest.json")).unwrap();
     assert_eq!(text(0), text(1));
     let manifest: serde_json::Value = serde_json::from_str(&text(0)).unwrap();
-    // The leaky rows do not settle within the test.
+    // Leaky rows do not settle within the test, or are no exponential's.
     let count = |status: &str| manifest["statuses"][status].as_u64().unwrap();
-    assert_eq!((count("ok") + count("not_settled"), manifest["rows"].as_u64()), (2400, Some(2400)));
+    let solved = count("ok") + count("not_settled") + count("no_time_constant");
+    assert_eq!((solved, manifest["rows"].as_u64()), (2400, Some(2400)));
 }
 
 #[test]
@@ -178,7 +179,10 @@ bore_m = { values = [0.02, 0.04] }",
     let expected = [whole, whole, whole, [empty, empty, rod, empty]].concat();
     assert_eq!(statuses(batch), expected);
     let peaks = values(batch, "pressure_peak_pa");
-    assert!(peaks.iter().zip(&expected).all(|(peak, status)| peak.is_nan() == (*status != "ok")));
+    assert!(peaks.iter().zip(&expected).all(|(peak, status)| peak.is_nan() == status.starts_with("failed")));
+    for column in ["time_constant_s", "lambda_av_w_per_m2_k", "lambda0_w_per_m2_k"] {
+        assert!(values(batch, column).iter().zip(&expected).all(|(value, status)| value.is_nan() == (*status != "ok")));
+    }
     assert_eq!(values(batch, "rod_m"), [0.0, 0.0, 0.03, 0.03].repeat(4));
 }
 
