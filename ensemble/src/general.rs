@@ -7,7 +7,7 @@ use crate::corner;
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use crate::step::LaneSystem;
-use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 
@@ -28,6 +28,8 @@ pub type Row<'a> = (&'a Balance, &'a Stretch);
 pub struct General<'a, const N: usize, const BITS: u32> {
     rows: &'a [Row<'a>],
     set: EffectSet,
+    /// How many states move, from the first on, where the set is known at run time only.
+    moving: usize,
     balance: Balance<Lanes>,
     stretch: Stretch<Lanes>,
 }
@@ -73,7 +75,8 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     pub fn new(rows: &'a [Row<'a>], set: EffectSet) -> Self {
         const { assert!(N == states(BITS)) };
         let (balance, stretch) = rows[0];
-        Self { rows, set, balance: Balance::of(balance.chamber.lift()), stretch: stretch.lift() }
+        let balance = Balance::of(balance.chamber.lift());
+        Self { rows, set, moving: balance::moving_states(set), balance, stretch: stretch.lift() }
     }
 
     #[inline(always)]
@@ -178,6 +181,11 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
 
 impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     const CHEAP: bool = false;
+
+    #[inline(always)]
+    fn moving(&self) -> usize {
+        if BITS == AT_RUN_TIME { self.moving } else { N }
+    }
 
     #[inline(always)]
     fn rates(&self, s: Lanes, y: &[Lanes; N]) -> [Lanes; N] {

@@ -12,6 +12,12 @@ pub trait LaneSystem<const N: usize> {
     /// dy/dt at time `t`, s.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; N];
 
+    /// Number of states, from the first on, that move in any lane: the others stay where they begin.
+    #[inline(always)]
+    fn moving(&self) -> usize {
+        N
+    }
+
     /// Share of a step of length `h` from `t` at which it meets a corner of the rates, by its states and their rates at
     /// both ends; 1 where there is none. Steps are made to end there: across a corner their error estimates are blind.
     #[inline(always)]
@@ -102,7 +108,7 @@ fn stage<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     stage: usize,
 ) -> [Lanes; N] {
     let mut at = *y;
-    for i in 0..N {
+    for i in 0..system.moving() {
         let mut sum = k[0][i] * A[stage][0];
         for j in 1..stage {
             sum = multiply_add::<FUSED>(k[j][i], Lanes::from(A[stage][j]), sum);
@@ -136,7 +142,7 @@ pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     };
 
     let (mut fifth, mut third) = (Lanes::ZERO, Lanes::ZERO);
-    for i in 0..N {
+    for i in 0..system.moving() {
         let scale = y[i].abs().max(end[i].abs()) * tolerance.0 + tolerance.1[i];
         let per_scale = h / scale;
         let e5 = weighted!(FUSED, k, i, E5; 0 5 6 7 8 9 10 11) * per_scale;
@@ -147,8 +153,8 @@ pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     // e5 grows as e3^1.5; where it is far below that, it is about to change sign and says nothing about the step.
     let usual = third * third.sqrt() * (tolerance.0 * CHANCE);
     let fifth = fifth.max(usual);
-    // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), in the mean over the states; squared, to save the root.
-    let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * N as f64);
+    // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), in the mean over the states that move; squared, to save the root.
+    let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * system.moving() as f64);
     Attempt { end, slopes: k, error_squared }
 }
 
@@ -177,10 +183,10 @@ pub fn dense<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
         }
     }
     let mut terms = [[Lanes::ZERO; N]; 8];
-    for i in 0..N {
+    terms[0] = *y;
+    for i in 0..system.moving() {
         let change = end[i] - y[i];
         let begin = h * k[0][i] - change;
-        terms[0][i] = y[i];
         terms[1][i] = change;
         terms[2][i] = begin;
         terms[3][i] = change - h * k[12][i] - begin;
