@@ -91,14 +91,17 @@ impl<R: Real> Closed<R> {
 
 impl Closed<f64> {
     /// In how many parts a ramp is integrated: none longer than 1.4 of the shortest time scale.
-    pub fn parts(&self, from_volume: f64, to_volume: f64, duration: f64) -> f64 {
-        let exchange = self.rate(from_volume).max(self.rate(to_volume)) * duration;
-        (0.7 * (exchange + (to_volume / from_volume).ln().abs())).ceil().clamp(1.0, 1e6)
+    /// From 1/τ_f at both ends, 1/s, and the ratio of the volumes.
+    pub fn parts(rates: [f64; 2], ratio: f64, duration: f64) -> f64 {
+        let exchange = rates[0].max(rates[1]) * duration;
+        (0.7 * (exchange + ratio.ln().abs())).ceil().clamp(1.0, 1e6)
     }
 
     /// Temperature, K, at the end of a linear ramp of the volume over `duration`, s.
     pub fn ramp(&self, temperature: f64, from_volume: f64, to_volume: f64, duration: f64) -> f64 {
-        self.ramp_in(self.parts(from_volume, to_volume, duration), temperature, from_volume, to_volume, duration)
+        let rates = [from_volume, to_volume].map(|volume| self.rate(volume));
+        let parts = Self::parts(rates, to_volume / from_volume, duration);
+        self.ramp_in(parts, temperature, from_volume, to_volume, duration)
     }
 
     fn ramp_in(&self, parts: f64, temperature: f64, from_volume: f64, to_volume: f64, duration: f64) -> f64 {
@@ -123,7 +126,7 @@ pub fn held_natural_convection(temperature: f64, ambient_temperature: f64, time_
 }
 
 /// Positive nodes and weights of 16-point Gauss–Legendre quadrature on [−1, 1].
-const GAUSS_16: [(f64, f64); 8] = [
+pub const GAUSS_16: [(f64, f64); 8] = [
     (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
     (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
     (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
@@ -186,7 +189,7 @@ mod tests {
             let chamber = section31(AreaLaw::Total);
             let (v0, v1) = (chamber.geometry.volume(from), chamber.geometry.volume(to));
             let closed = Closed::filled(&chamber, 3e5, 293.0, v0, 300.0);
-            let parts = closed.parts(v0, v1, push);
+            let parts = Closed::parts([v0, v1].map(|v| closed.rate(v)), v1 / v0, push);
             let [ours, finer] = [1.0, 5.0].map(|n| closed.ramp_in(parts * n, 293.0, v0, v1, push));
             assert!((ours / finer - 1.0).abs() < 1e-14 * parts, "{ours} {finer}");
         }

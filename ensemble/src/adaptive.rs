@@ -1,6 +1,6 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
-use crate::advance::{Loadable, Nobody, Problem, Steps, Tried, advance};
+use crate::advance::{Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
 use crate::finish;
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH, each_lane};
@@ -34,6 +34,18 @@ struct Knot {
 
 impl Knot {
     const NONE: Self = Self { time: Lanes::ZERO, temperature: Lanes::ZERO };
+}
+
+/// Keeps every step, to look into some of them later.
+impl Watch<1> for Vec<Tried<1>> {
+    #[inline(always)]
+    fn see(&mut self, tried: &Tried<1>) {
+        self.push(*tried);
+    }
+    #[inline(always)]
+    fn kept(&self) -> usize {
+        self.len()
+    }
 }
 
 /// Runs tests that [`sealed`](crate::sealed) covers and whose numbers are checked; `durations` in s.
@@ -105,6 +117,7 @@ pub fn run(
                     let ending = Ending {
                         scenario: &scenarios[row as usize],
                         duration,
+                        wall: test.closed.ambient_temperature,
                         pushed: begin[lane],
                         end,
                         pressure_per_temperature: test.pressure_per_temperature(),

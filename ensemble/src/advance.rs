@@ -3,13 +3,13 @@
 
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::Failure;
-use crate::step::{LaneSystem, attempt};
+use crate::step::{Attempt, FEELING, LaneSystem, View, attempt, judge, stages_in_turn};
+use crate::tableau::STAGES;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Attempts after which a problem is given up; a push-and-hold test takes some twenty. What a watch keeps of them stays
-/// near 100 MB.
+/// Attempts after which a problem is given up; a push-and-hold test takes some twenty. A history of as many is 23 MB long.
 const MAX_ATTEMPTS: f64 = 3e4;
 const SAFETY: f64 = 0.9;
 /// No more: an error estimate that happens to vanish would let the next step grow out of all bounds.
@@ -26,6 +26,10 @@ const PROBE: f64 = 0.01;
 const ERROR_AT_SCALE: f64 = 6.6e-7;
 /// Added to what is divided by (a choice between quotients would become branches).
 const TINY: f64 = 1e-300;
+/// Longest step, as a share of the stretch, of a solution that is looked into: its interpolant needs knots beside.
+const LONGEST: f64 = 0.26;
+/// A step of this share of what is left goes to the end.
+const NEARLY: f64 = 1.0 - 1e-12;
 /// A step shorter than this share of the stretch is no progress.
 const SMALLEST_SHARE: f64 = 1e-14;
 
@@ -46,6 +50,8 @@ pub struct Problem<const N: usize> {
     pub absolute: [f64; N],
     /// Its first rates.
     slope: [f64; N],
+    /// What is seen at its begin.
+    pub view: View<f64>,
     /// Length of its first step, s.
     first: f64,
     /// What the steps miss of the states' changes, relative to the states, by the pair's own estimate, added up.
@@ -59,7 +65,19 @@ pub struct Problem<const N: usize> {
 impl<const N: usize> Problem<N> {
     /// To be solved over `length`, s, from `state`, with these absolute tolerances.
     pub fn new(length: f64, state: [f64; N], absolute: [f64; N]) -> Self {
-        Self { length, state, absolute, slope: [0.0; N], first: 0.0, gap: 0.0, steps: Steps::default(), failure: None }
+        let view = View { value: [0.0; 2], slope: [0.0; 2] };
+        let steps = Steps::default();
+        Self { length, state, absolute, slope: [0.0; N], view, first: 0.0, gap: 0.0, steps, failure: None }
+    }
+}
+
+impl<const N: usize> Problem<N> {
+    /// Notes what a lane has found out about its begin.
+    #[inline(always)]
+    fn begin(&mut self, lane: usize, slope: &[Lanes; N], view: &View<Lanes>, first: Lanes) {
+        self.first = first[lane];
+        self.view = View { value: view.value.map(|v| v[lane]), slope: view.slope.map(|v| v[lane]) };
+        self.slope = slope.map(|slope| slope[lane]);
     }
 }
 
@@ -81,7 +99,7 @@ impl Steps {
     }
 }
 
-/// An attempted step of all lanes, with what is needed to look into it.
+/// An attempted step of all lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct Tried<const N: usize> {
     /// Begin, s from the stretch's begin.
@@ -92,22 +110,10 @@ pub struct Tried<const N: usize> {
     pub begin: [Lanes; N],
     /// States at its end.
     pub end: [Lanes; N],
-    /// dy/dt of its stages.
-    pub slopes: [[Lanes; N]; 13],
+    /// What is seen at its end.
+    pub view: View<Lanes>,
     /// Per lane: 1 where the step was accepted, else 0.
     pub accepted: Lanes,
-}
-
-impl<const N: usize> Tried<N> {
-    /// Accepted steps without length, to be filled lane by lane.
-    pub const NONE: Self = Self {
-        from: Lanes::ZERO,
-        length: Lanes::ZERO,
-        begin: [Lanes::ONE; N],
-        end: [Lanes::ONE; N],
-        slopes: [[Lanes::ZERO; N]; 13],
-        accepted: Lanes::ONE,
-    };
 }
 
 /// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
@@ -127,35 +133,28 @@ fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -
     out
 }
 
-/// Sees every attempted step while the constants of its lanes are at hand.
-pub trait Watch<const N: usize, S> {
-    /// A step. `FUSED` as in [`attempt`].
-    fn see<const FUSED: bool>(&mut self, system: &S, tried: &Tried<N>);
+/// Sees every attempted step.
+pub trait Watch<const N: usize> {
+    /// A step.
+    fn see(&mut self, tried: &Tried<N>);
     /// How many steps it has kept: the places that [`Steps`] tells.
     fn kept(&self) -> usize;
+    /// Whether it can keep no more: then all problems are left where they are.
+    #[inline(always)]
+    fn is_full(&self) -> bool {
+        false
+    }
 }
 
 /// For solutions of which only the end counts.
 pub struct Nobody;
 
-impl<const N: usize, S> Watch<N, S> for Nobody {
+impl<const N: usize> Watch<N> for Nobody {
     #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, _: &S, _: &Tried<N>) {}
+    fn see(&mut self, _: &Tried<N>) {}
     #[inline(always)]
     fn kept(&self) -> usize {
         0
-    }
-}
-
-/// Keeps every step, to look into some of them later.
-impl<const N: usize, S> Watch<N, S> for Vec<Tried<N>> {
-    #[inline(always)]
-    fn see<const FUSED: bool>(&mut self, _: &S, tried: &Tried<N>) {
-        self.push(*tried);
-    }
-    #[inline(always)]
-    fn kept(&self) -> usize {
-        self.len()
     }
 }
 
@@ -190,6 +189,7 @@ struct Group<const N: usize, S> {
     length: Lanes,
     y: [Lanes; N],
     slope: [Lanes; N],
+    view: View<Lanes>,
     absolute: [Lanes; N],
     gap: Lanes,
 }
@@ -200,7 +200,7 @@ pub fn advance<const N: usize, S: LaneSystem<N> + Loadable + Clone>(
     system: &S,
     problems: &mut [Problem<N>],
     relative: f64,
-    watch: &mut impl Watch<N, S>,
+    watch: &mut impl Watch<N>,
 ) {
     arch.dispatch(Advance { system, problems, relative, watch });
 }
@@ -212,29 +212,33 @@ struct Advance<'a, const N: usize, S, W> {
     watch: &'a mut W,
 }
 
-impl<const N: usize, S: LaneSystem<N> + Loadable + Clone, W: Watch<N, S>> WithSimd for Advance<'_, N, S, W> {
+impl<const N: usize, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>> WithSimd for Advance<'_, N, S, W> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) {
         // Every instruction set beyond plain SSE2 that pulp knows of fuses multiplication and addition.
-        if I::IS_SCALAR {
+        if !I::IS_SCALAR {
+            run::<N, true, S, W>(self.system, self.problems, self.relative, self.watch);
+        } else if S::ANYWHERE {
             run::<N, false, S, W>(self.system, self.problems, self.relative, self.watch);
         } else {
-            run::<N, true, S, W>(self.system, self.problems, self.relative, self.watch);
+            unreachable!("a system that is not compiled for any machine");
         }
     }
 }
 
 #[inline(always)]
-fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N, S>>(
+fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
     system: &S,
     problems: &mut [Problem<N>],
     relative: f64,
     watch: &mut W,
 ) {
     let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
-    begin::<N, S>(system, problems, relative);
+    if S::CHEAP {
+        begin::<N, S>(system, problems, relative);
+    }
     let mut group: Group<N, S> = Group {
         system: system.clone(),
         owner: [IDLE; WIDTH],
@@ -247,6 +251,7 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
         length: Lanes::ZERO,
         y: [Lanes::ONE; N],
         slope: [Lanes::ZERO; N],
+        view: View::NONE,
         absolute: [Lanes::ONE; N],
         gap: Lanes::ZERO,
     };
@@ -258,6 +263,9 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
         }
     }
     let mut next = 0;
+    if !S::CHEAP {
+        return run_in_turn::<N, FUSED, S, W>(group, problems, relative, watch);
+    }
     loop {
         group.through_memory().halt(problems);
         if group.ended != 0 {
@@ -266,7 +274,59 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
         if group.idle == ALL {
             return;
         }
-        group.through_memory().step::<FUSED, W>(relative, watch);
+        let group = group.through_memory();
+        let tried = group.planned();
+        let (y, absolute) = (&group.y, (relative, &group.absolute));
+        let step = attempt::<N, FUSED, S>(&group.system, group.t, tried, y, &group.slope, absolute);
+        group.take(tried, step, relative, watch);
+    }
+}
+
+/// The same with the rates in the code once: first for the begin of all problems, then for their steps.
+#[inline(always)]
+fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
+    mut group: Group<N, S>,
+    problems: &mut [Problem<N>],
+    relative: f64,
+    watch: &mut W,
+) {
+    let (mut begun, mut next) = (0, 0);
+    loop {
+        let begins = begun < problems.len();
+        if begins {
+            group.load_to_begin(problems, begun);
+        } else {
+            group.through_memory().halt(problems);
+            if group.ended != 0 {
+                group.refill(problems, &mut next, watch.kept() as u32);
+            }
+            if group.idle == ALL || watch.is_full() {
+                return;
+            }
+        }
+        let group = group.through_memory();
+        let tried = if begins { Lanes::ZERO } else { group.planned() };
+        let stages = black_box(if begins { FEELING } else { 1..STAGES });
+        let mut k = [[Lanes::ZERO; N]; STAGES];
+        k[0] = if begins { [Lanes::ZERO; N] } else { group.slope };
+        let (length, y, absolute) = (group.length, group.y, group.absolute);
+        let (end, view, reached) =
+            stages_in_turn::<N, FUSED, S>(&group.system, [group.t, tried], &y, &mut k, stages, |slope| {
+                probe(length, &y, &absolute, slope, relative)
+            });
+        if begins {
+            let first = first_step(length, &y, &absolute, [&k[0], &k[1]], reached, relative);
+            for (lane, problem) in problems[begun..].iter_mut().take(WIDTH).enumerate() {
+                problem.begin(lane, &k[0], &view, first);
+            }
+            begun += WIDTH;
+            // Until it is given a problem a lane is at its end.
+            group.length = Lanes::ZERO;
+        } else {
+            let tolerance = (relative, &absolute);
+            let step = judge::<N, FUSED, S>(&group.system, tried, &y, (end, view), &k, tolerance);
+            group.take(tried, step, relative, watch);
+        }
     }
 }
 
@@ -277,7 +337,7 @@ fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(system: &S, proble
     let mut system = system.clone();
     let count = problems.len();
     for base in (0..count).step_by(WIDTH) {
-        let (mut y, mut sizes, mut length) = ([Lanes::ZERO; N], [Lanes::ZERO; N], Lanes::ZERO);
+        let (mut y, mut absolute, mut length) = ([Lanes::ZERO; N], [Lanes::ZERO; N], Lanes::ZERO);
         for lane in 0..WIDTH {
             let index = (base + lane).min(count - 1);
             let problem = &problems[index];
@@ -285,51 +345,68 @@ fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(system: &S, proble
             length[lane] = problem.length;
             for i in 0..N {
                 y[i][lane] = problem.state[i];
-                sizes[i][lane] = problem.absolute[i] * (1.0 / relative);
+                absolute[i][lane] = problem.absolute[i];
             }
         }
-        let (system, y, sizes) = (black_box(&mut system), black_box(&y), black_box(&sizes));
-        let (slope, first) = first_step(system, length, y, sizes, relative);
+        let (system, y, absolute) = (black_box(&mut system), black_box(&y), black_box(&absolute));
+        let (slope, view) = system.rates(Lanes::ZERO, y);
+        let probe = probe(length, y, absolute, &slope, relative);
+        let mut ahead = *y;
+        for i in 0..N {
+            ahead[i] += slope[i] * probe;
+        }
+        let (there, _) = system.rates(probe, &ahead);
+        let first = first_step(length, y, absolute, [&slope, &there], probe, relative);
         for (lane, problem) in problems[base..].iter_mut().take(WIDTH).enumerate() {
-            problem.first = first[lane];
-            for i in 0..N {
-                problem.slope[i] = slope[i][lane];
-            }
+            problem.begin(lane, &slope, &view, first);
         }
     }
 }
 
-/// Rates at `y`, and the length of the step from there, s, of lanes whose states count as at least `sizes`.
+/// The size, at least, that a state counts by.
 #[inline(always)]
-fn first_step<const N: usize, S: LaneSystem<N>>(
-    system: &S,
+fn size(y: Lanes, absolute: Lanes, relative: f64) -> Lanes {
+    y.abs() + absolute * (1.0 / relative)
+}
+
+/// Over how long a time, s, to feel out how the rates change.
+#[inline(always)]
+fn probe<const N: usize>(
     length: Lanes,
     y: &[Lanes; N],
-    sizes: &[Lanes; N],
+    absolute: &[Lanes; N],
+    slope: &[Lanes; N],
     relative: f64,
-) -> ([Lanes; N], Lanes) {
-    let slope = system.rates(Lanes::ZERO, y);
+) -> Lanes {
     let mut probe = length * PROBE;
     for i in 0..N {
-        probe = probe.min((y[i].abs() + sizes[i]) * PROBE / (slope[i].abs() + TINY));
+        probe = probe.min(size(y[i], absolute[i], relative) * PROBE / (slope[i].abs() + TINY));
     }
-    let mut ahead = *y;
-    for i in 0..N {
-        ahead[i] += slope[i] * probe;
-    }
-    let there = system.rates(probe, &ahead);
+    probe
+}
+
+/// Length of the step from `y`, s, by the rates there and a time `probe` ahead.
+#[inline(always)]
+fn first_step<const N: usize>(
+    length: Lanes,
+    y: &[Lanes; N],
+    absolute: &[Lanes; N],
+    [slope, there]: [&[Lanes; N]; 2],
+    probe: Lanes,
+    relative: f64,
+) -> Lanes {
     let mut first = length;
     for i in 0..N {
         let rate = slope[i].abs();
         let bend = (there[i] - slope[i]).abs();
         // At least the probe, where the rate happens to be nothing.
         let scale = (rate + bend) * probe / (bend + TINY);
-        let size = (y[i].abs() + sizes[i]) * (relative / ERROR_AT_SCALE);
+        let size = size(y[i], absolute[i], relative) * (relative / ERROR_AT_SCALE);
         let share = inverse_eighth_root(rate * scale / size + 1e-30);
         first = first.min(scale * (share * FIRST).min(Lanes::ONE));
     }
     // Something, should the rates vanish or not be numbers: the step's own error decides.
-    (slope, first.where_positive(first, length * PROBE))
+    first.where_positive(first, length * PROBE)
 }
 
 impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
@@ -367,34 +444,60 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
                 self.slope[i][lane] = problem.slope[i];
                 self.absolute[i][lane] = problem.absolute[i];
             }
+            for i in 0..2 {
+                self.view.value[i][lane] = problem.view.value[i];
+                self.view.slope[i][lane] = problem.view.slope[i];
+            }
             self.gap[lane] = 0.0;
             (self.t[lane], self.h[lane], self.length[lane]) = (0.0, problem.first, problem.length);
+            if !S::CHEAP {
+                self.h[lane] = problem.first.min(problem.length * LONGEST);
+            }
             self.attempts[lane] = 0.0;
             self.owner[lane] = *next;
             *next += 1;
         }
     }
 
-    /// Tries a step in every lane, and takes it where it is good.
+    /// Loads problems from `base` on into the lanes, to begin them.
     #[inline(always)]
-    fn step<const FUSED: bool, W: Watch<N, S>>(&mut self, relative: f64, watch: &mut W) {
-        let (t, h, length, y) = (self.t, self.h, self.length, self.y);
-        let left = length - t;
-        let last = h - left * (1.0 - 1e-12);
+    fn load_to_begin(&mut self, problems: &[Problem<N>], base: usize) {
+        for lane in 0..WIDTH {
+            let index = (base + lane).min(problems.len() - 1);
+            let problem = &problems[index];
+            self.system.load(lane, index);
+            self.length[lane] = problem.length;
+            for i in 0..N {
+                self.y[i][lane] = problem.state[i];
+                self.absolute[i][lane] = problem.absolute[i];
+            }
+        }
+    }
+
+    /// How long a step to try.
+    #[inline(always)]
+    fn planned(&self) -> Lanes {
+        let left = self.length - self.t;
+        let last = self.h - left * NEARLY;
         // Two even steps rather than a whole one and a sliver.
-        let tried = last.where_positive(left, h.min(left * 0.5));
-        let step = attempt::<N, FUSED, S>(&self.system, t, tried, &y, &self.slope, (relative, &self.absolute));
-        let corner = self.system.corner(t, tried, [&y, &step.end], [&self.slope, &step.slopes[12]]);
+        last.where_positive(left, self.h.min(left * 0.5))
+    }
+
+    /// Takes a step that was tried in every lane where it is good.
+    #[inline(always)]
+    fn take<W: Watch<N>>(&mut self, tried: Lanes, step: Attempt<N>, relative: f64, watch: &mut W) {
+        let (t, h, length, y) = (self.t, self.h, self.length, self.y);
+        let last = h - (length - t) * NEARLY;
+        let kink = self.system.kink(tried, [&self.view, &step.view]);
         // Positive where the step is good: not for NaN.
-        let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && corner.0[i] >= 1.0 { 1.0 } else { 0.0 });
-        let seen = Tried { from: t, length: tried, begin: y, end: step.end, slopes: step.slopes, accepted: good };
-        watch.see::<FUSED>(&self.system, &seen);
+        let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
+        watch.see(&Tried { from: t, length: tried, begin: y, end: step.end, view: step.view, accepted: good });
         // error^(−1/8) from its square.
         let error = (step.error_squared + 1e-40).sqrt();
         let root = inverse_eighth_root(error) * SAFETY;
         let factor = root.max(Lanes::from(SHRINK)).min(Lanes::from(GROW));
         let by_error = each_lane!(i => if step.error_squared.0[i] > 1.0 { factor.0[i].min(0.9) } else { NOT_A_NUMBER });
-        let shrunk = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { by_error.0[i] }).min(corner);
+        let shrunk = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { by_error.0[i] }).min(kink);
         let grown = tried * factor;
         // A step cut short by the end says nothing against the longer one that was planned.
         let kept = last.where_positive(h.max(grown), grown);
@@ -402,8 +505,10 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let t = good.where_positive(last.where_positive(length, t + tried), t);
         self.gap += good.where_positive(error * relative, Lanes::ZERO);
         self.y = choose(good, &step.end, &y);
-        self.slope = choose(good, &step.slopes[12], &self.slope);
-        (self.t, self.h) = (t, h);
+        self.slope = choose(good, &step.slope, &self.slope);
+        self.view.value = choose(good, &step.view.value, &self.view.value);
+        self.view.slope = choose(good, &step.view.slope, &self.view.slope);
+        (self.t, self.h) = (t, if S::CHEAP { h } else { h.min(length * LONGEST) });
 
         self.attempts = self.attempts + 1.0;
         self.going = (length - t).min(h - length * SMALLEST_SHARE).min(-self.attempts + MAX_ATTEMPTS);

@@ -2,14 +2,16 @@
 //! of their records.
 
 use crate::advance::{Problem, Steps, advance};
+use crate::filter::Sensor;
 use crate::finish::SETTLED;
 use crate::fit;
-use crate::general::{General, Row};
-use crate::log::Log;
+use crate::general::{self, General, Row};
+use crate::history::{History, Knot};
 use crate::outcome::{Failure, Outcome};
 use crate::plan::Plan;
-use crate::reading::{self, Answer, ROUNDING, Reading, seen_from};
+use crate::reader::{self, Answer, ROUNDING, Traces, seen_from};
 use crate::scenario::{Options, Scenario};
+use crate::step::View;
 use chamber::balance::{self, Balance, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
@@ -18,34 +20,41 @@ use pulp::Arch;
 
 /// Share of the initial mass below which a chamber whose equations cannot be followed further has run empty.
 const EMPTY: f64 = 0.01;
+/// Steps of all lanes that are kept at most, 768 bytes each; the fewest rows together keep as many as they need.
+const HISTORY: usize = 1 << 14;
+/// The fewest rows that are solved together.
+const FEWEST: usize = 16;
+/// Knots after which traces are read.
+const KNOTS: usize = 1 << 13;
 
 /// One row on its way.
-pub struct Course<'a, const N: usize> {
+struct Course<'a, const N: usize> {
     row: u32,
     scenario: &'a Scenario,
-    /// Its stretches.
-    pub plan: &'a Plan,
-    /// Its chamber's balance.
-    pub balance: Balance,
+    plan: &'a Plan,
+    balance: Balance,
+    sensor: Sensor,
+    /// How many states it has.
+    counted: f64,
     /// All states at its begin.
-    pub initial: [f64; STATES],
+    initial: [f64; STATES],
     state: [f64; N],
     absolute: [f64; N],
     gap: f64,
-    /// Where the log has each stretch's steps.
-    pub steps: Vec<Steps>,
-    /// Why it was given up.
-    pub failure: Option<Failure>,
+    /// Where the history has each stretch's steps, and what is seen at its begin.
+    steps: Vec<(Steps, View<f64>)>,
+    failure: Option<Failure>,
 }
 
 /// Working memory, kept from one chunk to the next.
 #[derive(Default)]
 pub struct Memory {
-    log: Log,
-    reading: reading::Memory,
+    history: History,
+    reader: reader::Memory,
 }
 
-/// Runs checked rows (number and plan) that have their area law, and whether they have a profile, in common.
+/// Runs checked rows (number and plan) that have their area law, and whether they have a profile, in common. `set` are
+/// the effects on the gas, `BITS` the same.
 pub fn run<const N: usize, const BITS: u32>(
     arch: Arch,
     memory: &mut Memory,
@@ -55,16 +64,60 @@ pub fn run<const N: usize, const BITS: u32>(
     options: &Options,
     out: &mut [Outcome],
 ) {
+    let Memory { history, reader } = memory;
+    history.limit = (rows.len() > FEWEST).then_some(HISTORY);
+    let Some(courses) = integrate::<N, BITS>(arch, history, set, rows, scenarios, options) else {
+        // Too many steps to keep: fewer rows at a time.
+        for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
+            run::<N, BITS>(arch, memory, set, rows, scenarios, options, out);
+        }
+        return;
+    };
+    let mut rest = &courses[..];
+    while !rest.is_empty() {
+        let mut traces = Traces::new(reader);
+        while let Some(course) = rest.get(traces.len()).filter(|_| traces.knots() < KNOTS) {
+            course.trace(history, &mut traces);
+        }
+        let (group, others) = rest.split_at(traces.len());
+        rest = others;
+        let answers = traces.answers(arch);
+        let regressions = if options.fit {
+            traces.regressions(arch, &answers, |course| group[course].time_constant())
+        } else {
+            vec![None; answers.len()]
+        };
+        for ((c, answer), regression) in group.iter().zip(&answers).zip(regressions) {
+            out[c.row as usize] = match (c.failure, answer) {
+                (Some(reason), _) => Outcome::failed(reason),
+                (None, None) => Outcome::failed(Failure::EndsInPush),
+                (None, Some(answer)) => c.outcome(answer, regression),
+            };
+        }
+    }
+}
+
+/// Integrates rows from stretch to stretch; none where the history is too long.
+fn integrate<'a, const N: usize, const BITS: u32>(
+    arch: Arch,
+    history: &mut History,
+    set: EffectSet,
+    rows: &'a [(u32, Plan)],
+    scenarios: &'a [Scenario],
+    options: &Options,
+) -> Option<Vec<Course<'a, N>>> {
     let relative = options.relative_tolerance;
     let mut courses: Vec<Course<N>> =
         rows.iter().map(|(row, plan)| Course::new::<BITS>(*row, &scenarios[*row as usize], plan, relative)).collect();
-    let Memory { log, reading } = memory;
-    log.clear();
+    history.clear();
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0.. {
         let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
-        let systems: Vec<Row> =
-            courses.iter().filter(|c| active(c)).map(|c| (&c.balance, &c.plan.stretches[index])).collect();
+        let systems: Vec<Row> = courses
+            .iter()
+            .filter(|c| active(c))
+            .map(|c| Row { balance: &c.balance, stretch: &c.plan.stretches[index], counted: c.counted })
+            .collect();
         if systems.is_empty() {
             break;
         }
@@ -75,27 +128,16 @@ pub fn run<const N: usize, const BITS: u32>(
             problems.push(problem);
         }
         let system = General::<N, BITS>::new(&systems, set);
-        log.awake = courses.iter().any(|c| index >= seen_from(c.plan));
-        advance(arch, &system, &mut problems, relative, log);
+        history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
+        advance(arch, &system, &mut problems, relative, history);
+        if history.is_at_limit() {
+            return None;
+        }
         for (c, problem) in courses.iter_mut().filter(|c| active(c)).zip(&problems) {
             c.take(problem);
         }
     }
-
-    let mut reading = Reading::<N, BITS> { arch, set, courses: &courses, log, memory: reading };
-    let answers = reading.answers();
-    let regressions = if options.fit {
-        reading.regressions(&answers, |course| courses[course].time_constant())
-    } else {
-        vec![None; answers.len()]
-    };
-    for ((c, answer), regression) in courses.iter().zip(&answers).zip(regressions) {
-        out[c.row as usize] = match (c.failure, answer) {
-            (Some(reason), _) => Outcome::failed(reason),
-            (None, None) => Outcome::failed(Failure::EndsInPush),
-            (None, Some(answer)) => c.outcome(answer, regression),
-        };
-    }
+    Some(courses)
 }
 
 /// How a row's boundary ends.
@@ -110,11 +152,15 @@ impl<'a, const N: usize> Course<'a, N> {
         let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
         let initial = balance::state_at(&scenario.chamber, &plan.stretches[0].boundary(0.0), pressure, temperature);
         let absolute = tolerance(relative, &initial).absolute;
+        let active = scenario.chamber.active();
+        let of_gas = crate::on_the_gas(active);
         Self {
             row,
             scenario,
             plan,
             balance: Balance::of(scenario.chamber),
+            sensor: Sensor::new(active, &scenario.chamber.effects),
+            counted: general::states(of_gas.bits()) as f64,
             initial,
             state: General::<N, BITS>::states(&initial),
             absolute: General::<N, BITS>::tolerances(&initial, &absolute),
@@ -127,13 +173,27 @@ impl<'a, const N: usize> Course<'a, N> {
     /// Goes on from where a stretch has ended.
     fn take(&mut self, problem: &Problem<N>) {
         (self.state, self.gap) = (problem.state, problem.gap);
-        self.steps.push(problem.steps);
+        self.steps.push((problem.steps, problem.view));
         let left = self.mass() / self.initial[MASS];
         self.failure = match problem.failure {
             None if !positive(self.state[MASS]) || !positive(self.state[ENERGY]) => Some(Failure::Empty),
             Some(_) if left.is_nan() || left <= EMPTY => Some(Failure::Empty),
             other => other,
         };
+    }
+
+    /// Hands its trace over.
+    fn trace(&self, history: &History, traces: &mut Traces<'a>) {
+        traces.begin(self.plan, self.sensor, self.scenario.initial_pressure_pa);
+        if self.failure.is_some() {
+            return;
+        }
+        for (stretch, &(steps, view)) in self.steps.iter().enumerate().skip(seen_from(self.plan, &self.sensor)) {
+            traces.stretch(stretch, |knots| {
+                knots.push(Knot { at: 0.0, view });
+                history.read(steps, knots);
+            });
+        }
     }
 
     /// Mass of the gas, kg.

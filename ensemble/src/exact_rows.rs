@@ -1,13 +1,17 @@
-//! Sealed tests by the closed forms of [`exact`](chamber::exact), in lanes: no integration, no tolerance.
+//! Tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, and those with effects that keep the
+//! closed form ([`kept`](crate::kept)). No integration, no tolerance.
 
 use crate::finish::SETTLED;
 use crate::fit;
+use crate::kept::Exchange;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::{Failure, Outcome};
 use crate::regression::{Found, Records, decay};
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::{Options, Scenario};
 use crate::sealed::Ending;
+use chamber::Chamber;
+use chamber::effects::EffectSet;
 use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -16,23 +20,29 @@ use pulp::{Arch, Simd, WithSimd};
 /// Ends of the parts in which the regression's sums are taken, in 1/k after the push; the last ends with the record.
 const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
 
-/// Solves checked, sealed scenarios: numbers and durations, s. `records` is memory to use.
+/// Solves checked scenarios: numbers and durations, s. `set` are effects that keep the closed form; where there are any,
+/// all rows have their area law in common. `records` is memory to use.
 pub fn run(
     arch: Arch,
     records: &mut Records,
+    set: EffectSet,
     rows: &[(u32, f64)],
     scenarios: &[Scenario],
     options: &Options,
     out: &mut [Outcome],
 ) {
     let all: Vec<Test> =
-        rows.iter().map(|&(row, duration)| Test::new(row, &scenarios[row as usize], duration)).collect();
+        rows.iter().map(|&(row, duration)| Test::new(set, row, &scenarios[row as usize], duration)).collect();
     // Lanes that wait for one with more parts are few where neighbours have as many.
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
     order.sort_unstable_by_key(|&test| all[test as usize].parts as u32);
     for order in order.chunks(WIDTH) {
         let tests = Tests::new(&all, order);
-        let ends = arch.dispatch(Solve(&tests));
+        let effects = (!set.is_empty()).then(|| {
+            let row = |lane: usize| all[order[lane.min(order.len() - 1)] as usize].row;
+            (set, gather(set, |lane| &scenarios[row(lane) as usize].chamber))
+        });
+        let ends = arch.dispatch(Solve { tests: &tests, effects });
         let found = options.fit.then(|| {
             let guess = arch.dispatch(Record { tests: &tests, ends: &ends, records });
             records.fit(arch, guess)
@@ -49,7 +59,10 @@ pub fn run(
 struct Test {
     row: u32,
     duration: f64,
+    /// Without the effects; the wall's temperature is that with them.
     closed: Closed,
+    /// 1/τ_f in the hold, 1/s.
+    rate: f64,
     parts: f64,
     start: f64,
     from: f64,
@@ -59,18 +72,25 @@ struct Test {
 
 impl Test {
     #[inline]
-    fn new(row: u32, s: &Scenario, duration: f64) -> Self {
+    fn new(set: EffectSet, row: u32, s: &Scenario, duration: f64) -> Self {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
         let start = s.initial_temperature_k;
-        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        let parts = closed.parts(from, to, s.push_time_s);
-        Self { row, duration, closed, parts, start, from, to, push: s.push_time_s }
+        let mut closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
+        let mut rates = [from, to].map(|volume| closed.rate(volume));
+        if !set.is_empty() {
+            let exchange = Exchange::new(set, &s.chamber, &closed, s.ambient_temperature_k);
+            closed.ambient_temperature = exchange.wall();
+            rates = [from, to].map(|volume| exchange.rate(volume));
+        }
+        let parts = Closed::parts(rates, to / from, s.push_time_s);
+        Self { row, duration, closed, rate: rates[1], parts, start, from, to, push: s.push_time_s }
     }
 }
 
 /// As many tests as there are lanes.
 struct Tests {
     closed: Closed<Lanes>,
+    rate: Lanes,
     parts: Lanes,
     start: Lanes,
     from: Lanes,
@@ -93,6 +113,7 @@ impl Tests {
         let zero = Lanes::ZERO;
         let mut tests = Self {
             closed: Closed { mass_gas_constant: zero, exchange: [zero; 2], expansion: zero, ambient_temperature: zero },
+            rate: zero,
             parts: zero,
             start: zero,
             from: zero,
@@ -108,6 +129,7 @@ impl Tests {
             closed.exchange[1][lane] = test.closed.exchange[1];
             closed.expansion[lane] = test.closed.expansion;
             closed.ambient_temperature[lane] = test.closed.ambient_temperature;
+            tests.rate[lane] = test.rate;
             tests.parts[lane] = test.parts;
             tests.start[lane] = test.start;
             tests.from[lane] = test.from;
@@ -118,32 +140,66 @@ impl Tests {
         tests
     }
 
-    /// Temperatures at the end of the push, K: each as [`Closed::ramp`] finds it, in its own number of parts.
+    /// Temperatures at the end of the push, K, each in its own number of parts; `part` solves one of them.
     #[inline(always)]
-    fn pushed(&self) -> Lanes {
+    fn pushed(&self, part: impl Fn(Lanes, Lanes, Lanes, Lanes) -> Lanes) -> Lanes {
         let (begin, end) = (self.from.sqrt(), self.to.sqrt());
         let (step, dwell) = ((end - begin) / self.parts, self.push * 2.0 / (begin + end) / self.parts);
         let mut inverse = self.start.recip();
         let most = self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b));
-        for part in 0..most as usize {
-            let next = self.closed.ramp_part(inverse, begin + step * part as f64, step, dwell);
-            inverse = (self.parts - part as f64).where_positive(next, inverse);
+        for index in 0..most as usize {
+            let next = part(inverse, begin + step * index as f64, step, dwell);
+            inverse = (self.parts - index as f64).where_positive(next, inverse);
         }
         inverse.recip()
     }
 }
 
-struct Solve<'a>(&'a Tests);
+/// Chambers, one a lane, of one area law, with the parameters of the effects in a set.
+fn gather<'a>(set: EffectSet, chamber: impl Fn(usize) -> &'a Chamber) -> Chamber<Lanes> {
+    let mut all = chamber(0).lift::<Lanes>();
+    for lane in 1..WIDTH {
+        let from = chamber(lane);
+        all.gas.gas_constant[lane] = from.gas.gas_constant;
+        all.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
+        all.geometry.bore[lane] = from.geometry.bore;
+        all.geometry.rod_diameter[lane] = from.geometry.rod_diameter;
+        all.geometry.piston_area[lane] = from.geometry.piston_area;
+        all.geometry.dead_volume[lane] = from.geometry.dead_volume;
+        all.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;
+        all.heat_transfer.reference_pressure[lane] = from.heat_transfer.reference_pressure;
+        all.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
+        for effect in set.iter() {
+            for (to, from) in all.effects.of_mut(effect).iter_mut().zip(from.effects.of(effect)) {
+                to[lane] = *from;
+            }
+        }
+    }
+    all
+}
+
+struct Solve<'a> {
+    tests: &'a Tests,
+    /// Effects that keep the closed form, and the chambers with their parameters.
+    effects: Option<(EffectSet, Chamber<Lanes>)>,
+}
 
 impl WithSimd for Solve<'_> {
     type Output = Ends;
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Ends {
-        let t = black_box(self.0);
-        let pushed = t.pushed();
-        let end = t.closed.held(pushed, t.to, t.hold);
-        let rate = t.closed.rate(t.to);
+        let t = black_box(self.tests);
+        let wall = t.closed.ambient_temperature;
+        let pushed = match black_box(&self.effects) {
+            None => t.pushed(|inverse, root, step, dwell| t.closed.ramp_part(inverse, root, step, dwell)),
+            Some((set, chamber)) => {
+                let exchange = Exchange::new(*set, chamber, &t.closed, wall);
+                t.pushed(|inverse, root, step, dwell| exchange.ramp_part(wall, inverse, root, step, dwell))
+            }
+        };
+        let rate = t.rate;
+        let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());
         // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
         let edge = end + (pushed - end) * SETTLED;
         let excess = |temperature: Lanes| Lanes::ONE - t.closed.ambient_temperature / temperature;
@@ -168,7 +224,8 @@ fn outcome(
     let settling = if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 };
     let pressure_per_temperature = tests.closed.mass_gas_constant[lane] / tests.to[lane];
     let regression = found.and_then(|found| found.lane(lane));
-    Ending { scenario, duration, pushed, end, pressure_per_temperature, settling, regression }.outcome()
+    let wall = tests.closed.ambient_temperature[lane];
+    Ending { scenario, duration, wall, pushed, end, pressure_per_temperature, settling, regression }.outcome()
 }
 
 /// The records from the end of the push on, P = Pf/(1 − ε e^(−k t)); the answer is a guess of τ, s.

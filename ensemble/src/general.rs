@@ -6,7 +6,7 @@ use crate::advance::Loadable;
 use crate::corner;
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
-use crate::step::LaneSystem;
+use crate::step::{LaneSystem, View};
 use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
@@ -14,14 +14,16 @@ use chamber::real::Real;
 /// In place of a set's bits: the set is known at run time only.
 pub const AT_RUN_TIME: u32 = u32::MAX;
 
-/// What can be seen of a system.
-pub trait Observe<const N: usize>: LaneSystem<N> + Loadable {
-    /// What the record shows, Pa, and the gas's temperature, K, a time `t` into the stretch.
-    fn observe(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; 2];
+/// One row's share of a system.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    /// Its chamber's balance.
+    pub balance: &'a Balance,
+    /// The stretch it is in.
+    pub stretch: &'a Stretch,
+    /// How many states it has: mass, energy and those of its own effects.
+    pub counted: f64,
 }
-
-/// One row's share of a system: its chamber's balance and the stretch it is in.
-pub type Row<'a> = (&'a Balance, &'a Stretch);
 
 /// Chambers, one a lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
 #[derive(Clone)]
@@ -29,6 +31,9 @@ pub struct General<'a, const N: usize, const BITS: u32> {
     rows: &'a [Row<'a>],
     set: EffectSet,
     balance: Balance<Lanes>,
+    per_gas_constant: Lanes,
+    /// How many states each has: what its error is the mean of.
+    counted: Lanes,
     stretch: Stretch<Lanes>,
 }
 
@@ -72,8 +77,9 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     /// For these rows, all of one area law; lanes are not loaded yet.
     pub fn new(rows: &'a [Row<'a>], set: EffectSet) -> Self {
         const { assert!(N == states(BITS)) };
-        let (balance, stretch) = rows[0];
-        Self { rows, set, balance: Balance::of(balance.chamber.lift()), stretch: stretch.lift() }
+        let Row { balance, stretch, .. } = rows[0];
+        let balance = Balance::of(balance.chamber.lift());
+        Self { rows, set, balance, per_gas_constant: Lanes::ONE, counted: Lanes::ONE, stretch: stretch.lift() }
     }
 
     #[inline(always)]
@@ -120,25 +126,13 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     }
 }
 
-/// What the record shows, Pa, and the gas's temperature, K.
-#[inline(always)]
-pub fn observe<R: Real>(
-    set: EffectSet,
-    balance: &Balance<R>,
-    boundary: &Boundary<R>,
-    contents: &Contents<R>,
-    own: &[R; OWN_STATES],
-    elapsed: R,
-) -> [R; 2] {
-    let at = balance.conditions(set, boundary, contents);
-    [effects::reading(set, &balance.chamber.effects, own, at.pressure, elapsed), at.temperature]
-}
-
 impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
-        let (from, stretch) = self.rows[index];
+        let Row { balance: from, stretch, counted } = self.rows[index];
         let set = self.set();
+        self.per_gas_constant[lane] = from.per_cv * from.per_expansion;
+        self.counted[lane] = counted;
         let to = &mut self.balance;
         to.expansion[lane] = from.expansion;
         to.per_expansion[lane] = from.per_expansion;
@@ -178,9 +172,10 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
 
 impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     const CHEAP: bool = false;
+    const ANYWHERE: bool = BITS == AT_RUN_TIME;
 
     #[inline(always)]
-    fn rates(&self, s: Lanes, y: &[Lanes; N]) -> [Lanes; N] {
+    fn rates(&self, s: Lanes, y: &[Lanes; N]) -> ([Lanes; N], View<Lanes>) {
         let contents = self.contents(s, y);
         let pace = self.stretch.clock.pace(s);
         let (at, rates, own) = self.balance.evaluate_contents(self.set(), &self.boundary(s), &contents, &Self::own(y));
@@ -190,32 +185,23 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
         for i in OWN..N {
             out[i] = own[Self::PLACES[i] - OWN] * pace;
         }
-        out
+        // T = P V/(m R).
+        let share = rates.pressure * at.volume + at.pressure * at.piston_area * at.velocity;
+        let warming = (share * self.per_gas_constant - at.temperature * rates.mass) * at.per_mass;
+        (out, View { value: [at.pressure, at.temperature], slope: [rates.pressure * pace, warming * pace] })
     }
 
     #[inline(always)]
-    fn corner(&self, s: Lanes, h: Lanes, y: [&[Lanes; N]; 2], rates: [&[Lanes; N]; 2]) -> Lanes {
+    fn counted(&self) -> Lanes {
+        self.counted
+    }
+
+    #[inline(always)]
+    fn kink(&self, h: Lanes, ends: [&View<Lanes>; 2]) -> Lanes {
         if self.set().intersection(effects::WITH_CORNERS).is_empty() {
             return Lanes::ONE;
         }
-        let ends = [s, s + h];
-        let (mut pressure, mut slope) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2]);
-        for k in 0..2 {
-            let root = self.stretch.clock.root(ends[k]);
-            let square = root * root;
-            // P = (γ − 1) U/w⁴
-            let scale = self.balance.expansion / (square * square * root);
-            pressure[k] = scale * y[k][ENERGY] * root;
-            slope[k] = scale * (rates[k][ENERGY] * root - y[k][ENERGY] * self.stretch.clock.root_rate * 4.0) * h;
-        }
+        let [pressure, slope] = [ends.map(|end| end.value[0]), ends.map(|end| end.slope[0] * h)];
         corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, pressure, slope)
-    }
-}
-
-impl<const N: usize, const BITS: u32> Observe<N> for General<'_, N, BITS> {
-    #[inline(always)]
-    fn observe(&self, s: Lanes, y: &[Lanes; N]) -> [Lanes; 2] {
-        let elapsed = self.stretch.elapsed + self.stretch.clock.time(s);
-        observe(self.set(), &self.balance, &self.boundary(s), &self.contents(s, y), &Self::own(y), elapsed)
     }
 }

@@ -17,7 +17,7 @@ use crate::fit;
 use crate::lanes::Lanes;
 use crate::outcome::Outcome;
 use crate::scenario::Scenario;
-use crate::step::LaneSystem;
+use crate::step::{LaneSystem, View};
 use chamber::exact::Closed;
 use chamber::real::Real;
 
@@ -63,6 +63,8 @@ pub struct Ending<'a> {
     pub scenario: &'a Scenario,
     /// Its length, s.
     pub duration: f64,
+    /// Temperature of the wall, K.
+    pub wall: f64,
     /// Temperature at the end of the push, K: from there it goes one way.
     pub pushed: f64,
     /// Temperature at the end, K.
@@ -82,7 +84,7 @@ impl Ending<'_> {
         let (s, pushed, end) = (self.scenario, self.pushed, self.end);
         let positions = [s.initial_position_m, s.final_position_m];
         let peak = if positions[1] > positions[0] { pushed.min(end) } else { pushed.max(end) };
-        let settled = (end - s.ambient_temperature_k).abs() <= SETTLED * (peak - end).abs() || pushed == end;
+        let settled = (end - self.wall).abs() <= SETTLED * (peak - end).abs() || pushed == end;
         Outcome {
             pressure_peak_pa: peak * self.pressure_per_temperature,
             pressure_final_pa: end * self.pressure_per_temperature,
@@ -131,13 +133,14 @@ impl Loadable for Moving<'_> {
 
 impl LaneSystem<1> for Moving<'_> {
     const CHEAP: bool = true;
+    const ANYWHERE: bool = true;
 
     #[inline(always)]
-    fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
+    fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> ([Lanes; 1], View<Lanes>) {
         let root = self.clock.root(t);
         let square = root * root;
         let exchange = (self.exchange[0] * (square * square) + self.exchange[1]) * root;
-        [y[0] * (exchange * (self.wall - y[0]) - self.expansion_rate / root)]
+        ([y[0] * (exchange * (self.wall - y[0]) - self.expansion_rate / root)], View::NONE)
     }
 }
 
@@ -184,9 +187,10 @@ impl Loadable for Held<'_> {
 
 impl LaneSystem<1> for Held<'_> {
     const CHEAP: bool = true;
+    const ANYWHERE: bool = true;
 
     #[inline(always)]
-    fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> [Lanes; 1] {
-        [y[0] * (self.exchange * (self.wall - y[0]))]
+    fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> ([Lanes; 1], View<Lanes>) {
+        ([y[0] * (self.exchange * (self.wall - y[0]))], View::NONE)
     }
 }

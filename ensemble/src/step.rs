@@ -1,21 +1,44 @@
 //! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
 
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::tableau::{A, C, D, E3, E5};
+use crate::tableau::{A, C, E3, E5, STAGES};
 use chamber::real::Real;
+use core::ops::Range;
+
+/// What is seen of a system at one moment: pressure, Pa, temperature, K, and their rates in the integrator's time.
+#[derive(Clone, Copy, Debug)]
+pub struct View<R> {
+    /// Pressure and temperature.
+    pub value: [R; 2],
+    /// Their rates.
+    pub slope: [R; 2],
+}
+
+impl View<Lanes> {
+    /// Of a system that shows nothing.
+    pub const NONE: Self = Self { value: [Lanes::ZERO; 2], slope: [Lanes::ZERO; 2] };
+}
 
 /// Ordinary differential equations of N states, independent systems side by side.
 pub trait LaneSystem<const N: usize> {
     /// Whether the rates are so cheap that each stage deserves code of its own.
     const CHEAP: bool;
+    /// Whether to compile it for machines without any instruction set beyond the least, too.
+    const ANYWHERE: bool;
 
-    /// dy/dt at time `t`, s.
-    fn rates(&self, t: Lanes, y: &[Lanes; N]) -> [Lanes; N];
+    /// dy/dt at time `t`, s, and what there is to see there.
+    fn rates(&self, t: Lanes, y: &[Lanes; N]) -> ([Lanes; N], View<Lanes>);
 
-    /// Share of a step of length `h` from `t` at which it meets a corner of the rates, by its states and their rates at
-    /// both ends; 1 where there is none. Steps are made to end there: across a corner their error estimates are blind.
+    /// Number of states that count in the mean of the error, by lane: those that a row really has.
     #[inline(always)]
-    fn corner(&self, _t: Lanes, _h: Lanes, _y: [&[Lanes; N]; 2], _rates: [&[Lanes; N]; 2]) -> Lanes {
+    fn counted(&self) -> Lanes {
+        Lanes::from(N as f64)
+    }
+
+    /// Share of a step of length `h` at which it meets a kink of the rates, by what is seen at both its ends; 1 where
+    /// there is none. Steps are made to end there: across a kink their error estimates are blind.
+    #[inline(always)]
+    fn kink(&self, _h: Lanes, _ends: [&View<Lanes>; 2]) -> Lanes {
         Lanes::ONE
     }
 }
@@ -46,8 +69,9 @@ macro_rules! stage_of {
         for i in 0..N {
             at[i] = multiply_add::<$fused>(weighted!($fused, $slopes, i, A[$s]; $($j)*), $h, $y[i]);
         }
-        $slopes[$s] = $system.rates(multiply_add::<$fused>($h, Lanes::from(C[$s]), $t), &at);
-        at
+        let view;
+        ($slopes[$s], view) = $system.rates(multiply_add::<$fused>($h, Lanes::from(C[$s]), $t), &at);
+        (at, view)
     }};
 }
 
@@ -55,8 +79,10 @@ macro_rules! stage_of {
 pub struct Attempt<const N: usize> {
     /// States at its end.
     pub end: [Lanes; N],
-    /// dy/dt of stages 0 to 11, and at the end (12).
-    pub slopes: [[Lanes; N]; 13],
+    /// dy/dt there.
+    pub slope: [Lanes; N],
+    /// What is seen there.
+    pub view: View<Lanes>,
     /// Error over tolerance, squared: at most 1 where the step is good. NaN where the equations could not be evaluated.
     pub error_squared: Lanes,
 }
@@ -68,9 +94,9 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     t: Lanes,
     h: Lanes,
     y: &[Lanes; N],
-    slopes: &mut [[Lanes; N]; 13],
-) -> [Lanes; N] {
-    let mut k = [[Lanes::ZERO; N]; 13];
+    slopes: &mut [[Lanes; N]; STAGES],
+) -> ([Lanes; N], View<Lanes>) {
+    let mut k = [[Lanes::ZERO; N]; STAGES];
     k[0] = slopes[0];
     macro_rules! stage {
         ($s:literal; $($j:tt)*) => { stage_of!(FUSED, (system, t, h, y), k, $s; $($j)*) };
@@ -91,29 +117,48 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     end
 }
 
-/// Stage number `stage`: the states it is taken at.
+/// Stages to be evaluated in turn to feel out the first step from some states: there, and a short way ahead.
+pub const FEELING: Range<usize> = STAGES..STAGES + 2;
+
+/// Evaluates stages in turn, by one copy of the rates, into their slopes `k`: the states at the last one, what is seen
+/// there, and the length it was reached over. In [`FEELING`] that length is what `probe` makes of the first rates; these
+/// become stage 0, those ahead stage 1, and what is seen is the begin.
 #[inline(always)]
-fn stage<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
-    t: Lanes,
-    h: Lanes,
+    [t, mut h]: [Lanes; 2],
     y: &[Lanes; N],
-    k: &mut [[Lanes; N]],
-    stage: usize,
-) -> [Lanes; N] {
-    let mut at = *y;
-    for i in 0..N {
-        let mut sum = k[0][i] * A[stage][0];
-        for j in 1..stage {
-            sum = multiply_add::<FUSED>(k[j][i], Lanes::from(A[stage][j]), sum);
+    k: &mut [[Lanes; N]; STAGES],
+    stages: Range<usize>,
+    probe: impl Fn(&[Lanes; N]) -> Lanes,
+) -> ([Lanes; N], View<Lanes>, Lanes) {
+    let (mut at, mut view) = (*y, View::NONE);
+    for stage in stages {
+        for i in 0..N {
+            let mut sum = k[0][i] * A[stage][0];
+            for j in 1..stage.min(STAGES - 1) {
+                sum = multiply_add::<FUSED>(k[j][i], Lanes::from(A[stage][j]), sum);
+            }
+            at[i] = multiply_add::<FUSED>(sum, h, y[i]);
         }
-        at[i] = multiply_add::<FUSED>(sum, h, y[i]);
+        let (slope, seen) = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
+        if stage <= FEELING.start {
+            view = seen;
+        }
+        match stage.checked_sub(FEELING.start) {
+            None => k[stage] = slope,
+            Some(place) => {
+                k[place] = slope;
+                if place == 0 {
+                    h = probe(&slope);
+                }
+            }
+        }
     }
-    k[stage] = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
-    at
+    (at, view, h)
 }
 
-/// Tries a step of `h` from `y`, where dy/dt is `first`.
+/// Tries a step of `h` from `y`, where dy/dt is `first`, of a system whose rates are cheap.
 #[inline(always)]
 pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
@@ -123,18 +168,22 @@ pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     first: &[Lanes; N],
     tolerance: (f64, &[Lanes; N]),
 ) -> Attempt<N> {
-    let mut k = [[Lanes::ZERO; N]; 13];
+    let mut k = [[Lanes::ZERO; N]; STAGES];
     k[0] = *first;
-    let end = if S::CHEAP {
-        stages_unrolled::<N, FUSED, S>(system, t, h, y, &mut k)
-    } else {
-        let mut at = *y;
-        for stage in 1..13 {
-            at = self::stage::<N, FUSED, S>(system, t, h, y, &mut k, stage);
-        }
-        at
-    };
+    let (end, view) = stages_unrolled::<N, FUSED, S>(system, t, h, y, &mut k);
+    judge::<N, FUSED, S>(system, h, y, (end, view), &k, tolerance)
+}
 
+/// The attempt that has led from `y` to an end, by its slopes.
+#[inline(always)]
+pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
+    h: Lanes,
+    y: &[Lanes; N],
+    (end, view): ([Lanes; N], View<Lanes>),
+    k: &[[Lanes; N]; STAGES],
+    tolerance: (f64, &[Lanes; N]),
+) -> Attempt<N> {
     let (mut fifth, mut third) = (Lanes::ZERO, Lanes::ZERO);
     for i in 0..N {
         let scale = y[i].abs().max(end[i].abs()) * tolerance.0 + tolerance.1[i];
@@ -148,53 +197,6 @@ pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     let usual = third * third.sqrt() * (tolerance.0 * CHANCE);
     let fifth = fifth.max(usual);
     // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), in the mean over the states; squared, to save the root.
-    let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * N as f64);
-    Attempt { end, slopes: k, error_squared }
-}
-
-/// Stages of an accepted step that count inside it.
-pub const DENSE: [usize; 9] = [0, 5, 6, 7, 8, 9, 10, 11, 12];
-
-/// Terms of the states within an accepted step, to be evaluated by [`within`].
-#[inline(always)]
-pub fn dense<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
-    system: &S,
-    t: Lanes,
-    h: Lanes,
-    y: &[Lanes; N],
-    end: &[Lanes; N],
-    slopes: &[[Lanes; N]; 13],
-) -> [[Lanes; N]; 8] {
-    let mut k = [[Lanes::ZERO; N]; 16];
-    k[..13].copy_from_slice(slopes);
-    if S::CHEAP {
-        stage_of!(FUSED, (system, t, h, y), k, 13; 0 6 7 8 9 10 11 12);
-        stage_of!(FUSED, (system, t, h, y), k, 14; 0 5 6 7 10 11 12 13);
-        stage_of!(FUSED, (system, t, h, y), k, 15; 0 5 6 7 8 12 13 14);
-    } else {
-        for stage in 13..16 {
-            self::stage::<N, FUSED, S>(system, t, h, y, &mut k, stage);
-        }
-    }
-    let mut terms = [[Lanes::ZERO; N]; 8];
-    for i in 0..N {
-        let change = end[i] - y[i];
-        let begin = h * k[0][i] - change;
-        terms[0][i] = y[i];
-        terms[1][i] = change;
-        terms[2][i] = begin;
-        terms[3][i] = change - h * k[12][i] - begin;
-        for (row, weights) in D.iter().enumerate() {
-            terms[4 + row][i] = weighted!(FUSED, k, i, weights; 0 5 6 7 8 9 10 11 12 13 14 15) * h;
-        }
-    }
-    terms
-}
-
-/// A state within a step, at the share `x` of its length.
-#[inline(always)]
-pub fn within<R: Real>(terms: &[R; 8], x: R) -> R {
-    let y = R::ONE - x;
-    let [t0, t1, t2, t3, t4, t5, t6, t7] = *terms;
-    t0 + x * (t1 + y * (t2 + x * (t3 + y * (t4 + x * (t5 + y * (t6 + x * t7))))))
+    let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * system.counted());
+    Attempt { end, slope: k[12], view, error_squared }
 }

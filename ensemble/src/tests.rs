@@ -1,6 +1,7 @@
 //! Batches against closed forms, against the plain integrator, and against themselves in another order.
 
 use super::*;
+use chamber::card::ClosedForm;
 use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 
@@ -36,8 +37,17 @@ fn sealed(count: usize) -> Vec<Scenario> {
 }
 
 fn results(set: EffectSet, scenarios: &[Scenario], options: &Options) -> Vec<Outcome> {
+    with_instructions(InstructionSet::default(), set, scenarios, options)
+}
+
+fn with_instructions(
+    instructions: InstructionSet,
+    set: EffectSet,
+    scenarios: &[Scenario],
+    options: &Options,
+) -> Vec<Outcome> {
     let mut out = vec![Outcome::failed(Failure::TooManySteps); scenarios.len()];
-    run(set, scenarios, options, &mut out);
+    Kernel::new(instructions).run(set, scenarios, options, &mut out);
     out
 }
 
@@ -241,6 +251,47 @@ fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
     }
 }
 
+/// Effects that no code was compiled for, because it costs a build as much as the rest of them.
+const AT_RUN_TIME: [&str; 5] =
+    ["gas_zones", "tube_volume", "temperature_dependent_heat_capacity", "laminar_leakage", "supply_leakage"];
+
+#[test]
+fn no_effect_by_itself_falls_back_to_the_slow_way_of_all_effects() {
+    for (index, card) in effects::all() {
+        let mut rows = varied(2, Some(index));
+        for s in &mut rows {
+            s.mass_flow_in_kg_per_s = 0.0;
+        }
+        let set = EffectSet::one(index);
+        if card.closed_form == ClosedForm::Kept {
+            assert!(results(set, &rows, &Options::default()).iter().all(|o| o.exact), "{}", card.name);
+        } else if !AT_RUN_TIME.contains(&card.name) {
+            assert!(compiled_for(on_the_gas(set)).is_some(), "{}", card.name);
+        }
+    }
+}
+
+#[test]
+fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
+    let kept: Vec<usize> =
+        effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();
+    let mut rows = sealed(256);
+    let mut r = Numbers(31);
+    for s in &mut rows {
+        for &index in &kept {
+            for (to, p) in s.chamber.effects.of_mut(index).iter_mut().zip(effects::CARDS[index].parameters) {
+                *to = p.neutral + (p.typical - p.neutral) * r.between(-0.2, 1.2);
+            }
+        }
+    }
+    let set: EffectSet = kept.iter().copied().collect();
+    let with = |solver| results(set, &rows, &Options { solver, ..Options::default() });
+    for (k, (exact, integrated)) in with(Solver::Auto).iter().zip(with(Solver::Adaptive)).enumerate() {
+        assert!(exact.exact && !integrated.exact);
+        assert_same(exact, &integrated, 1e-8, &format!("row {k}"));
+    }
+}
+
 #[test]
 fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
     let leak = effects::find("leakage").unwrap().0;
@@ -292,17 +343,43 @@ fn a_row_does_not_depend_on_its_neighbours() {
         (EffectSet::ALL, varied(100, None), Solver::Auto),
     ] {
         let options = Options { solver, ..Options::default() };
-        let straight = results(set, &rows, &options);
-        let mut order: Vec<usize> = (0..rows.len()).collect();
-        let mut r = Numbers(3);
-        for i in (1..order.len()).rev() {
-            order.swap(i, r.between(0.0, i as f64 + 1.0) as usize);
+        for (name, instructions) in InstructionSet::all() {
+            assert_independent(name, instructions, set, &rows, &options);
         }
-        let shuffled: Vec<Scenario> = order.iter().map(|&i| rows[i].clone()).collect();
-        for (i, o) in order.iter().zip(results(set, &shuffled, &options)) {
-            assert_eq!(o, straight[*i], "row {i}");
+    }
+}
+
+fn assert_independent(name: &str, instructions: InstructionSet, set: EffectSet, rows: &[Scenario], options: &Options) {
+    let straight = with_instructions(instructions, set, rows, options);
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    let mut r = Numbers(3);
+    for i in (1..order.len()).rev() {
+        order.swap(i, r.between(0.0, i as f64 + 1.0) as usize);
+    }
+    let shuffled: Vec<Scenario> = order.iter().map(|&i| rows[i].clone()).collect();
+    for (i, o) in order.iter().zip(with_instructions(instructions, set, &shuffled, options)) {
+        assert_eq!(o, straight[*i], "{name}: row {i}");
+    }
+    assert_eq!(with_instructions(instructions, set, &rows[5..6], options)[0], straight[5], "{name}");
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_but_for_the_last_digits() {
+    for (set, rows, solver) in [
+        (EffectSet::NONE, sealed(64), Solver::Adaptive),
+        (EffectSet::NONE, sealed(64), Solver::Auto),
+        (EffectSet::one(0), varied(32, Some(0)), Solver::Auto),
+        (EffectSet::ALL, varied(32, None), Solver::Auto),
+    ] {
+        let options = Options { solver, ..Options::default() };
+        let widest = results(set, &rows, &options);
+        for (name, instructions) in InstructionSet::all() {
+            for (k, (o, expected)) in
+                with_instructions(instructions, set, &rows, &options).iter().zip(&widest).enumerate()
+            {
+                assert_same(o, expected, 1e-8, &format!("{name}: row {k}"));
+            }
         }
-        assert_eq!(results(set, &rows[5..6], &options)[0], straight[5]);
     }
 }
 

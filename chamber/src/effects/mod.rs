@@ -131,6 +131,12 @@ pub trait Effect {
     fn stroke_window<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
+
+    /// Time constant with which the reading follows the gas, s; its reading is then its first own state.
+    #[inline(always)]
+    fn lag<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
 }
 
 macro_rules! effects {
@@ -331,6 +337,16 @@ macro_rules! effects {
                 reading = $module::$name::reading($module::$name::values(values), $module::$name::own(own), reading, time);
             })*
             reading
+        }
+
+        /// Sum of [`Effect::lag`] of the effects in `set`, s.
+        #[inline(always)]
+        pub fn lag<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
+            let mut lag = R::ZERO;
+            $(if set.has($module::$name::INDEX) {
+                lag += $module::$name::lag($module::$name::values(values));
+            })*
+            lag
         }
 
         /// Sum of [`Effect::delay`] of the effects in `set`, s.

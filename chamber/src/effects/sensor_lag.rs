@@ -45,6 +45,11 @@ impl Effect for SensorLag {
     }
 
     #[inline(always)]
+    fn lag<R: Real>(p: &[R]) -> R {
+        p[0]
+    }
+
+    #[inline(always)]
     fn reading<R: Real>(p: &[R], own: &[R], reading: R, _: R) -> R {
         p[0].where_positive(own[0], reading)
     }

@@ -1,0 +1,192 @@
+//! What a sensor shows of a known pressure: y' = (P − y)/τ, shown a delay later, with an offset and a drift.
+//!
+//! Where P = Σ c_k x^k over a piece of length h, with x its share and z = h/τ,
+//!
+//! y(x) = y(0) e^(−zx) + Σ c_k x^k g_k(zx),  g_k(w) = w ∫₀¹ e^(−wv) (1 − v)^k dv
+//!
+//! so that a fast sensor costs no small steps. g_0 = 1 − e^(−w) and g_k = 1 − (k/w) g_(k−1), a recurrence that loses no
+//! digits upwards where w > k and none downwards where w < k; its start g_7 is there the series
+//! w/(k+1) (1 − w/(k+2) (1 − w/(k+3) (…))).
+
+use crate::interpolant::Interpolant;
+use crate::lanes::Lanes;
+use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
+use chamber::real::Real;
+
+/// Number of a polynomial's coefficients.
+pub const TERMS: usize = 8;
+/// w from which on the recurrence goes upwards.
+const UPWARDS: f64 = 8.0;
+/// Terms of the series: enough up to that w.
+const SERIES: usize = 36;
+/// Time constants after a kink over which a lagging record is cut into pieces that polynomials describe.
+pub const CUTS: [f64; 9] = [0.7, 1.5, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0, 30.0];
+
+/// A sensor, SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensor {
+    /// τ, s; zero for a sensor that follows at once.
+    pub lag: f64,
+    /// What it shows too much, Pa.
+    pub offset: f64,
+    /// What it shows too much after a second, less the offset, Pa/s.
+    pub drift: f64,
+}
+
+impl Sensor {
+    /// That of a chamber, with the effects of a set.
+    pub fn new(set: EffectSet, values: &EffectValues) -> Self {
+        if set.is_empty() {
+            return Self { lag: 0.0, offset: 0.0, drift: 0.0 };
+        }
+        let shown = |time| effects::reading(set, values, &[0.0; OWN_STATES], 0.0, time);
+        Self { lag: effects::lag(set, values), offset: shown(0.0), drift: shown(1.0) - shown(0.0) }
+    }
+
+    /// What it shows of a reading, Pa, after so many seconds of the record.
+    pub fn shown(&self, reading: f64, time: f64) -> f64 {
+        reading + self.offset + self.drift * time
+    }
+}
+
+/// The inverse of Vandermonde's matrix of [`places`]: coefficients from values.
+#[derive(Clone, Debug)]
+pub struct ToPowers([[f64; TERMS]; TERMS]);
+
+/// Where a polynomial is taken from its quantity, in shares of a piece: Chebyshev's points with both ends.
+fn places() -> [f64; TERMS] {
+    core::array::from_fn(|i| 0.5 - 0.5 * (core::f64::consts::PI * i as f64 / (TERMS - 1) as f64).cos())
+}
+
+impl Default for ToPowers {
+    fn default() -> Self {
+        // Row i of the inverse holds the coefficient of x^i in each of Lagrange's polynomials.
+        let places = places();
+        let mut inverse = [[0.0; TERMS]; TERMS];
+        for j in 0..TERMS {
+            let mut polynomial = [0.0; TERMS];
+            polynomial[0] = 1.0;
+            for place in (0..TERMS).filter(|k| *k != j).map(|k| places[k]) {
+                let scale = 1.0 / (places[j] - place);
+                for i in (0..TERMS).rev() {
+                    let lower = if i > 0 { polynomial[i - 1] } else { 0.0 };
+                    polynomial[i] = (lower - polynomial[i] * place) * scale;
+                }
+            }
+            for i in 0..TERMS {
+                inverse[i][j] = polynomial[i];
+            }
+        }
+        Self(inverse)
+    }
+}
+
+impl ToPowers {
+    /// Coefficients, in powers of the share, of a quantity over a piece: from a time, s, over a length, s.
+    #[inline(always)]
+    pub fn of(&self, quantity: &Interpolant, from: Lanes, length: Lanes) -> [Lanes; TERMS] {
+        let places = places();
+        let mut values = [Lanes::ZERO; TERMS];
+        for i in 0..TERMS {
+            values[i] = quantity.at(from + length * places[i]);
+        }
+        let first = values[0];
+        let mut terms = [Lanes::ZERO; TERMS];
+        terms[0] = first;
+        for i in 1..TERMS {
+            for j in 1..TERMS {
+                terms[i] += (values[j] - first) * self.0[i][j];
+            }
+        }
+        terms
+    }
+}
+
+/// A lagging sensor's reading over a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Lagged<R> {
+    /// Coefficients of the pressure, Pa, in powers of the share.
+    pub pressure: [R; TERMS],
+    /// The reading at its begin, Pa.
+    pub begin: R,
+    /// Its length over τ.
+    pub stiffness: R,
+}
+
+impl<R: Real> Lagged<R> {
+    /// The reading at a share of the piece, Pa.
+    #[inline(always)]
+    pub fn at(&self, x: R) -> R {
+        const TOP: usize = TERMS - 1;
+        let w = self.stiffness * x;
+        let faded = (-w.min(R::from(700.0))).exp();
+        // Downwards from the series.
+        let small = w.min(R::from(UPWARDS));
+        let mut series = R::ONE;
+        for j in (1..SERIES).rev() {
+            series = R::ONE - small * (1.0 / (TOP + 1 + j) as f64) * series;
+        }
+        let mut down = [R::ZERO; TERMS];
+        down[TOP] = small * (1.0 / TERMS as f64) * series;
+        for k in (1..TERMS).rev() {
+            down[k - 1] = (R::ONE - down[k]) * small * (1.0 / k as f64);
+        }
+        // Upwards from the exponential.
+        let large = w.max(R::from(UPWARDS));
+        let per_large = large.recip();
+        let mut up = R::ONE - faded;
+        let (mut power, mut reading) = (R::ONE, self.begin * faded);
+        for k in 0..TERMS {
+            if k > 0 {
+                up = R::ONE - per_large * k as f64 * up;
+            }
+            let share = (w - UPWARDS).where_positive(up, down[k]);
+            reading += self.pressure[k] * power * share;
+            power = power * x;
+        }
+        reading
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_lagging_reading_solves_its_equation_from_stiff_to_slow(
+            terms in prop::array::uniform8(-1.0..1.0f64), begin in -1.0..1.0f64, log_stiffness in -4.0..8.0f64, x in 0.01..1.0f64,
+        ) {
+            let stiffness = 10f64.powf(log_stiffness);
+            let lagged = Lagged { pressure: terms, begin, stiffness };
+            // In parts so short that Gauss–Legendre quadrature of the solution's integral is exact.
+            let parts = (stiffness * x / 4.0).ceil().clamp(1.0, 2000.0);
+            prop_assume!(stiffness * x / parts <= 4.0 || stiffness > 1e4);
+            let pressure = |x: f64| terms.iter().rev().fold(0.0, |sum, c| sum * x + c);
+            let expected = if stiffness > 1e4 {
+                // P − P'/z + P''/z², the rest below 1e-10.
+                let derivative = |order: usize| {
+                    (order..8).map(|k| terms[k] * x.powi((k - order) as i32) * (0..order).map(|i| (k - i) as f64).product::<f64>()).sum::<f64>()
+                };
+                (0..4).map(|order| derivative(order) * (-1.0 / stiffness).powi(order as i32)).sum::<f64>()
+            } else {
+                let (mut y, step) = (begin, x / parts);
+                for part in 0..parts as usize {
+                    let at = part as f64 * step;
+                    const NODES: [(f64, f64); 8] = [
+                        (0.019_855_071_751_231_884, 0.050_614_268_145_188_13), (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
+                        (0.237_233_795_041_835_5, 0.156_853_322_938_943_64), (0.408_282_678_752_175_1, 0.181_341_891_689_181),
+                        (0.591_717_321_247_825, 0.181_341_891_689_181), (0.762_766_204_958_164_5, 0.156_853_322_938_943_64),
+                        (0.898_333_238_706_813_4, 0.111_190_517_226_687_24), (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
+                    ];
+                    let w = stiffness * step;
+                    let fed: f64 = NODES.iter().map(|(u, weight)| weight * w * (-w * (1.0 - u)).exp() * pressure(at + u * step)).sum();
+                    y = y * (-w).exp() + fed;
+                }
+                y
+            };
+            prop_assert!((lagged.at(x) - expected).abs() < 1e-9, "{} {expected}", lagged.at(x));
+        }
+    }
+}

@@ -1,0 +1,771 @@
+//! What is asked of the records of traced rows: peaks, settling, samples for the regression.
+//!
+//! A record is monotone between the knots of its trace and the places in between where it turns round; with those at
+//! hand, all else is a matter of comparing. Only intervals that turn, the one in which the record settles, and with the
+//! regression those that hold samples are looked into, as many at once as there are lanes.
+
+use crate::filter::{CUTS, Lagged, Sensor, TERMS, ToPowers};
+use crate::finish::SETTLED;
+use crate::history::Knot;
+use crate::interpolant::{Interpolant, Stencil, Stencils};
+use crate::lanes::{Lanes, WIDTH};
+use crate::plan::{Plan, Stretch};
+use crate::regression::{Part, Records};
+use crate::root::{Curve, root};
+use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use chamber::real::Real;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Index of the pressure and of the temperature where both are shown.
+const PRESSURE: usize = 0;
+const TEMPERATURE: usize = 1;
+/// Share of its pressure by which a record that stands may tremble.
+pub const ROUNDING: f64 = 1e-12;
+/// Share of a piece to both sides of a place, to tell there whether the record rises.
+const BESIDE: f64 = 1e-5;
+
+/// The answers about one row. Pressures of the record, temperatures of the gas.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Answer {
+    /// Peak from the end of the push on, Pa.
+    pub pressure_peak: f64,
+    /// When it stands, s of the record.
+    pub peak_time: f64,
+    /// At the end, Pa.
+    pub pressure_final: f64,
+    /// Peak from the end of the push on, K.
+    pub temperature_peak: f64,
+    /// At the end, K.
+    pub temperature_final: f64,
+    /// From the end of the push until within 1 % for good, s.
+    pub settling: f64,
+}
+
+/// The trace of a row: the knots of each of its segments from [`Traces::begin`] on.
+#[derive(Clone, Copy, Debug)]
+struct Trace<'a> {
+    plan: &'a Plan,
+    sensor: Sensor,
+    /// Pressure of the gas before the test, Pa.
+    before: f64,
+}
+
+/// Traces of rows, with memory that is kept from one group of rows to the next.
+#[derive(Default)]
+pub struct Memory {
+    knots: Vec<Knot>,
+    segments: Vec<Segment>,
+    pieces: Vec<Piece>,
+    /// Where each row's pieces begin; one more for the end.
+    begins: Vec<usize>,
+    powers: Vec<[f64; TERMS]>,
+    to_powers: ToPowers,
+    jobs: Vec<Job>,
+    records: Records,
+}
+
+/// A stretch of a row with its knots.
+#[derive(Clone, Debug)]
+struct Segment {
+    row: u32,
+    stretch: u32,
+    knots: Range<usize>,
+}
+
+/// A part of a record between two knots, or of such a part where the sensor lags.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    segment: u32,
+    /// The knot at which its interval begins, of its segment's.
+    knot: u32,
+    /// Times of its ends from the segment's begin, s.
+    times: [f64; 2],
+    /// What the record shows at both ends, Pa, and its slopes there, Pa/s.
+    shown: [f64; 2],
+    slopes: [f64; 2],
+    /// The lagging sensor's reading at its begin, Pa.
+    lagged: f64,
+    /// Where the record turns round inside: time from the segment's begin, s, and what it shows, Pa.
+    turn: Option<(f64, f64)>,
+}
+
+impl Piece {
+    /// Times and values at which the record goes from one monotone part to the next.
+    fn corners(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> {
+        [Some((self.times[0], self.shown[0])), self.turn, Some((self.times[1], self.shown[1]))].into_iter().flatten()
+    }
+}
+
+/// A question about a piece, or about the temperature in an interval.
+#[derive(Clone, Copy, Debug)]
+struct Job {
+    piece: usize,
+    numbers: [f64; POINTS],
+    answer: [f64; POINTS],
+}
+
+/// The first stretch of a row that is looked into.
+pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
+    if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
+}
+
+/// Traced rows.
+pub struct Traces<'a> {
+    rows: Vec<Trace<'a>>,
+    memory: &'a mut Memory,
+}
+
+impl<'a> Traces<'a> {
+    /// None yet.
+    pub fn new(memory: &'a mut Memory) -> Self {
+        memory.knots.clear();
+        memory.segments.clear();
+        Self { rows: Vec::new(), memory }
+    }
+
+    /// Begins the trace of a row: its pressure before the test, Pa.
+    pub fn begin(&mut self, plan: &'a Plan, sensor: Sensor, before: f64) {
+        self.rows.push(Trace { plan, sensor, before });
+    }
+
+    /// Goes on with a stretch of that row, whose knots `fill` appends.
+    pub fn stretch(&mut self, stretch: usize, fill: impl FnOnce(&mut Vec<Knot>)) {
+        let knots = &mut self.memory.knots;
+        let from = knots.len();
+        fill(knots);
+        if knots.len() > from + 1 {
+            let (row, stretch) = (self.rows.len() as u32 - 1, stretch as u32);
+            self.memory.segments.push(Segment { row, stretch, knots: from..knots.len() });
+        }
+    }
+
+    /// How many rows they are.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// How many knots they have.
+    pub fn knots(&self) -> usize {
+        self.memory.knots.len()
+    }
+
+    /// The answers about each row; none about those without a record.
+    pub fn answers(&mut self, arch: Arch) -> Vec<Option<Answer>> {
+        self.cut();
+        self.follow_lags(arch);
+        self.find_turns(arch);
+        let mut answers: Vec<Option<Answer>> = (0..self.rows.len()).map(|row| self.answer(row)).collect();
+        self.find_temperatures(arch, &mut answers);
+        self.find_settling(arch, &mut answers);
+        answers
+    }
+
+    fn of_segment(&self, segment: u32) -> (&Trace<'a>, &Stretch) {
+        let Segment { row, stretch, .. } = self.memory.segments[segment as usize];
+        let row = &self.rows[row as usize];
+        (row, &row.plan.stretches[stretch as usize])
+    }
+
+    /// Cuts all records into pieces.
+    fn cut(&mut self) {
+        let Memory { knots, segments, pieces, begins, .. } = &mut *self.memory;
+        pieces.clear();
+        begins.clear();
+        for (index, segment) in segments.iter().enumerate() {
+            let row = &self.rows[segment.row as usize];
+            while begins.len() <= segment.row as usize {
+                begins.push(pieces.len());
+            }
+            let stretch = &row.plan.stretches[segment.stretch as usize];
+            let Sensor { lag, drift, .. } = row.sensor;
+            let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
+            for (knot, pair) in knots[segment.knots.clone()].windows(2).enumerate() {
+                let times = [pair[0].at, pair[1].at].map(|at| stretch.clock.time(at));
+                let mut piece = Piece {
+                    segment: index as u32,
+                    knot: knot as u32,
+                    times,
+                    shown: [0.0; 2],
+                    slopes: [0.0; 2],
+                    lagged: 0.0,
+                    turn: None,
+                };
+                if lag > 0.0 {
+                    while let Some(cut) = cuts.next_if(|cut| *cut < times[1]) {
+                        if cut > piece.times[0] {
+                            piece.times[1] = cut;
+                            pieces.push(piece);
+                            piece.times = [cut, times[1]];
+                        }
+                    }
+                } else {
+                    for (end, knot) in pair.iter().enumerate() {
+                        let slope = knot.view.slope[PRESSURE] / stretch.clock.pace(knot.at);
+                        piece.shown[end] = row.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + times[end]);
+                        piece.slopes[end] = slope + drift;
+                    }
+                }
+                pieces.push(piece);
+            }
+        }
+        while begins.len() <= self.rows.len() {
+            begins.push(pieces.len());
+        }
+    }
+
+    /// The pieces of a row.
+    fn pieces_of(&self, row: usize) -> Range<usize> {
+        self.memory.begins[row]..self.memory.begins[row + 1]
+    }
+
+    /// Readings of the sensors that lag, from piece to piece.
+    fn follow_lags(&mut self, arch: Arch) {
+        if self.rows.iter().all(|row| row.sensor.lag == 0.0) {
+            return;
+        }
+        let mut powers = core::mem::take(&mut self.memory.powers);
+        powers.clear();
+        powers.resize(self.memory.pieces.len(), [0.0; TERMS]);
+        let lagging: Vec<usize> = (0..self.rows.len())
+            .filter(|&row| self.rows[row].sensor.lag > 0.0)
+            .flat_map(|row| self.pieces_of(row))
+            .collect();
+        for group in lagging.chunks(WIDTH) {
+            let piece = |lane: usize| &self.memory.pieces[group[lane.min(group.len() - 1)]];
+            let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
+            let from = Lanes::from_fn(|lane| piece(lane).times[0]);
+            let length = Lanes::from_fn(|lane| piece(lane).times[1] - piece(lane).times[0]);
+            let found = arch.dispatch(Powers { inside, to_powers: &self.memory.to_powers, from, length });
+            for (lane, &index) in group.iter().enumerate() {
+                powers[index] = found.map(|term| term[lane]);
+            }
+        }
+        for row in 0..self.rows.len() {
+            let Trace { plan, sensor, before } = self.rows[row];
+            if sensor.lag == 0.0 {
+                continue;
+            }
+            let mut reading = before;
+            for index in self.pieces_of(row) {
+                let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
+                let elapsed = plan.stretches[segment.stretch as usize].elapsed;
+                let piece = &mut self.memory.pieces[index];
+                let pressure = powers[index];
+                let lagged =
+                    Lagged { pressure, begin: reading, stiffness: (piece.times[1] - piece.times[0]) / sensor.lag };
+                piece.lagged = reading;
+                let gas = [pressure[0], pressure.iter().sum()];
+                for (end, share) in [0.0, 1.0].into_iter().enumerate() {
+                    reading = if end == 0 { reading } else { lagged.at(share) };
+                    piece.shown[end] = sensor.shown(reading, elapsed + piece.times[end]);
+                    piece.slopes[end] = (gas[end] - reading) / sensor.lag + sensor.drift;
+                }
+            }
+        }
+        self.memory.powers = powers;
+    }
+
+    /// A quantity in one interval a lane: segments and knots.
+    fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
+        Stencils::new(|lane| {
+            let (segment, knot) = interval(lane);
+            let knots = self.memory.segments[segment as usize].knots.clone();
+            let stencil = Stencil::new(&self.memory.knots[knots], knot as usize, quantity);
+            (&self.of_segment(segment).1.clock, stencil)
+        })
+    }
+
+    /// Answers jobs about records, as many at once as there are lanes: those of sensors that lag apart.
+    fn work(&mut self, arch: Arch, question: impl Fn([Lanes; POINTS]) -> Question) {
+        let mut jobs = core::mem::take(&mut self.memory.jobs);
+        let lags = |job: &Job| self.of_segment(self.memory.pieces[job.piece].segment).0.sensor.lag > 0.0;
+        let (mut prompt, mut lagging): (Vec<u32>, Vec<u32>) =
+            (0..jobs.len() as u32).partition(|&job| !lags(&jobs[job as usize]));
+        for (list, lagging) in [(&mut prompt, false), (&mut lagging, true)] {
+            for group in list.chunks(WIDTH) {
+                let job = |lane: usize| &jobs[group[lane.min(group.len() - 1)] as usize];
+                let piece = |lane: usize| &self.memory.pieces[job(lane).piece];
+                let numbers = core::array::from_fn(|k| Lanes::from_fn(|lane| job(lane).numbers[k]));
+                let times = [0, 1].map(|end| Lanes::from_fn(|lane| piece(lane).times[end]));
+                let sensor = |lane: usize| self.of_segment(piece(lane).segment).0.sensor;
+                let elapsed = |lane: usize| self.of_segment(piece(lane).segment).1.elapsed;
+                let offset = Lanes::from_fn(|lane| sensor(lane).shown(0.0, elapsed(lane)));
+                let drift = Lanes::from_fn(|lane| sensor(lane).drift);
+                let question = question(numbers);
+                let answer = if lagging {
+                    let pressure =
+                        core::array::from_fn(|k| Lanes::from_fn(|lane| self.memory.powers[job(lane).piece][k]));
+                    let length = times[1] - times[0];
+                    let stiffness = length / Lanes::from_fn(|lane| sensor(lane).lag);
+                    let lagged = Lagged { pressure, begin: Lanes::from_fn(|lane| piece(lane).lagged), stiffness };
+                    let reading = Lagging { lagged, from: times[0], per_length: length.recip(), offset, drift };
+                    arch.dispatch(Look { reading, times, question })
+                } else {
+                    let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
+                    arch.dispatch(Look { reading: Prompt { inside, offset, drift }, times, question })
+                };
+                for (lane, &job) in group.iter().enumerate() {
+                    jobs[job as usize].answer = answer.map(|answer| answer[lane]);
+                }
+            }
+        }
+        self.memory.jobs = jobs;
+    }
+
+    /// Where the records turn round.
+    fn find_turns(&mut self, arch: Arch) {
+        let Memory { pieces, jobs, .. } = &mut *self.memory;
+        jobs.clear();
+        for (index, piece) in pieces.iter().enumerate() {
+            if piece.slopes[0] * piece.slopes[1] < 0.0 {
+                jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+            }
+        }
+        self.work(arch, |_| Question::Turn);
+        let Memory { pieces, jobs, .. } = &mut *self.memory;
+        for job in jobs {
+            pieces[job.piece].turn = Some((job.answer[0], job.answer[1]));
+        }
+    }
+
+    /// Whether the record shows a piece between the end of the push and the end of the test.
+    fn shows(&self, piece: &Piece) -> bool {
+        let segment = &self.memory.segments[piece.segment as usize];
+        let window = self.rows[segment.row as usize].plan.window;
+        (window[0]..window[1]).contains(&(segment.stretch as usize))
+    }
+
+    /// What the record of a row shows, Pa, at a time of the record, s, before the gas of the test arrives.
+    fn before(&self, row: usize, time: f64) -> f64 {
+        self.rows[row].sensor.shown(self.rows[row].before, time)
+    }
+
+    /// All but temperatures and the settling time.
+    fn answer(&self, row: usize) -> Option<Answer> {
+        let plan = self.rows[row].plan;
+        let pieces = &self.memory.pieces[self.pieces_of(row)];
+        if pieces.is_empty() {
+            return None;
+        }
+        let sign = if plan.expands { -1.0 } else { 1.0 };
+        let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, plan.push_end);
+        let mut pressure_final = None;
+        if plan.push_end < plan.delay {
+            pressure = sign * self.before(row, plan.push_end);
+        }
+        for piece in pieces.iter().filter(|piece| self.shows(piece)) {
+            for (time, value) in piece.corners() {
+                if sign * value > pressure {
+                    pressure = sign * value;
+                    peak_time = self.record_time(piece, time);
+                }
+            }
+            pressure_final = Some(piece.shown[1]);
+        }
+        let pressure_final = pressure_final.unwrap_or_else(|| self.before(row, plan.duration));
+        let pressure_peak = sign * pressure.max(sign * pressure_final);
+        Some(Answer { pressure_peak, peak_time, pressure_final, ..Answer::default() })
+    }
+
+    /// Final and peak temperatures of the gas.
+    fn find_temperatures(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
+        let mut turns: Vec<(u32, u32)> = Vec::new();
+        let sign = |rows: &[Trace], row: u32| if rows[row as usize].plan.expands { -1.0 } else { 1.0 };
+        for answer in answers.iter_mut().flatten() {
+            answer.temperature_peak = f64::NEG_INFINITY;
+        }
+        for (index, segment) in self.memory.segments.iter().enumerate() {
+            let Some(answer) = &mut answers[segment.row as usize] else { continue };
+            if (segment.stretch as usize) < self.rows[segment.row as usize].plan.hold {
+                continue;
+            }
+            let sign = sign(&self.rows, segment.row);
+            let knots = &self.memory.knots[segment.knots.clone()];
+            for (knot, pair) in knots.windows(2).enumerate() {
+                let [begin, end] = [0, 1].map(|end| pair[end].view);
+                let warmest = (sign * begin.value[TEMPERATURE]).max(sign * end.value[TEMPERATURE]);
+                answer.temperature_peak = answer.temperature_peak.max(warmest);
+                if begin.slope[TEMPERATURE] * end.slope[TEMPERATURE] < 0.0 && sign * begin.slope[TEMPERATURE] > 0.0 {
+                    turns.push((index as u32, knot as u32));
+                }
+                answer.temperature_final = end.value[TEMPERATURE];
+            }
+        }
+        for group in turns.chunks(WIDTH) {
+            let turn = |lane: usize| group[lane.min(group.len() - 1)];
+            let inside = self.stencils(TEMPERATURE, turn);
+            let times = [0, 1].map(|end| {
+                Lanes::from_fn(|lane| {
+                    let (segment, knot) = turn(lane);
+                    let knots = self.memory.segments[segment as usize].knots.clone();
+                    self.of_segment(segment).1.clock.time(self.memory.knots[knots][knot as usize + end].at)
+                })
+            });
+            let reading = Prompt { inside, offset: Lanes::ZERO, drift: Lanes::ZERO };
+            let found = arch.dispatch(Look { reading, times, question: Question::Turn });
+            for (lane, &(segment, _)) in group.iter().enumerate() {
+                let row = self.memory.segments[segment as usize].row;
+                if let Some(answer) = &mut answers[row as usize] {
+                    answer.temperature_peak = answer.temperature_peak.max(sign(&self.rows, row) * found[1][lane]);
+                }
+            }
+        }
+        for (row, answer) in answers.iter_mut().enumerate() {
+            if let Some(answer) = answer {
+                answer.temperature_peak *= sign(&self.rows, row as u32);
+            }
+        }
+    }
+
+    /// Time of the record, s, at a time of a piece's segment.
+    fn record_time(&self, piece: &Piece, time: f64) -> f64 {
+        self.of_segment(piece.segment).1.elapsed + time
+    }
+
+    /// When the records come within 1 % of their ends for good.
+    fn find_settling(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
+        let mut jobs = core::mem::take(&mut self.memory.jobs);
+        jobs.clear();
+        for (row, answer) in answers.iter_mut().enumerate() {
+            let Some(answer) = answer else { continue };
+            let band = SETTLED * (answer.pressure_peak - answer.pressure_final).abs();
+            let band = band.max(ROUNDING * answer.pressure_final.abs());
+            let plan = self.rows[row].plan;
+            // From the end back to the last corner outside, and the corner after it.
+            let mut later = None;
+            let seen = self.pieces_of(row).rev().map(|index| (index, &self.memory.pieces[index]));
+            let mut corners = seen
+                .filter(|(_, piece)| self.shows(piece))
+                .flat_map(|(index, piece)| piece.corners().rev().map(move |corner| (index, piece, corner)));
+            let outside = corners.find(|&(index, _, (time, value))| {
+                let outside = (value - answer.pressure_final).abs() > band;
+                if !outside {
+                    later = Some((index, time));
+                }
+                outside
+            });
+            let Some((index, piece, (time, _))) = outside else { continue };
+            match later {
+                Some((of, end)) if of == index => {
+                    let numbers = [time, end, answer.pressure_final, band];
+                    jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
+                }
+                _ => answer.settling = (self.record_time(piece, time) - plan.push_end).max(0.0),
+            }
+        }
+        self.memory.jobs = jobs;
+        self.work(arch, |[outside, later, value, band]| Question::Enter { between: [outside, later], value, band });
+        for job in &self.memory.jobs {
+            let piece = &self.memory.pieces[job.piece];
+            let row = self.memory.segments[piece.segment as usize].row as usize;
+            if let Some(answer) = &mut answers[row] {
+                let settled = self.record_time(piece, job.answer[0]) - self.rows[row].plan.push_end;
+                answer.settling = settled.max(0.0);
+            }
+        }
+    }
+
+    /// The first sample of each record that counts: the larger of those beside the peak.
+    fn first_samples(&mut self, arch: Arch, answers: &[Option<Answer>]) -> Vec<Option<f64>> {
+        let mut jobs = core::mem::take(&mut self.memory.jobs);
+        jobs.clear();
+        let mut firsts: Vec<Option<f64>> = Vec::with_capacity(answers.len());
+        for (row, answer) in answers.iter().enumerate() {
+            let push_end = samples::from(self.rows[row].plan.push_end);
+            let after = answer.map(|answer| samples::from(answer.peak_time).max(push_end));
+            firsts.push(after);
+            let Some(after) = after.filter(|after| *after > push_end) else { continue };
+            for number in [after - 1.0, after] {
+                let time = number / SAMPLE_RATE_HZ;
+                let pieces = self.pieces_of(row);
+                let holds = |&index: &usize| {
+                    let piece = &self.memory.pieces[index];
+                    time <= self.record_time(piece, piece.times[1])
+                };
+                let index = pieces.clone().find(holds).unwrap_or(pieces.end - 1);
+                let piece = &self.memory.pieces[index];
+                let time = (time - self.record_time(piece, 0.0)).clamp(piece.times[0], piece.times[1]);
+                jobs.push(Job { piece: index, numbers: [time; POINTS], answer: [0.0; POINTS] });
+            }
+        }
+        self.memory.jobs = jobs;
+        self.work(arch, Question::Pressures);
+        for pair in self.memory.jobs.chunks_exact(2) {
+            let row = self.memory.segments[self.memory.pieces[pair[0].piece].segment as usize].row as usize;
+            let sign = if self.rows[row].plan.expands { -1.0 } else { 1.0 };
+            if let Some(first) = &mut firsts[row]
+                && sign * pair[0].answer[0] > sign * pair[1].answer[0]
+            {
+                *first -= 1.0;
+            }
+        }
+        firsts
+    }
+
+    /// Samples up to and at the begin of the pieces: before it a late record shows the gas before the test.
+    fn samples_before(&self, row: usize, first: f64) -> Option<Part> {
+        let piece = &self.memory.pieces[self.pieces_of(row)].first()?;
+        let begin = self.record_time(piece, piece.times[0]);
+        let samples = Samples { first, count: samples::after(begin) - first };
+        let at_begin = piece.shown[0];
+        let drift = self.rows[row].sensor.drift;
+        let pressure = samples.nodes().numbers.map(|number| at_begin + drift * (number / SAMPLE_RATE_HZ - begin));
+        (samples.count > 0.0).then_some(Part { samples, pressure })
+    }
+
+    /// Step 1 of the paper on the samples of each record from its peak on: Pf, ΔP, τ, from guesses of τ.
+    pub fn regressions(
+        &mut self,
+        arch: Arch,
+        answers: &[Option<Answer>],
+        guess: impl Fn(usize) -> f64,
+    ) -> Vec<Option<[f64; 3]>> {
+        let firsts = self.first_samples(arch, answers);
+        self.memory.jobs.clear();
+        // Per job: the samples its piece holds.
+        let mut held: Vec<Samples> = Vec::new();
+        let mut befores = vec![None; answers.len()];
+        for row in 0..answers.len() {
+            let Some(first) = firsts[row] else { continue };
+            let before = self.samples_before(row, first);
+            befores[row] = before;
+            let mut first = before.map_or(first, |part| first + part.samples.count);
+            let end = samples::after(self.rows[row].plan.duration);
+            for index in self.pieces_of(row) {
+                let piece = &self.memory.pieces[index];
+                let elapsed = self.record_time(piece, 0.0);
+                let next = samples::after(elapsed + piece.times[1]).min(end);
+                let samples = Samples { first, count: next - first };
+                if samples.count > 0.0 {
+                    let numbers = samples.nodes().numbers.map(|number| number / SAMPLE_RATE_HZ - elapsed);
+                    self.memory.jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
+                    held.push(samples);
+                    first = next;
+                }
+            }
+        }
+        self.work(arch, Question::Pressures);
+        let mut out = vec![None; answers.len()];
+        let Memory { pieces, segments, jobs, records, .. } = &mut *self.memory;
+        let row_of = |job: &Job| segments[pieces[job.piece].segment as usize].row as usize;
+        let mut jobs = jobs.iter().zip(held).peekable();
+        for base in (0..answers.len()).step_by(WIDTH) {
+            records.clear();
+            let group = base..answers.len().min(base + WIDTH);
+            for row in group.clone() {
+                if let Some(part) = befores[row] {
+                    records.add(row - base, part);
+                }
+                while let Some((job, samples)) = jobs.next_if(|(job, _)| row_of(job) == row) {
+                    records.add(row - base, Part { samples, pressure: job.answer });
+                }
+            }
+            let last = group.end - 1;
+            let found = records.fit(arch, Lanes::from_fn(|lane| guess((base + lane).min(last))));
+            for row in group {
+                out[row] = firsts[row].and(found.lane(row - base));
+            }
+        }
+        out
+    }
+}
+
+/// Coefficients of the pressure over a piece of each lane.
+struct Powers<'a> {
+    inside: Stencils,
+    to_powers: &'a ToPowers,
+    from: Lanes,
+    length: Lanes,
+}
+
+impl WithSimd for Powers<'_> {
+    type Output = [Lanes; TERMS];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Self::Output {
+        self.to_powers.of(&Interpolant::new(&self.inside), self.from, self.length)
+    }
+}
+
+/// What a curve a lane is made of.
+trait Reading {
+    /// The curve.
+    type Curve: Curve;
+    /// Makes it, with the instructions at hand.
+    fn curve(self) -> Self::Curve;
+}
+
+/// A sensor's reading that follows the gas at once; `I` are stencils, then interpolants.
+struct Prompt<I> {
+    inside: I,
+    /// What it shows too much at the segment's begin, Pa, and its rate, Pa/s.
+    offset: Lanes,
+    drift: Lanes,
+}
+
+impl Reading for Prompt<Stencils> {
+    type Curve = Prompt<Interpolant>;
+
+    #[inline(always)]
+    fn curve(self) -> Self::Curve {
+        Prompt { inside: Interpolant::new(&self.inside), offset: self.offset, drift: self.drift }
+    }
+}
+
+impl Curve for Prompt<Interpolant> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        self.inside.at(time) + (self.offset + self.drift * time)
+    }
+}
+
+/// A lagging sensor's reading.
+struct Lagging {
+    lagged: Lagged<Lanes>,
+    from: Lanes,
+    per_length: Lanes,
+    offset: Lanes,
+    drift: Lanes,
+}
+
+impl Reading for Lagging {
+    type Curve = Self;
+
+    #[inline(always)]
+    fn curve(self) -> Self {
+        self
+    }
+}
+
+impl Curve for Lagging {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        self.lagged.at((time - self.from) * self.per_length) + (self.offset + self.drift * time)
+    }
+}
+
+/// What is looked for.
+#[derive(Clone, Copy, Debug)]
+enum Question {
+    /// The time at which the curve turns round, and its value there.
+    Turn,
+    /// The time, between two at the first of which it is outside, at which the curve comes within a band around a value.
+    Enter { between: [Lanes; 2], value: Lanes, band: Lanes },
+    /// Values at some times.
+    Pressures([Lanes; POINTS]),
+}
+
+/// A question about a curve a lane, between two times.
+struct Look<R> {
+    reading: R,
+    times: [Lanes; 2],
+    question: Question,
+}
+
+/// Where a curve turns round: its rise over a short time, positive before a summit or after a bottom.
+struct Turning<'a, C> {
+    curve: &'a C,
+    beside: Lanes,
+    /// 1 for a summit, −1 for a bottom.
+    side: Lanes,
+}
+
+impl<C: Curve> Curve for Turning<'_, C> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        (self.curve.at(time + self.beside) - self.curve.at(time - self.beside)) * self.side
+    }
+}
+
+/// How far a curve is from a value, beyond a band around it.
+struct Beyond<'a, C> {
+    curve: &'a C,
+    value: Lanes,
+    band: Lanes,
+}
+
+impl<C: Curve> Curve for Beyond<'_, C> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        (self.curve.at(time) - self.value).abs() - self.band
+    }
+}
+
+impl<R: Reading> WithSimd for Look<R> {
+    type Output = [Lanes; POINTS];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Self::Output {
+        let Self { reading, times, question } = self;
+        let curve = reading.curve();
+        let mut answer = [Lanes::ZERO; POINTS];
+        match question {
+            Question::Turn => {
+                let beside = (times[1] - times[0]) * BESIDE;
+                let [low, high] = [times[0] + beside, times[1] - beside];
+                let mut turning = Turning { curve: &curve, beside, side: Lanes::ONE };
+                turning.side = turning.at(low).where_positive(Lanes::ONE, -Lanes::ONE);
+                answer[0] = root(&turning, low, high);
+                answer[1] = curve.at(answer[0]);
+            }
+            Question::Enter { between: [outside, later], value, band } => {
+                answer[0] = root(&Beyond { curve: &curve, value, band }, outside, later);
+            }
+            Question::Pressures(at) => {
+                for k in 0..POINTS {
+                    answer[k] = curve.at(at[k]);
+                }
+            }
+        }
+        answer
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Hold, Scenario};
+    use crate::step::View;
+    use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
+
+    /// P = P1 + ΔP e^(−t/T) of the hold behind a push over which P rises as a parabola, read by a sensor that lags.
+    #[test]
+    fn a_lagging_record_of_a_known_trace_is_the_solution_of_its_equation() {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.04));
+        let plan = Plan::new(EffectSet::NONE, &scenario).unwrap();
+        let (start, rise, fall, slow) = (1e5, 1e5 / 0.04f64.powi(2), 0.8e5, 0.4);
+        let pressure = |t: f64| {
+            if t < 0.04 { start + rise * t * t } else { start + 1e5 - fall * (1.0 - (-(t - 0.04) / slow).exp()) }
+        };
+        let slope = |t: f64, hold: bool| if hold { -fall / slow * (-(t - 0.04) / slow).exp() } else { 2.0 * rise * t };
+        for lag in [1e-4, 1e-3, 1e-2, 0.1, 1.0] {
+            let mut memory = Memory::default();
+            let mut traces = Traces::new(&mut memory);
+            traces.begin(&plan, Sensor { lag, offset: 0.0, drift: 0.0 }, start);
+            for (stretch, [from, to, steps]) in [[0.0, 0.04, 6.0], [0.04, 5.04, 60.0]].into_iter().enumerate() {
+                let clock = plan.stretches[stretch].clock;
+                traces.stretch(stretch, |knots| {
+                    for k in 0..=steps as usize {
+                        let at = (to - from) * (k as f64 / steps);
+                        let t = from + clock.time(at);
+                        let slope = [slope(t, stretch == 1) * clock.pace(at), 0.0];
+                        knots.push(Knot { at, view: View { value: [pressure(t), 300.0], slope } });
+                    }
+                });
+            }
+            let answer = traces.answers(Arch::new())[0].unwrap();
+            // After the push y = A + B e^(−t/T) + C e^(−t/τ); during it the parabola's particular solution.
+            let pushed = start + rise * (0.04f64.powi(2) - 2.0 * 0.04 * lag + 2.0 * lag * lag)
+                - 2.0 * rise * lag * lag * (-0.04 / lag).exp();
+            let share = fall / (1.0 - lag / slow);
+            let level = start + 1e5 - fall;
+            let reading = |t: f64| level + share * (-t / slow).exp() + (pushed - level - share) * (-t / lag).exp();
+            let peak = (0..5_000_000).map(|k| reading(f64::from(k) * 1e-6)).fold(f64::NEG_INFINITY, f64::max);
+            assert!((answer.pressure_peak / peak - 1.0).abs() < 1e-9, "{lag}: {} {peak}", answer.pressure_peak);
+            assert!((answer.pressure_final / reading(5.0) - 1.0).abs() < 1e-9, "{lag}: {}", answer.pressure_final);
+        }
+    }
+}
