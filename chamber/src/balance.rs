@@ -18,6 +18,11 @@ pub const ENERGY: usize = 1;
 /// Index of the first effect's own state.
 pub const OWN: usize = 2;
 
+/// Number of states, from the first on, that move with the effects in `set`.
+pub fn moving_states(set: EffectSet) -> usize {
+    OWN + effects::own_states_of(set)
+}
+
 /// What the surroundings impose at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary<R = f64> {

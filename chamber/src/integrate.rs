@@ -86,6 +86,7 @@ pub struct Step<R, const N: usize> {
     pub from: f64,
     /// Its length, s.
     pub length: f64,
+    moving: usize,
     start: [R; N],
     end: [R; N],
     slopes: [[R; N]; 7],
@@ -96,7 +97,8 @@ impl<R: Real, const N: usize> Step<R, N> {
     #[inline]
     pub fn dense(&self) -> Dense<R, N> {
         let mut terms = [[R::ZERO; N]; 5];
-        for i in 0..N {
+        terms[0] = self.start;
+        for i in 0..self.moving {
             let difference = self.end[i] - self.start[i];
             let begin = self.slopes[0][i] * self.length - difference;
             let mut fourth = R::ZERO;
@@ -105,13 +107,12 @@ impl<R: Real, const N: usize> Step<R, N> {
                     fourth += slope[i] * (weight * self.length);
                 }
             }
-            terms[0][i] = self.start[i];
             terms[1][i] = difference;
             terms[2][i] = begin;
             terms[3][i] = difference - self.slopes[6][i] * self.length - begin;
             terms[4][i] = fourth;
         }
-        Dense { from: self.from, per_length: 1.0 / self.length, terms }
+        Dense { from: self.from, per_length: 1.0 / self.length, moving: self.moving, terms }
     }
 
     /// States at its end.
@@ -125,6 +126,7 @@ impl<R: Real, const N: usize> Step<R, N> {
 pub struct Dense<R, const N: usize> {
     from: f64,
     per_length: f64,
+    moving: usize,
     terms: [[R; N]; 5],
 }
 
@@ -135,9 +137,11 @@ impl<R: Real, const N: usize> Dense<R, N> {
         let theta = (t - self.from) * self.per_length;
         let theta1 = R::ONE - theta;
         let [start, difference, begin, third, fourth] = &self.terms;
-        core::array::from_fn(|i| {
-            start[i] + (difference[i] + (begin[i] + (third[i] + fourth[i] * theta1) * theta) * theta1) * theta
-        })
+        let mut states = *start;
+        for i in 0..self.moving {
+            states[i] += (difference[i] + (begin[i] + (third[i] + fourth[i] * theta1) * theta) * theta1) * theta;
+        }
+        states
     }
 }
 
@@ -153,12 +157,20 @@ pub struct Integrator<R, const N: usize> {
     /// Steps that one call of [`Integrator::advance`] may take.
     pub max_steps: usize,
     tolerance: Tolerance<N>,
+    moving: usize,
 }
 
 impl<R: Scalar, const N: usize> Integrator<R, N> {
     /// At `time` with these states.
     pub fn new(time: f64, state: [R; N], tolerance: Tolerance<N>) -> Self {
-        Self { time, state, step: 0.0, max_steps: MAX_STEPS, tolerance }
+        Self { time, state, step: 0.0, max_steps: MAX_STEPS, tolerance, moving: N }
+    }
+
+    /// The same with only the first `count` states integrated. The others stay as they are, and their rates go unread.
+    #[must_use]
+    pub fn of_first(self, count: usize) -> Self {
+        assert!(count <= N);
+        Self { moving: count, ..self }
     }
 
     /// Integrates to `end`, s, over a stretch on which the system is smooth; hands each accepted step to `on_step`.
@@ -218,23 +230,23 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         slopes[0] = first;
         let mut end = self.state;
         for stage in 1..7 {
-            end = core::array::from_fn(|i| {
+            for i in 0..self.moving {
                 let mut sum = slopes[0][i] * A[stage][0];
                 for j in 1..stage {
                     sum += slopes[j][i] * A[stage][j];
                 }
-                self.state[i] + sum * h
-            });
+                end[i] = self.state[i] + sum * h;
+            }
             slopes[stage] = system.rates(self.time + C[stage] * h, &end);
         }
-        Step { from: self.time, length: h, start: self.state, end, slopes }
+        Step { from: self.time, length: h, moving: self.moving, start: self.state, end, slopes }
     }
 
     /// Error of a step relative to the tolerance (largest component), infinite where a state is not finite.
     #[inline]
     fn error(&self, step: &Step<R, N>) -> f64 {
         let mut worst: f64 = 0.0;
-        for i in 0..N {
+        for i in 0..self.moving {
             let mut sum = 0.0;
             for (slope, weight) in step.slopes.iter().zip(E) {
                 sum += weight * slope[i].value();
@@ -253,7 +265,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
     /// A first step in which no state changes by much more than tolerance^(1/5) of itself.
     fn first_step(&self, first: &[R; N], end: f64) -> f64 {
         let mut step = end - self.time;
-        for (i, slope) in first.iter().enumerate() {
+        for (i, slope) in first.iter().enumerate().take(self.moving) {
             let scale = self.state[i].value().abs() + self.tolerance.absolute[i] / self.tolerance.relative;
             let rate = slope.value().abs();
             if rate > 0.0 && scale > 0.0 {
@@ -296,6 +308,24 @@ mod tests {
         let mut run = Integrator::new(0.0, [0.0], Tolerance { relative: 1e-3, absolute: [1e-3] });
         run.advance(&|t: f64, _: &[f64; 1]| [5.0 * t.powi(4)], 2.0, |_| ()).unwrap();
         assert!((run.state[0] - 32.0).abs() < 1e-13 * 32.0, "{}", run.state[0]);
+    }
+
+    #[test]
+    fn states_that_do_not_take_part_stay_and_have_no_say_in_the_steps() {
+        let system = |t: f64, y: &[f64; 3]| [y[1], -y[0], (1e9 * t).sin() * 1e9];
+        let absolute = [1e-12; 3];
+        let mut part = Integrator::new(0.0, [0.0, 1.0, 5.0], Tolerance { relative: 1e-11, absolute }).of_first(2);
+        let mut whole = Integrator::new(0.0, [0.0, 1.0], TIGHT);
+        let (mut inside, mut steps) = (Vec::new(), [0, 0]);
+        part.advance(&system, 10.0, |step| {
+            inside.push(step.dense().at(step.from + 0.3 * step.length));
+            steps[0] += 1;
+        })
+        .unwrap();
+        whole.advance(&oscillator, 10.0, |_| steps[1] += 1).unwrap();
+        assert_eq!(part.state, [whole.state[0], whole.state[1], 5.0]);
+        assert_eq!(steps[0], steps[1]);
+        assert!(inside.iter().all(|y| y[2] == 5.0 && (y[0].hypot(y[1]) - 1.0).abs() < 1e-7));
     }
 
     #[test]

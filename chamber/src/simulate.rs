@@ -96,7 +96,8 @@ pub fn simulate<R: Scalar>(
     let samples = Vec::with_capacity(times.len());
     let mut recorder = Recorder { balance: &balance, set, inputs, times, readings, samples };
     recorder.record(0, begin, || |_| initial);
-    let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
+    let mut integrator =
+        Integrator::new(begin, initial, tolerance(relative_tolerance, &initial)).of_first(balance::moving_states(set));
     let rates = |_: f64, boundary: Boundary, state: &[R; STATES]| balance.rates(set, &boundary.lift(), state);
     record::follow(inputs, &mut integrator, last, rates, |stretch, until, step| {
         recorder.record(stretch, until, || {

@@ -90,7 +90,8 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let first = plan.stretches[0].boundary(0.0);
     let initial = balance::state_at(chamber, &first, scenario.initial_pressure_pa, scenario.initial_temperature_k);
     let mut run = Run { set, chamber, plan: &plan, pieces: Vec::new(), initial };
-    let mut integrator = Integrator::new(0.0, initial, tolerance(options.relative_tolerance, &initial));
+    let mut integrator = Integrator::new(0.0, initial, tolerance(options.relative_tolerance, &initial))
+        .of_first(balance::moving_states(set));
     let mut begin = 0.0;
     let mut supplied = 0.0;
     for (index, stretch) in plan.stretches.iter().enumerate() {

@@ -146,11 +146,12 @@ impl<R: Scalar> Run<'_, R> {
         let initial = balance::state_at(chamber, &warmed(first, warmer), start.pressure, start.temperature);
         on_step(begin, &initial);
         let mut sensor = Sensor::new(chamber, set, course, times, start.pressure);
-        let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
         let evaluations = Cell::new(0usize);
         let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
         let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
         let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
+        let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial))
+            .of_first(balance::moving_states(gas_set));
         let rates = |t: f64, boundary: Boundary, state: &[R; STATES]| -> [R; STATES] {
             evaluations.set(evaluations.get() + 1);
             if evaluations.get() > most_evaluations {

@@ -399,6 +399,7 @@ effects![
     sensor_offset::SensorOffset,
     position_delay::PositionDelay,
     position_averaging::PositionAveraging,
+    wall_conduction::WallConduction,
 ];
 
 pub mod iso6358;
@@ -432,6 +433,15 @@ pub const NOMINALS: [f64; OWN_STATES] = {
     }
     out
 };
+
+/// Number of own states up to the last one that an effect in `set` has: those behind it do not move.
+pub fn own_states_of(set: EffectSet) -> usize {
+    all()
+        .filter(|(i, card)| set.has(*i) && !card.states.is_empty())
+        .map(|(i, _)| STATE_OFFSETS[i + 1])
+        .max()
+        .unwrap_or(0)
+}
 
 const fn offsets(of_parameters: bool) -> [usize; COUNT + 1] {
     let mut out = [0; COUNT + 1];

@@ -20,11 +20,13 @@ use chamber::integrate::{IntegrationError, Integrator, Step, Tolerance};
 
 /// Inner steps that a communication step may take: about 0.1 s of computing. A host that wants more takes shorter steps.
 const MAX_INNER_STEPS: usize = 200_000;
-/// Mass and energy of the gas, heat and work.
+/// Mass and energy of the gas, then heat and work within a step.
 const GAS: usize = 4;
-/// All states of the gas and its effects, heat and work.
-const CLOSED: usize = STATES + 2;
-/// The same with mass and enthalpy through both ports.
+const HEAT_SUM: usize = 2;
+const WORK_SUM: usize = 3;
+/// The same and the effects' own states, last.
+const CLOSED: usize = GAS + OWN_STATES;
+/// The same with mass and enthalpy through both ports before the effects' own states.
 const PORTED: usize = CLOSED + 4;
 
 /// States of the gas at a communication point.
@@ -47,6 +49,8 @@ pub struct Plant {
     pub balance: Balance,
     /// Effects that are not neutral.
     pub set: EffectSet,
+    /// Number of own states that move, from the first on.
+    pub own_states: usize,
     /// Whether wall and stroke are given by inputs.
     pub choices: Choices,
     /// Critical pressure ratios of the ports.
@@ -64,6 +68,7 @@ impl Plant {
         Self {
             balance: Balance::of(chamber),
             set: chamber.active(),
+            own_states: effects::own_states_of(chamber.active()),
             choices: parameters.choices,
             critical_ratios: parameters.critical_ratios(),
             limits: parameters.limits(),
@@ -237,7 +242,7 @@ impl Course<'_> {
         };
         let absolute = [absolute[MASS], absolute[ENERGY], f64::INFINITY, f64::INFINITY];
         let begin = [states[MASS], states[ENERGY], states[HEAT], states[WORK]];
-        let (end, inner_step) = self.run(begin, Tolerance { relative: *relative, absolute }, rates, |_| ())?;
+        let (end, inner_step) = self.run(begin, GAS, Tolerance { relative: *relative, absolute }, rates, |_| ())?;
         [states[MASS], states[ENERGY], states[HEAT], states[WORK]] = end;
         Ok((states, inner_step, [0.0; 4]))
     }
@@ -267,6 +272,8 @@ impl Course<'_> {
         along: impl Fn(f64) -> (Boundary, Around),
     ) -> Result<Outcome, IntegrationError> {
         let Plant { balance, set, tolerance, .. } = self.plant;
+        let first_own = N - OWN_STATES;
+        let own_of = |y: &[f64; N]| -> [f64; OWN_STATES] { core::array::from_fn(|i| y[first_own + i]) };
         let rates = |s: f64, y: &[f64; N]| {
             let (boundary, mut around) = along(s);
             let volume = balance.chamber.geometry.volume(boundary.position);
@@ -276,57 +283,59 @@ impl Course<'_> {
             if N < PORTED {
                 around.ports = None;
             }
-            let own: [f64; OWN_STATES] = core::array::from_fn(|i| y[OWN + i]);
             let contents = Contents::new(y[MASS], y[ENERGY], volume);
-            let (at, rates, own) = balance.evaluate_within(&around, *set, &boundary, &contents, &own);
+            let (at, rates, own) = balance.evaluate_within(&around, *set, &boundary, &contents, &own_of(y));
             let mut out = [0.0; N];
             out[MASS] = rates.mass;
             out[ENERGY] = rates.energy;
-            out[OWN..STATES].copy_from_slice(&own);
-            out[STATES] = rates.heat_flow;
-            out[STATES + 1] = at.pressure * at.piston_area * at.velocity;
+            out[HEAT_SUM] = rates.heat_flow;
+            out[WORK_SUM] = at.pressure * at.piston_area * at.velocity;
             if N >= PORTED {
-                out[CLOSED..PORTED].copy_from_slice(&around.port_flows(&at));
+                out[GAS..first_own].copy_from_slice(&around.port_flows(&at));
             }
+            out[first_own..].copy_from_slice(&own);
             out
         };
-        let absolute = core::array::from_fn(|i| if i < STATES { tolerance.absolute[i] } else { f64::INFINITY });
+        let mut absolute = [f64::INFINITY; N];
+        absolute[..OWN].copy_from_slice(&tolerance.absolute[..OWN]);
+        absolute[first_own..].copy_from_slice(&tolerance.absolute[OWN..]);
         let wide = Tolerance { relative: tolerance.relative, absolute };
-        let begin: [f64; N] = core::array::from_fn(|i| match i {
-            0..STATES => states[i],
-            STATES => states[HEAT],
-            i if i == STATES + 1 => states[WORK],
-            _ => 0.0,
-        });
+        let mut begin = [0.0; N];
+        begin[..GAS].copy_from_slice(&[states[MASS], states[ENERGY], states[HEAT], states[WORK]]);
+        begin[first_own..].copy_from_slice(&states[OWN..STATES]);
+        let moving = first_own + self.plant.own_states;
+        let gas_of = |y: &[f64; N]| -> [f64; STATES] {
+            core::array::from_fn(|i| if i < OWN { y[i] } else { y[first_own + i - OWN] })
+        };
         let (end, inner_step) = match record {
-            None => self.run(begin, wide, rates, |_| ())?,
-            Some((record, delay)) => self.run(begin, wide, rates, |step| {
+            None => self.run(begin, moving, wide, rates, |_| ())?,
+            Some((record, delay)) => self.run(begin, moving, wide, rates, |step| {
                 let dense = step.dense();
                 let reading = |s: f64| {
                     let y = dense.at(s);
-                    reading(self.plant, &along(s).0, &core::array::from_fn(|i| y[i]))
+                    reading(self.plant, &along(s).0, &gas_of(&y))
                 };
                 let stretch = Stretch::of(step.from, step.length, reading);
                 record.push(Stretch { from: time + stretch.from, ..stretch }, delay);
             })?,
         };
-        let gas: [f64; STATES] = core::array::from_fn(|i| end[i]);
         let mut flows = [0.0; 4];
         if N >= PORTED {
-            flows = core::array::from_fn(|i| end[CLOSED + i] / self.h);
+            flows = core::array::from_fn(|i| end[GAS + i] / self.h);
         }
-        Ok((states::with_sums(&gas, end[STATES], end[STATES + 1], states[TRAVEL]), inner_step, flows))
+        Ok((states::with_sums(&gas_of(&end), end[HEAT_SUM], end[WORK_SUM], states[TRAVEL]), inner_step, flows))
     }
 
-    /// Integrates over the step, broken where the inputs have corners.
+    /// Integrates the first `moving` states over the step, broken where the inputs have corners.
     fn run<const N: usize>(
         &self,
         states: [f64; N],
+        moving: usize,
         tolerance: Tolerance<N>,
         rates: impl Fn(f64, &[f64; N]) -> [f64; N],
         mut on_step: impl FnMut(&Step<f64, N>),
     ) -> Result<([f64; N], f64), IntegrationError> {
-        let mut run = Integrator::new(0.0, states, tolerance);
+        let mut run = Integrator::new(0.0, states, tolerance).of_first(moving);
         run.step = self.inner_step;
         run.max_steps = MAX_INNER_STEPS;
         if !self.is_straight {
@@ -366,4 +375,4 @@ pub fn reading(plant: &Plant, boundary: &Boundary, states: &[f64; STATES]) -> f6
     effects::reading(plant.set, &plant.balance.chamber.effects, &own, at.pressure, 0.0)
 }
 
-const _: () = assert!(HEAT == STATES && WORK == STATES + 1 && MASS == 0 && ENERGY == 1);
+const _: () = assert!(MASS == 0 && ENERGY == 1 && OWN == 2);
