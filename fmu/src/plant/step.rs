@@ -232,8 +232,8 @@ impl Course<'_> {
                 return [f64::NAN; GAS];
             }
             let contents = Contents::new(y[0], y[1], volume);
-            let (at, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[0.0; OWN_STATES]);
-            [rates.mass, rates.energy, rates.heat_flow, at.pressure * at.piston_area * at.velocity]
+            let (_, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[0.0; OWN_STATES]);
+            [rates.mass, rates.energy, rates.heat_flow, rates.work]
         };
         let absolute = [absolute[MASS], absolute[ENERGY], f64::INFINITY, f64::INFINITY];
         let begin = [states[MASS], states[ENERGY], states[HEAT], states[WORK]];
@@ -284,7 +284,7 @@ impl Course<'_> {
             out[ENERGY] = rates.energy;
             out[OWN..STATES].copy_from_slice(&own);
             out[STATES] = rates.heat_flow;
-            out[STATES + 1] = at.pressure * at.piston_area * at.velocity;
+            out[STATES + 1] = rates.work;
             if N >= PORTED {
                 out[CLOSED..PORTED].copy_from_slice(&around.port_flows(&at));
             }
