@@ -8,9 +8,8 @@
 //! λ0 and wall capacities move on a logarithmic scale, everything else on a linear one within the bounds of its card.
 
 use crate::record::prepare::{Data, Prepared};
-use crate::search::terms;
 use chamber::card::Unit;
-use chamber::effects::{self, CARDS, EffectSet, PARAMETER_OFFSETS};
+use chamber::effects::{self, CARDS, EffectSet, EffectValues, PARAMETER_OFFSETS};
 use chamber::real::Real;
 use chamber::simulate::Start;
 use chamber::{AreaLaw, Chamber, Geometry, HeatTransfer};
@@ -293,7 +292,7 @@ impl Hypothesis {
                 }
                 if model.own.has(e) {
                     // Two clocks have no order: a record's pressure is late beside its position, or its position is.
-                    if terms::delays_pressure(e) {
+                    if delays_pressure(e) {
                         bounds[0] = -bounds[1];
                     }
                     own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior });
@@ -423,6 +422,22 @@ fn coordinates_of(parameter: &chamber::card::Parameter, sizes: &Sizes) -> (bool,
     }
     // From half the gas's own capacity to so much that nothing warms.
     (logarithmic, size, if logarithmic { [-3.7, 9.0] } else { [low / size, high / size] })
+}
+
+/// Whether the effect shows the pressure late.
+fn delays_pressure(effect: usize) -> bool {
+    effects::delay(EffectSet::one(effect), &ones(effect)) > 0.0
+}
+
+/// Whether the effect is a stroke that was recorded late.
+pub fn delays_position(effect: usize) -> bool {
+    effects::stroke_delay(EffectSet::one(effect), &ones(effect)) > 0.0
+}
+
+fn ones(effect: usize) -> EffectValues {
+    let mut values = EffectValues::NEUTRAL;
+    values.of_mut(effect).fill(1.0);
+    values
 }
 
 /// What the rig states, each in units of its tolerance.

@@ -44,6 +44,16 @@ impl Table {
     }
 }
 
+/// Rows as an Arrow C stream. Whoever wants another schema casts: the interface leaves it to us whether we can.
+fn stream<'py>(
+    py: Python<'py>,
+    rows: impl Iterator<Item = Result<RecordBatch, ArrowError>> + Send + 'static,
+    schema: SchemaRef,
+) -> PyResult<Bound<'py, PyCapsule>> {
+    let rows = RecordBatchIterator::new(rows, schema);
+    PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(rows)), c"arrow_array_stream")
+}
+
 #[pymethods]
 impl Table {
     /// The rows as an Arrow C stream, anew at each call.
@@ -53,10 +63,8 @@ impl Table {
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // Whoever wants other types casts: the interface leaves it to us whether we can.
         drop(requested_schema);
-        let rows = RecordBatchIterator::new(self.batches.clone().into_iter().map(Ok), self.schema.clone());
-        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(rows)), c"arrow_array_stream")
+        stream(py, self.batches.clone().into_iter().map(Ok), self.schema.clone())
     }
 
     /// Number of rows.
@@ -78,11 +86,9 @@ impl Batches {
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // As in `Table`.
         drop(requested_schema);
         let rows = sweep::run::batches(self.0.clone());
         let rows = rows.map(|batch| batch.map_err(|error| ArrowError::ExternalError(Box::new(error))));
-        let rows = RecordBatchIterator::new(rows, sweep::columns::schema(&self.0));
-        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(rows)), c"arrow_array_stream")
+        stream(py, rows, sweep::columns::schema(&self.0))
     }
 }

@@ -3,8 +3,8 @@
 use super::diagnosis::{Estimates, as_map};
 use crate::fit::Fit;
 use crate::fit::covariance;
+use crate::judge::misfit;
 use crate::judge::policy::TOLERANCES;
-use crate::judge::{kinds, misfit};
 use crate::parameters::Slot;
 use crate::record::prepare::Data;
 use crate::record::readout::Between;
@@ -165,7 +165,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
         out.push("the records differ in how they were recorded (see records), not in physics".to_owned());
     }
-    if kinds::follows_the_test(data, fit) {
+    if found.follows_the_test {
         let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
             "{} of the records: alike in the repeats of a test, another from test to test; something of the rig stands behind it",

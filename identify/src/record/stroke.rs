@@ -107,6 +107,10 @@ fn position_noise(position_m: &[f64]) -> f64 {
     (square / 6.0).sqrt().max(quantisation.min(1e-4))
 }
 
+fn mean(rows: &[f64]) -> f64 {
+    rows.iter().sum::<f64>() / rows.len() as f64
+}
+
 /// Which rows belong to moves.
 ///
 /// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows: then means of rows are
@@ -118,8 +122,7 @@ fn moving(position_m: &[f64]) -> Vec<bool> {
     const FEWEST_MEANS: usize = 2000;
     let mut averaged = 1;
     loop {
-        let means: Vec<f64> =
-            position_m.chunks(averaged).map(|rows| rows.iter().sum::<f64>() / rows.len() as f64).collect();
+        let means: Vec<f64> = position_m.chunks(averaged).map(mean).collect();
         let noise_m = position_noise(&means);
         let (low, high) = extent(&means);
         let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)));
@@ -161,7 +164,6 @@ fn moving_rows(position_m: &[f64], threshold: f64) -> Vec<bool> {
 fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
     const WINDOW: usize = 8;
     const DEVIATIONS: f64 = 2.7;
-    let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len() as f64;
     let parts = ranges(moving);
     for (k, &(first, end, moves)) in parts.iter().enumerate() {
         let half = (end - first) / 2;
@@ -207,7 +209,6 @@ fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     /// A slope of so many standard errors is creep.
     const SLOPE_SHOWS: f64 = 4.0;
     let n = position_m.len();
-    let mean = |r: &[f64]| r.iter().sum::<f64>() / r.len() as f64;
     let constant = || Spline::through(vec![time_s[0]], vec![mean(position_m)], [None, None]);
     if n < PARTS {
         return constant();

@@ -56,6 +56,8 @@ pub struct Found {
     pub steps: Vec<Candidate>,
     /// Models with as many terms as the chosen one that the data cannot tell from it.
     pub alike: Vec<Model>,
+    /// Whether what the records have for themselves follows the kind of test: see [`kinds`].
+    pub follows_the_test: bool,
     /// An effect that would enter only with the geometry exactly as stated.
     pub by_geometry: Option<EffectSet>,
 }
@@ -323,7 +325,8 @@ impl Search {
             self.chosen = self.judged(less);
             self.steps.push(self.chosen.clone());
         }
-        let verdict = self.verdict();
+        let follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
+        let verdict = self.verdict(follows_the_test);
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         sanity::dead_volume(&self.data, &settled.fit)?;
         let alike = self.alike();
@@ -336,6 +339,7 @@ impl Search {
             chosen_adequacy: self.chosen_adequacy,
             steps: self.steps,
             alike,
+            follows_the_test,
             by_geometry,
         };
         Ok((self.data, found))
@@ -369,13 +373,12 @@ impl Search {
         wide(&less.fit) - wide(&self.chosen.fit)
     }
 
-    fn verdict(&self) -> Verdict {
+    fn verdict(&self, follows_the_test: bool) -> Verdict {
         let nothing_named = self.chosen.model.of_rig().is_empty();
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
-        let faults = !kinds::follows_the_test(&self.data, &self.chosen.fit);
-        if faults && self.chosen_adequacy.settles(&self.baseline_adequacy) {
+        if !follows_the_test && self.chosen_adequacy.settles(&self.baseline_adequacy) {
             return if nothing_named { Verdict::Adequate } else { Verdict::Explained };
         }
         let noise = self.data.noise.total_pa();

@@ -1,10 +1,10 @@
 //! What a model can gain or lose in one step: an effect of the rig, an effect of the recording that each record has for itself,
 //! the records' initial temperatures.
 
-use crate::parameters::Model;
+use crate::parameters::{self, Model};
 use crate::record::prepare::Data;
 use chamber::card::{ActsOn, Card, Scope, Unit};
-use chamber::effects::{self, CARDS, EffectSet, EffectValues};
+use chamber::effects::{self, CARDS, EffectSet};
 
 /// The model with one term more, each way there is.
 pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
@@ -14,7 +14,7 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
         let effects = model.effects.union(one);
         out.push(Model { effects, secondary: EffectSet::NONE, ..*model });
         // A record's own delay has either sign: a second one, of its position, would say the same.
-        if is_of_record(card) && data.traces.len() > 1 && !delays_position(e) {
+        if is_of_record(card) && data.traces.len() > 1 && !parameters::delays_position(e) {
             out.push(Model { effects, own: model.own.union(one), secondary: EffectSet::NONE, ..*model });
         }
     }
@@ -86,21 +86,6 @@ pub fn of_record() -> EffectSet {
 pub fn growing_with_time() -> EffectSet {
     let grows = |card: &Card| card.parameters.iter().any(|p| p.unit == Unit::PascalPerSecond);
     effects::all().filter(|(_, card)| is_of_record(card) && grows(card)).map(|(e, _)| e).collect()
-}
-
-/// Whether the effect shows the pressure late.
-pub fn delays_pressure(effect: usize) -> bool {
-    effects::delay(EffectSet::one(effect), &ones(effect)) > 0.0
-}
-
-fn delays_position(effect: usize) -> bool {
-    effects::stroke_delay(EffectSet::one(effect), &ones(effect)) > 0.0
-}
-
-fn ones(effect: usize) -> EffectValues {
-    let mut values = EffectValues::NEUTRAL;
-    values.of_mut(effect).fill(1.0);
-    values
 }
 
 fn is_of_record(card: &Card) -> bool {
