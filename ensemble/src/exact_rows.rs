@@ -155,20 +155,26 @@ impl Tests {
     }
 }
 
+/// Puts a chamber's numbers into a lane; those of its effects stay as they are.
+#[inline(always)]
+pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
+    to.gas.gas_constant[lane] = from.gas.gas_constant;
+    to.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
+    to.geometry.bore[lane] = from.geometry.bore;
+    to.geometry.rod_diameter[lane] = from.geometry.rod_diameter;
+    to.geometry.piston_area[lane] = from.geometry.piston_area;
+    to.geometry.dead_volume[lane] = from.geometry.dead_volume;
+    to.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;
+    to.heat_transfer.reference_pressure[lane] = from.heat_transfer.reference_pressure;
+    to.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
+}
+
 /// Chambers, one a lane, of one area law, with the parameters of the effects in a set.
 fn gather<'a>(set: EffectSet, chamber: impl Fn(usize) -> &'a Chamber) -> Chamber<Lanes> {
     let mut all = chamber(0).lift::<Lanes>();
     for lane in 1..WIDTH {
         let from = chamber(lane);
-        all.gas.gas_constant[lane] = from.gas.gas_constant;
-        all.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
-        all.geometry.bore[lane] = from.geometry.bore;
-        all.geometry.rod_diameter[lane] = from.geometry.rod_diameter;
-        all.geometry.piston_area[lane] = from.geometry.piston_area;
-        all.geometry.dead_volume[lane] = from.geometry.dead_volume;
-        all.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;
-        all.heat_transfer.reference_pressure[lane] = from.heat_transfer.reference_pressure;
-        all.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
+        load_chamber(&mut all, lane, from);
         for effect in set.iter() {
             for (to, from) in all.effects.of_mut(effect).iter_mut().zip(from.effects.of(effect)) {
                 to[lane] = *from;

@@ -4,6 +4,7 @@
 
 use crate::advance::Loadable;
 use crate::corner;
+use crate::exact_rows::load_chamber;
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use crate::step::{LaneSystem, View};
@@ -145,15 +146,7 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
         }
         let (constants, from_constants) = (&mut to.constants, &from.constants);
         let (to, from) = (&mut to.chamber, &from.chamber);
-        to.gas.gas_constant[lane] = from.gas.gas_constant;
-        to.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
-        to.geometry.bore[lane] = from.geometry.bore;
-        to.geometry.rod_diameter[lane] = from.geometry.rod_diameter;
-        to.geometry.piston_area[lane] = from.geometry.piston_area;
-        to.geometry.dead_volume[lane] = from.geometry.dead_volume;
-        to.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;
-        to.heat_transfer.reference_pressure[lane] = from.heat_transfer.reference_pressure;
-        to.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
+        load_chamber(to, lane, from);
         let mut effect = 0;
         while effect < effects::COUNT {
             if set.has(effect) {

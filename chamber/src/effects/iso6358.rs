@@ -7,6 +7,7 @@
 
 use super::nearer;
 use crate::balance::{Conditions, Flows};
+use crate::card::{Parameter, Unit};
 use crate::gas::Gas;
 use crate::real::Real;
 
@@ -18,6 +19,18 @@ const LINEAR_ABOVE: f64 = 0.999;
 /// Towards these pressure ratios ψ grows so steep that a long step across them would not notice.
 const STEEP_ABOVE: f64 = 0.9;
 const STEEPER_ABOVE: f64 = 0.99;
+
+/// The critical pressure ratio b as every leak declares it.
+pub const CRITICAL_RATIO: Parameter = Parameter {
+    name: "critical_pressure_ratio",
+    unit: Unit::One,
+    bounds: 0.0..=0.9,
+    neutral: 0.3,
+    typical: 0.3,
+    fitted: false,
+    doc: "Critical pressure ratio b; of no influence while the conductance is zero",
+    ..Parameter::DEFAULT
+};
 
 /// What is on the other side of an orifice.
 #[derive(Clone, Copy, Debug)]

@@ -34,16 +34,7 @@ impl Effect for Leakage {
                 doc: "Sonic conductance C of the leak; zero means a tight chamber",
                 ..Parameter::DEFAULT
             },
-            Parameter {
-                name: "critical_pressure_ratio",
-                unit: Unit::One,
-                bounds: 0.0..=0.9,
-                neutral: 0.3,
-                typical: 0.3,
-                fitted: false,
-                doc: "Critical pressure ratio b; of no influence while the conductance is zero",
-                ..Parameter::DEFAULT
-            },
+            iso6358::CRITICAL_RATIO,
         ],
         ..Card::DEFAULT
     };

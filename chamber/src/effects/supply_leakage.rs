@@ -40,15 +40,7 @@ impl Effect for SupplyLeakage {
                 doc: "Absolute pressure Ps of the supply; of no influence while the conductance is zero",
                 ..Parameter::DEFAULT
             },
-            Parameter {
-                name: "critical_pressure_ratio",
-                bounds: 0.0..=0.9,
-                neutral: 0.3,
-                typical: 0.3,
-                fitted: false,
-                doc: "Critical pressure ratio b; of no influence while the conductance is zero",
-                ..Parameter::DEFAULT
-            },
+            iso6358::CRITICAL_RATIO,
         ],
         ..Card::DEFAULT
     };
