@@ -190,7 +190,7 @@ pub unsafe fn instantiate<L: Listener>(
         Ok(Err(why)) => why,
         Err(panic) => said(&*panic),
     };
-    let text = format!("fmi2Instantiate refused: {refused}");
+    let text = format!("no instance was made: {refused}");
     // SAFETY: as the caller promises.
     unsafe { tell(&listener, &Message { status: Status::Error, category: Category::Error, text }) };
     std::ptr::null_mut()

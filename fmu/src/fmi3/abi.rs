@@ -24,7 +24,22 @@ unsafe fn guarded(
     call: impl FnOnce(&mut Component<Host>) -> Result<()>,
 ) -> CEnum {
     // SAFETY: the host's instance, as the standard has it.
-    unsafe { boundary::guarded::<Host>(c, function, call) }
+    unsafe { boundary::guarded::<Host>(c, function, |component| call(component).map_err(in_terms_of_fmi3)) }
+}
+
+/// A refusal that names types by FMI 3.0's names.
+fn in_terms_of_fmi3(refusal: Refusal) -> Refusal {
+    let term = |fmi2: &'static str| match fmi2 {
+        "Real" => "Float64",
+        "Integer" => "Int64",
+        other => other,
+    };
+    match refusal {
+        Refusal::WrongType { name, reference, is, asked } => {
+            Refusal::WrongType { name, reference, is: term(is), asked: term(asked) }
+        }
+        other => other,
+    }
 }
 
 /// The lengths of references and values, equal as every variable is a scalar.
@@ -984,7 +999,7 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
         guarded(c, "fmi3SerializeFMUState", |component| {
             let serialized = component.instance.serialize(state.addr())?;
             if size < serialized.len() {
-                return Err(Refusal::BadBytes { why: "size is less than fmi2SerializedFMUStateSize says" });
+                return Err(Refusal::BadBytes { why: "size is less than fmi3SerializedFMUStateSize says" });
             }
             if bytes.is_null() {
                 return Err(Refusal::Null { argument: "serializedState" });

@@ -95,7 +95,7 @@ impl Instance {
     /// # Errors
     /// After initialization has begun; times or tolerance of no use.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
-        self.need(&[Phase::Instantiated], "it belongs between fmi2Instantiate and fmi2EnterInitializationMode")?;
+        self.need(&[Phase::Instantiated], "the experiment is announced before initialization mode")?;
         let bad = |argument, value, expected| Err(Refusal::BadArgument { argument, value, expected });
         if !start.is_finite() {
             return bad("startTime", start, "a finite time is expected");
@@ -272,7 +272,10 @@ impl Instance {
             let passed = trial.step(middle).is_err() || trial.signs().is_ok_and(|there| there != sides);
             if passed { high = middle } else { low = middle }
         }
-        before.step(high)?;
+        // The whole step was possible, and so is its part, but for rounding: then the step ends where it was to end.
+        if before.step(high).is_err() {
+            return Ok(false);
+        }
         self.now = before;
         self.outputs = None;
         self.warnings.lose_track();
@@ -688,7 +691,7 @@ impl Instance {
     }
 
     fn saved(&self, handle: usize) -> Result<&Snapshot, Refusal> {
-        let why = "this is no state that fmi2GetFMUstate or fmi2DeSerializeFMUstate of this instance gave out and that is still there";
+        let why = "this is no state that the instance has saved, or read from bytes, and that has not been freed";
         self.saved.get(&handle).map(|boxed| &**boxed).ok_or(Refusal::BadState { why })
     }
 

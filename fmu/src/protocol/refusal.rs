@@ -155,7 +155,7 @@ pub enum Refusal {
         reached: f64,
     },
     /// Beyond the experiment's end.
-    #[error("the step ends at t = {end} s, beyond the stop time {stop} s that fmi2SetupExperiment announced")]
+    #[error("the step ends at t = {end} s, beyond the stop time {stop} s that the host announced")]
     BeyondStop {
         /// End of the step, s.
         end: f64,
