@@ -93,6 +93,7 @@ fn own_platform() -> Option<(&'static str, &'static str)> {
 fn build_library(root: &Path, out: &Path, extension: &str) -> PathBuf {
     let target_folder = out.join("fmu");
     let target = variable("TARGET");
+    let flags = if variable("CARGO_CFG_TARGET_OS") == "linux" { static_libgcc(out) } else { None };
     let status = Command::new(variable("CARGO"))
         .args(["build", "--profile", "fmu", "--locked", "--package", "pneutherm-fmu-cdylib", "--target", &target])
         .arg("--manifest-path")
@@ -100,7 +101,7 @@ fn build_library(root: &Path, out: &Path, extension: &str) -> PathBuf {
         .arg("--target-dir")
         .arg(&target_folder)
         .env_remove("RUSTFLAGS")
-        .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env("CARGO_ENCODED_RUSTFLAGS", flags.unwrap_or_default())
         .env_remove("CARGO_MAKEFLAGS")
         .env_remove("RUSTC_WORKSPACE_WRAPPER")
         .status()
@@ -108,6 +109,23 @@ fn build_library(root: &Path, out: &Path, extension: &str) -> PathBuf {
     assert!(status.success(), "the FMU's library could not be built: see Cargo's message above");
     let prefix = if extension == "dll" { "" } else { "lib" };
     target_folder.join(target).join("fmu").join(format!("{prefix}Chamber.{extension}"))
+}
+
+/// Flags with which GCC's runtime is linked into the library, so that a machine without `libgcc_s` can load it; `None` where
+/// the C compiler has none to link. Rust asks for `-lgcc_s` by name, which `-static-libgcc` leaves as it is: so a linker
+/// script of that name stands before it and means the static one.
+fn static_libgcc(out: &Path) -> Option<String> {
+    let compiler = env::var("CC").unwrap_or_else(|_| "cc".into());
+    let found = Command::new(compiler).arg("-print-file-name=libgcc_eh.a").output().ok()?;
+    let library = PathBuf::from(String::from_utf8(found.stdout).ok()?.trim());
+    if !library.is_absolute() || !library.is_file() {
+        println!("cargo::warning=no libgcc_eh.a: the FMU's library needs libgcc_s where it is loaded");
+        return None;
+    }
+    let folder = out.join("static-libgcc");
+    fs::create_dir_all(&folder).expect("OUT_DIR can be written");
+    fs::write(folder.join("libgcc_s.so"), "INPUT(-lgcc_eh -lgcc)\n").expect("OUT_DIR can be written");
+    Some(format!("-Lnative={}", folder.display()))
 }
 
 /// Source text of the table of libraries.

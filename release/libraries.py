@@ -89,7 +89,8 @@ def zig_libraries():
 
 def exports():
     """A module definition with the functions of FMI: on Windows all else would be exported too."""
-    functions = re.findall(r'extern "C" fn (fmi2\w+)', (ROOT / "fmu/src/abi.rs").read_text())
+    sources = [(ROOT / "fmu/src" / version / "abi.rs").read_text() for version in ("fmi2", "fmi3")]
+    functions = [name for source in sources for name in re.findall(r'extern "C" fn (fmi\w+)', source)]
     path = WORK / "exports.def"
     path.write_text("\n".join(["EXPORTS", *functions, ""]))
     return path

@@ -21,6 +21,18 @@ SUPPLY_PA, AMBIENT_PA, AMBIENT_K = 7e5, 1.013e5, 293.0
 CONDUCTANCE = 2e-9  # sonic conductance of the valve fully open, m3/(s Pa)
 TARGET_M, DURATION_S, STEP_S = 0.13, 2.0, 1e-3
 VELOCITY = 2  # strokeInput
+# Both sides at rest in the middle, SI units.
+REST = dict(
+    initialPressure=4e5,
+    initialTemperature=AMBIENT_K,
+    ambientPressure=AMBIENT_PA,
+    position=STROKE_M / 2,
+    stroke=STROKE_M,
+    supplyPortPressure=SUPPLY_PA,
+    supplyPortTemperature=AMBIENT_K,
+    exhaustPortPressure=AMBIENT_PA,
+    exhaustPortTemperature=AMBIENT_K,
+)
 
 
 class Chamber:
@@ -56,18 +68,7 @@ class Chamber:
 
 def run(cap_side, rod_side, step=STEP_S, report=lambda *_: None):
     """Positions and pressures, every 20 ms, of a piston that goes from the middle to its target."""
-    rest = dict(
-        initialPressure=4e5,
-        initialTemperature=AMBIENT_K,
-        ambientPressure=AMBIENT_PA,
-        position=STROKE_M / 2,
-        stroke=STROKE_M,
-        supplyPortPressure=SUPPLY_PA,
-        supplyPortTemperature=AMBIENT_K,
-        exhaustPortPressure=AMBIENT_PA,
-        exhaustPortTemperature=AMBIENT_K,
-    )
-    cap, rod = Chamber(cap_side, "cap", **rest), Chamber(rod_side, "rod", **rest)
+    cap, rod = Chamber(cap_side, "cap", **REST), Chamber(rod_side, "rod", **REST)
     v, course = 0.0, []
     every = round(0.02 / step)
     for k in range(round(DURATION_S / step)):
