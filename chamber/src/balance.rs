@@ -18,6 +18,22 @@ pub const ENERGY: usize = 1;
 /// Index of the first effect's own state.
 pub const OWN: usize = 2;
 
+/// Number of the first states that are all there are to most sets of effects: see [`moving_states`].
+pub const FEW_STATES: usize = OWN + effects::FEW_OWN_STATES;
+
+/// Number of states, from the first on, that move with the effects in `set`: an integration may leave out those behind.
+pub fn moving_states(set: EffectSet) -> usize {
+    OWN + effects::own_states_of(set)
+}
+
+/// The effects' own states among the first `N` states; zero for those that are left out.
+#[inline(always)]
+pub fn own_states<R: Real, const N: usize>(state: &[R; N]) -> [R; OWN_STATES] {
+    let mut own = [R::ZERO; OWN_STATES];
+    own[..N - OWN].copy_from_slice(&state[OWN..]);
+    own
+}
+
 /// What the surroundings impose at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary<R = f64> {
@@ -289,7 +305,7 @@ impl<R: Real> Balance<R> {
 
     /// What the chamber holds in that state.
     #[inline(always)]
-    pub fn contents(&self, boundary: &Boundary<R>, state: &[R; STATES]) -> Contents<R> {
+    pub fn contents<const N: usize>(&self, boundary: &Boundary<R>, state: &[R; N]) -> Contents<R> {
         Contents::new(state[MASS], state[ENERGY], self.chamber.geometry.volume(boundary.position))
     }
 
@@ -345,15 +361,13 @@ impl<R: Real> Balance<R> {
     /// Everything that is known of a chamber at one moment: conditions, rates, and the rates of the effects' own states.
     /// Only effects in `set` take part; `set` must contain every effect that is not neutral.
     #[inline(always)]
-    pub fn evaluate(
+    pub fn evaluate<const N: usize>(
         &self,
         set: EffectSet,
         boundary: &Boundary<R>,
-        state: &[R; STATES],
+        state: &[R; N],
     ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
-        let mut own = [R::ZERO; OWN_STATES];
-        own.copy_from_slice(&state[OWN..]);
-        self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own)
+        self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own_states(state))
     }
 
     /// [`Balance::evaluate`] where the contents and the effects' own states are at hand; the position goes unread.
@@ -422,14 +436,14 @@ impl<R: Real> Balance<R> {
         (at, rates, own_rates)
     }
 
-    /// Rates of all states, per second: what an integrator needs.
+    /// Rates of the first `N` states, per second: what an integrator needs.
     #[inline(always)]
-    pub fn rates(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; STATES]) -> [R; STATES] {
+    pub fn rates<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
         let (_, rates, own) = self.evaluate(set, boundary, state);
-        let mut out = [R::ZERO; STATES];
+        let mut out = [R::ZERO; N];
         out[MASS] = rates.mass;
         out[ENERGY] = rates.energy;
-        out[OWN..].copy_from_slice(&own);
+        out[OWN..].copy_from_slice(&own[..N - OWN]);
         out
     }
 }

@@ -131,6 +131,8 @@ pub enum Unit {
     SquareMetre,
     /// Per kelvin.
     PerKelvin,
+    /// One over an effusivity, m² K/(W s^½).
+    InverseEffusivity,
 }
 
 impl Unit {
@@ -149,6 +151,7 @@ impl Unit {
             Unit::SonicConductance => Some("m3_per_s_pa"),
             Unit::SquareMetre => Some("m2"),
             Unit::PerKelvin => Some("1_per_k"),
+            Unit::InverseEffusivity => Some("m2_k_per_w_s05"),
         }
     }
 
@@ -167,6 +170,7 @@ impl Unit {
             Unit::SonicConductance => "m3/(s.Pa)",
             Unit::SquareMetre => "m2",
             Unit::PerKelvin => "1/K",
+            Unit::InverseEffusivity => "m2.K/(W.s0.5)",
             Unit::SpeedPower => "(s/m)0.8",
         }
     }

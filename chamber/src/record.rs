@@ -3,7 +3,7 @@
 //! A recording brings its [`Inputs`], has [`follow`] integrate along them, and takes the [`Readings`] that fall due
 //! while the steps pass by. Time in s, pressure in Pa.
 
-use crate::balance::{Boundary, STATES};
+use crate::balance::Boundary;
 use crate::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use crate::integrate::{IntegrationError, Integrator, Step};
 use crate::model::Chamber;
@@ -43,12 +43,12 @@ pub fn boundary_at<R: Scalar>(inputs: &impl Inputs, stretch: usize, time: R) -> 
 /// # Errors
 /// Where the state leaves what the equations can follow.
 #[inline]
-pub fn follow<R: Scalar>(
+pub fn follow<R: Scalar, const N: usize>(
     inputs: &impl Inputs,
-    integrator: &mut Integrator<R, STATES>,
+    integrator: &mut Integrator<R, N>,
     last: f64,
-    rates: impl Fn(f64, Boundary, &[R; STATES]) -> [R; STATES],
-    mut on_step: impl FnMut(usize, f64, &Step<R, STATES>),
+    rates: impl Fn(f64, Boundary, &[R; N]) -> [R; N],
+    mut on_step: impl FnMut(usize, f64, &Step<R, N>),
 ) -> Result<(), IntegrationError> {
     for stretch in 0..inputs.stretches() {
         let end = inputs.end(stretch).min(last);
@@ -56,7 +56,7 @@ pub fn follow<R: Scalar>(
             continue;
         }
         integrator.step = integrator.step.min(inputs.first_step(end - integrator.time));
-        let system = |t: f64, state: &[R; STATES]| rates(t, inputs.boundary(stretch, t), state);
+        let system = |t: f64, state: &[R; N]| rates(t, inputs.boundary(stretch, t), state);
         integrator.advance(&system, end, |step| on_step(stretch, step.from + step.length, step))?;
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! A chamber along given inputs, sampled where a record has its rows, as the gas is and as the sensor shows it.
 
-use crate::balance::{self, Balance, Boundary, Conditions, ENERGY, MASS, OWN, Rates, STATES};
+use crate::balance::{self, Balance, Boundary, Conditions, ENERGY, FEW_STATES, MASS, OWN, Rates, STATES};
 use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
@@ -62,8 +62,8 @@ impl<R: Real> Start<R> {
 pub const RELATIVE_TOLERANCE: f64 = 1e-9;
 
 /// Absolute tolerances that go with a relative one: that share of each state's nominal size.
-pub fn tolerance<R: Scalar>(relative: f64, initial: &[R; STATES]) -> Tolerance<STATES> {
-    let mut absolute = [0.0; STATES];
+pub fn tolerance<R: Scalar, const N: usize>(relative: f64, initial: &[R; N]) -> Tolerance<N> {
+    let mut absolute = [0.0; N];
     absolute[MASS] = 1e-3 * relative * initial[MASS].value();
     absolute[ENERGY] = 1e-3 * relative * initial[ENERGY].value();
     for (absolute, nominal) in absolute[OWN..].iter_mut().zip(effects::NOMINALS) {
@@ -88,16 +88,33 @@ pub fn simulate<R: Scalar>(
     times: &[f64],
     relative_tolerance: f64,
 ) -> Result<Vec<Sample<R>>, IntegrationError> {
+    if balance::moving_states(set) <= FEW_STATES {
+        in_states::<R, FEW_STATES>(chamber, set, start, inputs, times, relative_tolerance)
+    } else {
+        in_states::<R, STATES>(chamber, set, start, inputs, times, relative_tolerance)
+    }
+}
+
+/// [`simulate`] in the first `N` states.
+fn in_states<R: Scalar, const N: usize>(
+    chamber: &Chamber<R>,
+    set: EffectSet,
+    start: Start<R>,
+    inputs: &impl Inputs,
+    times: &[f64],
+    relative_tolerance: f64,
+) -> Result<Vec<Sample<R>>, IntegrationError> {
     let Some(&last) = times.last() else { return Ok(Vec::new()) };
     let begin = inputs.begin();
     let initial = balance::state_at(chamber, &inputs.boundary(0, begin).lift(), start.pressure, start.temperature);
+    let initial: [R; N] = core::array::from_fn(|i| initial[i]);
     let readings = Readings::new(chamber, set, times, begin);
     let balance = Balance::of(*chamber);
     let samples = Vec::with_capacity(times.len());
     let mut recorder = Recorder { balance: &balance, set, inputs, times, readings, samples };
     recorder.record(0, begin, || |_| initial);
     let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-    let rates = |_: f64, boundary: Boundary, state: &[R; STATES]| balance.rates(set, &boundary.lift(), state);
+    let rates = |_: f64, boundary: Boundary, state: &[R; N]| balance.rates(set, &boundary.lift(), state);
     record::follow(inputs, &mut integrator, last, rates, |stretch, until, step| {
         recorder.record(stretch, until, || {
             let dense = step.dense();
@@ -121,7 +138,7 @@ impl<R: Scalar, I: Inputs> Recorder<'_, R, I> {
     /// Takes every sample and reading due until `until`, s, on a stretch, where `states` makes the function that gives
     /// the states.
     #[inline]
-    fn record<F: Fn(R) -> [R; STATES]>(&mut self, stretch: usize, until: f64, states: impl Fn() -> F) {
+    fn record<const N: usize, F: Fn(R) -> [R; N]>(&mut self, stretch: usize, until: f64, states: impl Fn() -> F) {
         let reach = record::reach(until);
         // The sensor shows the gas of a delay earlier, so each reading is due no later than its row's sample.
         if !self.readings.is_due(reach) && self.next_sample().is_none_or(|time| time > reach) {
@@ -134,7 +151,7 @@ impl<R: Scalar, I: Inputs> Recorder<'_, R, I> {
             let state = states(shown);
             let boundary = boundary(shown);
             let at = balance.conditions(set, &boundary, &balance.contents(&boundary, &state));
-            (at.pressure, core::array::from_fn(|i| state[OWN + i]))
+            (at.pressure, balance::own_states(&state))
         });
         while let Some(time) = self.next_sample().filter(|time| *time <= reach) {
             let moment = R::from(time);

@@ -8,7 +8,7 @@ use crate::exact_rows::load_chamber;
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use crate::step::{LaneSystem, View};
-use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 
@@ -33,6 +33,8 @@ pub struct General<'a, const N: usize, const BITS: u32> {
     set: EffectSet,
     balance: Balance<Lanes>,
     per_gas_constant: Lanes,
+    /// How many states move, from the first on, where the set is known at run time only.
+    moving: usize,
     /// How many states each has: what its error is the mean of.
     counted: Lanes,
     stretch: Stretch<Lanes>,
@@ -80,7 +82,8 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         const { assert!(N == states(BITS)) };
         let Row { balance, stretch, .. } = rows[0];
         let balance = Balance::of(balance.chamber.lift());
-        Self { rows, set, balance, per_gas_constant: Lanes::ONE, counted: Lanes::ONE, stretch: stretch.lift() }
+        let (moving, stretch) = (balance::moving_states(set), stretch.lift());
+        Self { rows, set, balance, per_gas_constant: Lanes::ONE, moving, counted: Lanes::ONE, stretch }
     }
 
     #[inline(always)]
@@ -182,6 +185,11 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
         let share = rates.pressure * at.volume + at.pressure * at.piston_area * at.velocity;
         let warming = (share * self.per_gas_constant - at.temperature * rates.mass) * at.per_mass;
         (out, View { value: [at.pressure, at.temperature], slope: [rates.pressure * pace, warming * pace] })
+    }
+
+    #[inline(always)]
+    fn moving(&self) -> usize {
+        if BITS == AT_RUN_TIME { self.moving } else { N }
     }
 
     #[inline(always)]

@@ -29,6 +29,12 @@ pub trait LaneSystem<const N: usize> {
     /// dy/dt at time `t`, s, and what there is to see there.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> ([Lanes; N], View<Lanes>);
 
+    /// Number of states, from the first on, that move in any lane: the others stay where they begin.
+    #[inline(always)]
+    fn moving(&self) -> usize {
+        N
+    }
+
     /// Number of states that count in the mean of the error, by lane: those that a row really has.
     #[inline(always)]
     fn counted(&self) -> Lanes {
@@ -134,7 +140,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
 ) -> ([Lanes; N], View<Lanes>, Lanes) {
     let (mut at, mut view) = (*y, View::NONE);
     for stage in stages {
-        for i in 0..N {
+        for i in 0..system.moving() {
             let mut sum = k[0][i] * A[stage][0];
             for j in 1..stage.min(STAGES - 1) {
                 sum = multiply_add::<FUSED>(k[j][i], Lanes::from(A[stage][j]), sum);
@@ -185,7 +191,7 @@ pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     tolerance: (f64, &[Lanes; N]),
 ) -> Attempt<N> {
     let (mut fifth, mut third) = (Lanes::ZERO, Lanes::ZERO);
-    for i in 0..N {
+    for i in 0..system.moving() {
         let scale = y[i].abs().max(end[i].abs()) * tolerance.0 + tolerance.1[i];
         let per_scale = h / scale;
         let e5 = weighted!(FUSED, k, i, E5; 0 5 6 7 8 9 10 11) * per_scale;

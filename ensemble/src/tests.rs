@@ -252,8 +252,14 @@ fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
 }
 
 /// Effects that no code was compiled for, because it costs a build as much as the rest of them.
-const AT_RUN_TIME: [&str; 5] =
-    ["gas_zones", "tube_volume", "temperature_dependent_heat_capacity", "laminar_leakage", "supply_leakage"];
+const AT_RUN_TIME: [&str; 6] = [
+    "gas_zones",
+    "tube_volume",
+    "temperature_dependent_heat_capacity",
+    "laminar_leakage",
+    "supply_leakage",
+    "wall_conduction",
+];
 
 #[test]
 fn no_effect_by_itself_falls_back_to_the_slow_way_of_all_effects() {

@@ -7,7 +7,7 @@
 use crate::record::stroke::{Motion, Spline};
 use crate::record::true_stroke::TrueStroke;
 use chamber::Chamber;
-use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, STATES};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
@@ -152,7 +152,21 @@ impl<R: Scalar> Run<'_, R> {
         &self,
         times: &[f64],
         disturbance: &impl Disturbance<R>,
-        mut on_step: impl FnMut(f64, &[R; STATES]),
+        on_step: impl FnMut(f64, &[R]),
+    ) -> Result<Vec<R>, IntegrationError> {
+        if balance::moving_states(self.set.without(effects::of_sensor())) <= FEW_STATES {
+            self.in_states::<FEW_STATES>(times, disturbance, on_step)
+        } else {
+            self.in_states::<STATES>(times, disturbance, on_step)
+        }
+    }
+
+    /// The same in the first `N` states.
+    fn in_states<const N: usize>(
+        &self,
+        times: &[f64],
+        disturbance: &impl Disturbance<R>,
+        mut on_step: impl FnMut(f64, &[R]),
     ) -> Result<Vec<R>, IntegrationError> {
         let Run { chamber, set, start, warmer, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Vec::new()) };
@@ -161,6 +175,7 @@ impl<R: Scalar> Run<'_, R> {
         let around = |boundary: Boundary, time: f64| inputs.with_window(warmed(boundary, warmer), time);
         let first = around(inputs.boundary(0, begin), begin);
         let initial = balance::state_at(chamber, &first, start.pressure, start.temperature);
+        let initial: [R; N] = core::array::from_fn(|i| initial[i]);
         on_step(begin, &initial);
         let mut sensor = Sensor::new(chamber, set, course, times, start.pressure);
         let evaluations = Cell::new(0usize);
@@ -168,10 +183,10 @@ impl<R: Scalar> Run<'_, R> {
         let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
         let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
         let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-        let rates = |t: f64, boundary: Boundary, state: &[R; STATES]| -> [R; STATES] {
+        let rates = |t: f64, boundary: Boundary, state: &[R; N]| -> [R; N] {
             evaluations.set(evaluations.get() + 1);
             if evaluations.get() > most_evaluations {
-                return [R::from(f64::NAN); STATES];
+                return [R::from(f64::NAN); N];
             }
             disturbed_rates(gas_set, &balance, &around(boundary, t), state, disturbance.at(t))
         };
@@ -197,13 +212,13 @@ fn warmed<R: Scalar>(boundary: Boundary, warmer: R) -> Boundary<R> {
 
 /// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.
 #[inline(always)]
-fn disturbed_rates<R: Scalar>(
+fn disturbed_rates<R: Scalar, const N: usize>(
     set: EffectSet,
     balance: &Balance<R>,
     boundary: &Boundary<R>,
-    state: &[R; STATES],
+    state: &[R; N],
     disturbance: Option<[R; 4]>,
-) -> [R; STATES] {
+) -> [R; N] {
     let Some([mass, heat, volume, volume_rate]) = disturbance else { return balance.rates(set, boundary, state) };
     let chamber = &balance.chamber;
     let area = chamber.geometry.piston_area;
@@ -240,7 +255,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
     }
 
     /// Takes every reading due in a step that ends at `until`, s.
-    fn pass(&mut self, stretch: usize, until: f64, step: &Step<R, STATES>, extra: &impl Disturbance<R>) {
+    fn pass<const N: usize>(&mut self, stretch: usize, until: f64, step: &Step<R, N>, extra: &impl Disturbance<R>) {
         let reach = record::reach(until);
         if self.lag.is_none() && !self.readings.is_due(reach) {
             return;

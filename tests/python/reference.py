@@ -14,6 +14,27 @@ from scipy.optimize import brentq
 RTOL = 1e-11
 
 
+def wall_modes():
+    """Rates (1/s) and weights (s^-1/2) of the modes of 1/sqrt(pi t): the trapezoidal rule in log(rate) with the ratio
+    5, of whose terms those below 5^-5 and above 5 become one each: with the same sums of weight and weight times rate,
+    and of weight over rate and weight over rate squared."""
+    exponents = np.arange(-80, 81)
+    rates = 5.0**exponents
+    weights = math.log(5) / math.pi * np.sqrt(rates)
+    slow, fast, kept = exponents < -5, exponents > 1, (exponents >= -5) & (exponents <= 1)
+    slow_weight = weights[slow].sum()
+    slow_rate = (weights * rates)[slow].sum() / slow_weight
+    steady = (weights / rates)[fast].sum()
+    fast_rate = steady / (weights / rates**2)[fast].sum()
+    return (
+        np.concatenate([[slow_rate], rates[kept], [fast_rate]]),
+        np.concatenate([[slow_weight], weights[kept], [steady * fast_rate]]),
+    )
+
+
+MODE_RATES, MODE_WEIGHTS = wall_modes()
+
+
 @dataclasses.dataclass
 class Chamber:
     bore: float = 0.02
@@ -100,8 +121,15 @@ class Chamber:
             return 0.0, flow(p, t, outside)
         return flow(outside, self.ambient_temperature, p), 0.0
 
+    def at_rest(self, pressure, mass, temperature):
+        """States of `rates` when all is in equilibrium, and their sizes."""
+        memory = np.zeros(len(MODE_RATES) if "wall_conduction" in self.effects else 0)
+        y = np.concatenate([[pressure, mass, temperature, self.ambient_temperature, pressure], memory])
+        return y, np.concatenate([[pressure, mass, 300.0, 300.0, pressure], memory + 10.0])
+
     def rates(self, y, x, v, mdot):
-        p, m, core, tw, lagged = y
+        p, m, core, tw, lagged = y[:5]
+        modes = y[5:]
         g, r = self.gamma, self.gas_constant
         cp = g * r / (g - 1)
         volume, dv = self.volume(x), self.piston_area * v
@@ -111,7 +139,11 @@ class Chamber:
         capacity = self.value("wall_heating", "capacity_j_per_k")
         outer = self.value("wall_heating", "outer_conductance_w_per_k")
         wall = (tw if capacity else self.ambient_temperature) + self.value("warm_wall", "temperature_difference_k")
-        q = self.coefficient(p, t1, wall, x, v) * self.heat_area(x) * (wall - t1)
+        inverse = self.value("wall_conduction", "inverse_effusivity_m2_k_per_w_s05")
+        wall += modes.sum()
+        flux = self.coefficient(p, t1, wall, x, v) * (t1 - wall)
+        q = -flux * self.heat_area(x)
+        dmodes = inverse * MODE_WEIGHTS * flux - MODE_RATES * modes if len(modes) else modes
         leak_in, leak_out = self.leak(p, t)
         flow_in, flow_out = max(mdot, 0.0) + leak_in, max(-mdot, 0.0) + leak_out
         t_in = self.ambient_temperature
@@ -143,7 +175,7 @@ class Chamber:
         dtw = (-q + outer * (self.ambient_temperature - tw)) / capacity if capacity else 0.0
         lag = self.value("sensor_lag", "time_constant_s")
         dlag = (p - lagged) / lag if lag else 0.0
-        return np.array([dp, flow_in - flow_out, dcore, dtw, dlag]), q
+        return np.concatenate([[dp, flow_in - flow_out, dcore, dtw, dlag], dmodes]), q
 
 
 def true_stroke(chamber, times, positions):
@@ -173,11 +205,9 @@ def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
     if "position_delay" in chamber.effects or "position_averaging" in chamber.effects:
         knots, stroke = true_stroke(chamber, times, positions)
         times, positions, flows = knots, stroke, np.interp(knots, times, flows)
-    ambient = chamber.ambient_temperature
     rest = chamber.rest_temperature
     mass = pressure * chamber.volume(positions[0]) / (chamber.gas_constant * rest)
-    y = np.array([pressure, mass, rest, ambient, pressure])
-    scale = np.array([pressure, mass, 300.0, 300.0, pressure])
+    y, scale = chamber.at_rest(pressure, mass, rest)
     gas = np.full((len(rows), len(y)), np.nan)
     shown = np.full(len(rows), np.nan)
     delay = chamber.value("record_delay", "delay_s")

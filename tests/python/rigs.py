@@ -78,8 +78,7 @@ def readings(chamber, moves, pressure, rows):
     ambient = chamber.ambient_temperature
     first = moves[0][2]
     mass = pressure * chamber.volume(first) / (chamber.gas_constant * ambient)
-    y = np.array([pressure, mass, ambient, ambient, pressure])
-    scale = np.array([pressure, mass, 300.0, 300.0, pressure])
+    y, scale = chamber.at_rest(pressure, mass, ambient)
     delay = chamber.value("record_delay", "delay_s")
     column = 4 if chamber.value("sensor_lag", "time_constant_s") else 0
     earlier = rows - delay

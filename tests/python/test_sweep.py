@@ -220,6 +220,11 @@ STUDIES = {
         "tube_volume.volume_m3 = { from = 1e-7, to = 5e-6 }\n"
         "natural_convection.exponent = { from = 0.05, to = 0.3 }",
     ),
+    "a wall that remembers": (
+        "sobol",
+        "total",
+        "wall_conduction.inverse_effusivity_m2_k_per_w_s05 = { from = 5e-4, to = 2e-2 }",
+    ),
 }
 COMMON = """
 bore_m = { from = 0.012, to = 0.08, scale = "log" }
@@ -263,8 +268,7 @@ def integrated(row, law):
     ambient = chamber.ambient_temperature
     start = row.get("initial_temperature_k", ambient)
     mass = pressure * chamber.volume(begin) / (chamber.gas_constant * start)
-    y = np.array([pressure, mass, ambient, start, pressure])
-    scale = np.array([pressure, mass, 300.0, 300.0, pressure])
+    y, scale = chamber.at_rest(pressure, mass, start)
 
     def integrate(y, span, position, speed):
         rates = lambda t, y: chamber.rates(y, position + speed * t, speed, 0.0)[0]

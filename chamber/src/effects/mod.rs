@@ -399,6 +399,7 @@ effects![
     sensor_offset::SensorOffset,
     position_delay::PositionDelay,
     position_averaging::PositionAveraging,
+    wall_conduction::WallConduction,
 ];
 
 pub mod iso6358;
@@ -418,6 +419,17 @@ pub const PARAMETERS: usize = PARAMETER_OFFSETS[COUNT];
 /// Number of own states of all effects.
 pub const OWN_STATES: usize = STATE_OFFSETS[COUNT];
 
+/// Number of own states of the effects before the first that has more than [`MANY`].
+pub const FEW_OWN_STATES: usize = {
+    let mut i = 0;
+    while i < COUNT && CARDS[i].states.len() <= MANY {
+        i += 1;
+    }
+    STATE_OFFSETS[i]
+};
+/// An effect with more own states than this is integrated in code of its own, so that the others do not carry them along.
+const MANY: usize = 4;
+
 /// Nominal sizes of all effects' own states.
 pub const NOMINALS: [f64; OWN_STATES] = {
     let mut out = [0.0; OWN_STATES];
@@ -432,6 +444,15 @@ pub const NOMINALS: [f64; OWN_STATES] = {
     }
     out
 };
+
+/// Number of own states up to the last one that an effect in `set` has: those behind it do not move.
+pub fn own_states_of(set: EffectSet) -> usize {
+    all()
+        .filter(|(i, card)| set.has(*i) && !card.states.is_empty())
+        .map(|(i, _)| STATE_OFFSETS[i + 1])
+        .max()
+        .unwrap_or(0)
+}
 
 const fn offsets(of_parameters: bool) -> [usize; COUNT + 1] {
     let mut out = [0; COUNT + 1];

@@ -14,18 +14,22 @@ use super::states::{self, ALL, HEAT, TRAVEL, WORK};
 use super::stroke::{Limits, Motion};
 use super::values::{Choices, Parameters, StrokeInput, input};
 use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
-use chamber::effects::{self, EffectSet, OWN_STATES};
+use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES};
 use chamber::exact::Closed;
 use chamber::integrate::{IntegrationError, Integrator, Step, Tolerance};
 
 /// Inner steps that a communication step may take: about 0.1 s of computing. A host that wants more takes shorter steps.
 const MAX_INNER_STEPS: usize = 200_000;
-/// Mass and energy of the gas, heat and work.
+/// Mass and energy of the gas, then heat and work within a step.
 const GAS: usize = 4;
-/// All states of the gas and its effects, heat and work.
-const CLOSED: usize = STATES + 2;
-/// The same with mass and enthalpy through both ports.
-const PORTED: usize = CLOSED + 4;
+const HEAT_SUM: usize = 2;
+const WORK_SUM: usize = 3;
+/// Mass and enthalpy through both ports within a step, where they are open.
+const PORTS: usize = 4;
+/// With them behind, the effects' own states, as many as most sets of effects have.
+const FEW: usize = GAS + FEW_OWN_STATES;
+/// The same with all of them.
+const MANY: usize = GAS + OWN_STATES;
 
 /// States of the gas at a communication point.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +51,8 @@ pub struct Plant {
     pub balance: Balance,
     /// Effects that are not neutral.
     pub set: EffectSet,
+    /// Whether their own states are among the few that most sets of effects have.
+    pub few_states: bool,
     /// Whether wall and stroke are given by inputs.
     pub choices: Choices,
     /// Critical pressure ratios of the ports.
@@ -64,6 +70,7 @@ impl Plant {
         Self {
             balance: Balance::of(chamber),
             set: chamber.active(),
+            few_states: effects::own_states_of(chamber.active()) <= FEW_OWN_STATES,
             choices: parameters.choices,
             critical_ratios: parameters.critical_ratios(),
             limits: parameters.limits(),
@@ -119,11 +126,14 @@ impl Gas {
             Gas { states, position: end, inner_step: self.inner_step, port_flows: Some([0.0; 4]) }
         } else {
             leaves_gas(inputs, states[MASS], h, bare)?;
-            let (states, inner_step, port_flows) = match (bare, ports) {
-                (true, _) => course.gas_alone(states).map_err(no_step)?,
-                (false, false) => course.in_all_states::<CLOSED>(states, time, record).map_err(no_step)?,
-                (false, true) => course.in_all_states::<PORTED>(states, time, record).map_err(no_step)?,
+            let outcome = match (ports, plant.few_states) {
+                _ if bare => course.gas_alone(states),
+                (false, true) => course.in_all_states::<FEW, 0>(states, time, record),
+                (false, false) => course.in_all_states::<MANY, 0>(states, time, record),
+                (true, true) => course.in_all_states::<{ FEW + PORTS }, PORTS>(states, time, record),
+                (true, false) => course.in_all_states::<{ MANY + PORTS }, PORTS>(states, time, record),
             };
+            let (states, inner_step, port_flows) = outcome.map_err(no_step)?;
             Gas { states, position: end, inner_step, port_flows: Some(port_flows) }
         };
         gas.states[TRAVEL] += end - begin;
@@ -242,8 +252,8 @@ impl Course<'_> {
         Ok((states, inner_step, [0.0; 4]))
     }
 
-    /// All states, with heat and work, and where `N` leaves room for them, with what passes the ports.
-    fn in_all_states<const N: usize>(
+    /// The gas with heat and work, what passes the ports, `P` sums, and the effects' own states: `N` in all.
+    fn in_all_states<const N: usize, const P: usize>(
         &self,
         states: [f64; ALL],
         time: f64,
@@ -253,13 +263,13 @@ impl Course<'_> {
             let (start, u) = (self.boundary_at_begin(), &self.inputs.value);
             let around = Around::of(u, self.plant.choices.external_wall, Some(self.plant.critical_ratios));
             let along = move |s: f64| (Boundary { position: start.position + start.velocity * s, ..start }, around);
-            self.all_along::<N>(states, time, record, along)
+            self.all_along::<N, P>(states, time, record, along)
         } else {
-            self.all_along::<N>(states, time, record, |s| self.boundary_at(s))
+            self.all_along::<N, P>(states, time, record, |s| self.boundary_at(s))
         }
     }
 
-    fn all_along<const N: usize>(
+    fn all_along<const N: usize, const P: usize>(
         &self,
         states: [f64; ALL],
         time: f64,
@@ -267,55 +277,64 @@ impl Course<'_> {
         along: impl Fn(f64) -> (Boundary, Around),
     ) -> Result<Outcome, IntegrationError> {
         let Plant { balance, set, tolerance, .. } = self.plant;
+        let (first_own, own_states) = (GAS + P, N - GAS - P);
+        let own_of = |y: &[f64; N]| {
+            let mut own = [0.0; OWN_STATES];
+            own[..own_states].copy_from_slice(&y[first_own..]);
+            own
+        };
         let rates = |s: f64, y: &[f64; N]| {
             let (boundary, mut around) = along(s);
             let volume = balance.chamber.geometry.volume(boundary.position);
             if !(y[MASS] > 0.0 && y[ENERGY] > 0.0 && volume > 0.0) {
                 return [f64::NAN; N];
             }
-            if N < PORTED {
+            if P == 0 {
                 around.ports = None;
             }
-            let own: [f64; OWN_STATES] = core::array::from_fn(|i| y[OWN + i]);
             let contents = Contents::new(y[MASS], y[ENERGY], volume);
-            let (at, rates, own) = balance.evaluate_within(&around, *set, &boundary, &contents, &own);
+            let (at, rates, own) = balance.evaluate_within(&around, *set, &boundary, &contents, &own_of(y));
             let mut out = [0.0; N];
             out[MASS] = rates.mass;
             out[ENERGY] = rates.energy;
-            out[OWN..STATES].copy_from_slice(&own);
-            out[STATES] = rates.heat_flow;
-            out[STATES + 1] = at.pressure * at.piston_area * at.velocity;
-            if N >= PORTED {
-                out[CLOSED..PORTED].copy_from_slice(&around.port_flows(&at));
+            out[HEAT_SUM] = rates.heat_flow;
+            out[WORK_SUM] = at.pressure * at.piston_area * at.velocity;
+            if P > 0 {
+                out[GAS..first_own].copy_from_slice(&around.port_flows(&at));
             }
+            out[first_own..].copy_from_slice(&own[..own_states]);
             out
         };
-        let absolute = core::array::from_fn(|i| if i < STATES { tolerance.absolute[i] } else { f64::INFINITY });
+        let mut absolute = [f64::INFINITY; N];
+        absolute[..OWN].copy_from_slice(&tolerance.absolute[..OWN]);
+        absolute[first_own..].copy_from_slice(&tolerance.absolute[OWN..][..own_states]);
         let wide = Tolerance { relative: tolerance.relative, absolute };
-        let begin: [f64; N] = core::array::from_fn(|i| match i {
-            0..STATES => states[i],
-            STATES => states[HEAT],
-            i if i == STATES + 1 => states[WORK],
-            _ => 0.0,
-        });
+        let mut begin = [0.0; N];
+        begin[..GAS].copy_from_slice(&[states[MASS], states[ENERGY], states[HEAT], states[WORK]]);
+        begin[first_own..].copy_from_slice(&states[OWN..][..own_states]);
+        let gas_of = |y: &[f64; N]| {
+            let mut gas = states::of_gas(&states);
+            gas[..OWN].copy_from_slice(&y[..OWN]);
+            gas[OWN..][..own_states].copy_from_slice(&y[first_own..]);
+            gas
+        };
         let (end, inner_step) = match record {
             None => self.run(begin, wide, rates, |_| ())?,
             Some((record, delay)) => self.run(begin, wide, rates, |step| {
                 let dense = step.dense();
                 let reading = |s: f64| {
                     let y = dense.at(s);
-                    reading(self.plant, &along(s).0, &core::array::from_fn(|i| y[i]))
+                    reading(self.plant, &along(s).0, &gas_of(&y))
                 };
                 let stretch = Stretch::of(step.from, step.length, reading);
                 record.push(Stretch { from: time + stretch.from, ..stretch }, delay);
             })?,
         };
-        let gas: [f64; STATES] = core::array::from_fn(|i| end[i]);
         let mut flows = [0.0; 4];
-        if N >= PORTED {
-            flows = core::array::from_fn(|i| end[CLOSED + i] / self.h);
+        if P > 0 {
+            flows = core::array::from_fn(|i| end[GAS + i] / self.h);
         }
-        Ok((states::with_sums(&gas, end[STATES], end[STATES + 1], states[TRAVEL]), inner_step, flows))
+        Ok((states::with_sums(&gas_of(&end), end[HEAT_SUM], end[WORK_SUM], states[TRAVEL]), inner_step, flows))
     }
 
     /// Integrates over the step, broken where the inputs have corners.
@@ -366,4 +385,4 @@ pub fn reading(plant: &Plant, boundary: &Boundary, states: &[f64; STATES]) -> f6
     effects::reading(plant.set, &plant.balance.chamber.effects, &own, at.pressure, 0.0)
 }
 
-const _: () = assert!(HEAT == STATES && WORK == STATES + 1 && MASS == 0 && ENERGY == 1);
+const _: () = assert!(MASS == 0 && ENERGY == 1 && OWN == 2);

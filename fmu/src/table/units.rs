@@ -78,6 +78,7 @@ pub const UNITS: &[Unit] = &[
         displays: &[display("l/(s.bar)", 1e8), display("l/(min.bar)", 6e9)],
     },
     Unit { name: "(s/m)0.8", base: None, displays: &[] },
+    Unit { name: "m2.K/(W.s0.5)", base: None, displays: &[] },
 ];
 
 /// A physical quantity: a type definition of the model description.
@@ -141,6 +142,7 @@ quantities! {
     GAS_CONSTANT = "SpecificHeatCapacity", "J/(kg.K)", None, 300.0, Some(0.0);
     SONIC_CONDUCTANCE = "SonicConductance", "m3/(s.Pa)", Some("l/(s.bar)"), 1e-12, Some(0.0);
     SPEED_POWER = "SpeedPower", "(s/m)0.8", None, 1.0, Some(0.0);
+    INVERSE_EFFUSIVITY = "InverseEffusivity", "m2.K/(W.s0.5)", None, 1e-3, Some(0.0);
 }
 
 /// The quantity of an effect's parameter or state.
@@ -161,6 +163,7 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
         card::Unit::WattPerKelvin => &THERMAL_CONDUCTANCE,
         card::Unit::SonicConductance => &SONIC_CONDUCTANCE,
         card::Unit::SpeedPower => &SPEED_POWER,
+        card::Unit::InverseEffusivity => &INVERSE_EFFUSIVITY,
     }
 }
 

@@ -263,6 +263,10 @@ impl Recipe {
             "tube_volume" => vec![0.03 * volume * strength],
             "sensor_lag" | "record_delay" => vec![0.01 * strength],
             "sensor_drift" => vec![-150.0 * strength],
+            "wall_conduction" => {
+                let lambda = self.chamber.heat_transfer.coefficient_at(3e5, self.ambient_k);
+                vec![0.1 * strength / (lambda * relaxation.sqrt())]
+            }
             _ => CARDS[effect].parameters.iter().map(|p| p.neutral + (p.typical - p.neutral) * strength).collect(),
         };
         self.with(CARDS[effect].name, &values)
