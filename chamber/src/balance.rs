@@ -91,6 +91,8 @@ pub struct Conditions<R> {
     pub mass: R,
     /// Volume of the gas, m³.
     pub volume: R,
+    /// Of the geometry's volume what the piston has swept, m³.
+    pub swept_volume: R,
     /// Pressure, Pa.
     pub pressure: R,
     /// Mean temperature P V/(m R), K.
@@ -176,6 +178,8 @@ pub struct Rates<R> {
     pub heat_transfer_coefficient: R,
     /// Net enthalpy flow into the gas, W.
     pub enthalpy_flow: R,
+    /// P dV/dt, the power of the gas on what bounds it, W.
+    pub work: R,
 }
 
 /// What a chamber holds at one moment.
@@ -241,12 +245,14 @@ impl<R> Surroundings<R> for () {}
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
     let contents = Contents::new(mass, energy, chamber.geometry.volume(boundary.position));
-    Balance::of(*chamber).conditions(effects::CALORIC, boundary, &contents)
+    Balance::of(*chamber).conditions(effects::CALORIC.union(effects::VOLUMETRIC), boundary, &contents)
 }
 
 /// States of a chamber in equilibrium of its parts, at a pressure, Pa, and temperature, K.
 pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
-    let volume = chamber.geometry.volume(boundary.position);
+    let geometric = chamber.geometry.volume(boundary.position);
+    let [factor, ..] = effects::volume(EffectSet::ALL, &chamber.effects, boundary.position, pressure);
+    let volume = geometric * factor;
     let mass = pressure * volume / (chamber.gas.gas_constant * temperature);
     let energy = pressure * volume / (chamber.gas.heat_capacity_ratio - 1.0)
         * effects::internal_energy(&chamber.effects, temperature);
@@ -322,6 +328,7 @@ impl<R: Real> Balance<R> {
         let mut at = Conditions {
             mass,
             volume,
+            swept_volume: volume - chamber.geometry.dead_volume,
             pressure: self.expansion * energy * per_volume,
             temperature,
             per_mass,
@@ -344,18 +351,54 @@ impl<R: Real> Balance<R> {
             reference_temperature: chamber.heat_transfer.reference_temperature,
         };
         effects::gas_properties(set, &chamber.effects, &mut at);
+        if !set.intersection(effects::VOLUMETRIC).is_empty() {
+            let factor = self.volume_factor(set, volume, at.pressure);
+            let per_factor = factor.recip();
+            at.volume = volume * factor;
+            at.per_volume = per_volume * per_factor;
+            at.pressure = at.pressure * per_factor;
+            at.eichelberg = at.eichelberg * per_factor.sqrt();
+        }
         at
+    }
+
+    /// The gas's volume f over the geometry's, m³, where the gas would have the pressure `alone`, Pa, in the latter: P f(P) =
+    /// `alone` by Newton's method. f is close to one, so that a few steps reach rounding.
+    #[inline(always)]
+    fn volume_factor(&self, set: EffectSet, volume: R, alone: R) -> R {
+        const STEPS: usize = 6;
+        let mut pressure = alone;
+        for _ in 0..STEPS {
+            let [factor, _, by_pressure] = self.volume_at(set, volume, pressure);
+            pressure -= (pressure * factor - alone) / (factor + by_pressure * pressure);
+        }
+        alone / pressure
+    }
+
+    /// [`effects::volume`] at a geometric volume, m³, and pressure, Pa.
+    #[inline(always)]
+    fn volume_at(&self, set: EffectSet, volume: R, pressure: R) -> [R; 3] {
+        let geometry = &self.chamber.geometry;
+        let position = (volume - geometry.dead_volume) / geometry.piston_area;
+        effects::volume(set, &self.chamber.effects, position, pressure)
     }
 
     /// Pressure of its contents, Pa, with the effects in `set`.
     #[inline(always)]
     pub fn pressure(&self, set: EffectSet, contents: &Contents<R>) -> R {
-        if set.intersection(effects::CALORIC).is_empty() {
-            return self.expansion * contents.energy / contents.volume;
+        let pressure = if set.intersection(effects::CALORIC).is_empty() {
+            self.expansion * contents.energy / contents.volume
+        } else {
+            let temperature = contents.energy / contents.mass * self.per_cv;
+            effects::temperature(set, &self.chamber.effects, temperature)
+                * contents.mass
+                * self.chamber.gas.gas_constant
+                / contents.volume
+        };
+        if set.intersection(effects::VOLUMETRIC).is_empty() {
+            return pressure;
         }
-        let temperature = contents.energy / contents.mass * self.per_cv;
-        effects::temperature(set, &self.chamber.effects, temperature) * contents.mass * self.chamber.gas.gas_constant
-            / contents.volume
+        pressure / self.volume_factor(set, contents.volume, pressure)
     }
 
     /// Everything that is known of a chamber at one moment: conditions, rates, and the rates of the effects' own states.
@@ -400,22 +443,35 @@ impl<R: Real> Balance<R> {
         let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
         let of_law = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
         let area = effects::heat_transfer_area(set, &chamber.effects, of_law);
-        let heat_flow = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
+        let from_wall = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
+        let heat_flow = from_wall + effects::heat_flow(set, &chamber.effects, &at);
 
         let mut flows = Flows { outflow: boundary.mass_flow_out, ..Flows::NONE };
         flows.enter(boundary.mass_flow_in, boundary.temperature_in);
         effects::flows(set, &chamber.effects, &self.constants, &at, &mut flows);
         surroundings.flows(&at, &mut flows);
 
-        let volume_rate = at.piston_area * at.velocity;
-        let work = at.pressure * volume_rate;
+        let mut volume_rate = at.piston_area * at.velocity;
+        // dV/dP, m³/Pa, and what the pressure's rate is less for it.
+        let (mut by_pressure, mut give) = (R::ZERO, R::ONE);
+        let volumetric = !set.intersection(effects::VOLUMETRIC).is_empty();
+        if volumetric {
+            let [factor, by_position, share_by_pressure] = self.volume_at(set, contents.volume, at.pressure);
+            volume_rate = volume_rate * factor + contents.volume * by_position * at.velocity;
+            by_pressure = contents.volume * share_by_pressure;
+            give = (R::ONE + (at.expansion + 1.0) * at.pressure * by_pressure * at.per_volume).recip();
+        }
+        let mut work = at.pressure * volume_rate;
         // Enthalpy as the energy's rate and that of V P/(γ − 1) have it.
         let enthalpy = |flows: &Flows<R>| {
             let [for_energy, for_pressure] = effects::excess_enthalpy(set, &chamber.effects, &at, flows);
             let enthalpy = at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
             [enthalpy + for_energy, enthalpy + for_pressure]
         };
-        let pressure_rate = |enthalpy: R| (at.expansion * (heat_flow + enthalpy - work) - work) * at.per_volume;
+        let pressure_rate = |enthalpy: R| {
+            let rate = (at.expansion * (heat_flow + enthalpy - work) - work) * at.per_volume;
+            if volumetric { rate * give } else { rate }
+        };
 
         let unstored = pressure_rate(enthalpy(&flows)[1]);
         effects::storage(set, &chamber.effects, &at, unstored, |flow, temperature| {
@@ -424,13 +480,18 @@ impl<R: Real> Balance<R> {
         });
 
         let [enthalpy_flow, pressure_enthalpy_flow] = enthalpy(&flows);
+        let pressure_rate = pressure_rate(pressure_enthalpy_flow);
+        if volumetric {
+            work += at.pressure * by_pressure * pressure_rate;
+        }
         let rates = Rates {
             mass: flows.inflow - flows.outflow,
             energy: heat_flow + enthalpy_flow - work,
-            pressure: pressure_rate(pressure_enthalpy_flow),
+            pressure: pressure_rate,
             heat_flow,
             heat_transfer_coefficient: coefficient,
             enthalpy_flow,
+            work,
         };
         let own_rates = effects::own_rates(set, &chamber.effects, own, &at, &flows, &rates);
         (at, rates, own_rates)

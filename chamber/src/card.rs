@@ -16,6 +16,8 @@ pub enum Balance {
     Volume,
     /// The gas is as modelled, the recorded pressure is not the gas's.
     Sensor,
+    /// Any of them: the effect's parameters say which.
+    Any,
 }
 
 impl Balance {
@@ -26,6 +28,7 @@ impl Balance {
             Balance::Energy => "energy",
             Balance::Volume => "volume",
             Balance::Sensor => "sensor",
+            Balance::Any => "any",
         }
     }
 }
@@ -133,13 +136,15 @@ pub enum Unit {
     PerKelvin,
     /// One over an effusivity, m² K/(W s^½).
     InverseEffusivity,
+    /// Another unit with each table: the effect's words say which.
+    OfTable,
 }
 
 impl Unit {
     /// The ending of a data column or key with this unit, `None` for a dimensionless one: `conductance_m3_per_s_pa`.
     pub fn suffix(self) -> Option<&'static str> {
         match self {
-            Unit::One | Unit::SpeedPower => None,
+            Unit::One | Unit::SpeedPower | Unit::OfTable => None,
             Unit::Second => Some("s"),
             Unit::Metre => Some("m"),
             Unit::CubicMetre => Some("m3"),
@@ -172,15 +177,34 @@ impl Unit {
             Unit::PerKelvin => "1/K",
             Unit::InverseEffusivity => "m2.K/(W.s0.5)",
             Unit::SpeedPower => "(s/m)0.8",
+            Unit::OfTable => "",
         }
     }
+}
+
+/// What a parameter's number stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Itself.
+    Number,
+    /// One of these words, numbered from one; zero for none.
+    Word(&'static [&'static str]),
+    /// An entry of the list that is made of the parameters of this name.
+    Place {
+        /// Its place in the list, from zero.
+        index: usize,
+        /// Whether each entry must be above the one before it.
+        rising: bool,
+    },
 }
 
 /// One number of an effect.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// Name without unit, snake case.
+    /// Name without unit, snake case; all places of a list have the same.
     pub name: &'static str,
+    /// What its number stands for.
+    pub kind: Kind,
     /// Its unit.
     pub unit: Unit,
     /// Values that make sense; others are refused.
@@ -201,6 +225,7 @@ impl Parameter {
     /// What most parameters have in common: fitted, dimensionless, with a flat prior.
     pub const DEFAULT: Parameter = Parameter {
         name: "",
+        kind: Kind::Number,
         unit: Unit::One,
         bounds: f64::NEG_INFINITY..=f64::INFINITY,
         neutral: 0.0,
@@ -219,11 +244,22 @@ impl Parameter {
         }
     }
 
-    /// Name as a key of files and columns, with the unit's suffix: `conductance_m3_per_s_pa`.
+    /// Name as a key of files and columns, with the unit's suffix: `conductance_m3_per_s_pa`; a place of a list: `values[1]`.
     pub fn key(&self) -> String {
-        match self.unit.suffix() {
-            Some(suffix) => format!("{}_{suffix}", self.name),
-            None => self.name.to_owned(),
+        match (self.kind, self.unit.suffix()) {
+            (Kind::Place { index, .. }, _) => format!("{}[{}]", self.name, index + 1),
+            (_, Some(suffix)) => format!("{}_{suffix}", self.name),
+            (_, None) => self.name.to_owned(),
+        }
+    }
+
+    /// Whether it is a plain number of its own, that a study can vary or a host can set; words and the knots of a table
+    /// belong together.
+    pub fn is_variable(&self) -> bool {
+        match self.kind {
+            Kind::Number => true,
+            Kind::Word(_) => false,
+            Kind::Place { rising, .. } => !rising,
         }
     }
 }
@@ -266,6 +302,10 @@ pub struct Card {
     pub parameters: &'static [Parameter],
     /// Its own states.
     pub states: &'static [OwnState],
+    /// How many places of its lists are in use at these parameters.
+    pub length: fn(&[f64]) -> usize,
+    /// What is wrong with these parameters together, as the end of a sentence.
+    pub check: fn(&[f64]) -> Result<(), String>,
 }
 
 impl Card {
@@ -283,5 +323,7 @@ impl Card {
         candidate: true,
         parameters: &[],
         states: &[],
+        length: |_| 0,
+        check: |_| Ok(()),
     };
 }

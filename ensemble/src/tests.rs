@@ -252,13 +252,14 @@ fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
 }
 
 /// Effects that no code was compiled for, because it costs a build as much as the rest of them.
-const AT_RUN_TIME: [&str; 6] = [
+const AT_RUN_TIME: [&str; 7] = [
     "gas_zones",
     "tube_volume",
     "temperature_dependent_heat_capacity",
     "laminar_leakage",
     "supply_leakage",
     "wall_conduction",
+    "empirical",
 ];
 
 #[test]

@@ -12,7 +12,7 @@ use fmu::fmi2::abi::*;
 use fmu::fmi2::host::EventInfo;
 use fmu::plant::corners::CORNERS;
 use fmu::plant::states::ALL;
-use fmu::table::camel;
+use fmu::table::parameter_name;
 
 /// A host that integrates: Dormand and Prince's pair, with inputs as functions of time.
 struct Exchange<F> {
@@ -135,8 +135,8 @@ fn a_host_that_integrates_finds_what_co_simulation_finds_with_every_effect() {
         let mut starts = vec![("initialPressure".to_owned(), 3e5), ("initialTemperature".to_owned(), 300.0)];
         for &index in &set {
             let card = &effects::CARDS[index];
-            for p in card.parameters {
-                starts.push((format!("{}.{}", camel(card.name), camel(p.name)), p.typical));
+            for p in card.parameters.iter().filter(|p| p.is_variable()) {
+                starts.push((parameter_name(card, p), p.typical));
             }
         }
         let starts: Vec<(&str, f64)> = starts.iter().map(|(name, value)| (name.as_str(), *value)).collect();

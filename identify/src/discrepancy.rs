@@ -1,8 +1,8 @@
 //! What a residual looks like when no name is given to it: a missing flow, power, volume or sensor error as a free
 //! function of one variable.
 //!
-//! Each family is a balance and a variable; its function is piecewise linear on knots at quantiles of the variable along
-//! the records. The pressure's response to each hat function is exact to first order (dual numbers through the whole
+//! Each family is a balance and a variable; its function is piecewise linear on knots along the values that the
+//! variable takes in the records. The pressure's response to each hat function is exact to first order (dual numbers through the whole
 //! simulation); how much of χ² the best combination takes away, beyond what the fitted parameters could, follows from
 //! linear algebra. The same numbers serve two ends: does anything of this kind remain (a test with many more directions
 //! than the named effects have), and what would it be.
@@ -15,7 +15,7 @@ use crate::record::stroke::Phase;
 use chamber::balance::MASS;
 use chamber::card::Balance;
 use chamber::dual::Dual;
-use chamber::effects;
+use chamber::effects::{self, empirical};
 use chamber::real::Real;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
@@ -33,6 +33,8 @@ pub enum Variable {
     SinceMove,
     /// Pressure of the gas, Pa.
     Pressure,
+    /// Temperature of the gas, K.
+    Temperature,
     /// T − Tw, K.
     TemperatureDifference,
     /// |T − Tw|, K.
@@ -45,6 +47,10 @@ pub enum Variable {
     PressureRate,
     /// Position of the piston, m.
     Position,
+    /// Power of the gas on the piston P dV/dt, W.
+    PistonPower,
+    /// Mass of the gas, kg.
+    Mass,
 }
 
 impl Variable {
@@ -54,12 +60,33 @@ impl Variable {
             Variable::Time => ("time from the record's start", "s"),
             Variable::SinceMove => ("time since the last move began", "s"),
             Variable::Pressure => ("pressure", "Pa"),
+            Variable::Temperature => ("temperature of the gas", "K"),
             Variable::TemperatureDifference => ("temperature difference gas − wall", "K"),
             Variable::TemperatureDistance => ("size of the temperature difference gas − wall", "K"),
             Variable::Speed => ("piston speed", "m/s"),
             Variable::SpeedAmount => ("amount of the piston speed", "m/s"),
             Variable::PressureRate => ("rate of pressure", "Pa/s"),
             Variable::Position => ("piston position", "m"),
+            Variable::PistonPower => ("power of the gas on the piston", "W"),
+            Variable::Mass => ("mass of the gas", "kg"),
+        }
+    }
+
+    /// The same in a model; `None` for what is no matter of the chamber's state and stroke at one moment.
+    pub fn in_model(self) -> Option<empirical::Variable> {
+        match self {
+            Variable::Pressure => Some(empirical::Variable::Pressure),
+            Variable::Temperature => Some(empirical::Variable::Temperature),
+            Variable::TemperatureDifference => Some(empirical::Variable::TemperatureDifference),
+            Variable::Position => Some(empirical::Variable::Position),
+            Variable::Speed => Some(empirical::Variable::Velocity),
+            Variable::PistonPower => Some(empirical::Variable::PistonPower),
+            Variable::Mass => Some(empirical::Variable::Mass),
+            Variable::Time
+            | Variable::SinceMove
+            | Variable::TemperatureDistance
+            | Variable::SpeedAmount
+            | Variable::PressureRate => None,
         }
     }
 }
@@ -87,6 +114,16 @@ impl Form {
             Form::Power | Form::CoefficientShare => Balance::Energy,
             Form::VolumeShare => Balance::Volume,
             Form::Reading => Balance::Sensor,
+        }
+    }
+    /// The same in a model.
+    pub fn in_model(self) -> empirical::Balance {
+        match self {
+            Form::Flow => empirical::Balance::MassFlow,
+            Form::Power => empirical::Balance::HeatFlow,
+            Form::CoefficientShare => empirical::Balance::CoefficientShare,
+            Form::VolumeShare => empirical::Balance::VolumeShare,
+            Form::Reading => empirical::Balance::Reading,
         }
     }
     /// Name and unit, for people.
@@ -125,6 +162,26 @@ const FAMILIES: [(Form, Variable); 19] = [
     (Form::Reading, Variable::SinceMove),
 ];
 
+/// The families that a model can hold: the term follows from the chamber's state and stroke at the moment, so that it carries
+/// over to another motion.
+const CURVES: [(Form, Variable); 15] = [
+    (Form::Flow, Variable::Pressure),
+    (Form::Flow, Variable::Mass),
+    (Form::Power, Variable::TemperatureDifference),
+    (Form::Power, Variable::Pressure),
+    (Form::Power, Variable::Position),
+    (Form::Power, Variable::Speed),
+    (Form::Power, Variable::PistonPower),
+    (Form::CoefficientShare, Variable::Temperature),
+    (Form::CoefficientShare, Variable::TemperatureDifference),
+    (Form::CoefficientShare, Variable::Pressure),
+    (Form::CoefficientShare, Variable::Position),
+    (Form::CoefficientShare, Variable::Speed),
+    (Form::VolumeShare, Variable::Pressure),
+    (Form::VolumeShare, Variable::Position),
+    (Form::Reading, Variable::Pressure),
+];
+
 /// What a family takes away, and its function.
 #[derive(Clone, Debug)]
 pub struct Missing {
@@ -161,6 +218,10 @@ pub struct Path {
     pub position_m: Vec<f64>,
     /// Speed, m/s.
     pub speed_m_per_s: Vec<f64>,
+    /// Power of the gas on the piston, W.
+    pub piston_power_w: Vec<f64>,
+    /// Mass of the gas, kg.
+    pub mass_kg: Vec<f64>,
     /// Heat flow by the fitted law, W.
     pub heat_flow_w: Vec<f64>,
     /// Time since the last move began, s.
@@ -187,6 +248,8 @@ impl Path {
             volume_m3: Vec::with_capacity(n),
             position_m: Vec::with_capacity(n),
             speed_m_per_s: Vec::with_capacity(n),
+            piston_power_w: Vec::with_capacity(n),
+            mass_kg: Vec::with_capacity(n),
             heat_flow_w: Vec::with_capacity(n),
             since_move_s: Vec::with_capacity(n),
         };
@@ -212,6 +275,8 @@ impl Path {
             path.volume_m3.push(volume);
             path.position_m.push(position);
             path.speed_m_per_s.push(speed);
+            path.piston_power_w.push(path.pressure_pa[i] * chamber.geometry.piston_area * speed);
+            path.mass_kg.push(masses[step].1);
             path.heat_flow_w.push(lambda * chamber.geometry.heat_transfer_area(volume) * (ambient - temperature));
             path.since_move_s.push(time - moved);
         }
@@ -226,6 +291,9 @@ impl Path {
             Variable::Time => self.time_s.clone(),
             Variable::SinceMove => self.since_move_s.clone(),
             Variable::Pressure => self.pressure_pa.clone(),
+            Variable::Temperature => self.temperature_k.clone(),
+            Variable::PistonPower => self.piston_power_w.clone(),
+            Variable::Mass => self.mass_kg.clone(),
             Variable::TemperatureDifference => (0..n).map(difference).collect(),
             Variable::TemperatureDistance => (0..n).map(|i| difference(i).abs()).collect(),
             Variable::Speed => self.speed_m_per_s.clone(),
@@ -283,7 +351,7 @@ impl Disturbance<Tangent> for Hats<'_> {
     }
 }
 
-/// Knots at quantiles of the variable, with the extremes; fewer than three distinct ones mean that it does not vary.
+/// Knots along the values of a variable, with the extremes; `None` where it does not vary.
 fn knots(values: &mut Vec<f64>) -> Option<[f64; KNOTS]> {
     values.retain(|v| v.is_finite());
     values.sort_by(f64::total_cmp);
@@ -298,10 +366,34 @@ fn knots(values: &mut Vec<f64>) -> Option<[f64; KNOTS]> {
         let by_rank = values[((n - 1) as f64 * u).round() as usize];
         0.5 * (by_rank + low + (high - low) * u)
     });
+    // Where a variable changes its sign laws have corners: a knot belongs there.
+    if low < 0.0 && high > 0.0 {
+        let nearest = (1..KNOTS - 1).min_by(|a, b| at[*a].abs().total_cmp(&at[*b].abs()))?;
+        at[nearest] = 0.0;
+    }
+    let near = NEAR * (high - low);
+    for k in 1..KNOTS - 1 {
+        if at[k] != 0.0 {
+            at[k] = out_of_gap(values, [at[k - 1], at[k], at[k + 1]], near);
+        }
+    }
     for k in 1..KNOTS {
         at[k] = at[k].max(at[k - 1] + 1e-6 * (high - low));
     }
     Some(at)
+}
+
+/// Values are near one another that differ by less than this share of their range.
+const NEAR: f64 = 0.02;
+
+/// The middle one of three knots, moved to an end of the gap between `sorted` values in which it lies: no value would
+/// determine the function there. It stays where it is if both ends are near the other knots.
+fn out_of_gap(sorted: &[f64], [before, knot, after]: [f64; 3], near: f64) -> f64 {
+    let above = sorted.partition_point(|v| *v < knot).clamp(1, sorted.len() - 1);
+    let [low, high] = [sorted[above - 1], sorted[above]];
+    let ends = if high - low > near { [low, high] } else { [knot; 2] };
+    let free = ends.into_iter().filter(|end| end - before > near && after - end > near);
+    free.min_by(|a, b| (a - knot).abs().total_cmp(&(b - knot).abs())).unwrap_or(knot)
 }
 
 fn hats(at: &[f64; KNOTS], v: f64) -> [f64; KNOTS] {
@@ -311,6 +403,21 @@ fn hats(at: &[f64; KNOTS], v: f64) -> [f64; KNOTS] {
     share[k] = 1.0 - u;
     share[k + 1] = u;
     share
+}
+
+impl Missing {
+    /// How much less BIC a fit with it would have, to first order.
+    pub fn worth(&self, fit: &Fit) -> f64 {
+        let (n, squares) = (fit.blocks as f64, fit.marginal);
+        -n * ((squares - self.gain).max(1.0) / squares).ln() - self.rank as f64 * n.ln()
+    }
+
+    /// It as a model holds it, all zero; `None` where no model can.
+    pub fn flat(&self) -> Option<empirical::Curve> {
+        let (balance, variable) = (self.form.in_model(), self.variable.in_model()?);
+        let (knots, values) = (self.at.clone(), vec![0.0; self.at.len()]);
+        balance.follows(variable).then_some(empirical::Curve { balance, variable, knots, values })
+    }
 }
 
 /// Everything that can be asked of a fit's residual by the families.
@@ -335,8 +442,17 @@ impl<'a> Search<'a> {
 
     /// All families, best first.
     pub fn all(&self) -> Vec<Missing> {
+        self.of(&FAMILIES)
+    }
+
+    /// The families that a model can hold, best first.
+    pub fn curves(&self) -> Vec<Missing> {
+        self.of(&CURVES)
+    }
+
+    fn of(&self, families: &[(Form, Variable)]) -> Vec<Missing> {
         let mut found: Vec<Missing> =
-            FAMILIES.par_iter().filter_map(|&(form, variable)| self.family(form, variable)).collect();
+            families.par_iter().filter_map(|&(form, variable)| self.family(form, variable)).collect();
         found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         found
     }

@@ -8,8 +8,9 @@
 //! λ0 and wall capacities move on a logarithmic scale, everything else on a linear one within the bounds of its card.
 
 use crate::record::prepare::{Data, Prepared};
-use chamber::card::Unit;
-use chamber::effects::{self, CARDS, EffectSet, EffectValues, PARAMETER_OFFSETS};
+use chamber::card::{Kind, Parameter, Unit};
+use chamber::effects::empirical::{Balance as CurveBalance, Curve, Empirical};
+use chamber::effects::{self, CARDS, Effect, EffectSet, EffectValues, PARAMETER_OFFSETS};
 use chamber::real::Real;
 use chamber::simulate::Start;
 use chamber::{AreaLaw, Chamber, Geometry, HeatTransfer};
@@ -147,6 +148,8 @@ pub struct Sizes {
     pub pressure: f64,
     /// Largest piston speed, m/s.
     pub speed: f64,
+    /// Power of the gas on the piston at that speed and the mean pressure, W.
+    pub piston_power: f64,
     /// Time between rows, s.
     pub row: f64,
     /// Noise, Pa.
@@ -176,6 +179,7 @@ impl Sizes {
             volume,
             pressure,
             speed: speed.max(1e-3),
+            piston_power: pressure * chamber.geometry.piston_area * speed,
             row: mean(&|t: &Prepared| t.time_s.last().copied().unwrap_or(1.0) / t.time_s.len() as f64),
             noise: data.noise.total_pa(),
         }
@@ -184,7 +188,7 @@ impl Sizes {
     /// Size of a parameter with that unit on this rig; for a dimensionless one its typical value.
     pub fn size_of(&self, unit: Unit, typical: f64) -> f64 {
         match unit {
-            Unit::One => typical.abs(),
+            Unit::One | Unit::OfTable => typical.abs(),
             Unit::SpeedPower => self.speed.powf(-0.8),
             Unit::Second => self.row,
             Unit::Metre => 0.1,
@@ -281,8 +285,16 @@ impl Hypothesis {
         }
         let mut own = Vec::new();
         for e in model.effects.iter() {
-            let free = |p: &chamber::card::Parameter| p.fitted || model.secondary.has(e);
+            let in_use = (CARDS[e].length)(base.effects.of(e));
+            let free = |p: &Parameter| match p.kind {
+                Kind::Place { index, .. } => p.fitted && index < in_use,
+                _ => p.fitted || model.secondary.has(e),
+            };
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
+                if let Some(curve) = curve_of(e, base).filter(|_| matches!(parameter.kind, Kind::Place { .. })) {
+                    axes.push(axis_of_value(&curve, Slot::Effect(e, p), sizes));
+                    continue;
+                }
                 let (logarithmic, scale, mut bounds) = coordinates_of(parameter, sizes);
                 let known = parameter.prior(&data.gas).filter(|_| !logarithmic);
                 let prior = known.map(|normal| [normal.mean / scale, normal.standard_deviation / scale]);
@@ -311,6 +323,39 @@ impl Hypothesis {
             set(&mut chamber, axis, *x);
         }
         chamber
+    }
+
+    /// Unit of a number of the rig: a curve's is that of what it is.
+    pub fn unit(&self, slot: Slot) -> &'static str {
+        match slot {
+            Slot::Effect(e, p) if CARDS[e].parameters[p].unit == Unit::OfTable => {
+                curve_of(e, &self.base).map_or("", |curve| curve.balance.unit())
+            }
+            _ => slot.unit(),
+        }
+    }
+
+    /// Combinations of axes whose mean beforehand is zero, with their standard deviations: how much each value of a curve
+    /// differs from the straight line through its neighbours. Where nothing is measured a curve goes on as it began. A knot
+    /// at zero is free of that: laws have corners where their variable changes its sign.
+    pub fn bends(&self) -> impl Iterator<Item = ([(usize, f64); 3], f64)> {
+        let Some((curve, first)) = self.axes.iter().enumerate().find_map(|(i, axis)| match axis.slot {
+            Slot::Effect(e, _) => Some((curve_of(e, &self.base)?, i)),
+            _ => None,
+        }) else {
+            return Vec::new().into_iter();
+        };
+        // In coordinates: as a first fit has found the curve, or what would be a lot.
+        let sizes = curve.values.iter().zip(&self.axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
+        let size = Some(sizes.fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0);
+        let knots = &curve.knots;
+        let bend = |k: usize| {
+            let share = (knots[k + 1] - knots[k]) / (knots[k + 2] - knots[k]);
+            let at = |k: usize, weight: f64| (first + k, weight);
+            ([at(k, share - 1.0), at(k + 1, 1.0), at(k + 2, -share)], BEND * size)
+        };
+        let inner = (0..knots.len().saturating_sub(2)).filter(|k| knots[k + 1] != 0.0);
+        inner.map(bend).collect::<Vec<_>>().into_iter()
     }
 
     /// The coordinates of a chamber's numbers.
@@ -405,13 +450,47 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
     match axis.slot {
         Slot::Lambda0 => chamber.heat_transfer.coefficient = value,
         Slot::DeadVolume => chamber.geometry.dead_volume = value,
-        Slot::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = value,
+        Slot::Effect(e, p) => {
+            let parameters = CARDS[e].parameters;
+            let values = &mut chamber.effects.0[PARAMETER_OFFSETS[e]..];
+            values[p] = value;
+            // A list that is shorter than its places repeats its last number.
+            let places = parameters.iter().zip(values).skip(p + 1);
+            let of_list = |q: &Parameter| q.name == parameters[p].name && matches!(q.kind, Kind::Place { .. });
+            places.take_while(|(q, _)| of_list(q)).for_each(|(_, rest)| *rest = value);
+        }
         Slot::Bore | Slot::PositionScale | Slot::PositionZero | Slot::AmbientTemperature => {}
     }
 }
 
+/// The curve that an effect of a chamber is, if it is one.
+pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
+    let is_curve = CARDS[effect].name == Empirical::CARD.name;
+    is_curve.then(|| Curve::of(chamber.effects.of(effect))).flatten()
+}
+
+/// By how much a value of a curve differs beforehand from the straight line through its neighbours, of the largest value.
+const BEND: f64 = 0.04;
+
+/// A value of a curve: scaled by what would be a lot on this rig, which is its standard deviation beforehand. That decides
+/// what the records leave open, as a share of λ that is the same everywhere and λ0.
+fn axis_of_value(curve: &Curve, slot: Slot, sizes: &Sizes) -> Axis {
+    let any = [-1e6, 1e6];
+    let (scale, bounds) = match curve.balance {
+        // What 60 K between gas and wall drive, and a seventh of the work.
+        CurveBalance::HeatFlow => (60.0 * sizes.gas_capacity / sizes.relaxation + 0.15 * sizes.piston_power, any),
+        // A seventh of the gas over a record: density 1.2 kg/m³ at 1 bar.
+        CurveBalance::MassFlow => (0.15 * 1.2 * sizes.volume * sizes.pressure / 1e5 / sizes.duration, any),
+        // A share above −1 leaves something.
+        CurveBalance::CoefficientShare => (1.0, [-0.95, 20.0]),
+        CurveBalance::VolumeShare => (0.06, [-10.0, 20.0]),
+        CurveBalance::Reading => (0.06 * sizes.pressure, any),
+    };
+    Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, 1.0]) }
+}
+
 /// Whether a parameter is logarithmic, its size on this rig, and the bounds of its coordinate.
-fn coordinates_of(parameter: &chamber::card::Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2]) {
+fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2]) {
     let size = sizes.size_of(parameter.unit, parameter.typical);
     // A capacity is off at zero and without effect when large: only its logarithm is at home in a fit.
     let logarithmic = parameter.unit == Unit::JoulePerKelvin;

@@ -16,6 +16,7 @@
 
 pub mod atomic;
 pub mod document;
+mod effect;
 pub mod error;
 pub mod format;
 pub mod gas;

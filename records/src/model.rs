@@ -5,9 +5,10 @@
 //! of 293.15 K and 101325 Pa; and of an effect that is named, its parameters' neutral values.
 
 use crate::document::Document;
+use crate::effect;
 use crate::error::Error;
 use crate::gas::{self, NamedGas};
-use crate::key::{Bounds, KeyProblem};
+use crate::key::KeyProblem;
 use crate::limits;
 use crate::provenance::{Provenance, quoted};
 use crate::table::Table;
@@ -117,9 +118,7 @@ impl Model {
         writeln!(out, "reference_temperature_k = {}", number(heat_transfer.reference_temperature))?;
         for (index, card) in effects::all().filter(|(index, _)| effects.active().has(*index)) {
             writeln!(out, "\n[effect.{}]  # {}", card.name, card.doc)?;
-            for (parameter, value) in card.parameters.iter().zip(effects.of(index)) {
-                writeln!(out, "{} = {}", parameter.key(), number(*value))?;
-            }
+            effect::write(out, card, effects.of(index))?;
         }
         writeln!(out, "\n[ambient]\ntemperature_k = {}", number(self.ambient_temperature_k))?;
         writeln!(out, "pressure_pa = {}", number(self.ambient_pressure_pa))?;
@@ -149,7 +148,7 @@ impl Model {
 }
 
 /// The shortest digits that read back as the same number.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     // Rust's `NaN` is `nan` in TOML: refused by its key when read back.
     if value.is_nan() { "nan".to_owned() } else { format!("{value:?}") }
 }
@@ -190,12 +189,8 @@ fn read_effects(table: &Table<'_>) -> Result<EffectValues, Error> {
     table.allow(&effects::all().map(|(_, card)| card.name).collect::<Vec<_>>())?;
     let mut values = EffectValues::NEUTRAL;
     for (index, card) in effects::all() {
-        let Some(effect) = table.table(card.name)? else { continue };
-        let keys: Vec<String> = card.parameters.iter().map(|parameter| parameter.key()).collect();
-        effect.allow(&keys.iter().map(String::as_str).collect::<Vec<_>>())?;
-        for ((parameter, key), value) in card.parameters.iter().zip(&keys).zip(values.of_mut(index)) {
-            let bounds = Bounds::Within(parameter.bounds.clone(), "");
-            *value = effect.number(key, &bounds)?.unwrap_or(parameter.neutral);
+        if let Some(effect) = table.table(card.name)? {
+            effect::read(&effect, card, values.of_mut(index))?;
         }
     }
     Ok(values)

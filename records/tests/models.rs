@@ -1,5 +1,7 @@
 //! Model files: exact round trips, defaults, and what is refused with file, line and key.
 
+use chamber::card::Kind;
+use chamber::effects::empirical::{Balance, Curve, KNOTS, Variable};
 use chamber::effects::{self, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
@@ -65,13 +67,46 @@ fn faulty_effects_are_refused_as_their_cards_say() {
         &["line 6: effect.leakage.conductance: unknown key", "`conductance_m3_per_s_pa`"],
     );
     for (_, card) in effects::all() {
-        for parameter in card.parameters {
+        for parameter in card.parameters.iter().filter(|p| p.kind == Kind::Number) {
             let key = parameter.key();
             let beyond = parameter.bounds.end() * 2.0 + 1.0;
             let text = format!("{FEW}[effect.{}]\n{key} = {beyond:?}\n", card.name);
             refusal(&text, &[&format!("line 6: effect.{}.{key}: {beyond:?} cannot be", card.name)]);
         }
     }
+}
+
+#[test]
+fn a_faulty_curve_is_refused_in_a_sentence() {
+    let table = |balance: &str, variable: &str, knots: &str, values: &str| {
+        format!(
+            "{FEW}[effect.empirical]\nbalance = {balance}\nvariable = {variable}\nknots = {knots}\nvalues = {values}\n"
+        )
+    };
+    let (heat, pressure, knots, values) = ("\"heat_flow\"", "\"pressure\"", "[1e5, 2e5]", "[0.0, 1]");
+    let model = parse(&table(heat, pressure, knots, values)).unwrap();
+    let (index, _) = effects::find("empirical").unwrap();
+    let curve = Curve::of(model.chamber.effects.of(index)).unwrap();
+    assert_eq!((curve.balance, curve.variable), (Balance::HeatFlow, Variable::Pressure));
+    assert_eq!((curve.knots, curve.values), (vec![1e5, 2e5], vec![0.0, 1.0]));
+    let faults: [(&str, &str, &str, &str, &[&str]); 10] = [
+        ("\"heet_flow\"", pressure, knots, values, &["line 6: effect.empirical.balance", "did you mean `heat_flow`?"]),
+        (heat, "\"presure\"", knots, values, &["line 7: effect.empirical.variable", "did you mean `pressure`?"]),
+        (heat, "1", knots, values, &["line 7", "is the number 1, expected a text"]),
+        (heat, pressure, "[2e5, 1e5]", values, &["line 8", "100000.0 follows 200000.0", "above the one before"]),
+        (heat, pressure, "[1e5, 1e5]", values, &["line 8", "100000.0 follows 100000.0"]),
+        (heat, pressure, "[]", values, &["line 8", "has 0 numbers; expected a list of 1 to 8 numbers"]),
+        (heat, pressure, "[0, 1, 2, 3, 4, 5, 6, 7, 8]", values, &["line 8", "has 9 numbers"]),
+        (heat, pressure, knots, "[1, 2, 3]", &["line 9", "effect.empirical.values: has 3 numbers, `knots` has 2"]),
+        (heat, pressure, knots, "[1, nan]", &["line 9", "NaN cannot be"]),
+        ("\"volume_share\"", "\"mass\"", knots, values, &["line 6", "can follow pressure or position only"]),
+    ];
+    for (balance, variable, knots, values, parts) in faults {
+        refusal(&table(balance, variable, knots, values), parts);
+    }
+    refusal(&format!("{FEW}[effect.empirical]\n"), &["line 5: effect.empirical.balance: missing; one of heat_flow"]);
+    let without = table(heat, pressure, knots, values).replace("values", "# values");
+    refusal(&without, &["effect.empirical.values: missing; a list of 1 to 8 numbers is needed"]);
 }
 
 #[test]
@@ -131,15 +166,28 @@ fn faulty_uncertainties_are_refused_by_key() {
     refusal(&format!("{FEW}[provenance]\nverdict = \"adequat\"\n"), &["provenance.verdict", "`adequate`"]);
 }
 
+fn any_curve() -> impl Strategy<Value = Curve> {
+    let knots = prop::collection::btree_map(-1_000_000..1_000_000_i32, -0.9..0.9_f64, 1..=KNOTS);
+    (0..Balance::ALL.len(), knots).prop_map(|(balance, table)| Curve {
+        balance: Balance::ALL[balance],
+        variable: Variable::Pressure,
+        knots: table.keys().map(|knot| f64::from(*knot) / 7.0).collect(),
+        values: table.into_values().collect(),
+    })
+}
+
 fn any_effects() -> impl Strategy<Value = EffectValues> {
     let shares = prop::collection::vec((any::<bool>(), 0.0..=1.0_f64), effects::PARAMETERS);
-    shares.prop_map(|shares| {
+    (shares, prop::option::of(any_curve())).prop_map(|(shares, curve)| {
         let mut values = EffectValues::NEUTRAL;
         let parameters = effects::all().flat_map(|(_, card)| card.parameters);
         for ((value, parameter), (set, share)) in values.0.iter_mut().zip(parameters).zip(shares) {
-            if set {
+            if set && parameter.kind == Kind::Number {
                 *value = parameter.bounds.start() + share * (parameter.bounds.end() - parameter.bounds.start());
             }
+        }
+        if let (Some(curve), Some((index, _))) = (curve, effects::find("empirical")) {
+            values.of_mut(index).copy_from_slice(&curve.parameters());
         }
         values
     })

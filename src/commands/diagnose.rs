@@ -3,6 +3,7 @@
 use crate::commands::estimates;
 use crate::{evaluation, output};
 use identify::outcome::diagnosis::{Diagnosis, Rmse, Unnamed};
+use identify::outcome::read_off::Empirical;
 use report::digits;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -86,6 +87,11 @@ fn table(d: &Diagnosis) -> String {
             digits(d.accuracy_pa, 2)
         ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
+        "improved" if d.has_curve() => format!(
+            "with {} left-out experiments are predicted decisively better; a curve read off the records describes them and names no cause ({} Pa rms remain beyond noise)",
+            d.terms().join(" and "),
+            digits(d.remaining_pa, 3)
+        ),
         "improved" => format!(
             "with {} left-out data are predicted decisively better; {} Pa rms remain beyond noise, so that this describes the records and need not be the cause",
             d.terms().join(" and "),
@@ -121,6 +127,9 @@ fn table(d: &Diagnosis) -> String {
     }
     for group in &d.indistinguishable {
         let _ = writeln!(out, "\nthe data cannot tell apart: {}", group.join(", "));
+    }
+    if let Some(e) = &d.empirical {
+        empirical(&mut out, e);
     }
     for m in d.missing.iter().take(3) {
         missing(&mut out, m);
@@ -158,6 +167,23 @@ fn recording(out: &mut String, d: &Diagnosis) {
         d.probabilities.iter().filter(|(_, p)| *p > 0.2).map(|(e, p)| format!("{e} {:.0} %", 100.0 * p)).collect();
     if !likely.is_empty() {
         let _ = writeln!(out, "probable effects: {}", likely.join(", "));
+    }
+}
+
+/// The missing term as a curve.
+fn empirical(out: &mut String, e: &Empirical) {
+    let _ = writeln!(
+        out,
+        "\n{}: {} as a curve over the {}; error on experiments left out whole {} -> {} Pa",
+        if e.accepted { "in the model" } else { "refused, as it does not carry over" },
+        e.quantity,
+        e.variable,
+        digits(e.left_out_rmse_pa.without, 3),
+        digits(e.left_out_rmse_pa.with, 3)
+    );
+    for ((at, value), [low, high]) in e.knots.iter().zip(&e.values).zip(&e.ci95) {
+        let (at, value, low, high) = (digits(*at, 4), digits(*value, 3), digits(*low, 3), digits(*high, 3));
+        let _ = writeln!(out, "   at {at:>11} {:<5} {value:>11} {} ({low} … {high})", e.variable_unit, e.unit);
     }
 }
 

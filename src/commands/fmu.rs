@@ -8,7 +8,7 @@ use fmu::package::{Contents, Library, Version};
 use fmu::plant::values::{
     BASE, CRITICAL_RATIO, Choices, Parameters, REALS, Starts, StrokeInput, parameter, start_inputs,
 };
-use fmu::table::camel;
+use fmu::table::parameter_name;
 use records::{Model, Verdict};
 use std::path::PathBuf;
 
@@ -48,6 +48,11 @@ fn version(text: &str) -> Result<Version, String> {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut model = Model::read(&args.model)?;
     let left_out = model.leave_out_recorded_stroke();
+    for (place, card) in chamber::effects::all() {
+        fmu::table::exported(card, model.chamber.effects.of(place)).map_err(|reason| {
+            anyhow::anyhow!("{}: no FMU can be made of this model: {reason}", args.model.display())
+        })?;
+    }
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
     let identity = Identity::of(name.unwrap_or("Chamber"));
     let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?)
@@ -112,7 +117,7 @@ fn variable_of(key: &str) -> Option<String> {
     let (effect, key) = key.split_once('.')?;
     let (_, card) = chamber::effects::find(effect)?;
     let parameter = card.parameters.iter().find(|p| p.key() == key)?;
-    Some(format!("{}.{}", camel(effect), camel(parameter.name)))
+    Some(parameter_name(card, parameter))
 }
 
 /// The FMU of a model, as bytes; it keeps the model's file in its resources.

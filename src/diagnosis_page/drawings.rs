@@ -4,6 +4,7 @@ use super::spectrum;
 use identify::Diagnosed;
 use identify::discrepancy::Variable;
 use identify::outcome::diagnosis::Unnamed;
+use identify::outcome::read_off::Empirical;
 use identify::record::prepare::Prepared;
 use identify::record::stroke::Phase;
 use report::Error;
@@ -163,6 +164,7 @@ fn shown(si: &'static str) -> (&'static str, f64) {
         "Pa/s" => ("bar/s", 1e-5),
         "m" => ("mm", 1e3),
         "kg/s" => ("mg/s", 1e6),
+        "kg" => ("g", 1e3),
         other => (other, 1.0),
     }
 }
@@ -233,25 +235,61 @@ fn spectrum_chart(found: &Diagnosed) -> Chart<'static> {
 
 /// A missing term as a curve, with two standard deviations either way.
 pub fn missing(m: &Unnamed, caption: String) -> Result<Drawing, Error> {
-    let (x_unit, along) = shown(m.variable_unit);
-    // A missing part of a reading is small: pascals suit it.
-    let (y_unit, up) = if m.unit == "Pa" { ("Pa", 1.0) } else { shown(m.unit) };
-    let known = m.at.iter().zip(&m.value).zip(&m.sd);
-    let bars =
-        known.flat_map(|((at, value), sd)| [-2.0, 2.0].map(|times| (along * at, up * (value + times * sd)))).collect();
-    let curve: Points = m.at.iter().zip(&m.value).map(|(at, value)| (along * at, up * value)).collect();
-    let title = format!("takes away {:.0} % of what is beyond noise", 100.0 * m.share);
-    let (x, y) = (format!("{}, {x_unit}", m.variable), format!("{}, {y_unit}", m.quantity));
-    let chart = Chart {
-        title: &title,
-        x: Axis::new(&x),
-        y: Axis::new(&y),
-        series: vec![
-            Series { points: bars, colour: Colour::Pale, label: "", mark: Mark::Segments(1.3) },
-            line(curve, Colour::After, "", 1.6),
-        ],
-        size: SIZE,
-        ..Chart::default()
+    let known = m.value.iter().zip(&m.sd);
+    let term = Term {
+        title: format!("takes away {:.0} % of what is beyond noise", 100.0 * m.share),
+        x: (m.variable, m.variable_unit),
+        y: (m.quantity, m.unit),
+        at: &m.at,
+        values: &m.value,
+        band: known.map(|(value, sd)| [value - 2.0 * sd, value + 2.0 * sd]).collect(),
     };
-    Ok(Drawing { svg: chart.draw()?, caption })
+    term.drawn(caption)
+}
+
+/// The refitted curve of a missing term, with its 95 % intervals.
+pub fn empirical(e: &Empirical, caption: String) -> Result<Drawing, Error> {
+    let title = if e.accepted { "in the model" } else { "refused: it does not carry over" };
+    let term = Term {
+        title: title.to_owned(),
+        x: (e.variable, e.variable_unit),
+        y: (e.quantity, e.unit),
+        at: &e.knots,
+        values: &e.values,
+        band: e.ci95.clone(),
+    };
+    term.drawn(caption)
+}
+
+/// A term over what it follows; names with their SI units.
+struct Term<'a> {
+    title: String,
+    x: (&'static str, &'static str),
+    y: (&'static str, &'static str),
+    at: &'a [f64],
+    values: &'a [f64],
+    band: Vec<[f64; 2]>,
+}
+
+impl Term<'_> {
+    fn drawn(&self, caption: String) -> Result<Drawing, Error> {
+        let (x_unit, along) = shown(self.x.1);
+        // A missing part of a reading is small: pascals suit it.
+        let (y_unit, up) = if self.y.1 == "Pa" { ("Pa", 1.0) } else { shown(self.y.1) };
+        let ends = self.at.iter().zip(&self.band).flat_map(|(at, ends)| ends.map(|end| (along * at, up * end)));
+        let curve: Points = self.at.iter().zip(self.values).map(|(at, value)| (along * at, up * value)).collect();
+        let (x, y) = (format!("{}, {x_unit}", self.x.0), format!("{}, {y_unit}", self.y.0));
+        let chart = Chart {
+            title: &self.title,
+            x: Axis::new(&x),
+            y: Axis::new(&y),
+            series: vec![
+                Series { points: ends.collect(), colour: Colour::Pale, label: "", mark: Mark::Segments(1.3) },
+                line(curve, Colour::After, "", 1.6),
+            ],
+            size: SIZE,
+            ..Chart::default()
+        };
+        Ok(Drawing { svg: chart.draw()?, caption })
+    }
 }

@@ -19,6 +19,9 @@ pub fn sentence(m: &Unnamed, ambient_pa: f64) -> String {
         ("heat flow into the gas", "piston speed") if curve.is_positive() => {
             "Heat appears while the piston moves, whichever way: friction, or a pressure that lags.".to_owned()
         }
+        ("heat flow into the gas", "power of the gas on the piston") if curve.is_positive() => {
+            "Heat appears with the piston's work, whichever way it goes: friction.".to_owned()
+        }
         ("share of the heat transfer coefficient", "piston position") => {
             "The coefficient depends on where the piston is: the length of the gas column, the wall of the dead volume, or a wrong bore.".to_owned()
         }

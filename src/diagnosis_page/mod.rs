@@ -9,6 +9,7 @@ use chamber::effects;
 use identify::Diagnosed;
 use identify::fit::covariance::Estimate;
 use identify::outcome::diagnosis::{Diagnosis, Rmse};
+use identify::outcome::read_off::Empirical;
 use quantities::{Quantity, lower, pressure, spaced};
 use report::Error;
 use report::document::{Block, Section, Table};
@@ -24,6 +25,9 @@ const SHOWN: usize = 16;
 pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
     let d = &found.diagnosis;
     let mut sections = vec![verdict(d), parameters(d), recording(d)];
+    if let Some(e) = &d.empirical {
+        sections.push(empirical(rig, e)?);
+    }
     if !d.missing.is_empty() {
         sections.push(missing(rig, d)?);
     }
@@ -66,6 +70,12 @@ fn verdict(d: &Diagnosis) -> Section {
             "**Explained.** The paper's chamber model is visibly wrong here. What it lacks is {} ({}). With it, what remains is noise.",
             effect_names(&d.effects),
             documented(&d.effects)
+        ),
+        "improved" if d.has_curve() => format!(
+            "**Improved.** The paper's chamber model is visibly wrong here. With {} ({}) experiments that were left out are predicted decisively better. \
+             A curve read off these records describes them and names no cause; {remaining} rms remain beyond noise.",
+            effect_names(d.terms()),
+            documented(d.terms())
         ),
         "improved" => format!(
             "**Improved.** The paper's chamber model is visibly wrong here. With {} ({}) records that were left out are predicted decisively better. \
@@ -184,6 +194,33 @@ fn recording(d: &Diagnosis) -> Section {
     }
     section.table(table);
     section
+}
+
+/// The missing term as a curve: in the model, or refused.
+fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
+    let mut section = Section::new("The missing term as a curve");
+    let errors = format!(
+        "the error on experiments left out whole {} {}, from {} without it",
+        if e.accepted { "falls to" } else { "is then" },
+        pressure(e.left_out_rmse_pa.with, 3),
+        pressure(e.left_out_rmse_pa.without, 3)
+    );
+    section.text(if e.accepted {
+        format!(
+            "No named effect has the shape of what is missing. Read off the records and fitted with everything else, a {} over the {} is in the model: {errors}. \
+             It is linear between its knots and constant beyond them, where it knows nothing.",
+            e.quantity, e.variable
+        )
+    } else {
+        format!(
+            "No named effect has the shape of what is missing, and no curve does either. The best one, a {} over the {}, does not carry over and is not in the model: {errors}.",
+            e.quantity, e.variable
+        )
+    });
+    let caption = meaning::sentence(&e.as_first_order(), rig.ambient.pressure_pa);
+    section.blocks.push(Block::Charts(vec![drawings::empirical(e, caption)?]));
+    section.note("Bars: 95 % intervals, everything else fitted beside.");
+    Ok(section)
 }
 
 fn missing(rig: &records::Rig, d: &Diagnosis) -> Result<Section, Error> {

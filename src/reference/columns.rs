@@ -44,7 +44,7 @@ fn page() -> String {
         ["quantity", "unit", "values", ""],
         (0..)
             .zip(quantity::all())
-            .filter(|(place, _)| !quantity::is_of_recorded_stroke(*place))
+            .filter(|(place, _)| !quantity::is_of_recorded_stroke(*place) && !quantity::is_of_table(*place))
             .map(|(_, q)| [code(&q.name), q.unit.to_owned(), q.allowed.to_string(), q.doc.to_owned()]),
     );
     page

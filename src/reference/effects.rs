@@ -1,7 +1,7 @@
 //! The page of effects, from their cards.
 
 use super::{MADE, number, table};
-use chamber::card::{Card, ClosedForm, Prior, Unit};
+use chamber::card::{Card, ClosedForm, Kind, Prior, Unit};
 use chamber::{Gas, effects};
 use std::fmt::Write;
 
@@ -47,10 +47,21 @@ fn section(card: &Card) -> String {
     .expect("a String takes all");
     text += &table(
         ["parameter", "unit", "neutral", "typical", "bounds", ""],
-        card.parameters.iter().map(|p| {
-            let fitted = if p.fitted { "" } else { " (not fitted unless asked for)" };
+        card.parameters.iter().filter(|p| !matches!(p.kind, Kind::Place { index: 1.., .. })).map(|p| {
+            let (name, fitted) = match p.kind {
+                Kind::Number if p.fitted => (p.key(), String::new()),
+                Kind::Number => (p.key(), " (not fitted unless asked for)".to_owned()),
+                Kind::Word(words) => (
+                    p.key(),
+                    format!(": {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")),
+                ),
+                Kind::Place { .. } => {
+                    let places = card.parameters.iter().filter(|q| q.name == p.name).count();
+                    (p.name.to_owned(), format!(" (a list of 1 to {places})"))
+                }
+            };
             [
-                format!("`{}`", p.key()),
+                format!("`{name}`"),
                 unit(p.unit),
                 number(p.neutral),
                 number(p.typical),
@@ -73,7 +84,11 @@ fn section(card: &Card) -> String {
 }
 
 fn unit(unit: Unit) -> String {
-    if unit == Unit::One { "—".to_owned() } else { unit.symbol().to_owned() }
+    match unit {
+        Unit::One => "—".to_owned(),
+        Unit::OfTable => "of the term or variable".to_owned(),
+        unit => unit.symbol().to_owned(),
+    }
 }
 
 #[test]

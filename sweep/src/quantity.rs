@@ -3,7 +3,8 @@
 //! Effects' parameters follow from their cards, so that an effect added to `chamber` can be swept at once.
 
 use crate::columns;
-use chamber::effects::{self, PARAMETERS};
+use chamber::card::Kind;
+use chamber::effects::{self, EffectValues, PARAMETERS};
 use chamber::{Gas, Geometry, HeatTransfer};
 use records::Model;
 use std::fmt;
@@ -217,14 +218,20 @@ pub enum NotFound {
     Unknown(Option<&'static str>),
     /// It belongs to an effect that acts on the record of a stroke, and a test's stroke is the true one.
     OfRecordedStroke,
+    /// It says what a model's table is of, and stays as the model has it.
+    OfTable,
 }
 
 /// Place of the quantity of that dotted name, or of the only one whose name ends with these parts. A single part is
 /// refused, too, where its words stand in another quantity's (`pressure_pa` in `initial_pressure_pa`) or name a result:
 /// whoever wrote it may have meant that one.
 pub fn find(name: &str) -> Result<usize, NotFound> {
-    if all().iter().position(|q| q.name == name).is_some_and(is_of_recorded_stroke) {
+    let exact = all().iter().position(|q| q.name == name);
+    if exact.is_some_and(is_of_recorded_stroke) {
         return Err(NotFound::OfRecordedStroke);
+    }
+    if exact.is_some_and(is_of_table) {
+        return Err(NotFound::OfTable);
     }
     meaning(name).map_err(|meanings| match meanings.is_empty() {
         true => NotFound::Unknown(nearest(name)),
@@ -239,11 +246,11 @@ fn meaning(name: &str) -> Result<usize, Vec<String>> {
         return Ok(exact);
     }
     let ends = |q: &Quantity| q.name.strip_suffix(name).is_some_and(|rest| rest.ends_with('.'));
-    let mut found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i]) && !is_of_recorded_stroke(i)).collect();
+    let can_vary = |i: usize| !is_of_recorded_stroke(i) && !is_of_table(i);
+    let mut found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i]) && can_vary(i)).collect();
     let mut results = Vec::new();
     if !name.contains('.') && !found.is_empty() {
-        let alike =
-            |i: &usize| !found.contains(i) && !is_of_recorded_stroke(*i) && has_words(last_part(&list[*i].name), name);
+        let alike = |i: &usize| !found.contains(i) && can_vary(*i) && has_words(last_part(&list[*i].name), name);
         found.extend((0..list.len()).filter(alike).collect::<Vec<_>>());
         results.extend(columns::is_output(name).then(|| format!("the result {name}, which cannot be varied")));
     }
@@ -265,10 +272,29 @@ fn last_part(name: &str) -> &str {
 
 /// Whether the quantity at that place is of no meaning here, where no stroke is recorded.
 pub fn is_of_recorded_stroke(place: usize) -> bool {
-    place.checked_sub(BASE).is_some_and(|parameter| {
-        let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
-        effects::of_recorded_stroke().has(effect)
-    })
+    effect_of(place).is_some_and(|(effect, _)| effects::of_recorded_stroke().has(effect))
+}
+
+/// Whether the quantity at that place belongs to what a table is of, which a study cannot vary.
+pub fn is_of_table(place: usize) -> bool {
+    effect_of(place).is_some_and(|(effect, parameter)| !effects::CARDS[effect].parameters[parameter].is_variable())
+}
+
+/// Whether the quantity at that place is an entry of a list which the effect does not have at these values.
+pub fn is_beyond_table(place: usize, values: &EffectValues) -> bool {
+    let Some((effect, parameter)) = effect_of(place) else { return false };
+    let card = &effects::CARDS[effect];
+    match card.parameters[parameter].kind {
+        Kind::Place { index, .. } => !values.active().has(effect) || index >= (card.length)(values.of(effect)),
+        Kind::Number | Kind::Word(_) => false,
+    }
+}
+
+/// The effect that the quantity at that place belongs to, and its place on the effect's card.
+fn effect_of(place: usize) -> Option<(usize, usize)> {
+    let parameter = place.checked_sub(BASE)?;
+    let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
+    Some((effect, parameter - effects::PARAMETER_OFFSETS[effect]))
 }
 
 /// The known name most like this one, among the dotted ones or their last parts, as the writer seems to prefer.
@@ -330,12 +356,15 @@ mod tests {
     }
 
     #[test]
-    fn every_parameter_of_every_effect_can_be_varied_but_for_those_of_a_recorded_stroke() {
+    fn every_parameter_of_every_effect_can_be_varied_but_for_those_of_a_recorded_stroke_and_of_a_table() {
         for (index, card) in effects::all() {
             for (offset, p) in card.parameters.iter().enumerate() {
                 let place = BASE + effects::PARAMETER_OFFSETS[index] + offset;
-                let expected =
-                    if effects::of_recorded_stroke().has(index) { Err(NotFound::OfRecordedStroke) } else { Ok(place) };
+                let expected = match effects::of_recorded_stroke().has(index) {
+                    true => Err(NotFound::OfRecordedStroke),
+                    false if !p.is_variable() => Err(NotFound::OfTable),
+                    false => Ok(place),
+                };
                 assert_eq!(find(&format!("effect.{}.{}", card.name, p.key())), expected);
             }
         }

@@ -57,11 +57,22 @@ class Chamber:
     def piston_area(self):
         return math.pi * (self.bore**2 - self.rod**2) / 4
 
-    def volume(self, x):
-        return self.dead_volume + self.piston_area * x
+    def volume(self, x, p=None):
+        return (self.dead_volume + self.piston_area * x) * (1 + self.volume_share(x, p))
 
-    def heat_area(self, x):
-        column = self.volume(x) / self.piston_area if self.area_law == "total" else x
+    def volume_share(self, x, p):
+        return self.curve("volume_share", pressure=p, position=x)
+
+    def curve(self, balance, **at):
+        """The empirical term of that balance: linear between its knots, constant beyond."""
+        table = self.effects.get("empirical")
+        if not table or table["balance"] != balance:
+            return 0.0
+        return np.interp(at[table["variable"]], table["knots"], table["values"])
+
+    def heat_area(self, x, p=None):
+        volume = self.volume(x, p) - (0 if self.area_law == "total" else self.dead_volume)
+        column = volume / self.piston_area
         law = math.pi * (self.bore + self.rod) * column + 2 * self.piston_area
         return max(law + self.value("dead_volume_surface", "extra_area_m2"), 0.0)
 
@@ -88,7 +99,7 @@ class Chamber:
         result = self.lambda0 * (p / self.p0) ** n_p * (t / self.t0) ** n_t
         if n:
             result *= (abs(t - tw) / 20) ** n
-        return result * (1 + k * abs(v) ** 0.8) * (self.volume(x) / self.piston_area / l_ref) ** a
+        return result * (1 + k * abs(v) ** 0.8) * (self.volume(x, p) / self.piston_area / l_ref) ** a
 
     def leak(self, p, t):
         """(inflow, outflow) past seals and a closed valve, inflow at ambient temperature."""
@@ -132,7 +143,15 @@ class Chamber:
         modes = y[5:]
         g, r = self.gamma, self.gas_constant
         cp = g * r / (g - 1)
-        volume, dv = self.volume(x), self.piston_area * v
+        volume, dv = self.volume(x, p), self.piston_area * v
+        give = 0.0
+        if self.effects.get("empirical", {}).get("balance") == "volume_share":
+            # Curves have straight pieces: differences are exact within one.
+            dx, dp = 1e-7, 1e-2
+            geometric = self.dead_volume + self.piston_area * x
+            dv *= 1 + self.volume_share(x, p)
+            dv += geometric * (self.volume_share(x + dx, p) - self.volume_share(x - dx, p)) / (2 * dx) * v
+            give = geometric * (self.volume_share(x, p + dp) - self.volume_share(x, p - dp)) / (2 * dp)
         t = p * volume / (m * r)
         z, h = self.value("gas_zones", "mass_fraction"), self.value("gas_zones", "conductance_w_per_k")
         t1 = (t - z * core) / (1 - z)
@@ -141,18 +160,28 @@ class Chamber:
         wall = (tw if capacity else self.ambient_temperature) + self.value("warm_wall", "temperature_difference_k")
         inverse = self.value("wall_conduction", "inverse_effusivity_m2_k_per_w_s05")
         wall += modes.sum()
-        flux = self.coefficient(p, t1, wall, x, v) * (t1 - wall)
-        q = -flux * self.heat_area(x)
+        seen = dict(pressure=p, temperature=t, temperature_difference=t1 - wall, position=x, velocity=v, mass=m)
+        seen["piston_power"] = p * self.piston_area * v
+        share = self.curve("coefficient_share", **seen)
+        flux = self.coefficient(p, t1, wall, x, v) * (1 + share) * (t1 - wall)
+        q = self.curve("heat_flow", **seen) - flux * self.heat_area(x, p)
         dmodes = inverse * MODE_WEIGHTS * flux - MODE_RATES * modes if len(modes) else modes
         leak_in, leak_out = self.leak(p, t)
+        unnamed = self.curve("mass_flow", **seen)
+        leak_in, leak_out = leak_in + max(unnamed, 0.0), leak_out + max(-unnamed, 0.0)
         flow_in, flow_out = max(mdot, 0.0) + leak_in, max(-mdot, 0.0) + leak_out
         t_in = self.ambient_temperature
 
         def pressure_rate(into, out):
             # Enthalpy less the internal energy of the gas that takes it up: what is left warms it.
             net = into * self.enthalpy_above_energy(t_in, t) - out * self.enthalpy_above_energy(t, t)
-            warming = (q - p * dv + net) / (m * self.cv(t))
-            return p * ((into - out) / m + warming / t - dv / volume)
+
+            def rate(dv):
+                warming = (q - p * dv + net) / (m * self.cv(t))
+                return p * ((into - out) / m + warming / t - dv / volume)
+
+            # A volume that gives way to the pressure: dV/dt = dv + give dP/dt.
+            return rate(dv) / (1 + give * (rate(0.0) - rate(1.0)))
 
         tube = self.value("tube_volume", "volume_m3")
         if tube:
@@ -206,7 +235,7 @@ def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
         knots, stroke = true_stroke(chamber, times, positions)
         times, positions, flows = knots, stroke, np.interp(knots, times, flows)
     rest = chamber.rest_temperature
-    mass = pressure * chamber.volume(positions[0]) / (chamber.gas_constant * rest)
+    mass = pressure * chamber.volume(positions[0], pressure) / (chamber.gas_constant * rest)
     y, scale = chamber.at_rest(pressure, mass, rest)
     gas = np.full((len(rows), len(y)), np.nan)
     shown = np.full(len(rows), np.nan)
@@ -233,7 +262,8 @@ def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
             shown[i] = run.sol(earlier[i])[column] if earlier[i] < t1 else y[column]
     shown = shown + chamber.value("sensor_offset", "offset_pa")
     measured = shown + chamber.value("sensor_drift", "rate_pa_per_s") * (rows - times[0])
-    volume = chamber.volume(np.interp(rows, times, positions))
+    measured = measured + chamber.curve("reading", pressure=measured)
+    volume = chamber.volume(np.interp(rows, times, positions), gas[:, 0])
     return {
         "pressure_pa": measured,
         "gas_pressure_pa": gas[:, 0],

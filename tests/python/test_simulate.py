@@ -52,6 +52,22 @@ EFFECTS = {
         "laminar_leakage": {"conductance_m3_per_s_pa": 2e-11},
         "sensor_lag": {"time_constant_s": 0.02},
     },
+    "heat_over_power": {"empirical": {"balance": "heat_flow", "variable": "piston_power", "knots": [-20.0, -0.5, 0.0, 3.0], "values": [1.0, 0.1, 0.0, 0.2]}},
+    "heat_over_temperature": {"empirical": {"balance": "heat_flow", "variable": "temperature", "knots": [293.0, 310.0, 420.0], "values": [0.0, -0.05, -0.4]}},
+    "flow_over_pressure": {"empirical": {"balance": "mass_flow", "variable": "pressure", "knots": [1e5, 1.6e5, 3e5], "values": [1e-7, 0.0, -8e-7]}},
+    "flow_over_mass": {"empirical": {"balance": "mass_flow", "variable": "mass", "knots": [0.0, 1e-3], "values": [0.0, 3e-6]}},
+    "coefficient_over_difference": {
+        "empirical": {"balance": "coefficient_share", "variable": "temperature_difference", "knots": [-1.0, 1.0, 40.0], "values": [0.4, 0.0, -0.2]}
+    },
+    "coefficient_over_velocity": {"empirical": {"balance": "coefficient_share", "variable": "velocity", "knots": [-0.4, 0.0, 0.4], "values": [2.0, 0.0, 1.0]}},
+    "coefficient_over_position": {"empirical": {"balance": "coefficient_share", "variable": "position", "knots": [0.05, 0.07, 0.1], "values": [0.5, 0.1, -0.2]}},
+    "volume_over_pressure": {"empirical": {"balance": "volume_share", "variable": "pressure", "knots": [1e5, 2e5, 6e5], "values": [0.0, 0.01, 0.03]}},
+    "volume_over_position": {"empirical": {"balance": "volume_share", "variable": "position", "knots": [0.04, 0.08, 0.1], "values": [0.03, 0.0, -0.01]}},
+    "reading_over_pressure": {
+        "empirical": {"balance": "reading", "variable": "pressure", "knots": [1e5, 2e5, 6e5], "values": [0.0, 500.0, 9000.0]},
+        "record_delay": {"delay_s": 0.013},
+        "sensor_drift": {"rate_pa_per_s": -250.0},
+    },
     "several": {
         "leakage": {"conductance_m3_per_s_pa": 3e-11},
         "wall_heating": {"capacity_j_per_k": 0.5, "outer_conductance_w_per_k": 0.05},

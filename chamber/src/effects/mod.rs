@@ -57,6 +57,22 @@ pub trait Effect {
     #[inline(always)]
     fn conditions<R: Real>(_p: &[R], _own: &[R], _at: &mut Conditions<R>) {}
 
+    /// Whether the gas fills another volume than the geometry's: then the next hook says which.
+    const VOLUMETRIC: bool = false;
+
+    /// The gas's volume over the geometry's at a position, m, and pressure, Pa, and how that changes with the one, 1/m, and
+    /// with the other, 1/Pa.
+    #[inline(always)]
+    fn volume<R: Real>(_p: &[R], _position: R, _pressure: R) -> [R; 3] {
+        [R::ONE, R::ZERO, R::ZERO]
+    }
+
+    /// Heat into the gas beside that from the wall, W.
+    #[inline(always)]
+    fn heat_flow<R: Real>(_p: &[R], _at: &Conditions<R>) -> R {
+        R::ZERO
+    }
+
     /// A factor of the heat transfer coefficient.
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(_p: &[R], _at: &Conditions<R>) -> R {
@@ -215,6 +231,36 @@ macro_rules! effects {
                 let [energy, pressure] = $module::$name::excess_enthalpy($module::$name::values(values), at, flows);
                 sum[0] += energy;
                 sum[1] += pressure;
+            })*
+            sum
+        }
+
+        /// Effects with [`Effect::VOLUMETRIC`].
+        pub const VOLUMETRIC: EffectSet = {
+            let mut set = EffectSet::NONE;
+            $(if $module::$name::VOLUMETRIC {
+                set = set.union(EffectSet::one(Id::$module as usize));
+            })*
+            set
+        };
+
+        /// [`Effect::volume`] of the effects in `set`.
+        #[inline(always)]
+        pub fn volume<R: Real>(set: EffectSet, values: &EffectValues<R>, position: R, pressure: R) -> [R; 3] {
+            let mut all = [R::ONE, R::ZERO, R::ZERO];
+            $(if $module::$name::VOLUMETRIC && set.has($module::$name::INDEX) {
+                let one = $module::$name::volume($module::$name::values(values), position, pressure);
+                all = [all[0] * one[0], all[1] * one[0] + all[0] * one[1], all[2] * one[0] + all[0] * one[2]];
+            })*
+            all
+        }
+
+        /// Sum of [`Effect::heat_flow`] of the effects in `set`, W.
+        #[inline(always)]
+        pub fn heat_flow<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>) -> R {
+            let mut sum = R::ZERO;
+            $(if set.has($module::$name::INDEX) {
+                sum += $module::$name::heat_flow($module::$name::values(values), at);
             })*
             sum
         }
@@ -400,6 +446,7 @@ effects![
     position_delay::PositionDelay,
     position_averaging::PositionAveraging,
     wall_conduction::WallConduction,
+    empirical::Empirical,
 ];
 
 pub mod iso6358;

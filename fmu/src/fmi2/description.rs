@@ -120,7 +120,8 @@ fn types(xml: &mut String) {
     *xml += "  <TypeDefinitions>\n";
     for quantity in QUANTITIES {
         line(xml, 4, "SimpleType", &[("name", quantity.name.into())], false);
-        let mut attributes = vec![("quantity", quantity.name.into()), ("unit", quantity.unit.into())];
+        let mut attributes = vec![("quantity", quantity.name.into())];
+        attributes.extend(quantity.unit_attribute());
         attributes.extend(quantity.display.map(|display| ("displayUnit", display.into())));
         attributes.extend(quantity.min.map(|min| ("min", number(min))));
         attributes.push(("nominal", number(quantity.nominal)));
@@ -180,7 +181,8 @@ fn scalar_variable(xml: &mut String, index: usize, variable: &Variable, starts: 
 
 fn real_attributes(variable: &Variable, starts: &Starts) -> Vec<(&'static str, String)> {
     let quantity = variable.quantity;
-    let mut attributes = vec![("declaredType", quantity.name.into()), ("unit", quantity.unit.into())];
+    let mut attributes = vec![("declaredType", quantity.name.into())];
+    attributes.extend(quantity.unit_attribute());
     attributes.extend(quantity.display.map(|display| ("displayUnit", display.into())));
     attributes.extend(variable.min.map(|min| ("min", number(min))));
     attributes.extend(variable.max.map(|max| ("max", number(max))));

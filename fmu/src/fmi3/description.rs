@@ -115,8 +115,8 @@ fn units(xml: &mut String) {
 fn types(xml: &mut String) {
     *xml += "  <TypeDefinitions>\n";
     for quantity in QUANTITIES {
-        let mut attributes =
-            vec![("name", quantity.name.into()), ("quantity", quantity.name.into()), ("unit", quantity.unit.into())];
+        let mut attributes = vec![("name", quantity.name.into()), ("quantity", quantity.name.into())];
+        attributes.extend(quantity.unit_attribute());
         attributes.extend(quantity.display.map(|display| ("displayUnit", display.into())));
         attributes.extend(quantity.min.map(|min| ("min", number(min))));
         attributes.push(("nominal", number(quantity.nominal)));
@@ -163,7 +163,8 @@ fn variable(xml: &mut String, reference: u32, variable: &Variable, starts: &Star
     let tag = match variable.is {
         Type::Real => {
             let quantity = variable.quantity;
-            attributes.extend([("declaredType", quantity.name.into()), ("unit", quantity.unit.into())]);
+            attributes.push(("declaredType", quantity.name.into()));
+            attributes.extend(quantity.unit_attribute());
             attributes.extend(quantity.display.map(|display| ("displayUnit", display.into())));
             attributes.extend(variable.min.map(|min| ("min", number(min))));
             attributes.extend(variable.max.map(|max| ("max", number(max))));

@@ -92,7 +92,7 @@ impl<R: Scalar> Moment<'_, R> {
         state_rates[ENERGY] = rates.energy;
         state_rates[OWN..HEAT].copy_from_slice(&own_rates);
         state_rates[HEAT] = rates.heat_flow;
-        state_rates[WORK] = at.pressure * at.piston_area * boundary.velocity;
+        state_rates[WORK] = rates.work;
         state_rates[TRAVEL] = boundary.velocity;
         Present { outputs, states: *states, rates: state_rates }
     }

@@ -83,12 +83,12 @@ pub fn jump<R: Scalar>(
     let system = |share: f64, y: &[R; N]| {
         let boundary = Boundary { position: from + stroke * share, ..still };
         let gas: [R; STATES] = core::array::from_fn(|i| y[i]);
-        let (at, rates, own) = balance::evaluate(set, &chamber, &boundary, &gas);
+        let (_, rates, own) = balance::evaluate(set, &chamber, &boundary, &gas);
         let mut out = [R::ZERO; N];
         out[balance::MASS] = rates.mass;
         out[ENERGY] = rates.energy;
         out[balance::OWN..STATES].copy_from_slice(&own);
-        out[STATES] = at.pressure * at.piston_area * at.velocity;
+        out[STATES] = rates.work;
         out.map(|rate| rate * INSTANT_S)
     };
     let begin: [R; N] = core::array::from_fn(|i| if i < STATES { states[i] } else { states[WORK] });

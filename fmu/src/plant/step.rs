@@ -242,8 +242,8 @@ impl Course<'_> {
                 return [f64::NAN; GAS];
             }
             let contents = Contents::new(y[0], y[1], volume);
-            let (at, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[0.0; OWN_STATES]);
-            [rates.mass, rates.energy, rates.heat_flow, at.pressure * at.piston_area * at.velocity]
+            let (_, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[0.0; OWN_STATES]);
+            [rates.mass, rates.energy, rates.heat_flow, rates.work]
         };
         let absolute = [absolute[MASS], absolute[ENERGY], f64::INFINITY, f64::INFINITY];
         let begin = [states[MASS], states[ENERGY], states[HEAT], states[WORK]];
@@ -298,7 +298,7 @@ impl Course<'_> {
             out[MASS] = rates.mass;
             out[ENERGY] = rates.energy;
             out[HEAT_SUM] = rates.heat_flow;
-            out[WORK_SUM] = at.pressure * at.piston_area * at.velocity;
+            out[WORK_SUM] = rates.work;
             if P > 0 {
                 out[GAS..first_own].copy_from_slice(&around.port_flows(&at));
             }

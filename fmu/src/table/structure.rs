@@ -11,6 +11,7 @@ use crate::plant::states::{self, Origin};
 use crate::plant::step::Gas;
 use crate::plant::values::{BASE, Starts, StrokeInput, input, parameter, start_inputs};
 use chamber::balance::{self, ENERGY, MASS, OWN};
+use chamber::card::{Card, Kind as Holds};
 use chamber::effects::{self, OWN_STATES};
 
 /// Smallest derivative that counts, with known and unknown in units of their nominal values. Far below any law's, far
@@ -107,16 +108,17 @@ fn minus(one: &Present, other: &Present) -> Present {
 }
 
 /// Chambers out of equilibrium, moving, with flows both ways, above and below the surroundings' and the ports' pressures;
-/// each effect alone at its typical values, none, and all; integrated by either side, with each choice.
+/// each effect alone at its typical values and with each of its words, none, and all; integrated by either side, with each
+/// choice.
 fn probes(started: bool) -> Vec<Simulation> {
-    let mut sets: Vec<Vec<usize>> = effects::all().map(|(i, _)| vec![i]).collect();
-    sets.push(Vec::new());
-    sets.push((0..effects::COUNT).collect());
+    let alone: Vec<Effects> = effects::all().flat_map(|(i, card)| values(card).map(move |v| vec![(i, v)])).collect();
+    let all: Effects = effects::all().filter_map(|(i, card)| Some((i, values(card).next()?))).collect();
+    let sets = [Vec::new(), all];
     let pressures = [1e5, 5e5];
-    let of_set = |set: &Vec<usize>| pressures.map(|pressure| probe(started, Kind::CoSimulation, set, pressure));
-    let mut probes: Vec<Simulation> = sets.iter().flat_map(of_set).collect();
+    let of_set = |set: &Effects| pressures.map(|pressure| probe(started, Kind::CoSimulation, set, pressure));
+    let mut probes: Vec<Simulation> = alone.iter().chain(&sets).flat_map(of_set).collect();
     for kind in [Kind::CoSimulation, Kind::ModelExchange] {
-        for set in &sets[effects::COUNT..] {
+        for set in &sets {
             let mut chosen = probe(started, kind, set, 1e5);
             chosen.parameters.choices.stroke_input = StrokeInput::Velocity;
             chosen.parameters.choices.external_wall = true;
@@ -127,15 +129,44 @@ fn probes(started: bool) -> Vec<Simulation> {
     probes
 }
 
-fn probe(started: bool, kind: Kind, set: &[usize], around_pressure: f64) -> Simulation {
+/// Effects that are on, with their parameters.
+type Effects = Vec<(usize, Vec<f64>)>;
+
+/// An effect's typical values; a table once for each meaning that its words give it, over any value of what it follows.
+fn values(card: &'static Card) -> impl Iterator<Item = Vec<f64>> {
+    /// Reaches beyond every variable, in its unit.
+    const RANGE: f64 = 1e6;
+    let mut all = vec![card.parameters.iter().map(|p| p.typical).collect::<Vec<f64>>()];
+    for (place, parameter) in card.parameters.iter().enumerate() {
+        match parameter.kind {
+            Holds::Number => {}
+            Holds::Word(words) => {
+                let with = |values: &Vec<f64>, word: usize| {
+                    let mut values = values.clone();
+                    values[place] = word as f64;
+                    values
+                };
+                all = all.iter().flat_map(|values| (1..=words.len()).map(move |word| with(values, word))).collect();
+            }
+            Holds::Place { index, rising } => {
+                let places = card.parameters.iter().filter(|p| p.name == parameter.name).count();
+                let spread = RANGE * (2.0 * index as f64 / (places - 1) as f64 - 1.0);
+                all.iter_mut().filter(|_| rising).for_each(|values| values[place] = spread);
+            }
+        }
+    }
+    let exported = |values: &Vec<f64>| (card.check)(values).is_ok() && super::exported(card, values).is_ok();
+    all.into_iter().filter(exported).collect::<Vec<_>>().into_iter()
+}
+
+fn probe(started: bool, kind: Kind, set: &Effects, around_pressure: f64) -> Simulation {
     let mut starts = Starts::default();
     starts.parameters.real[parameter::ROD_DIAMETER] = 0.008;
     starts.parameters.real[parameter::INITIAL_PRESSURE] = 3e5;
     starts.parameters.real[parameter::INITIAL_TEMPERATURE] = 350.0;
-    for &index in set {
-        for (i, p) in effects::CARDS[index].parameters.iter().enumerate() {
-            starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[index] + i] = p.typical;
-        }
+    for (index, values) in set {
+        let first = BASE + effects::PARAMETER_OFFSETS[*index];
+        starts.parameters.real[first..first + values.len()].copy_from_slice(values);
     }
     let mut u = start_inputs(0.08, 290.0, around_pressure);
     u[input::VELOCITY] = 0.3;

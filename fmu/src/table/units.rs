@@ -86,7 +86,7 @@ pub const UNITS: &[Unit] = &[
 pub struct Quantity {
     /// Name of the type, and of the quantity in the sense of ISO 31.
     pub name: &'static str,
-    /// Unit of the values that cross the interface.
+    /// Unit of the values that cross the interface; empty where each model has another.
     pub unit: &'static str,
     /// Unit to show values in by default, if another.
     pub display: Option<&'static str>,
@@ -143,6 +143,14 @@ quantities! {
     SONIC_CONDUCTANCE = "SonicConductance", "m3/(s.Pa)", Some("l/(s.bar)"), 1e-12, Some(0.0);
     SPEED_POWER = "SpeedPower", "(s/m)0.8", None, 1.0, Some(0.0);
     INVERSE_EFFUSIVITY = "InverseEffusivity", "m2.K/(W.s0.5)", None, 1e-3, Some(0.0);
+    TABLE_VALUE = "TableValue", "", None, 1.0, None;
+}
+
+impl Quantity {
+    /// The attribute that names the unit, if there is one.
+    pub fn unit_attribute(&self) -> Option<(&'static str, String)> {
+        (!self.unit.is_empty()).then(|| ("unit", self.unit.into()))
+    }
 }
 
 /// The quantity of an effect's parameter or state.
@@ -164,6 +172,7 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
         card::Unit::SonicConductance => &SONIC_CONDUCTANCE,
         card::Unit::SpeedPower => &SPEED_POWER,
         card::Unit::InverseEffusivity => &INVERSE_EFFUSIVITY,
+        card::Unit::OfTable => &TABLE_VALUE,
     }
 }
 
@@ -185,7 +194,7 @@ mod tests {
 
     #[test]
     fn every_quantity_has_a_unit_and_its_display_unit_belongs_to_it() {
-        for quantity in QUANTITIES {
+        for quantity in QUANTITIES.iter().filter(|q| !q.unit.is_empty()) {
             let unit = UNITS.iter().find(|u| u.name == quantity.unit).unwrap_or_else(|| panic!("{}", quantity.name));
             assert!(quantity.display.is_none_or(|d| unit.displays.iter().any(|e| e.name == d)), "{}", quantity.name);
         }

@@ -163,7 +163,7 @@ pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> 
 pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)> {
     let h = &fit.hypothesis;
     let each = h.axes.iter().zip(&fit.rig).enumerate();
-    each.map(|(i, (axis, x))| (axis.slot.name(), estimate(axis, *x, covariance[(i, i)], axis.slot.unit()))).collect()
+    each.map(|(i, (axis, x))| (axis.slot.name(), estimate(axis, *x, covariance[(i, i)], h.unit(axis.slot)))).collect()
 }
 
 /// Covariance of the values of the rig's free numbers, in their units, row by row.

@@ -302,11 +302,17 @@ fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear>
     if known.is_empty() {
         return None;
     }
-    let mut by_rig = DMatrix::zeros(known.len(), rig.len() + stated);
+    let bends: Vec<_> = hypothesis.bends().collect();
+    let mut by_rig = DMatrix::zeros(known.len() + bends.len(), rig.len() + stated);
     let mut residual = Vec::with_capacity(known.len());
     for (row, (i, [mean, sd])) in known.into_iter().enumerate() {
         residual.push((mean - rig[i]) / sd);
         by_rig[(row, i)] = 1.0 / sd;
+    }
+    for (combination, sd) in bends {
+        let row = residual.len();
+        residual.push(-combination.iter().map(|(i, weight)| weight * rig[*i]).sum::<f64>() / sd);
+        combination.iter().for_each(|(i, weight)| by_rig[(row, *i)] = weight / sd);
     }
     let by_own = DMatrix::zeros(residual.len(), 0);
     Some(Linear { blocks: 0, residual, by_rig, by_own })

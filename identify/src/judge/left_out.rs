@@ -29,30 +29,43 @@ pub fn folds(data: &Data) -> Vec<Fold> {
     const FEWEST_RECORDS: usize = 4;
     /// … several of them at a time, so that there are not more folds than this.
     const MOST_FOLDS: usize = 4;
-    let without = |out: &dyn Fn(usize, &Prepared) -> bool| {
-        let kept = data.traces.iter().enumerate().map(|(k, t)| (t, !out(k, t)));
-        let (selection, judged_from) =
-            kept.map(|(t, kept)| if kept { (t.blocks.len(), t.time_s.len()) } else { (0, 0) }).unzip();
-        Fold { selection, judged_from }
-    };
     let repeats = data.traces.iter().map(|t| t.repeat).max().unwrap_or(0) + 1;
     if repeats > 1 {
         let has_repeats: Vec<bool> =
             (0..data.experiments.len()).map(|e| data.traces.iter().filter(|t| t.experiment == e).count() > 1).collect();
         return (0..repeats)
-            .map(|repeat| without(&|_, t| t.repeat == repeat && has_repeats[t.experiment]))
+            .map(|repeat| without(data, |_, t| t.repeat == repeat && has_repeats[t.experiment]))
             .filter(|f| f.selection.contains(&0) && f.selection.iter().any(|n| *n > 0))
             .collect();
     }
     if data.traces.len() >= FEWEST_RECORDS {
         let folds = data.traces.len().min(MOST_FOLDS);
-        return (0..folds).map(|fold| without(&|k, _| k % folds == fold)).collect();
+        return (0..folds).map(|fold| without(data, |k, _| k % folds == fold)).collect();
     }
     let cut = |t: &Prepared| 2 * t.time_s.len() / 3;
     vec![Fold {
         selection: data.traces.iter().map(|t| t.blocks.iter().filter(|b| b.end <= cut(t)).count()).collect(),
         judged_from: data.traces.iter().map(cut).collect(),
     }]
+}
+
+/// Each experiment left out whole, several at a time where there are many: what a term without a name has to predict. With a
+/// single experiment as [`folds`].
+pub fn by_experiment(data: &Data) -> Vec<Fold> {
+    const MOST_FOLDS: usize = 5;
+    let folds = data.experiments.len().min(MOST_FOLDS);
+    if folds < 2 {
+        return self::folds(data);
+    }
+    (0..folds).map(|fold| without(data, |_, t| t.experiment % folds == fold)).collect()
+}
+
+/// Records left out whole, all of them judged.
+fn without(data: &Data, out: impl Fn(usize, &Prepared) -> bool) -> Fold {
+    let kept = data.traces.iter().enumerate().map(|(k, t)| (t, !out(k, t)));
+    let (selection, judged_from) =
+        kept.map(|(t, kept)| if kept { (t.blocks.len(), t.time_s.len()) } else { (0, 0) }).unzip();
+    Fold { selection, judged_from }
 }
 
 /// Root mean square of measured − predicted, Pa, over all judged rows of all folds; `None` where a fold cannot be fitted.

@@ -7,9 +7,11 @@ use crate::fit::covariance::{self, Estimate, Undetermined};
 use crate::judge::misfit;
 use crate::outcome::next_experiment::{self, NextExperiment};
 use crate::outcome::probability;
+use crate::outcome::read_off::Empirical;
 use crate::outcome::recording::{self, NoiseFound, RecordFound};
 use crate::parameters::{Model, names};
 use crate::record::prepare::Data;
+use crate::search::curve::ReadOff;
 use crate::search::{self, Candidate, Found, Verdict};
 use chamber::Chamber;
 use chamber::effects::{CARDS, EffectSet};
@@ -127,6 +129,8 @@ pub struct Diagnosis {
     pub candidates: Vec<Tried>,
     /// What the interval of λ0 is made of.
     pub lambda0_budget: Vec<Budget>,
+    /// The missing term as a curve, where no name fits and one could be read off; not in the model unless it carries over.
+    pub empirical: Option<Empirical>,
     /// What remains, as free functions of one variable, the best first; empty where that is noise.
     pub missing: Vec<Unnamed>,
     /// Parameters, or combinations of them, that the data hardly determines.
@@ -141,6 +145,11 @@ impl Diagnosis {
     /// The effects of the model found, those that each record has for itself among them.
     pub fn terms(&self) -> &[&'static str] {
         self.steps.last().map_or(&self.effects, |step| &step.effects)
+    }
+
+    /// Whether a curve is among them.
+    pub fn has_curve(&self) -> bool {
+        self.empirical.as_ref().is_some_and(|e| e.accepted)
     }
 }
 
@@ -201,7 +210,13 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     let balance = match (found.verdict, effects.first()) {
         (Verdict::Adequate, _) => "none",
         (Verdict::Unexplained, _) | (_, None) => missing.first().map_or("none", |m| m.balance),
-        (_, Some(first)) => chamber::effects::find(first).map_or("none", |(_, card)| card.balance.name()),
+        (_, Some(first)) => match chamber::effects::find(first) {
+            Some((place, _)) if Some(place) == ReadOff::effect() => {
+                found.read_off.as_ref().map_or("none", |r| r.first_order.form.balance().name())
+            }
+            Some((_, card)) => card.balance.name(),
+            None => "none",
+        },
     };
     let steps = steps(&data, &found);
     let diagnosis = Diagnosis {
@@ -223,6 +238,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
             .into_iter()
             .map(|(source, share)| Budget { source, share })
             .collect(),
+        empirical: found.read_off.as_ref().and_then(|r| Empirical::of(r, r.accepted && adequacy.is_adequate())),
         missing,
         undetermined: covariance::undetermined(&after.fit),
         next_experiments: next_experiment::next(&data, &found),
@@ -315,13 +331,10 @@ fn groups(chosen: &Model, alike: &[Model]) -> Vec<Vec<String>> {
 }
 
 fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
-    let n = c.fit.blocks as f64;
-    let squares = c.fit.marginal;
-    let beyond = (squares - n).max(1.0);
+    let beyond = (c.fit.marginal - c.fit.blocks as f64).max(1.0);
     // What takes away most for its number of coefficients comes first.
-    let worth = |m: &Missing| -n * ((squares - m.gain).max(1.0) / squares).ln() - m.rank as f64 * n.ln();
     let mut best: Vec<&Missing> = families.iter().collect();
-    best.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    best.sort_by(|a, b| b.worth(&c.fit).total_cmp(&a.worth(&c.fit)));
     best.iter()
         .take(6)
         .map(|m| Unnamed {

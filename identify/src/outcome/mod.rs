@@ -4,5 +4,6 @@ pub mod diagnosis;
 pub mod identification;
 pub mod next_experiment;
 pub mod probability;
+pub mod read_off;
 pub mod recording;
 pub mod validation;

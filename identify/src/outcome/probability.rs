@@ -2,9 +2,10 @@
 //!
 //! P(set) ∝ p^terms e^(−BIC/(2 T)); an effect has the sum over the sets that hold it. Each term has the prior probability
 //! p, about one in as many terms as there are, so that one which adds nothing to a set gains nothing by being tried. T = 1
-//! would be the textbook's (Raftery, 1995); `TEMPER` is larger, as the noise is a model itself.
+//! would be the textbook's (Raftery, 1995); `TEMPER` is larger, as the noise is a model itself. Sets with a curve in them are
+//! left out.
 
-use crate::search::Found;
+use crate::search::{Candidate, Found};
 use chamber::effects::{CARDS, COUNT};
 
 /// How much flatter than the textbook's the odds are.
@@ -16,7 +17,9 @@ const WORTH_MENTION: f64 = 0.01;
 
 /// Probability of each effect of the rig, the most probable first.
 pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
-    let sets = found.tried.iter().chain([&found.baseline, &found.chosen]);
+    // A curve is a description, no hypothesis with a name.
+    let has_name = |c: &&Candidate| c.model.effects.iter().all(|e| CARDS[e].candidate);
+    let sets = found.tried.iter().chain([&found.baseline, &found.chosen]).filter(has_name);
     let best = sets.clone().map(|c| c.delta_bic).fold(f64::MIN, f64::max);
     let (mut sum, mut each) = (0.0, [0.0; COUNT]);
     let mut seen = Vec::new();

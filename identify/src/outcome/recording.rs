@@ -162,6 +162,16 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             names.join(" and ")
         ));
     }
+    if let Some(r) = found.read_off.as_ref().filter(|r| !r.accepted) {
+        let (form, variable) = (r.first_order.form, r.first_order.variable);
+        out.push(format!(
+            "no curve carries over: the best, a {} over the {}, changes the error on experiments left out whole from {} to {} Pa",
+            form.name().0,
+            variable.name().0,
+            digits(r.left_out_pa[0], 3),
+            digits(r.left_out_pa[1], 3)
+        ));
+    }
     if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
         out.push("the records differ in how they were recorded (see records), not in physics".to_owned());
     }

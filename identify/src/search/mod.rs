@@ -4,9 +4,11 @@
 //! better sets with every further term (a beam) and, where none helps alone, with two of them, until what is left is adequate,
 //! nothing enters, or [`policy::MOST_TERMS`] are in. A term is an effect of the rig, an effect of the recording that each record has for itself, or initial temperatures.
 //! It enters by decisive evidence and a lower error on left-out data; at the end each has to be decisive beside the others
-//! and with the geometry far more uncertain than stated, or it goes out again.
+//! and with the geometry far more uncertain than stated, or it goes out again. Where that leaves more than noise, the missing term
+//! is read off the residual as a curve ([`curve`]).
 
 pub mod baseline;
+pub mod curve;
 pub mod starts;
 pub mod terms;
 
@@ -20,6 +22,7 @@ use crate::parameters::{Model, Sizes};
 use crate::record::colour;
 use crate::record::prepare::Data;
 use chamber::effects::{CARDS, EffectSet};
+use curve::ReadOff;
 use rayon::prelude::*;
 pub use records::Verdict;
 use starts::fit_model;
@@ -60,6 +63,8 @@ pub struct Found {
     pub follows_the_test: bool,
     /// An effect that would enter only with the geometry exactly as stated.
     pub by_geometry: Option<EffectSet>,
+    /// The missing term as a curve, where no name fits.
+    pub read_off: Option<ReadOff>,
 }
 
 /// Searches. `progress` is told what is being done and how far it is. The data come back with outliers left out and the noise as
@@ -325,11 +330,28 @@ impl Search {
             self.chosen = self.judged(less);
             self.steps.push(self.chosen.clone());
         }
-        let follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
-        let verdict = self.verdict(follows_the_test);
+        let mut follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
+        let mut verdict = self.verdict(follows_the_test);
+        let mut alike = self.alike();
+        let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
+        let read_off = match verdict {
+            Verdict::Adequate => None,
+            Verdict::Explained if self.chosen.model.of_rig().iter().count() < 2 => None,
+            Verdict::Explained => self.in_place_of(&self.chosen),
+            Verdict::Improved if self.chosen_adequacy.is_adequate() && !follows_the_test => None,
+            Verdict::Improved | Verdict::Unexplained => self.read_off(settled),
+        };
+        if let Some(found) = read_off.as_ref().filter(|found| found.accepted) {
+            self.steps.retain(|s| terms::is_part(&s.model, &found.candidate.model));
+            self.steps.push(found.candidate.clone());
+            self.tried.insert(0, found.candidate.clone());
+            self.chosen = found.candidate.clone();
+            self.chosen_adequacy = adequacy::test(&self.data, &self.chosen.fit);
+            follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
+            (verdict, alike) = (Verdict::Improved, Vec::new());
+        }
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         sanity::dead_volume(&self.data, &settled.fit)?;
-        let alike = self.alike();
         let found = Found {
             verdict,
             baseline: self.baseline,
@@ -341,6 +363,7 @@ impl Search {
             alike,
             follows_the_test,
             by_geometry,
+            read_off,
         };
         Ok((self.data, found))
     }

@@ -80,9 +80,13 @@ impl Truth<'_> {
     fn true_position(&self, position: f64, state: &[f64; STATES]) -> f64 {
         match self.outside {
             Some(Outside::Compliance(per_bar)) => {
-                let volume = self.chamber.geometry.volume(position);
-                let gauge = (self.chamber.gas.heat_capacity_ratio - 1.0) * state[ENERGY] / volume - self.ambient_pa;
-                position + volume * per_bar * gauge / 1e5 / self.chamber.geometry.piston_area
+                // V = Vn (1 + c (P − Pamb)) with P = (γ − 1) U/V: a quadratic in V.
+                let nominal = self.chamber.geometry.volume(position);
+                let yielding = nominal * per_bar / 1e5;
+                let half = 0.5 * (nominal - yielding * self.ambient_pa);
+                let energy = (self.chamber.gas.heat_capacity_ratio - 1.0) * state[ENERGY];
+                let volume = half + (half * half + yielding * energy).sqrt();
+                position + (volume - nominal) / self.chamber.geometry.piston_area
             }
             _ => position,
         }
@@ -92,15 +96,16 @@ impl Truth<'_> {
         let mut at = self.boundary(t, inside);
         at.position = self.true_position(at.position, state);
         if let Some(Outside::Compliance(per_bar)) = self.outside {
-            // V = Vn (1 + c p/bar): its rate follows dP/dt, which follows its rate: solved by substitution.
-            let gamma = self.chamber.gas.heat_capacity_ratio;
-            let nominal = at.velocity;
+            // dV/dt = (dVn/dt) V/Vn + Vn c dP/dt, where dP/dt follows dV/dt: solved by substitution.
+            let expansion = self.chamber.gas.heat_capacity_ratio - 1.0;
+            let area = self.chamber.geometry.piston_area;
+            let nominal = self.chamber.geometry.volume(self.boundary(t, inside).position);
             let volume = self.chamber.geometry.volume(at.position);
-            for _ in 0..3 {
+            let of_stroke = at.velocity * volume / nominal;
+            for _ in 0..6 {
                 let energy_rate = balance::rates(set, self.chamber, &at, state)[ENERGY];
-                let volume_rate = self.chamber.geometry.piston_area * at.velocity;
-                let pressure_rate = (gamma - 1.0) * (energy_rate - state[ENERGY] * volume_rate / volume) / volume;
-                at.velocity = nominal + volume * per_bar * pressure_rate / 1e5 / self.chamber.geometry.piston_area;
+                let pressure_rate = expansion * (energy_rate - state[ENERGY] * area * at.velocity / volume) / volume;
+                at.velocity = of_stroke + nominal * per_bar * pressure_rate / 1e5 / area;
             }
         }
         let mut rates = balance::rates(set, self.chamber, &at, state);

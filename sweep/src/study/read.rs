@@ -200,6 +200,13 @@ fn possible(
     test: &Section<'_>,
     file: File<'_>,
 ) -> Result<(), Error> {
+    if let Some(place) = varied.iter().position(|v| quantity::is_beyond_table(v.quantity, &model.chamber.effects)) {
+        let message = "is no entry of the model's table: there has to be one in its place";
+        return Err(match entries.get(place) {
+            Some(entry) => entry.refuse(message),
+            None => Error::Option(format!("{}: column `{}` {message}", file.path.display(), varied[place].column)),
+        });
+    }
     if let Design::Table(table) = design {
         let mut point = *base;
         return table.check(varied.iter().map(|v| quantity::all()[v.quantity].allowed.clone()).collect(), |values| {

@@ -138,6 +138,7 @@ pub fn not_found(name: &str, reason: &NotFound) -> String {
             "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
                 .into()
         }
+        NotFound::OfTable => "says what the model's table is of; only its values can be varied".into(),
         NotFound::Unknown(None) => "is no number of the model or of the test".into(),
         NotFound::Unknown(Some(nearest)) => {
             format!("is no number of the model or of the test; did you mean `{nearest}`?")

@@ -1,0 +1,207 @@
+//! Where no name fits, the missing term as a curve: read off the residual, refitted with everything else, and kept only where
+//! it carries over.
+//!
+//! The families that a model can hold ([`discrepancy::Search::curves`]) are ranked by what they take away to first order, on
+//! the paper's model and on the one with the named effects. The best are refitted, their values free beside all else. What
+//! experiments leave in common is easily fitted by any curve, so that a curve has to predict whole experiments that took no
+//! part, decisively better than the model without it: [`policy::PREDICTS_BETTER`]. Two or more named effects that together
+//! leave no more than noise give way to a curve that alone is decisively more likely: they only imitated it.
+
+use super::{Candidate, Search, terms};
+use crate::discrepancy::{self, Missing};
+use crate::fit::Fit;
+use crate::judge::evidence::{bic, bic_widened};
+use crate::judge::{left_out, policy};
+use crate::parameters::{Model, curve_of};
+use crate::search::starts::fit_model;
+use chamber::effects::empirical::Curve;
+use chamber::effects::{self, EffectSet};
+use rayon::prelude::*;
+use std::cmp::Ordering;
+
+/// Curves that are refitted, on each model.
+const REFITTED: usize = 4;
+/// Refitted curves that are judged by left-out experiments, on each model.
+const JUDGED: usize = 3;
+/// A name goes out where the model predicts left-out experiments nearly as well without it: its error over that with it.
+const NEARLY_AS_WELL: f64 = 1.1;
+
+/// The best curve that was found.
+#[derive(Clone, Debug)]
+pub struct ReadOff {
+    /// The term, what it follows, and what it would take away to first order.
+    pub first_order: Missing,
+    /// The model with it.
+    pub candidate: Candidate,
+    /// Error on experiments left out whole, Pa rms: of the model to go on with otherwise, and with the curve.
+    pub left_out_pa: [f64; 2],
+    /// Whether it carries over.
+    pub accepted: bool,
+}
+
+/// A curve that was refitted.
+#[derive(Clone)]
+struct Judged {
+    first_order: Missing,
+    candidate: Candidate,
+    /// Error on experiments left out whole, Pa rms.
+    left_out_pa: f64,
+    /// Whether the records it is fitted to ask for it, whatever the geometry within its tolerances.
+    is_evident: bool,
+}
+
+fn by_bic(a: &Candidate, b: &Candidate) -> Ordering {
+    a.delta_bic.total_cmp(&b.delta_bic)
+}
+
+impl ReadOff {
+    /// Place of the effect that holds a curve.
+    pub fn effect() -> Option<usize> {
+        effects::find("empirical").map(|(place, _)| place)
+    }
+
+    /// The curve as refitted.
+    pub fn curve(&self) -> Option<Curve> {
+        curve_of(Self::effect()?, &self.candidate.fit.chamber())
+    }
+}
+
+impl Search {
+    /// A curve in the place of several named effects that together leave no more than noise: one that alone fits the records
+    /// decisively better shows that the effects only imitate it.
+    pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
+        let folds = left_out::by_experiment(&self.data);
+        let left_out = |fit: &Fit| left_out::rmse(&self.data, fit, &folds);
+        let is_better = |c: &Candidate| c.delta_bic > named.delta_bic + policy::DECISIVE;
+        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, &is_better, &left_out);
+        let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
+        Some(self.told(best, left_out(&named.fit)?, true))
+    }
+
+    /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
+    pub(super) fn read_off(&self, settled: &Candidate) -> Option<ReadOff> {
+        let empirical = ReadOff::effect()?;
+        let mut parts = vec![&self.baseline];
+        if self.chosen.model != Model::PAPER {
+            parts.push(&self.chosen);
+        }
+        let folds = left_out::by_experiment(&self.data);
+        let left_out = |fit: &Fit| left_out::rmse(&self.data, fit, &folds);
+        let (settled_pa, paper_pa) = (left_out(&settled.fit)?, left_out(&self.baseline.fit)?);
+        let curves: Vec<Judged> =
+            parts.iter().flat_map(|part| self.curves_on(part, empirical, &|_| true, &left_out)).collect();
+        let acceptable = |c: &&Judged| {
+            c.is_evident
+                && if c.candidate.model.terms() > settled.model.terms() {
+                    self.predicts_better([settled_pa, c.left_out_pa])
+                } else {
+                    // In the place of names: decisively better than without either, and better than they are.
+                    self.predicts_better([paper_pa, c.left_out_pa]) && self.fits_left_out_data_better(c, settled)
+                }
+        };
+        let evident = curves.iter().filter(acceptable).map(|c| c.candidate.delta_bic).fold(f64::NEG_INFINITY, f64::max);
+        let alike = |c: &&Judged| c.candidate.delta_bic > evident - policy::DECISIVE;
+        let by_terms = |a: &&Judged, b: &&Judged| {
+            let (a, b) = (&a.candidate, &b.candidate);
+            a.model.terms().cmp(&b.model.terms()).then(by_bic(b, a))
+        };
+        let accepted = curves.iter().filter(acceptable).filter(alike).min_by(by_terms);
+        let told = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
+        let best = if accepted.is_some() { self.pruned(told.clone(), &left_out) } else { told.clone() };
+        Some(self.told(best, settled_pa, accepted.is_some()))
+    }
+
+    fn told(&self, curve: Judged, settled_pa: f64, accepted: bool) -> ReadOff {
+        ReadOff {
+            first_order: curve.first_order,
+            accepted,
+            candidate: self.judged(curve.candidate),
+            left_out_pa: [settled_pa, curve.left_out_pa],
+        }
+    }
+
+    /// Whether the error on left-out data falls by more than nobody minds.
+    fn fits_left_out_data_better(&self, c: &Judged, settled: &Candidate) -> bool {
+        let held_out = c.candidate.held_out_pa.zip(settled.held_out_pa);
+        held_out.is_some_and(|(with, without)| without * without - with * with > self.least_gain().powi(2))
+    }
+
+    /// The same without the names that stood for part of the curve: those no longer decisive beside it.
+    fn pruned(&self, mut best: Judged, left_out: &(dyn Fn(&Fit) -> Option<f64> + Sync)) -> Judged {
+        let curve: EffectSet = ReadOff::effect().into_iter().collect();
+        loop {
+            let less = terms::without_one(&best.candidate.model).into_iter().filter(|m| m.effects.contains(curve));
+            let fits = less.filter_map(|model| self.refitted_without(&best.candidate.fit, model));
+            let Some(candidate) = fits.map(|fit| self.candidate(fit)).max_by(by_bic) else { return best };
+            let left_out_pa = left_out(&candidate.fit).unwrap_or(f64::INFINITY);
+            if best.candidate.delta_bic - candidate.delta_bic > policy::DECISIVE
+                || left_out_pa > NEARLY_AS_WELL * best.left_out_pa
+            {
+                return best;
+            }
+            best = Judged { candidate, left_out_pa, ..best };
+        }
+    }
+
+    /// A fit of a part of a fitted model.
+    fn refitted_without(&self, whole: &Fit, model: Model) -> Option<Fit> {
+        let mut from = whole.clone();
+        let chamber = whole.chamber();
+        let gone = whole.hypothesis.model.effects.without(model.effects);
+        from.hypothesis.base = chamber::Chamber { effects: chamber.effects.without(gone), ..chamber };
+        from.hypothesis.axes.clear();
+        from.rig.clear();
+        fit_model(&self.data, model, &from, &self.sizes).filter(|fit| fit.converged)
+    }
+
+    /// The curves that take most away from what a model leaves, refitted; those `worth_judging` judged.
+    fn curves_on(
+        &self,
+        part: &Candidate,
+        empirical: usize,
+        worth_judging: &(dyn Fn(&Candidate) -> bool + Sync),
+        left_out: &(dyn Fn(&Fit) -> Option<f64> + Sync),
+    ) -> Vec<Judged> {
+        let Some(search) = discrepancy::Search::new(&self.data, &part.fit) else { return Vec::new() };
+        let mut curves = search.curves();
+        curves.sort_by(|a, b| b.worth(&part.fit).total_cmp(&a.worth(&part.fit)));
+        curves.truncate(REFITTED);
+        let mut refitted: Vec<(Missing, Candidate)> = curves
+            .into_par_iter()
+            .filter_map(|missing| {
+                let fit = self.refitted_with(part, empirical, &missing.flat()?)?;
+                fit.converged.then(|| (missing, self.candidate(fit)))
+            })
+            .collect();
+        refitted.retain(|(_, candidate)| worth_judging(candidate));
+        refitted.sort_by(|a, b| by_bic(&b.1, &a.1));
+        refitted.truncate(JUDGED);
+        let judged = |(first_order, candidate): (Missing, Candidate)| {
+            let left_out_pa = left_out(&candidate.fit)?;
+            let gain = |bic: &dyn Fn(&Fit) -> f64| bic(&part.fit) - bic(&candidate.fit);
+            let is_evident = gain(&bic) > policy::DECISIVE + (REFITTED as f64).ln()
+                && gain(&|fit| bic_widened(fit, policy::GEOMETRY_WIDENED)) > policy::DECISIVE;
+            Some(Judged { first_order, candidate: self.judged(candidate), left_out_pa, is_evident })
+        };
+        refitted.into_par_iter().filter_map(judged).collect()
+    }
+
+    /// Whether the error on left-out experiments falls decisively, and by more than nobody minds.
+    fn predicts_better(&self, [before, after]: [f64; 2]) -> bool {
+        let noise = self.data.noise.total_pa();
+        let systematic = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
+        systematic(after) < policy::PREDICTS_BETTER * systematic(before)
+            && before * before - after * after > self.least_gain().powi(2)
+    }
+
+    /// A model's fit with that curve beside all else, from zero on; a second one knows how large the curve is, and so how
+    /// straight.
+    fn refitted_with(&self, part: &Candidate, empirical: usize, curve: &Curve) -> Option<Fit> {
+        let mut from = part.fit.clone();
+        from.hypothesis.base.effects.of_mut(empirical).copy_from_slice(&curve.parameters());
+        let effects = part.model.effects.union(EffectSet::one(empirical));
+        let model = Model { effects, ..part.model };
+        let first = fit_model(&self.data, model, &from, &self.sizes)?;
+        fit_model(&self.data, model, &first, &self.sizes)
+    }
+}

@@ -1,0 +1,42 @@
+//! The missing term as a curve: found where no name fits, refused where it does not carry over.
+
+use chamber::effects::empirical::{Balance, Variable};
+use identify::outcome::read_off::Empirical;
+use identify::parameters::names;
+use identify::record::prepare::Data;
+use identify::search::{self, Found, Verdict};
+use identify::synthetic::{Outside, Recipe};
+
+fn traced(outside: Outside) -> (Data, Found) {
+    let recipe = Recipe { repeats: 2, ..Recipe::from_seed(41) }.with_outside(outside);
+    search::search(Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap()
+}
+
+#[test]
+fn heat_from_friction_becomes_a_curve_over_the_piston_s_power_that_leaves_noise() {
+    let (data, found) = traced(Outside::FrictionHeat(0.05));
+    assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Improved, vec!["empirical"]));
+    assert!(found.chosen.held_out_pa.unwrap() < 1.1 * data.noise.total_pa());
+    let read_off = found.read_off.unwrap();
+    let curve = read_off.curve().unwrap();
+    assert_eq!((curve.balance, curve.variable), (Balance::HeatFlow, Variable::PistonPower));
+    let largest = curve.knots.iter().fold(0.0, |l: f64, k| l.max(k.abs()));
+    for (knot, value) in curve.knots.iter().zip(&curve.values) {
+        assert!((value - 0.05 * knot.abs()).abs() < 0.1 * 0.05 * largest, "{knot}: {value}");
+    }
+    let told = Empirical::of(&read_off, true).unwrap();
+    assert!(
+        told.ci95.len() == told.values.len() && told.ci95.iter().zip(&told.values).all(|([l, h], v)| l < v && v < h)
+    );
+}
+
+#[test]
+fn a_sensor_that_hangs_back_has_no_curve_that_carries_over() {
+    let (_, found) = traced(Outside::Hysteresis(600.0));
+    let read_off = found.read_off.unwrap();
+    assert!(!read_off.accepted, "{:?} over {:?}", read_off.first_order.form, read_off.first_order.variable);
+    assert_eq!(
+        (found.verdict, found.chosen.model.effects.iter().any(|e| names([e].into_iter().collect()) == ["empirical"])),
+        (Verdict::Unexplained, false)
+    );
+}

@@ -1,0 +1,97 @@
+//! An effect's table in a model file: its numbers by key, its choices as words, its lists.
+//!
+//! A number that is left out is neutral. Words and lists of an effect cannot be left out, and its lists belong together:
+//! they have the same length. A list shorter than its places repeats its last number in the rest of them.
+
+use crate::error::Error;
+use crate::key::{Bounds, KeyProblem};
+use crate::model::number;
+use crate::provenance::quoted;
+use crate::table::Table;
+use chamber::card::{Card, Kind, Parameter};
+use std::fmt::Write;
+
+/// Writes the lines of an effect's table.
+pub fn write(out: &mut String, card: &Card, values: &[f64]) -> std::fmt::Result {
+    for (place, (parameter, value)) in card.parameters.iter().zip(values).enumerate() {
+        match parameter.kind {
+            Kind::Number => writeln!(out, "{} = {}", parameter.key(), number(*value))?,
+            // A number that is no word's is written as it is, and refused when read back.
+            Kind::Word(words) => match words.get((*value as usize).wrapping_sub(1)) {
+                Some(word) => writeln!(out, "{} = {}", parameter.name, quoted(word))?,
+                None => writeln!(out, "{} = {}", parameter.name, number(*value))?,
+            },
+            Kind::Place { index: 0, .. } => {
+                let entries: Vec<String> =
+                    values[place..][..(card.length)(values)].iter().map(|v| number(*v)).collect();
+                writeln!(out, "{} = [{}]", parameter.name, entries.join(", "))?;
+            }
+            Kind::Place { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+/// Reads an effect's table.
+///
+/// # Errors
+/// An unknown key, a number out of its bounds, an unknown word, lists that do not go together.
+pub fn read(table: &Table<'_>, card: &Card, values: &mut [f64]) -> Result<(), Error> {
+    let keys: Vec<String> = card.parameters.iter().map(key_of_file).collect();
+    table.allow(&keys.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let mut first_list: Option<(&str, usize)> = None;
+    for (place, (parameter, key)) in card.parameters.iter().zip(&keys).enumerate() {
+        match parameter.kind {
+            Kind::Number => {
+                let bounds = Bounds::Within(parameter.bounds.clone(), "");
+                values[place] = table.number(key, &bounds)?.unwrap_or(parameter.neutral);
+            }
+            Kind::Word(words) => values[place] = word(table, key, words)?,
+            Kind::Place { index: 0, rising } => {
+                let places = card.parameters[place..].iter().take_while(|p| p.name == parameter.name).count();
+                let list = list(table, parameter, places, rising)?;
+                let (first, length) = *first_list.get_or_insert((parameter.name, list.len()));
+                if list.len() != length {
+                    let problem = format!("has {} numbers, `{first}` has {length}", list.len());
+                    return Err(table.refuse(key, KeyProblem::Contradiction(problem)));
+                }
+                for k in 0..places {
+                    values[place + k] = list[k.min(length - 1)];
+                }
+            }
+            Kind::Place { .. } => {}
+        }
+    }
+    (card.check)(values).map_err(|problem| table.refuse(&keys[0], KeyProblem::Contradiction(problem)))
+}
+
+/// The key that holds a parameter: that of its list, for a place.
+fn key_of_file(parameter: &Parameter) -> String {
+    match parameter.kind {
+        Kind::Place { .. } => parameter.name.to_owned(),
+        _ => parameter.key(),
+    }
+}
+
+/// The number of a word, from one.
+fn word(table: &Table<'_>, key: &str, words: &[&str]) -> Result<f64, Error> {
+    let numbered: Vec<(&str, f64)> = words.iter().zip(1u8..).map(|(word, n)| (*word, f64::from(n))).collect();
+    table.choice(key, &numbered)?.ok_or_else(|| table.missing(key, &format!("one of {}", words.join(", "))))
+}
+
+/// A list of one to so many numbers.
+fn list(table: &Table<'_>, parameter: &Parameter, places: usize, rising: bool) -> Result<Vec<f64>, Error> {
+    let (key, bounds) = (parameter.name, Bounds::Within(parameter.bounds.clone(), ""));
+    let expected = format!("a list of 1 to {places} numbers");
+    let list = table.numbers(key, &bounds)?.ok_or_else(|| table.missing(key, &expected))?;
+    let refuse = |problem: String| Err(table.refuse(key, KeyProblem::Contradiction(problem)));
+    if list.is_empty() || list.len() > places {
+        return refuse(format!("has {} numbers; expected {expected}", list.len()));
+    }
+    match list.windows(2).find(|pair| rising && pair[1] <= pair[0]) {
+        Some(pair) => {
+            refuse(format!("{:?} follows {:?}; each number must be above the one before it", pair[1], pair[0]))
+        }
+        None => Ok(list),
+    }
+}
