@@ -215,12 +215,14 @@ class StudyFolder:
     Attributes:
         path: the folder.
         rows_written: rows that this run computed; those that were there already stayed.
+        rows_taken: rows that it took from the smaller study in `extend`.
         statuses: rows of this run's shard by status.
         complete: whether the rows of all shards are there.
     """
 
     path: pathlib.Path
     rows_written: int
+    rows_taken: int
     statuses: dict[str, int]
     complete: bool
 
@@ -255,6 +257,7 @@ def sweep(
     *,
     shard: str = "0/1",
     rows: bool = True,
+    extend: Optional[Path] = None,
     progress: Optional[Callable[[int, int], object]] = None,
 ) -> StudyFolder: ...
 def sweep(
@@ -263,6 +266,7 @@ def sweep(
     *,
     shard: str = "0/1",
     rows: bool = True,
+    extend: Optional[Path] = None,
     progress: Optional[Callable[[int, int], object]] = None,
 ) -> Union[pyarrow.Table, StudyFolder]:
     """A parameter study: all its rows as one table, or into a folder as ``pneutherm sweep`` writes it.
@@ -275,6 +279,7 @@ def sweep(
         out: the folder. A study that was interrupted goes on where it ended.
         shard: only the parts i with i mod N = I, as ``"I/N"``.
         rows: False keeps no rows, only `StudyFolder.statistics`.
+        extend: the folder of a smaller study of the same sequence, whose rows are taken instead of solved again.
         progress: called now and then with the rows done and all rows.
     """
     import pyarrow
@@ -282,8 +287,10 @@ def sweep(
     native = _study(study)
     if out is None:
         return pyarrow.table(native.table())
-    raw = json.loads(native.write_folder(out, shard, rows, _telling(progress, len(native))))
-    return StudyFolder(pathlib.Path(out), raw["rows_written"], raw["statuses"], raw["complete"])
+    raw = json.loads(native.write_folder(out, shard, rows, extend, _telling(progress, len(native))))
+    return StudyFolder(
+        pathlib.Path(out), raw["rows_written"], raw["rows_taken"], raw["statuses"], raw["complete"]
+    )
 
 
 def batches(study: Union[Path, Mapping[str, Any]]) -> pyarrow.RecordBatchReader:

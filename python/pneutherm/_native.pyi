@@ -48,5 +48,10 @@ class Study:
         progress: Optional[Callable[[int], object]],
     ) -> str: ...
     def write_folder(
-        self, folder: _Path, shard: str, rows: bool, progress: Optional[Callable[[int], object]]
+        self,
+        folder: _Path,
+        shard: str,
+        rows: bool,
+        extend: Optional[_Path],
+        progress: Optional[Callable[[int], object]],
     ) -> str: ...

@@ -165,15 +165,19 @@ impl Study {
         folder: PathBuf,
         shard: String,
         rows: bool,
+        extend: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
         let shard = shard.parse().map_err(Error::new_err)?;
         let (study, watch) = (self.0.clone(), Arc::new(Watch::default()));
         let teller = watch.clone();
         watched(py, &watch, progress, move || {
-            let done = ::sweep::run(&study, &folder, ::sweep::Options { shard, rows }, &*teller)?;
+            let earlier = extend.map(|folder| ::sweep::Earlier::open(&study, &folder)).transpose()?;
+            let options = ::sweep::Options { shard, rows, earlier: earlier.as_ref() };
+            let done = ::sweep::run(&study, &folder, options, &*teller)?;
             Ok(serde_json::json!({
                 "rows_written": done.rows_written,
+                "rows_taken": done.rows_taken,
                 "parts_written": done.parts_written,
                 "parts_found": done.parts_found,
                 "statuses": done.statuses,

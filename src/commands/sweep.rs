@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
 use sweep::study::SOLVERS;
-use sweep::{Options, Report, Shard, Study, traces};
+use sweep::{Earlier, Options, Report, Shard, Study, traces};
 
 /// Run a parameter study of the push-and-hold test into a folder of Parquet files
 ///
@@ -25,6 +25,7 @@ Examples:
   pneutherm sweep study.toml -o out --shard 3/16 --jobs 8
   pneutherm sweep study.toml -o out --traces 0,17,100-119
   pneutherm sweep study.toml -o out --no-rows
+  pneutherm sweep more_samples.toml -o more --extend out
   pneutherm sweep --verify out")]
 pub struct Args {
     /// The study file (TOML)
@@ -61,6 +62,10 @@ pub struct Args {
     /// Keep no rows: only statistics.json, those of the study's [statistics] or of every result; for studies of any size
     #[arg(long)]
     no_rows: bool,
+    /// Take the rows that a smaller study of the same sequence has in this folder instead of solving them again: fewer samples
+    /// of a sobol or saltelli design, fewer values of the first axis of a factorial one, fewer rows of a table
+    #[arg(long, value_name = "DIR")]
+    extend: Option<PathBuf>,
     /// Progress on standard error: `bar` on a terminal, one line of JSON a second for programs, or `none`
     #[arg(long, value_name = "HOW", value_enum, default_value_t = Telling::Bar)]
     progress: Telling,
@@ -90,12 +95,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let estimate = pool.install(|| calibrate(&study))?;
         return output::print(estimated(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
     }
+    let earlier = args.extend.as_ref().map(|earlier| pool.install(|| Earlier::open(&study, earlier))).transpose()?;
     on_interrupt();
-    let options = Options { shard: args.shard, rows: !args.no_rows };
+    let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
     let begun = Instant::now();
     let report = progress.during(|progress| pool.install(|| sweep::run(&study, folder, options, progress)))?;
     let mut text = told(folder, &study, args.shard, &report, begun.elapsed());
+    if let Some(earlier) = &earlier {
+        text += &taken(&report, earlier);
+    }
     if let Some(rows) = traces {
         text += &traced(&pool.install(|| traces::write(&study, folder, rows, args.trace_rate))?);
     }
@@ -211,6 +220,14 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
         true => writeln!(text, "all {} parts are there: manifest.json is written", study.parts),
         false => writeln!(text, "parts of other shards are still missing: manifest.json is not written yet"),
     };
+    text
+}
+
+fn taken(report: &Report, earlier: &Earlier) -> String {
+    let mut text = format!("{} rows are those of {}\n", report.rows_taken, earlier.folder().display());
+    if earlier.damaged > 0 {
+        let _ = writeln!(text, "{} parts there were damaged: their rows are solved again", earlier.damaged);
+    }
     text
 }
 

@@ -33,7 +33,8 @@ fn page() -> String {
         }),
     );
     page += "\nand `status`: `ok`, `not_settled` (the test ends before), `no_time_constant` (a leak, say: the relaxation is over 5 % \
-             of its rise, and more than a closed chamber's, from an exponential; with `fit = true`), or `failed: ` and the reason.\n";
+             of its rise, and more than a closed chamber's, from an exponential; with `fit = true`), \
+             `left_out: ` and the constraint of `[vary]` that the row breaks, or `failed: ` and the reason.\n";
     page += "\n## What `sweep --traces` writes\n\n`row`, then\n\n";
     page += &table(
         ["column", "unit", ""],

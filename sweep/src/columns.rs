@@ -110,13 +110,13 @@ pub fn schema(study: &Study) -> SchemaRef {
     fields.extend(outputs(study).map(|o| field(o.name, DataType::Float64, true, o.unit, o.doc)));
     let dictionary = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
     let statuses = "ok, not_settled (the test ends before), no_time_constant (a leak, say: the relaxation is over 5 % \
-                    of its rise, and more than a closed chamber's, from an exponential), or failed: reason";
+                    of its rise, and more than a closed chamber's, from an exponential), left_out: the constraint of [vary] that the row breaks, or failed: reason";
     fields.push(field("status", dictionary, false, "1", statuses));
     Arc::new(Schema::new(fields))
 }
 
 /// Rows as Arrow.
-pub fn batch(study: &Study, schema: &SchemaRef, rows: Rows, statuses: &mut Statuses) -> Result<RecordBatch, Error> {
+pub fn batch(study: &Study, schema: &SchemaRef, rows: Rows, statuses: &mut Statuses<'_>) -> Result<RecordBatch, Error> {
     let first = rows.first as i64;
     let numbers: Vec<i64> = (first..first + rows.statuses.len() as i64).collect();
     let mut columns: Vec<ArrayRef> = vec![Arc::new(Int64Array::from(numbers))];
@@ -134,13 +134,20 @@ fn finite_or_null(values: Vec<f64>) -> Float64Array {
 }
 
 /// Each status that came up, in order, with the number of its rows.
-#[derive(Default)]
-pub struct Statuses(Vec<(Status, u64)>);
+pub struct Statuses<'a> {
+    study: &'a Study,
+    met: Vec<(Status, u64)>,
+}
 
-impl Statuses {
+impl<'a> Statuses<'a> {
+    /// None so far.
+    pub fn new(study: &'a Study) -> Self {
+        Self { study, met: Vec::new() }
+    }
+
     /// Counts a row, and tells the place of its status.
     pub fn count(&mut self, row: Status) -> usize {
-        let met = &mut self.0;
+        let met = &mut self.met;
         let place = met.iter().position(|(status, _)| *status == row).unwrap_or_else(|| {
             met.push((row, 0));
             met.len() - 1
@@ -152,13 +159,13 @@ impl Statuses {
     /// Counts some rows, and makes their status column.
     pub fn column(&mut self, rows: &[Status]) -> DictionaryArray<Int32Type> {
         let keys = Int32Array::from(rows.iter().map(|row| self.count(*row) as i32).collect::<Vec<i32>>());
-        let texts = StringArray::from_iter_values(self.0.iter().map(|(status, _)| status.text()));
+        let texts = StringArray::from_iter_values(self.met.iter().map(|(status, _)| status.text(self.study)));
         DictionaryArray::new(keys, Arc::new(texts))
     }
 
     /// How many rows ended with each status.
     pub fn counts(&self) -> BTreeMap<String, u64> {
-        self.0.iter().map(|(status, count)| (status.text().into_owned(), *count)).collect()
+        self.met.iter().map(|(status, count)| (status.text(self.study).into_owned(), *count)).collect()
     }
 }
 

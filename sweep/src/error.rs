@@ -95,6 +95,14 @@ pub enum Error {
         /// How it shows.
         difference: String,
     },
+    /// A smaller study that this one does not continue.
+    #[error("{}: cannot be continued: {why}", folder.display())]
+    NotContinued {
+        /// The smaller study's folder.
+        folder: PathBuf,
+        /// How it shows.
+        why: String,
+    },
     /// Parquet that cannot be written or read.
     #[error("{}: {source}", path.display())]
     Parquet {

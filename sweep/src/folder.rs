@@ -30,7 +30,7 @@ pub const ROWS: &str = "rows";
 /// Folder of the parts' records.
 pub const RECORDS: &str = "parts";
 /// The study's own record.
-const STUDY: &str = "study.json";
+pub const STUDY: &str = "study.json";
 
 /// A study's folder.
 pub struct Folder<'a> {
@@ -149,7 +149,7 @@ impl<'a> Folder<'a> {
 
     /// Path of a part's record.
     pub fn record_path(&self, part: u64) -> PathBuf {
-        self.records_path().join(self.study.part_name(part)).with_extension("json")
+        self.records_path().join(record_name(&self.study.part_name(part)))
     }
 
     /// A part's record, to be written before the part gets its name.
@@ -264,8 +264,7 @@ impl<'a> Folder<'a> {
     /// The folder cannot be read.
     pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
         let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
-        let mut names: Vec<String> =
-            parts.flat_map(|part| [Path::new(&part).with_extension("json").display().to_string(), part]).collect();
+        let mut names: Vec<String> = parts.flat_map(|part| [record_name(&part).display().to_string(), part]).collect();
         if mine(0) {
             names.extend([traces::FILE, STUDY, MANIFEST, statistics::FILE].map(str::to_owned));
         }
@@ -357,6 +356,11 @@ impl<'a> Folder<'a> {
         };
         schema.fields().iter().map(column).collect()
     }
+}
+
+/// Name of the record of a part.
+pub fn record_name(part: &str) -> PathBuf {
+    Path::new(part).with_extension("json")
 }
 
 /// Rows by status of some parts.

@@ -11,6 +11,7 @@
 //! | [`study`] | study files, read and checked: [`Study`] |
 //! | [`quantity`] | every number that can be varied |
 //! | [`axis`], [`distribution`] | the values a quantity takes, or how probable they are |
+//! | [`constraint`] | which points make sense |
 //! | [`copula`], [`uncertain`] | quantities that hang together; a model's parameters as known |
 //! | [`design`] | which points a study has |
 //! | [`row`] | from a point to a scenario, and what comes out of it |
@@ -18,6 +19,7 @@
 //! | [`columns`] | the table: names, units, encoding |
 //! | [`part`], [`new_file`] | one Parquet file, whole or not there |
 //! | [`pages`], [`sink`] | its pages' checksums; its hash, and the order of its statistics |
+//! | [`earlier`] | rows that a smaller study has solved already |
 //! | [`folder`], [`verify`](mod@verify) | a study's folder and its manifest; whether it holds what that says |
 //! | [`traces`] | the courses of some rows, as a second table |
 //! | [`run`](mod@run) | a study carried out: a shard into a folder, all into a file or memory |
@@ -29,9 +31,11 @@
 
 pub mod axis;
 pub mod columns;
+pub mod constraint;
 pub mod copula;
 pub mod design;
 pub mod distribution;
+pub mod earlier;
 pub mod error;
 pub mod estimate;
 pub mod folder;
@@ -51,6 +55,7 @@ pub mod traces;
 pub mod uncertain;
 pub mod verify;
 
+pub use earlier::Earlier;
 pub use error::Error;
 pub use run::{Options, Report, Shard, run, run_in_memory, run_to_file};
 pub use study::Study;

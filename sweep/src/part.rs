@@ -1,6 +1,7 @@
 //! One part: rows computed chunk by chunk and written as they come.
 
 use crate::columns::{self, Statuses};
+use crate::earlier::{Earlier, Taker};
 use crate::error::Error;
 use crate::new_file::{Ended, NewFile};
 use crate::solve::Solver;
@@ -42,7 +43,7 @@ pub type OnRows<'a> = &'a dyn Progress;
 /// Some rows of a study as Arrow.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
     let rows = Solver::new(study).rows(rows)?;
-    columns::batch(study, &columns::schema(study), rows, &mut Statuses::default())
+    columns::batch(study, &columns::schema(study), rows, &mut Statuses::new(study))
 }
 
 /// Cuts rows into chunks. Chunks are counted from row zero of the study, so that they do not depend on the parts.
@@ -81,6 +82,7 @@ pub fn write(
     place: Option<&Place<'_>>,
     plan: Option<&Plan>,
     workers: Workers,
+    earlier: Option<&Earlier>,
     on_rows: OnRows<'_>,
 ) -> Result<Written, Error> {
     let schema = columns::schema(study);
@@ -89,15 +91,19 @@ pub fn write(
         NewFile::create_in(place.workshop, place.path, schema.clone(), properties)
     };
     let mut file = place.map(create).transpose()?;
-    let mut statuses = Statuses::default();
+    let mut statuses = Statuses::new(study);
     let mut statistics = plan.map(|plan| (plan, State::new(plan), places(study, plan)));
-    let chunks = chunks(rows);
+    let chunks = chunks(rows.clone());
     let wave = if workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
     let mut solver = Solver::new(study).telling(on_rows);
+    let earlier = earlier.filter(|earlier| earlier.count(&rows) > 0);
+    let mut taker = earlier.map(|earlier| Taker::new(earlier, study, on_rows));
     for wave in chunks.chunks(wave) {
-        let computed: Vec<_> = match workers {
-            Workers::One => wave.iter().map(|rows| solver.rows(rows.clone())).collect(),
-            Workers::All => {
+        let some_taken = earlier.is_some_and(|earlier| wave.iter().any(|rows| earlier.count(rows) > 0));
+        let computed: Vec<_> = match (workers, &mut taker) {
+            (_, Some(taker)) if some_taken => wave.iter().map(|rows| taker.rows(rows.clone(), &mut solver)).collect(),
+            (Workers::One, _) => wave.iter().map(|rows| solver.rows(rows.clone())).collect(),
+            (Workers::All, _) => {
                 let new = || Solver::new(study).telling(on_rows);
                 wave.par_iter().map_init(new, |solver, rows| solver.rows(rows.clone())).collect()
             }

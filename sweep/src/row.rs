@@ -1,5 +1,6 @@
 //! One row: from the point of the design to the chamber and test it stands for, and what came out of it.
 
+use crate::constraint::Constraint;
 use crate::quantity::{Base, Point};
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
@@ -47,17 +48,28 @@ pub enum Status {
     NotSettled,
     /// The relaxation is over 5 % of its rise, and more than a closed chamber's, from an exponential.
     NoTimeConstant,
+    /// Not solved, since it breaks this one of the study's constraints.
+    LeftOut(u8),
     /// No results, and why.
     Failed(Failure),
 }
 
 impl Status {
-    /// As in the status column.
-    pub fn text(self) -> Cow<'static, str> {
+    /// The status of a row with results, from its text.
+    pub fn of_text(study: &Study, text: &str) -> Option<Self> {
+        [Status::Ok, Status::NotSettled, Status::NoTimeConstant].into_iter().find(|status| status.text(study) == text)
+    }
+
+    /// As in the status column of a study.
+    pub fn text(self, study: &Study) -> Cow<'static, str> {
         match self {
             Status::Ok => "ok".into(),
             Status::NotSettled => "not_settled".into(),
             Status::NoTimeConstant => "no_time_constant".into(),
+            Status::LeftOut(number) => {
+                let constraint = study.constraints.get(usize::from(number));
+                format!("left_out: {}", constraint.map_or("", Constraint::text)).into()
+            }
             Status::Failed(failure) => format!("failed: {failure}").into(),
         }
     }
@@ -87,7 +99,7 @@ impl Outputs {
     /// What a scenario gave; `fit_wanted` says whether the regression was asked for.
     pub fn new(scenario: &Scenario, outcome: &Outcome, fit_wanted: bool) -> Self {
         if let Err(failure) = outcome.status {
-            return Self::failed(failure.into());
+            return Self::without(Status::Failed(failure.into()));
         }
         let (volume, area) = final_geometry(scenario);
         let described = outcome.fit.as_ref().filter(|fit| {
@@ -118,7 +130,7 @@ impl Outputs {
     }
 
     /// A row without results.
-    pub fn failed(failure: Failure) -> Self {
+    pub fn without(status: Status) -> Self {
         Self {
             volume: f64::NAN,
             area: f64::NAN,
@@ -133,7 +145,7 @@ impl Outputs {
             energy_error: f64::NAN,
             bore: f64::NAN,
             strokes: [f64::NAN; 2],
-            status: Status::Failed(failure),
+            status,
         }
     }
 }
@@ -146,6 +158,12 @@ pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Failure> {
     let mut scenario = Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN));
     set_scenario(study, point, &mut scenario)?;
     Ok(scenario)
+}
+
+/// The first of the study's constraints that a row breaks.
+pub fn broken(study: &Study, point: &Point, scenario: &Scenario) -> Option<Status> {
+    let broken = study.constraints.iter().position(|constraint| !constraint.holds(point, scenario))?;
+    Some(Status::LeftOut(broken as u8))
 }
 
 /// The same in place of a scenario that is there already, which spares copies of it. What is left there is of no use

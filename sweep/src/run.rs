@@ -1,5 +1,6 @@
 //! A study carried out: whole or a shard of it into a folder, or all of it into one file or into memory.
 
+use crate::earlier::Earlier;
 use crate::error::Error;
 use crate::folder::{self, Folder, Found, Look, Record};
 use crate::new_file::Ended;
@@ -52,21 +53,23 @@ impl std::str::FromStr for Shard {
 }
 
 /// What a run is to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
     /// Which parts.
     pub shard: Shard,
     /// Whether the rows are kept.
     pub rows: bool,
+    /// Where rows may be taken from.
+    pub earlier: Option<&'a Earlier>,
 }
 
-impl Default for Options {
+impl Default for Options<'_> {
     fn default() -> Self {
-        Self { shard: Shard::WHOLE, rows: true }
+        Self { shard: Shard::WHOLE, rows: true, earlier: None }
     }
 }
 
-impl From<Shard> for Options {
+impl From<Shard> for Options<'_> {
     fn from(shard: Shard) -> Self {
         Self { shard, ..Self::default() }
     }
@@ -83,6 +86,8 @@ pub struct Report {
     pub parts_damaged: u64,
     /// Rows this run computed.
     pub rows_written: u64,
+    /// Rows this run took from an earlier study's folder.
+    pub rows_taken: u64,
     /// Bytes of this shard's parts.
     pub bytes: u64,
     /// Rows of this shard's parts by status.
@@ -101,9 +106,14 @@ pub struct Report {
 ///
 /// # Errors
 /// The folder is another study's or cannot be written. Parts finished before stay.
-pub fn run(study: &Study, folder: &Path, options: impl Into<Options>, on_rows: OnRows<'_>) -> Result<Report, Error> {
-    let options: Options = options.into();
-    let Options { shard, rows } = options;
+pub fn run<'a>(
+    study: &Study,
+    folder: &Path,
+    options: impl Into<Options<'a>>,
+    on_rows: OnRows<'_>,
+) -> Result<Report, Error> {
+    let options: Options<'_> = options.into();
+    let Options { shard, rows, earlier } = options;
     let plan = plan_of(study, options);
     let folder = Folder::open(study, folder)?;
     let mine: Vec<u64> = (0..study.parts).filter(|part| shard.has(*part)).collect();
@@ -123,6 +133,12 @@ pub fn run(study: &Study, folder: &Path, options: impl Into<Options>, on_rows: O
         mine.par_iter().try_for_each(|part| add_statistics(study, &folder, *part, rows, plan, on_rows))?;
     }
     let parts: Vec<Record> = mine.iter().filter_map(|part| folder.find(*part, rows, Look::Length).whole()).collect();
+    let (mut rows_written, mut rows_taken) = (0, 0);
+    for rows in missing.iter().map(|part| study.rows_of(*part)) {
+        let taken = earlier.map_or(0, |earlier| earlier.count(&rows));
+        rows_taken += taken;
+        rows_written += rows.end - rows.start - taken;
+    }
     let all = folder.all_finished(rows);
     let mut results = Vec::new();
     if let Some(all) = &all {
@@ -142,7 +158,8 @@ pub fn run(study: &Study, folder: &Path, options: impl Into<Options>, on_rows: O
         parts_written: missing.len() as u64,
         parts_found: (mine.len() - missing.len()) as u64,
         parts_damaged: damaged,
-        rows_written: missing.iter().map(|part| study.rows_of(*part)).map(|rows| rows.end - rows.start).sum(),
+        rows_written,
+        rows_taken,
         bytes: parts.iter().filter_map(|part| part.file.as_ref()).map(|file| file.bytes).sum(),
         statuses: folder::statuses_of(&parts),
         complete: all.is_some(),
@@ -151,7 +168,7 @@ pub fn run(study: &Study, folder: &Path, options: impl Into<Options>, on_rows: O
 }
 
 /// The statistics that a run makes: the study's, or all of them where nothing else is kept.
-fn plan_of(study: &Study, options: Options) -> Option<Plan> {
+fn plan_of(study: &Study, options: Options<'_>) -> Option<Plan> {
     study.statistics.clone().or_else(|| (!options.rows).then(|| Plan::all(study)))
 }
 
@@ -171,7 +188,7 @@ fn add_statistics(
     let state = match &record.file {
         Some(_) => statistics::of_file(plan, &folder.part_path(part), record.first_row)?,
         None => {
-            let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::One, on_rows)?;
+            let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::One, None, on_rows)?;
             written.statistics.unwrap_or_else(|| State::new(plan))
         }
     };
@@ -195,7 +212,7 @@ fn write(
     study: &Study,
     folder: &Folder<'_>,
     missing: &[u64],
-    options: Options,
+    options: Options<'_>,
     plan: Option<&Plan>,
     on_rows: OnRows<'_>,
 ) -> Result<(), Error> {
@@ -207,7 +224,7 @@ fn write(
         let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
         let path = folder.part_path(part);
         let place = options.rows.then_some(Place { path: &path, workshop: &workshop, extra: &extra });
-        let written = part::write(study, study.rows_of(part), place.as_ref(), plan, workers, on_rows)?;
+        let written = part::write(study, study.rows_of(part), place.as_ref(), plan, workers, options.earlier, on_rows)?;
         let record = folder.record(part, &written);
         Ok(Finished { folder, part, record, file: written.file })
     };
@@ -297,7 +314,7 @@ pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<St
     let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
     keep_memory();
     let place = Place { path, workshop: path.parent().unwrap_or(Path::new("")), extra: &extra };
-    let written = part::write(study, 0..study.rows, Some(&place), None, Workers::All, on_rows)?;
+    let written = part::write(study, 0..study.rows, Some(&place), None, Workers::All, None, on_rows)?;
     written.file.map_or(Ok(()), Ended::publish)?;
     Ok(written.statuses)
 }
@@ -309,7 +326,7 @@ pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<St
 pub fn statistics(study: &Study, plan: &Plan, on_rows: OnRows<'_>) -> Result<Value, Error> {
     let (mut total, mut statuses) = (State::new(plan), StatusCounts::new());
     for part in 0..study.parts {
-        let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::All, on_rows)?;
+        let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::All, None, on_rows)?;
         written.statistics.iter().for_each(|state| total.merge(state));
         written.statuses.iter().for_each(|(status, count)| *statuses.entry(status.clone()).or_default() += count);
     }

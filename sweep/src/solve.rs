@@ -23,6 +23,22 @@ pub struct Rows {
     pub statuses: Vec<Status>,
 }
 
+impl Rows {
+    /// No rows of a study.
+    pub fn none(study: &Study) -> Self {
+        let columns = |count| vec![Vec::new(); count];
+        let (points, outputs) = (columns(study.varied.len()), columns(columns::outputs(study).count()));
+        Self { first: 0, points, outputs, statuses: Vec::new() }
+    }
+
+    /// Adds the rows that come after these.
+    pub fn append(&mut self, mut later: Rows) {
+        let columns = self.points.iter_mut().chain(&mut self.outputs);
+        columns.zip(later.points.iter_mut().chain(&mut later.outputs)).for_each(|(column, later)| column.append(later));
+        self.statuses.append(&mut later.statuses);
+    }
+}
+
 /// Solves rows of a study on one thread, in memory that it keeps.
 pub struct Solver<'a> {
     study: &'a Study,
@@ -105,8 +121,13 @@ impl<'a> Solver<'a> {
                 self.point.0[varied.quantity] = column[place];
             }
             let scenario = &mut self.scenarios[i];
-            if let Err(failure) = row::set_scenario(self.study, &self.point, scenario) {
-                impossible.push((i, failure));
+            let set = row::set_scenario(self.study, &self.point, scenario);
+            let without = match set {
+                Ok(()) => row::broken(self.study, &self.point, scenario),
+                Err(failure) => Some(Status::Failed(failure)),
+            };
+            if let Some(status) = without {
+                impossible.push((i, status));
                 // What the kernel refuses at once.
                 scenario.initial_pressure_pa = f64::NAN;
             }
@@ -117,10 +138,26 @@ impl<'a> Solver<'a> {
         self.outputs.extend(
             scenarios.iter().zip(outcomes).map(|(scenario, outcome)| Outputs::new(scenario, outcome, self.options.fit)),
         );
-        for (i, failure) in impossible {
-            self.outputs[i] = Outputs::failed(failure);
+        for (i, status) in impossible {
+            self.outputs[i] = Outputs::without(status);
         }
     }
+}
+
+/// Whether no row is left to solve: each is left out by a constraint, or cannot be.
+///
+/// # Errors
+/// A table of points cannot be read.
+pub fn nothing_is_left(study: &Study) -> Result<bool, Error> {
+    let mut points: Vec<Vec<f64>> = study.varied.iter().map(|_| Vec::new()).collect();
+    study.design.fill(0..study.rows, &mut points)?;
+    let mut point = study.base;
+    Ok((0..study.rows as usize).all(|i| {
+        for (varied, column) in study.varied.iter().zip(&points) {
+            point.0[varied.quantity] = column[i];
+        }
+        row::scenario(study, &point).map_or(true, |scenario| row::broken(study, &point, &scenario).is_some())
+    }))
 }
 
 /// Effects that are on in some row. The same for all rows, whatever the chunk, so that a row's bits are its own.

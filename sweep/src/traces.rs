@@ -161,7 +161,7 @@ pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<
                 wave.push((row, scenario, samples));
                 waiting += samples;
             }
-            Err(failure) => report.without.push((row, failure.to_string())),
+            Err(why) => report.without.push((row, why)),
         }
         if waiting >= TOGETHER {
             flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
@@ -175,14 +175,19 @@ pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<
 }
 
 /// The test of a row, or why there is none.
-fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, row::Failure>, Error> {
+fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, String>, Error> {
     let mut values = vec![Vec::with_capacity(1); study.varied.len()];
     study.design.fill(row..row + 1, &mut values)?;
     let mut point = study.base;
     for (varied, value) in study.varied.iter().zip(&values) {
         point.0[varied.quantity] = value[0];
     }
-    Ok(row::scenario(study, &point))
+    Ok(row::scenario(study, &point).map_err(|failure| failure.to_string()).and_then(|scenario| {
+        match row::broken(study, &point, &scenario) {
+            Some(status) => Err(status.text(study).into_owned()),
+            None => Ok(scenario),
+        }
+    }))
 }
 
 /// Length of a test, s.

@@ -357,7 +357,7 @@ fn statistics_are_the_same_whatever_the_shards_with_rows_or_without_and_afterwar
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let folders: Vec<_> = (0..4).map(|_| tempfile::tempdir().unwrap()).collect();
     pool(1).install(|| run(&study, folders[0].path(), Shard::WHOLE, &quiet)).unwrap();
-    let no_rows = |shard| sweep::Options { shard, rows: false };
+    let no_rows = |shard| sweep::Options { shard, rows: false, earlier: None };
     pool(4).install(|| run(&study, folders[1].path(), no_rows(Shard::WHOLE), &quiet)).unwrap();
     for index in [1, 2, 0] {
         run(&study, folders[2].path(), no_rows(Shard { index, count: 3 }), &quiet).unwrap();

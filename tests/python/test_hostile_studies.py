@@ -123,6 +123,14 @@ STUDIES = {
     "a tolerance of nothing": ([("[study]", "[study]\ntolerance = 0.0")], "from 1e-13 to 1e-2 was expected"),
     "a regression perhaps": ([("[study]", '[study]\nfit = "perhaps"')], "true or false was expected"),
     "a table without the design": ([("[study]", '[study]\ntable = "points.csv"')], 'belongs to design = "table"'),
+    "a constraint that is a text": (vary('constraints = "rod_m < bore_m"'), "has to be a list of texts"),
+    "a constraint of half a comparison": (vary('constraints = ["bore_m <"]'), "has its end where a number or a quantity was expected"),
+    "a constraint on nothing that varies": (vary('constraints = ["rod_m < 1"]'), "which rests on nothing that varies"),
+    "a constraint on a result": (vary('constraints = ["bore_m < settling_time_s"]'), "which is not known before the row is solved"),
+    "a constraint on what is not there": (vary('constraints = ["boer_m < 1"]'), "did you mean `bore_m`?"),
+    "a constraint that keeps nothing": (vary('constraints = ["bore_m > 1"]'), "leave no row to solve"),
+    "a constraint without end": (vary('constraints = ["' + "(" * 400 + 'bore_m"]'), "where `)` was expected"),
+    "constraints of independent quantities": ([('"factorial"', '"saltelli"\nsamples = 8'), RANGE] + vary('constraints = ["bore_m > 0"]'), "are of independent ones"),
     "statistics of nothing": ([("[vary]", "[statistics]\ncolumns = []\n[vary]")], "is empty"),
     "statistics of what is not there": ([("[vary]", '[statistics]\ncolumns = ["presure_peak_pa"]\n[vary]')], "did you mean `pressure_peak_pa`?"),
     "a front of one column": ([("[vary]", '[statistics]\npareto = { minimise = ["settling_time_s"] }\n[vary]')], "2 to 4 were expected"),
@@ -223,3 +231,29 @@ def test_a_folder_that_is_not_the_study_s_is_refused_and_left_alone(name, tmp_pa
     process = pneutherm("sweep", tmp_path / "study.toml", "-o", tmp_path / "out", code=1)
     assert process.stderr.count("\n") == 1 and sentence in process.stderr
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+SOBOL_STUDY = STUDY.replace(*SOBOL).replace(*RANGE)
+# A study to be continued, the one that should continue it, and what the sentence has to say.
+CONTINUED = {
+    "fewer samples": (SOBOL_STUDY, SOBOL_STUDY.replace("samples = 16", "samples = 8"), "it has 16 rows, this study only 8"),
+    "another seed": (SOBOL_STUDY, SOBOL_STUDY.replace("samples = 16", "samples = 32\nseed = 1"), "its seed is 0, this study's 1"),
+    "another range": (SOBOL_STUDY, SOBOL_STUDY.replace("to = 0.03", "to = 0.04"), "its bore_m is {"),
+    "another test": (SOBOL_STUDY, SOBOL_STUDY.replace("duration_s = 3.0", "duration_s = 4.0"), "its test.duration_s is 3.0, this study's 4.0"),
+    "another constraint": (SOBOL_STUDY, SOBOL_STUDY + 'constraints = ["bore_m < 0.025"]', "its constraints is null"),
+    "a hypercube": (SOBOL_STUDY.replace("sobol", "latin-hypercube"), SOBOL_STUDY.replace("sobol", "latin-hypercube").replace("16", "32"), "a Latin hypercube of more samples"),
+    "a value in between": (STUDY, STUDY.replace("[0.02, 0.03]", "[0.02, 0.025, 0.03]"), "its row 1 is at bore_m = 0.03, this study's at 0.025"),
+    "nothing": (None, SOBOL_STUDY, "it holds no study"),
+}
+
+
+@pytest.mark.parametrize("name", CONTINUED)
+def test_a_study_that_does_not_continue_another_ends_in_one_sentence(name, tmp_path, pneutherm):
+    earlier, later, sentence = CONTINUED[name]
+    (tmp_path / "model.toml").write_text(MODEL.format(law="total"))
+    if earlier:
+        (tmp_path / "earlier.toml").write_text(earlier)
+        pneutherm("sweep", tmp_path / "earlier.toml", "-o", tmp_path / "earlier")
+    (tmp_path / "study.toml").write_text(later)
+    error = refused(tmp_path, pneutherm, "--extend", tmp_path / "earlier")
+    assert f"{tmp_path / 'earlier'}: cannot be continued: " in error and sentence in error

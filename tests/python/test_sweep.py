@@ -188,7 +188,7 @@ def test_damage_at_random_in_two_hundred_parts_is_found_by_verify_and_mended_by_
     assert table(out).equals(before)
 
 
-# Random studies: each with its area law# Random studies: each with its area law, what is always on, and what varies.
+# Random studies: each with its area law, what is always on, and what varies.
 STUDIES = {
     "the paper's model": ("sobol", "total", "dead_volume_m3 = { from = 0.0, to = 5e-6 }\nheat_capacity_ratio = { from = 1.2, to = 1.6 }"),
     "swept area, an expansion": ("latin-hypercube", "swept", "final_stroke_m = { from = 0.12, to = 0.3 }\npush_time_s = { from = 0.02, to = 2.0 }"),
@@ -445,6 +445,81 @@ def test_a_dask_cluster_finishes_a_study_though_a_worker_is_killed(tmp_path, pne
     assert (folder / "manifest.json").exists()
     pneutherm("sweep", study, "-o", tmp_path / "whole")
     assert table(folder).equals(table(tmp_path / "whole"))
+
+
+def on_path():
+    """An environment whose PATH has the program under test first."""
+    return os.environ | {"PATH": f"{PROGRAM.resolve().parent}{os.pathsep}{os.environ['PATH']}"}
+
+
+def children(name):
+    """Processes of this machine that run the program about a file of that name."""
+    listed = subprocess.run(["ps", "-ww", "-eo", "args"], capture_output=True, text=True, check=True).stdout
+    return [line for line in listed.splitlines() if "dask_sweep" not in line and str(name) in line]
+
+
+def test_the_dask_runner_takes_relative_paths_and_says_what_is_wrong_once(tmp_path, pneutherm):
+    pytest.importorskip("distributed")
+    runner = [sys.executable, ROOT / "sweep/dask_sweep.py", "study.toml", "-o", "out", "--shards", "4"]
+    write(tmp_path, 'design = "sobol"\nsamples = 4000\nfit = false', COMMON)
+    run = lambda: subprocess.run(runner, cwd=tmp_path, env=on_path(), capture_output=True, text=True, timeout=120)
+    done = run()
+    assert done.returncode == 0 and "4 of 4 shards" in done.stderr, done.stderr
+    pneutherm("sweep", "--verify", tmp_path / "out")
+    write(tmp_path, 'design = "sobol"\nsamples = 4000\nfit = false', "boer_m = { from = 0.01, to = 0.02 }")
+    done = run()
+    assert done.returncode == 1 and done.stderr.count("did you mean `bore_m`?") == 1, done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a program that ends with its parent is Linux's")
+def test_the_programs_of_a_dask_runner_end_with_it(tmp_path, pneutherm):
+    pytest.importorskip("distributed")
+    study = lasting(tmp_path, pneutherm, 20.0)
+    command = [sys.executable, ROOT / "sweep/dask_sweep.py", study, "-o", tmp_path / "out", "--shards", "4"]
+    process = subprocess.Popen(
+        command, env=on_path(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    until = time.monotonic() + 120
+    while not children(study) and process.poll() is None and time.monotonic() < until:
+        time.sleep(0.05)
+    assert children(study), "no shard was begun"
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=120)[1]
+    assert "run the same command again to go on" in said and process.returncode == 1
+    while children(study) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not children(study)
+
+
+def test_a_ray_cluster_makes_the_same_study(tmp_path, pneutherm):
+    pytest.importorskip("ray", reason="Ray is not installed (pip install ray)")
+    write(tmp_path, 'design = "sobol"\nsamples = 4000\nfit = false', COMMON)
+    run = lambda: subprocess.run(
+        [sys.executable, ROOT / "examples/sweep/ray_sweep.py", "study.toml", "out", "4"],
+        cwd=tmp_path, env=on_path(), capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    done = run()
+    assert done.returncode == 0, done.stderr
+    pneutherm("sweep", tmp_path / "study.toml", "-o", tmp_path / "whole")
+    assert table(tmp_path / "out").equals(table(tmp_path / "whole"))
+    write(tmp_path, 'design = "sobol"\nsamples = 4000\nfit = false', "boer_m = { from = 0.01, to = 0.02 }")
+    done = run()
+    assert done.returncode == 1 and done.stderr.count("did you mean `bore_m`?") == 1, done.stderr
+
+
+def test_a_study_grows_without_solving_its_rows_again(tmp_path, pneutherm):
+    small = write(tmp_path, 'design = "sobol"\nsamples = 3000\nfit = false', COMMON, name="small.toml")
+    large = write(tmp_path, 'design = "sobol"\nname = "small"\nsamples = 10000\nfit = false', COMMON, name="large.toml")
+    pneutherm("sweep", small, "-o", tmp_path / "small")
+    told = pneutherm("sweep", large, "-o", tmp_path / "grown", "--extend", tmp_path / "small", "--progress", "json")
+    assert "7000 rows in" in told.stdout and f"3000 rows are those of {tmp_path / 'small'}" in told.stdout
+    last = json.loads(told.stderr.splitlines()[-1])
+    assert (last["rows_done"], last["rows_found"], last["seconds_left"]) == (10000, 3000, 0)
+    pneutherm("sweep", large, "-o", tmp_path / "whole")
+    files = lambda folder: {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    assert files(tmp_path / "grown") == files(tmp_path / "whole")
 
 
 def test_what_cannot_be_is_said_before_any_row_is_solved(tmp_path, pneutherm):

@@ -3,8 +3,9 @@
 pub mod check;
 mod read;
 mod section;
-mod vary;
+pub(crate) mod vary;
 
+use crate::constraint::Constraint;
 use crate::design::Design;
 use crate::error::Error;
 use crate::hash;
@@ -61,6 +62,8 @@ pub struct Study {
     pub varied: Vec<Varied>,
     /// The points.
     pub design: Design,
+    /// What a row has to keep in order not to be left out.
+    pub constraints: Vec<Constraint>,
     /// Seed of the sampled designs.
     pub seed: u64,
     /// Number of rows.
@@ -79,6 +82,11 @@ pub struct Study {
     samples: Option<u64>,
     /// SHA-256 of the table's file, for a study on a table.
     table_sha256: Option<String>,
+}
+
+/// Name of a part's file.
+pub fn part_name(part: u64, parts: u64) -> String {
+    format!("part-{part:05}-of-{parts:05}.parquet")
 }
 
 impl Study {
@@ -111,7 +119,7 @@ impl Study {
 
     /// Name of a part's file.
     pub fn part_name(&self, part: u64) -> String {
-        format!("part-{part:05}-of-{:05}.parquet", self.parts)
+        part_name(part, self.parts)
     }
 
     /// The study with every number it rests on, as JSON: what is written beside its rows.
@@ -166,6 +174,10 @@ impl Study {
                     );
                 }
             }
+        }
+        if !self.constraints.is_empty() {
+            let texts: Vec<_> = self.constraints.iter().map(Constraint::text).collect();
+            study.insert("constraints".into(), json!(texts));
         }
         Value::Object(study)
     }

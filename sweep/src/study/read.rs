@@ -2,14 +2,16 @@
 
 use super::check::{self, Bounds};
 use super::section::{Entry, File, Section};
-use super::vary::{self, Found, not_found, varied};
+use super::vary::{self, CONSTRAINTS, Found, not_found, varied};
 use super::{MOST_PARTS, MOST_ROWS, SOLVERS, Study, TOLERANCES, Varied};
 use crate::axis::Axis;
+use crate::constraint::Constraint;
 use crate::design::table::Table;
 use crate::design::{Axes, Design, NAMES, sobol};
 use crate::error::{Error, OUTERMOST};
 use crate::hash;
 use crate::quantity::{self, Base, Point};
+use crate::solve;
 use crate::statistics::{Bins, Goals, Plan};
 use crate::uncertain::Uncertain;
 use ensemble::{Options, Solver};
@@ -95,13 +97,20 @@ impl Study {
             Some((_, parts)) => parts,
             None => Study::default_parts(rows),
         };
+        let constraints = constraints(&vary, &design, &base, &varied)?;
         let samples = samples.filter(|_| !matches!(design, Design::Factorial(_) | Design::Table(_)));
         let path = path.to_owned();
         #[rustfmt::skip]
         let study = Study {
-            name, path, model, left_out, base, varied, design, seed, rows, fit, solver, tolerance, parts, statistics: None,
+            name, path, model, left_out, base, varied, design, constraints, seed, rows, fit, solver, tolerance, parts, statistics: None,
             samples, table_sha256,
         };
+        if let Some(entry) = vary.get(CONSTRAINTS)
+            && study.rows <= ROWS_LOOKED_AT
+            && solve::nothing_is_left(&study)?
+        {
+            return Err(entry.refuse("leave no row to solve"));
+        }
         let plan = statistics.map(|section| plan(&study, &section)).transpose()?;
         Ok(Study { statistics: plan, ..study })
     }
@@ -190,6 +199,59 @@ fn design<'a>(
     Ok(Points { design, varied, entries, table_sha256: None })
 }
 
+/// Rows that are all looked at before the first is solved, whether the constraints leave any.
+const ROWS_LOOKED_AT: u64 = 1 << 14;
+
+/// The constraints of [vary].
+fn constraints(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Varied]) -> Result<Vec<Constraint>, Error> {
+    let Some(entry) = vary.get(CONSTRAINTS) else { return Ok(Vec::new()) };
+    if let Design::Saltelli { .. } = design {
+        return Err(entry.refuse(
+            "make quantities depend on each other, but the indices of a \"saltelli\" design are of independent ones: take \"sobol\" or \"latin-hypercube\"",
+        ));
+    }
+    let varies = |place: &usize| varied.iter().any(|v| v.quantity == *place);
+    // Quantities that each row has, though they are neither given nor varied, and what they follow from.
+    let follows =
+        |place: &usize| FOLLOWING.iter().find(|(base, _)| *base as usize == *place).map_or(&[][..], |(_, from)| *from);
+    let parsed = |text: &&str| {
+        let refuse = |why: String| entry.refuse(format!("has \"{text}\", which {why}"));
+        let constraint = Constraint::parse(text).map_err(refuse)?;
+        let quantities = constraint.quantities();
+        if !quantities.iter().any(|place| varies(place) || follows(place).iter().any(|base| varies(&(*base as usize))))
+        {
+            return Err(refuse("rests on nothing that varies".into()));
+        }
+        let given = |place: &usize| !base.0[*place].is_nan() || varies(place) || !follows(place).is_empty();
+        match quantities.iter().find(|place| !given(place)) {
+            Some(place) => Err(refuse(format!("names {}; this study does not set it", quantity::all()[*place].name))),
+            None => Ok(constraint),
+        }
+    };
+    let list = entry.value.as_array().and_then(|array| array.iter().map(|item| item.get_ref().as_str()).collect());
+    let texts: Vec<&str> =
+        list.ok_or_else(|| entry.refuse("has to be a list of texts such as \"rod_m < 0.5 * bore_m\""))?;
+    if texts.len() > MOST_CONSTRAINTS {
+        return Err(entry.refuse(format!("are {}: {MOST_CONSTRAINTS} at most were expected", texts.len())));
+    }
+    texts.iter().map(parsed).collect()
+}
+
+/// Quantities that a row can have without being given them, and what each then follows from.
+const FOLLOWING: [(Base, &[Base]); 8] = [
+    (Base::Bore, &[Base::VolumeToArea]),
+    (Base::InitialStroke, &[Base::VolumeToAreaByLength]),
+    (Base::FinalStroke, &[Base::VolumeToAreaByLength]),
+    (Base::VolumeToArea, &[Base::VolumeToAreaByLength, Base::Bore, Base::FinalStroke, Base::DeadVolume, Base::Rod]),
+    (Base::VolumeToAreaByLength, &[Base::VolumeToArea, Base::Bore, Base::FinalStroke, Base::DeadVolume, Base::Rod]),
+    (Base::Duration, &[Base::HoldTimeConstants]),
+    (Base::InitialTemperature, &[Base::AmbientTemperature]),
+    (Base::TemperatureIn, &[Base::AmbientTemperature]),
+];
+
+/// Constraints at most.
+const MOST_CONSTRAINTS: usize = 100;
+
 /// Refuses values that no row could use, and rows of a table that cannot be.
 fn possible(
     model: &Model,
@@ -234,7 +296,7 @@ fn possible(
 
 /// A design that is read from a file: each of its columns is a quantity; `columns` picks some of them.
 fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Points<'a>, Error> {
-    if let Some(entry) = vary.entries().first() {
+    if let Some(entry) = vary.entries().iter().find(|entry| entry.key != CONSTRAINTS) {
         return Err(entry.refuse("is varied beside a table; make it a column of the table"));
     }
     let entry = study.require("table", "a Parquet or CSV file with a column for each quantity was expected")?;

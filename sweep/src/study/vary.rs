@@ -10,6 +10,8 @@ use crate::error::Error;
 use crate::quantity::{self, Base, NotFound};
 use crate::uncertain::{Parameter, Uncertain};
 
+/// The key of [vary] that is no quantity.
+pub const CONSTRAINTS: &str = "constraints";
 /// Names of the distributions in study files.
 const DISTRIBUTIONS: [(&str, Kind); 6] = [
     ("normal", Kind::Normal),
@@ -56,7 +58,7 @@ pub fn axes<'a>(
         found.push(new);
         Ok(())
     };
-    for (entry, name) in leaves(vary, "")? {
+    for (entry, name) in leaves(vary, "")?.into_iter().filter(|(_, name)| name != CONSTRAINTS) {
         if name == "from" {
             for Parameter { quantity, distribution, .. } in &all_of_model(entry, model)?.parameters {
                 let column = quantity::all()[*quantity].name.clone();

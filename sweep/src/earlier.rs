@@ -1,0 +1,323 @@
+//! Growing a study: the rows that a smaller study of the same sequence has in its folder are taken from there, the
+//! others are solved. The result is the study made in one go, byte for byte.
+//!
+//! A design grows when its first rows stay what they are: more samples of a Sobol' sequence or more blocks of a Saltelli
+//! design, further values of the first axis of a factorial design, further rows of a table. A Latin hypercube does not.
+
+use crate::design::Design;
+use crate::error::Error;
+use crate::folder::{MANIFEST, RECORDS, ROWS, Record, STUDY, record_name};
+use crate::hash;
+use crate::part::OnRows;
+use crate::row::Status;
+use crate::solve::{Rows, Solver};
+use crate::study::{self, Study};
+use arrow::array::{Array, ArrayRef, AsArray};
+use arrow::datatypes::{Float64Type, Int32Type};
+use arrow::record_batch::RecordBatch;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use rayon::prelude::*;
+use serde_json::Value;
+use std::fs::File;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Keys of a study's JSON that may differ from the smaller study's; `vary` and `table` are compared by their points.
+const MAY_DIFFER: [&str; 6] = ["name", "samples", "rows", "parts", "vary", "table"];
+
+/// The folder of a smaller study.
+#[derive(Debug)]
+pub struct Earlier {
+    folder: PathBuf,
+    parts: Vec<Part>,
+    /// Parts that are not what their record says: their rows are solved anew.
+    pub damaged: u64,
+}
+
+/// A part with all its rows.
+#[derive(Debug)]
+struct Part {
+    path: PathBuf,
+    rows: Range<u64>,
+}
+
+impl Earlier {
+    /// Looks through the folder of a smaller study, which has not to be finished; each of its parts is read and compared
+    /// with its hash, on the threads of the current pool.
+    ///
+    /// # Errors
+    /// Why the study is none that continues this one.
+    pub fn open(study: &Study, folder: &Path) -> Result<Self, Error> {
+        let refuse = |why: String| Error::NotContinued { folder: folder.to_owned(), why };
+        let path = [Path::new(RECORDS).join(STUDY), PathBuf::from(MANIFEST)].map(|name| folder.join(name));
+        let text = path.iter().find_map(|path| std::fs::read(path).ok());
+        let text = text.ok_or_else(|| refuse(format!("it holds no study ({RECORDS}/{STUDY} is missing)")))?;
+        let found: Value =
+            serde_json::from_slice(&text).map_err(|_| refuse(format!("its {RECORDS}/{STUDY} cannot be read")))?;
+        let rows = continues(study, &found).map_err(refuse)?;
+        let identity = found["study_sha256"].as_str().unwrap_or_default();
+        let parts = found["study"]["parts"].as_u64().unwrap_or(0);
+        let look = |part: u64| {
+            let name = study::part_name(part, parts);
+            let record = std::fs::read(folder.join(RECORDS).join(record_name(&name))).ok();
+            let record: Option<Record> = record.and_then(|text| serde_json::from_slice(&text).ok());
+            let record = record.filter(|record| record.study_sha256 == identity);
+            let path = folder.join(ROWS).join(&name);
+            let digest = record.as_ref().and_then(|record| record.file.as_ref());
+            match (&record, digest) {
+                (Some(record), Some(digest)) if path.exists() => {
+                    let same = hash::of_file(&path).is_ok_and(|sha256| sha256 == digest.sha256);
+                    let rows = record.first_row..record.first_row + record.rows;
+                    Some(if same { Ok(Part { path, rows }) } else { Err(()) })
+                }
+                _ => None,
+            }
+        };
+        let looked: Vec<Result<Part, ()>> = (0..parts).into_par_iter().filter_map(look).collect();
+        let damaged = looked.iter().filter(|part| part.is_err()).count() as u64;
+        let parts: Vec<Part> = looked.into_iter().flatten().collect();
+        if parts.is_empty() {
+            return Err(refuse("it has no rows: none of its parts is there and whole".into()));
+        }
+        if rows > study.rows {
+            let ours = study.rows;
+            return Err(refuse(format!("it has {rows} rows, this study only {ours}: a study grows by further rows")));
+        }
+        let earlier = Self { folder: folder.to_owned(), parts, damaged };
+        if matches!(study.design, Design::Factorial(_) | Design::Table(_)) {
+            earlier.parts.par_iter().try_for_each(|part| earlier.compare(study, part))?;
+        }
+        Ok(earlier)
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Whether a part's points are this study's.
+    fn compare(&self, study: &Study, part: &Part) -> Result<(), Error> {
+        let names: Vec<&str> = study.varied.iter().map(|varied| varied.column.as_str()).collect();
+        let mut at = part.rows.start;
+        let mut points = vec![Vec::new(); names.len()];
+        for batch in reader(&part.path, 0, Some(&names))? {
+            let batch = batch.map_err(|error| Error::arrow(&part.path, error))?;
+            study.design.fill(at..at + batch.num_rows() as u64, &mut points)?;
+            for ((name, ours), array) in names.iter().zip(&points).zip(batch.columns()) {
+                let theirs = numbers(array);
+                if let Some(i) = theirs.iter().zip(ours).position(|(theirs, ours)| theirs != ours) {
+                    let (row, theirs, ours) = (at + i as u64, theirs[i], ours[i]);
+                    let why = format!("its row {row} is at {name} = {theirs}, this study's at {ours}");
+                    return Err(Error::NotContinued { folder: self.folder.clone(), why });
+                }
+            }
+            at += batch.num_rows() as u64;
+        }
+        Ok(())
+    }
+
+    /// How many rows of these are there.
+    pub fn count(&self, rows: &Range<u64>) -> u64 {
+        let common = |part: &Part| part.rows.end.min(rows.end).saturating_sub(part.rows.start.max(rows.start));
+        self.parts.iter().map(common).sum()
+    }
+
+    /// Cuts rows into pieces, each from one part of this folder or not there at all.
+    fn pieces(&self, rows: Range<u64>) -> Vec<(Option<usize>, Range<u64>)> {
+        let mut pieces = Vec::new();
+        let mut at = rows.start;
+        for (index, part) in self.parts.iter().enumerate() {
+            let (begin, end) = (part.rows.start.max(at), part.rows.end.min(rows.end));
+            if begin < end {
+                if at < begin {
+                    pieces.push((None, at..begin));
+                }
+                pieces.push((Some(index), begin..end));
+                at = end;
+            }
+        }
+        if at < rows.end {
+            pieces.push((None, at..rows.end));
+        }
+        pieces
+    }
+}
+
+/// What a study has to have in common with the one that it continues; the rows of that.
+fn continues(study: &Study, found: &Value) -> Result<u64, String> {
+    let (ours, theirs) = (study.json(), &found["study"]);
+    if found["program_version"] != env!("CARGO_PKG_VERSION") {
+        let (version, ours) = (&found["program_version"], env!("CARGO_PKG_VERSION"));
+        return Err(format!("it is of program version {version}, this is {ours}"));
+    }
+    if theirs["design"] != ours["design"] {
+        return Err(format!("its design is {}, this study's {}", theirs["design"], ours["design"]));
+    }
+    if let Design::LatinHypercube(_) = study.design
+        && theirs["samples"] != ours["samples"]
+    {
+        return Err(
+            "a Latin hypercube of more samples has other rows from the first on; design = \"sobol\" grows".into()
+        );
+    }
+    let keys = |value: &Value| value.as_object().map_or(Vec::new(), |map| map.keys().cloned().collect());
+    let by_points = matches!(study.design, Design::Factorial(_) | Design::Table(_));
+    let names = |value: &Value| match value.as_array() {
+        Some(list) => list.iter().map(|name| name.as_str().unwrap_or_default().to_owned()).collect(),
+        None => keys(value),
+    };
+    if !by_points && theirs["vary"] != ours["vary"] || names(&theirs["vary"]) != names(&ours["vary"]) {
+        return Err(difference("vary", &theirs["vary"], &ours["vary"]));
+    }
+    let (first, second): (Vec<String>, Vec<String>) = (keys(&ours), keys(theirs));
+    let all = first.iter().chain(second.iter().filter(|key| !first.contains(key)));
+    let mut different = all.filter(|key| !MAY_DIFFER.contains(&key.as_str()) && ours[*key] != theirs[*key]);
+    if let Some(key) = different.next() {
+        return Err(difference(key, &theirs[key], &ours[key]));
+    }
+    theirs["rows"].as_u64().ok_or_else(|| "it does not say how many rows it has".into())
+}
+
+/// In which of its entries a key of the study differs.
+fn difference(key: &str, theirs: &Value, ours: &Value) -> String {
+    if let (Some(a), Some(b)) = (theirs.as_object(), ours.as_object()) {
+        let names = b.keys().chain(a.keys());
+        if let Some(name) = names.into_iter().find(|name| a.get(*name) != b.get(*name)) {
+            let said = |value: Option<&Value>| value.map_or("nothing".to_owned(), Value::to_string);
+            return format!("its {name} is {}, this study's {}", said(a.get(name)), said(b.get(name)));
+        }
+    }
+    format!("its {key} is {theirs}, this study's {ours}")
+}
+
+/// Rows of a study, taken from the earlier folder as far as they are there, in ascending order.
+pub struct Taker<'a> {
+    earlier: &'a Earlier,
+    study: &'a Study,
+    on_rows: OnRows<'a>,
+    /// For rows without results, which tells nobody.
+    again: Solver<'a>,
+    open: Option<Open>,
+}
+
+/// A part that is being read.
+struct Open {
+    part: usize,
+    next: u64,
+    reader: ParquetRecordBatchReader,
+    rest: Option<RecordBatch>,
+}
+
+impl<'a> Taker<'a> {
+    /// For the rows of a study.
+    pub fn new(earlier: &'a Earlier, study: &'a Study, on_rows: OnRows<'a>) -> Self {
+        Self { earlier, study, on_rows, again: Solver::new(study), open: None }
+    }
+
+    /// Some rows of the study.
+    ///
+    /// # Errors
+    /// The earlier part, or a table of points, cannot be read.
+    pub fn rows(&mut self, rows: Range<u64>, solver: &mut Solver<'_>) -> Result<Rows, Error> {
+        let mut all: Option<Rows> = None;
+        for (part, piece) in self.earlier.pieces(rows) {
+            let piece = match part {
+                None => solver.rows(piece)?,
+                Some(part) => self.taken(part, piece)?,
+            };
+            match &mut all {
+                None => all = Some(piece),
+                Some(all) => all.append(piece),
+            }
+        }
+        Ok(all.unwrap_or_else(|| Rows::none(self.study)))
+    }
+
+    fn taken(&mut self, part: usize, rows: Range<u64>) -> Result<Rows, Error> {
+        let place = &self.earlier.parts[part];
+        let mut open = match self.open.take().filter(|open| (open.part, open.next) == (part, rows.start)) {
+            Some(open) => open,
+            None => {
+                let reader = reader(&place.path, rows.start - place.rows.start, None)?;
+                Open { part, next: rows.start, reader, rest: None }
+            }
+        };
+        let mut taken = Rows::none(self.study);
+        taken.first = rows.start;
+        self.study.design.fill(rows.clone(), &mut taken.points)?;
+        while open.next < rows.end {
+            let batch = match open.rest.take() {
+                Some(batch) => batch,
+                None => match open.reader.next() {
+                    Some(batch) => batch.map_err(|error| Error::arrow(&place.path, error))?,
+                    None => {
+                        let why = format!("{} ends before its record says", place.path.display());
+                        return Err(Error::NotContinued { folder: self.earlier.folder.clone(), why });
+                    }
+                },
+            };
+            let length = batch.num_rows().min((rows.end - open.next) as usize);
+            if length < batch.num_rows() {
+                open.rest = Some(batch.slice(length, batch.num_rows() - length));
+            }
+            self.add(&batch.slice(0, length), open.next, &mut taken)?;
+            self.on_rows.found(length as u64);
+            open.next += length as u64;
+        }
+        self.open = Some(open);
+        Ok(taken)
+    }
+
+    /// Adds the results of a batch. A row without results is tried again: its reason is a text there.
+    fn add(&mut self, batch: &RecordBatch, first: u64, taken: &mut Rows) -> Result<(), Error> {
+        let begin = taken.statuses.len();
+        // The columns of both studies are the same, in the same order.
+        let results = &batch.columns()[1 + self.study.varied.len()..];
+        for (column, array) in taken.outputs.iter_mut().zip(results) {
+            column.extend(numbers(array));
+        }
+        let statuses = results[taken.outputs.len()].as_dictionary::<Int32Type>();
+        let texts = statuses.values().as_string::<i32>();
+        let known: Vec<Option<Status>> =
+            (0..texts.len()).map(|i| Status::of_text(self.study, texts.value(i))).collect();
+        for (i, key) in statuses.keys().values().iter().enumerate() {
+            let status = match known.get(*key as usize).copied().flatten() {
+                Some(status) => status,
+                None => {
+                    let row = first + i as u64;
+                    let again = self.again.rows(row..row + 1)?;
+                    for (column, value) in taken.outputs.iter_mut().zip(&again.outputs) {
+                        column[begin + i] = value[0];
+                    }
+                    again.statuses[0]
+                }
+            };
+            taken.statuses.push(status);
+        }
+        Ok(())
+    }
+}
+
+/// The rows of a part from some row on; of some columns, or all.
+fn reader(path: &Path, skipped: u64, names: Option<&[&str]>) -> Result<ParquetRecordBatchReader, Error> {
+    let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    let parquet = |source| Error::Parquet { path: path.to_owned(), source };
+    let mut builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?.with_offset(skipped as usize);
+    if let Some(names) = names {
+        let roots = builder.schema().fields().iter().enumerate();
+        let roots: Vec<usize> = roots.filter(|(_, f)| names.contains(&f.name().as_str())).map(|(i, _)| i).collect();
+        let mask = ProjectionMask::roots(builder.parquet_schema(), roots);
+        builder = builder.with_projection(mask);
+    }
+    builder.with_batch_size(crate::part::CHUNK as usize).build().map_err(parquet)
+}
+
+/// A column's numbers, NaN for a null.
+fn numbers(column: &ArrayRef) -> Vec<f64> {
+    let values = column.as_primitive::<Float64Type>();
+    match values.null_count() {
+        0 => values.values().to_vec(),
+        _ => values.iter().map(|value| value.unwrap_or(f64::NAN)).collect(),
+    }
+}

@@ -1,0 +1,163 @@
+//! Studies that grow: what a smaller one has solved is taken from there, and the result is the one made in one go.
+
+mod common;
+
+use common::{model, read, study, text};
+use std::collections::BTreeMap;
+use std::path::Path;
+use sweep::{Earlier, Options, Shard, Study, run};
+
+fn quiet(_: u64) {}
+
+/// All parts of a folder, their tables by name.
+fn parts(folder: &Path) -> BTreeMap<String, arrow::record_batch::RecordBatch> {
+    let folder = folder.join("rows");
+    let names = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    names.map(|name| (name.clone(), read(&folder.join(&name)))).collect()
+}
+
+/// What every file of a folder holds, by its path there.
+fn files(folder: &Path) -> BTreeMap<std::path::PathBuf, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for path in std::fs::read_dir(next).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                files.insert(path.strip_prefix(folder).unwrap().to_owned(), std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    files
+}
+
+/// Axes of which some rows fail and some do not settle.
+const MIXED: &str = "bore_m = { from = 0.016, to = 0.063 }
+rod_m = { from = 0.0, to = 0.03 }
+\"effect.leakage.conductance_m3_per_s_pa\" = { values = [0.0, 1e-12] }";
+/// The first two of them.
+const BORES: &str = "bore_m = { from = 0.016, to = 0.063 }
+rod_m = { from = 0.0, to = 0.03 }";
+const WANTED: &str =
+    "\n[statistics]\npareto = { minimise = [\"settling_time_s\"], maximise = [\"pressure_peak_pa\"] }\n";
+
+/// A smaller and a larger study of a sequence.
+fn growing(head: &str, smaller: &str, larger: &str, vary: [&str; 2]) -> [Study; 2] {
+    [(smaller, vary[0]), (larger, vary[1])].map(|(more, vary)| {
+        Study::about(&model(), &(text(&format!("{head}\nfit = false\n{more}"), vary) + WANTED)).unwrap()
+    })
+}
+
+#[test]
+fn a_study_that_is_grown_is_the_one_made_in_one_go_byte_for_byte() {
+    let factorial = ["[0.03, 0.02]", "[0.03, 0.02, 0.04]"].map(|bores| {
+        format!("bore_m = {{ values = {bores} }}\ninitial_pressure_pa = {{ from = 1e5, to = 7e5, count = 900 }}")
+    });
+    for (studies, solved) in [
+        (growing("design = \"sobol\"\nseed = 4", "samples = 1500", "samples = 9000", [MIXED; 2]), 7500),
+        (growing("design = \"sobol\"\nseed = 4", "samples = 9000\nparts = 7", "samples = 9001", [MIXED; 2]), 1),
+        (growing("design = \"saltelli\"", "samples = 256", "samples = 1000\nparts = 3", [BORES; 2]), 744 * 4),
+        (growing("design = \"factorial\"", "", "", [&factorial[0], &factorial[1]]), 900),
+    ] {
+        let [smaller, larger] = studies;
+        let [first, second, whole, shards] = [(); 4].map(|()| tempfile::tempdir().unwrap());
+        run(&smaller, first.path(), Shard::WHOLE, &quiet).unwrap();
+        let before = files(first.path());
+        let earlier = Earlier::open(&larger, first.path()).unwrap();
+        let options = |shard| Options { shard, earlier: Some(&earlier), ..Options::default() };
+        let report = run(&larger, second.path(), options(Shard::WHOLE), &quiet).unwrap();
+        assert_eq!((report.rows_written, report.rows_taken), (solved, smaller.rows), "{}", larger.rows);
+        assert!(report.complete);
+        run(&larger, whole.path(), Shard::WHOLE, &quiet).unwrap();
+        assert_eq!(files(second.path()), files(whole.path()));
+        for index in [1, 0] {
+            run(&larger, shards.path(), options(Shard { index, count: 2 }), &quiet).unwrap();
+        }
+        for name in ["manifest.json", "statistics.json"] {
+            assert!(files(shards.path()).contains_key(Path::new(name)), "{name}");
+        }
+        assert_eq!(parts(shards.path()), parts(whole.path()));
+        assert_eq!(files(first.path()), before, "the smaller study stays as it is");
+        // The statistics alone, from the rows that are there.
+        let summary = tempfile::tempdir().unwrap();
+        run(&larger, summary.path(), Options { rows: false, ..options(Shard::WHOLE) }, &quiet).unwrap();
+        let statistics = |folder: &Path| std::fs::read(folder.join("statistics.json")).unwrap();
+        assert_eq!(statistics(summary.path()), statistics(whole.path()));
+    }
+}
+
+#[test]
+fn a_study_grows_from_an_unfinished_and_damaged_one_as_well() {
+    let [smaller, larger] =
+        growing("design = \"sobol\"\nseed = 4", "samples = 3000\nparts = 6", "samples = 5000", [MIXED; 2]);
+    let [first, second, whole] = [(); 3].map(|()| tempfile::tempdir().unwrap());
+    run(&smaller, first.path(), Shard { index: 1, count: 2 }, &quiet).unwrap();
+    let path = first.path().join("rows").join(smaller.part_name(3));
+    let mut bytes = std::fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    std::fs::write(&path, bytes).unwrap();
+    let earlier = Earlier::open(&larger, first.path()).unwrap();
+    assert_eq!(earlier.damaged, 1);
+    let options = Options { earlier: Some(&earlier), ..Options::default() };
+    let report = run(&larger, second.path(), options, &quiet).unwrap();
+    assert_eq!((report.rows_written, report.rows_taken), (4000, 1000));
+    run(&larger, whole.path(), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!(files(second.path()), files(whole.path()));
+}
+
+#[test]
+fn a_study_that_is_no_beginning_of_another_is_refused_in_a_sentence() {
+    let sobol = "design = \"sobol\"\nsamples = 600\nfit = false";
+    let larger = study(&sobol.replace("600", "900"), MIXED);
+    let refusal = |smaller: &Study, larger: &Study, rows: bool| {
+        let folder = tempfile::tempdir().unwrap();
+        run(smaller, folder.path(), Options { rows, ..Options::default() }, &quiet).unwrap();
+        let message = Earlier::open(larger, folder.path()).unwrap_err().to_string();
+        assert!(message.starts_with(&folder.path().display().to_string()) && !message.contains('\n'), "{message}");
+        message
+    };
+    let factorial = |bores: &str| {
+        study(
+            "design = \"factorial\"\nfit = false",
+            &format!("bore_m = {{ values = {bores} }}\nrod_m = {{ values = [0.0, 0.001] }}"),
+        )
+    };
+    let smaller = study(sobol, MIXED);
+    let cube = |samples| study(&format!("design = \"latin-hypercube\"\nsamples = {samples}\nfit = false"), MIXED);
+    for (message, expected) in [
+        (refusal(&smaller, &study(&sobol.replace("600", "300"), MIXED), true), "it has 600 rows, this study only 300"),
+        (refusal(&study(&format!("{sobol}\nseed = 2"), MIXED), &larger, true), "its seed is 2, this study's 0"),
+        (
+            refusal(&study(&format!("{sobol}\ntolerance = 1e-8"), MIXED), &larger, true),
+            "its tolerance is 1e-8, this study's 1e-10",
+        ),
+        (
+            refusal(&smaller, &study(&sobol.replace("600", "900"), &MIXED.replace("0.063", "0.06")), true),
+            "its bore_m is {\"from\":0.016,\"to\":0.063,",
+        ),
+        (
+            refusal(&smaller, &study(&sobol.replace("600", "900"), BORES), true),
+            "its effect.leakage.conductance_m3_per_s_pa is {\"values\":[0.0,1e-12]}, this study's nothing",
+        ),
+        (
+            refusal(&study(&sobol.replace("fit = false", ""), MIXED), &larger, true),
+            "its fit is true, this study's false",
+        ),
+        (refusal(&smaller, &larger, false), "it has no rows"),
+        (refusal(&cube(600), &cube(900), true), "a Latin hypercube of more samples has other rows"),
+        (refusal(&cube(600), &larger, true), "its design is \"latin-hypercube\", this study's \"sobol\""),
+        (
+            refusal(&factorial("[0.02, 0.03]"), &factorial("[0.02, 0.025, 0.03]"), true),
+            "its row 2 is at bore_m = 0.03, this study's at 0.025",
+        ),
+    ] {
+        assert!(message.contains(expected), "{message}");
+    }
+    let empty = tempfile::tempdir().unwrap();
+    assert!(Earlier::open(&larger, empty.path()).unwrap_err().to_string().contains("it holds no study"));
+    std::fs::create_dir(empty.path().join("parts")).unwrap();
+    std::fs::write(empty.path().join("parts/study.json"), "{").unwrap();
+    assert!(Earlier::open(&larger, empty.path()).unwrap_err().to_string().contains("cannot be read"));
+}
