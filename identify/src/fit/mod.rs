@@ -25,9 +25,8 @@ use chamber::real::{Real, Scalar};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Integration error relative to the states: a hundredth of a typical sensor's noise.
-pub const RELATIVE_TOLERANCE: f64 = 3e-8;
-/// A step that promises less than this much of χ² ends the fit.
+/// A step that promises less than this much of χ² ends the fit; so much more as χ² is more than its expectation, since the
+/// evidence counts χ² in that measure.
 const SETTLED: f64 = 2e-3;
 const MOST_ITERATIONS: usize = 40;
 /// Derivatives in one pass of the simulation at the most.
@@ -167,6 +166,8 @@ pub fn descend(
     let mut linear = linearise(&rig, &own)?;
     let mut chi2 = total(&linear);
     let mut system = System::new(&linear, free);
+    let blocks: usize = linear.iter().map(|l| l.blocks).sum();
+    let settled = |chi2: f64| SETTLED * (chi2 / blocks.max(1) as f64).max(1.0);
     let (mut damping, mut iterations, mut converged) = (1e-4, 0, false);
     'outer: while iterations < most_iterations {
         iterations += 1;
@@ -175,7 +176,7 @@ pub fn descend(
                 damping = (damping * 10.0).max(1e-6);
                 continue;
             };
-            if promised < SETTLED {
+            if promised < settled(chi2) {
                 converged = true;
                 break 'outer;
             }
@@ -193,7 +194,7 @@ pub fn descend(
                     (rig, own, linear, chi2) = (trial, trial_own, next, next_chi2);
                     system = System::new(&linear, free);
                     damping = if gained > 0.7 * promised { damping * 0.1 } else { damping }.max(1e-9);
-                    if gained < SETTLED {
+                    if gained < settled(chi2) {
                         converged = true;
                         break 'outer;
                     }
@@ -342,15 +343,22 @@ fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> R
     };
     let mut columns = DMatrix::zeros(blocks, 1 + count);
     if blocks > 0 {
-        for first in (0..count).step_by(WIDEST) {
+        let firsts: Vec<usize> = (0..count.max(1)).step_by(WIDEST).collect();
+        let passes: Result<Vec<DMatrix<f64>>, IntegrationError> = firsts
+            .par_iter()
             // No wider than need be.
-            match (count - first).min(WIDEST) {
-                ..=3 => pass::<3>(t, h, x, first, &mut columns)?,
-                4 => pass::<4>(t, h, x, first, &mut columns)?,
-                5..=6 => pass::<6>(t, h, x, first, &mut columns)?,
-                7..=8 => pass::<8>(t, h, x, first, &mut columns)?,
-                _ => pass::<WIDEST>(t, h, x, first, &mut columns)?,
-            }
+            .map(|&first| match (count - first).min(WIDEST) {
+                ..=3 => pass::<3>(t, h, x, first, blocks),
+                4 => pass::<4>(t, h, x, first, blocks),
+                5..=6 => pass::<6>(t, h, x, first, blocks),
+                7..=8 => pass::<8>(t, h, x, first, blocks),
+                _ => pass::<WIDEST>(t, h, x, first, blocks),
+            })
+            .collect();
+        for (first, passed) in firsts.into_iter().zip(passes?) {
+            let width = (count - first).min(WIDEST);
+            columns.set_column(0, &passed.column(0));
+            columns.columns_mut(1 + first, width).copy_from(&passed.columns(1, width));
         }
         t.whitener.apply_to(&mut columns);
     }
@@ -369,14 +377,14 @@ fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> R
     if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
 }
 
-/// The residual, and the derivatives by N coordinates from the `first` on.
+/// Columns of the residual and of the derivatives by N coordinates from the `first` on, for the first `blocks` blocks.
 fn pass<const N: usize>(
     t: &Prepared,
     h: &Hypothesis,
     x: &Coordinates<'_>,
     first: usize,
-    columns: &mut DMatrix<f64>,
-) -> Result<(), IntegrationError> {
+    blocks: usize,
+) -> Result<DMatrix<f64>, IntegrationError> {
     let variable = |value: f64, place: usize| -> Dual<N> {
         if (first..first + N).contains(&place) { Dual::variable(value, place - first) } else { Dual::from(value) }
     };
@@ -385,23 +393,24 @@ fn pass<const N: usize>(
     let stated: Vec<Dual<N>> = (0..x.stated).map(|i| variable(0.0, x.rig.len() + i)).collect();
     let own: Vec<Dual<N>> = x.own.iter().enumerate().map(|(i, v)| variable(*v, behind + i)).collect();
     let setting = h.setting(t, &rig, &stated, &own);
-    let blocks = &t.blocks[..columns.nrows()];
+    let blocks = &t.blocks[..blocks];
     let mut shown = run(t, &setting, h.model.effects).pressures(&points(blocks))?.into_iter();
-    let last = x.count().min(first + N);
+    let mut columns = DMatrix::zeros(blocks.len(), 1 + N);
     for (row, block) in blocks.iter().enumerate() {
         let model = mean(block, &mut shown);
         columns[(row, 0)] = block.mean_pa - model.value;
-        for place in first..last {
-            columns[(row, 1 + place)] = model.tangent[place - first];
+        for (column, tangent) in model.tangent.iter().enumerate() {
+            columns[(row, 1 + column)] = *tangent;
         }
     }
-    Ok(())
+    Ok(columns)
 }
 
 /// The model along a record.
 pub fn run<'a, R: Real>(t: &'a Prepared, setting: &'a Setting<R>, set: EffectSet) -> Run<'a, R> {
     let Setting { chamber, start, warmer } = setting;
-    Run { chamber, set, start: *start, warmer: *warmer, course: &t.course, relative_tolerance: RELATIVE_TOLERANCE }
+    let (course, relative_tolerance) = (&t.course, t.relative_tolerance);
+    Run { chamber, set, start: *start, warmer: *warmer, course, relative_tolerance }
 }
 
 /// Times at which the blocks' means need the model.

@@ -3,7 +3,6 @@
 //! Each of a handful of push-and-hold tests within the rig's stroke is simulated with both fitted models from the same
 //! initial pressure; their difference, rms over the record in units of the noise, says how well that test separates them.
 
-use crate::fit::RELATIVE_TOLERANCE;
 use crate::forward::{Course, Run};
 use crate::outcome::diagnosis::terms;
 use crate::record::prepare::Data;
@@ -25,6 +24,8 @@ pub struct NextExperiment {
 
 /// A difference of less than this many times the noise, rms, is no use.
 const TOO_SMALL: f64 = 0.1;
+/// Integration error relative to the states.
+const RELATIVE_TOLERANCE: f64 = 3e-8;
 
 /// A push-and-hold test.
 struct Test {

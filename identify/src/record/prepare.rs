@@ -84,6 +84,8 @@ pub struct Prepared {
     pub blocks: Vec<Block>,
     /// Makes the blocks' residuals white.
     pub whitener: Whitener,
+    /// Integration error of the model along it, relative to the states: see [`INTEGRATION_ERROR`].
+    pub relative_tolerance: f64,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,
     /// First guess of the initial temperature, K: where the record starts in motion it is free.
@@ -91,6 +93,11 @@ pub struct Prepared {
     /// Whether it begins with the piston held.
     pub starts_at_rest: bool,
 }
+
+/// Error of an integration step, of the noise: many of them together stay below a hundredth.
+const INTEGRATION_ERROR: f64 = 1e-3;
+/// The smallest and the largest tolerance of the integration, relative to the states.
+const RELATIVE_TOLERANCES: [f64; 2] = [3e-8, 3e-7];
 
 impl Prepared {
     /// Time from row to row, s.
@@ -104,6 +111,9 @@ impl Prepared {
     }
 
     fn weigh(&mut self, noise: &Noise) {
+        let highest = self.pressure_pa.iter().copied().fold(0.0, f64::max);
+        let [least, most] = RELATIVE_TOLERANCES;
+        self.relative_tolerance = (INTEGRATION_ERROR * noise.total_pa() / highest).clamp(least, most);
         let rounding = noise.rounding_pa();
         let steps = |b: &Block| ((b.range_pa[1] - b.range_pa[0]) / noise.step_pa).round() + 1.0;
         let places: Vec<Place> = (0..self.blocks.len())
@@ -315,6 +325,7 @@ impl<'a> Columns<'a> {
             backward_rows,
             blocks: Vec::new(),
             whitener: Whitener::default(),
+            relative_tolerance: RELATIVE_TOLERANCES[0],
             initial_pressure_pa: initial_pressure(pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
             readout,

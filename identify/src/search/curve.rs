@@ -88,8 +88,9 @@ impl Search {
         let folds = left_out::by_experiment(&self.data);
         let left_out = |fit: &Fit| left_out::rmse(&self.data, fit, &folds);
         let (settled_pa, paper_pa) = (left_out(&settled.fit)?, left_out(&self.baseline.fit)?);
+        let is_likely = |c: &Candidate| c.delta_bic > settled.delta_bic;
         let curves: Vec<Judged> =
-            parts.iter().flat_map(|part| self.curves_on(part, empirical, &|_| true, &left_out)).collect();
+            parts.iter().flat_map(|part| self.curves_on(part, empirical, &is_likely, &left_out)).collect();
         let acceptable = |c: &&Judged| {
             c.is_evident
                 && if c.candidate.model.terms() > settled.model.terms() {

@@ -12,17 +12,28 @@ use rayon::prelude::*;
 const TRIAL_ITERATIONS: usize = 4;
 /// How many starts go on to the end.
 const GO_ON: usize = 2;
+/// A start goes on beside the best one if its χ² is less than so many times the best one's...
+const NOT_FAR_BEHIND: f64 = 2.0;
+/// ...and is not the same within this share, which means that both have come to the same minimum.
+const THE_SAME: f64 = 1e-4;
 
 /// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew.
 pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
     let selection = fit::all_blocks(data);
     let begun = trials(data, model, part, sizes, &selection);
-    let most = begun.len().min(GO_ON);
+    let best = begun.first()?.1.chi2;
+    let ways_on = |start: &Descent| start.chi2 == best || is_rival(start.chi2, best);
     begun
         .into_iter()
-        .take(most)
+        .filter(|(_, start)| ways_on(start))
+        .take(GO_ON)
         .filter_map(|(h, start)| fit::fit(data, &h, start.rig, start.own, &selection).ok())
         .min_by(|a, b| a.marginal.total_cmp(&b.marginal))
+}
+
+/// Whether a start may end in another minimum than the best one, and in a lower one.
+fn is_rival(chi2: f64, best: f64) -> bool {
+    chi2 > best * (1.0 + THE_SAME) && chi2 < best * NOT_FAR_BEHIND
 }
 
 /// The starts of `model`, each a few iterations on, the best first; a single one is left where it begins.
