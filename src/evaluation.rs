@@ -15,7 +15,7 @@ use crate::{diagnosis_page, output};
 pub fn method(name: &str) -> anyhow::Result<Method> {
     match Method::ALL.into_iter().find(|method| method.name() == name) {
         Some(method) => Ok(method),
-        None => bail!("method: `{name}` is not known; known here: {}", Method::ALL.map(Method::name).join(", ")),
+        None => bail!("method: unknown value `{name}`; expected one of: {}", Method::ALL.map(Method::name).join(", ")),
     }
 }
 

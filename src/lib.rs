@@ -20,8 +20,8 @@ pub use failure::sentence;
 use clap::Parser;
 use std::ffi::OsString;
 
-/// Heat transfer between the air in a pneumatic cylinder chamber and its wall: identified from a push-and-hold test,
-/// delivered as a model, an FMU, a Parquet study and a diagnosis.
+/// Heat transfer in pneumatic cylinder chambers: identifies the coefficient from push-and-hold tests, diagnoses missing
+/// effects, and exports models, FMUs and parameter studies.
 #[derive(Parser)]
 #[command(name = "pneutherm", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Cli {
@@ -32,12 +32,12 @@ struct Cli {
 const AFTER_HELP: &str = "\
 From a record to an FMU:
   pneutherm identify examples/cylinder                  coefficient, dead volume, mass
-  pneutherm diagnose examples/cylinder -o model.toml    what the model misses, and the model that has it
+  pneutherm diagnose examples/cylinder -o model.toml    the missing effect, and the model that includes it
   pneutherm fmu model.toml -o Chamber.fmu               FMI 2.0: Model Exchange and co-simulation
 
-Files: traces are CSV, rigs, models and studies are TOML; `-` means standard output where a file is written.
+Files: traces are CSV; rigs, models and studies are TOML. For an output file, `-` means standard output.
 
-Exit code: 0 done, 1 the input is wrong or the work failed (one sentence on standard error), 2 wrong usage.";
+Exit codes: 0 success; 1 wrong input or failure, with one sentence on standard error; 2 wrong usage.";
 
 /// Does what the arguments say, the program's name first, and gives the exit code: 0, 1 or 2 as the help has it.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {

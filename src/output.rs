@@ -30,6 +30,6 @@ pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
 /// A line on the effects of a model that a use of it leaves out, if there are any.
 pub fn left_out(effects: EffectSet) -> Option<String> {
     let names: Vec<&str> = effects::all().filter(|(place, _)| effects.has(*place)).map(|(_, card)| card.name).collect();
-    let reason = "a record of the stroke has that, and here the stroke is the true one";
+    let reason = "it belongs to a recorded stroke, and here the stroke is exact";
     (!names.is_empty()).then(|| format!("left out of the model: {} ({reason})\n", names.join(", ")))
 }

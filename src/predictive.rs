@@ -71,7 +71,7 @@ pub fn name(column: &str, end: &str) -> String {
 pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Result<Band> {
     if !(SAMPLES.contains(&wanted.samples) && wanted.level > 0.0 && wanted.level < 1.0) {
         bail!(
-            "{} draws and a probability of {} are asked for: {} to {} draws and a probability between 0 and 1 were expected",
+            "{} draws with a probability of {}: expected {} to {} draws and a probability between 0 and 1",
             wanted.samples,
             wanted.level,
             SAMPLES.start(),
@@ -95,13 +95,15 @@ pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Resul
     };
     let names: Vec<_> = known.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let noise = match scatter {
-        Some(scatter) => format!("; that of pressure_pa adds {scatter:.4} Pa rms, what the model left in its records"),
-        None => "; the model does not say what it left in its records, so no noise is added".to_owned(),
+        Some(scatter) => {
+            format!("; the band of pressure_pa includes noise of {scatter:.4} Pa rms, the residual of the model")
+        }
+        None => "; it includes no noise, because the model file does not state its residual".to_owned(),
     };
     Ok(Band {
         ends: COLUMNS[1..].iter().map(of_column).collect(),
         level: wanted.level,
-        note: format!("the band is that of {} draws of {}{noise}", wanted.samples, names.join(", ")),
+        note: format!("the band is from {} draws of {}{noise}", wanted.samples, names.join(", ")),
     })
 }
 

@@ -43,7 +43,7 @@ pub const COLUMNS: [Column; 7] = [
     Column {
         name: "pressure_pa",
         unit: "Pa",
-        doc: "What the sensor would show, sensor effects included",
+        doc: "Pressure that the sensor would show, sensor effects included",
         of: |s| s.measured_pressure,
     },
     Column { name: "gas_pressure_pa", unit: "Pa", doc: "Pressure of the gas", of: |s| s.gas_pressure },
@@ -163,7 +163,7 @@ fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: u
     simulate(&model.chamber, model.active(), start, signals, &motion.time_s[..rows], RELATIVE_TOLERANCE)
         .with_context(|| {
             let path = motion.path.display();
-            format!("{path}: the model's gas cannot be followed along it; a flow that empties the chamber, a jump of the position or a value of the model far from any real one does that")
+            format!("{path}: the model cannot be integrated along this motion; possible causes are a flow that empties the chamber, a jump of the position, or an unrealistic value in the model")
         })
 }
 
@@ -176,13 +176,13 @@ fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals, sh
     let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
     if let Some(pressure) = request.initial_pressure_pa {
         if !(pressure.is_finite() && pressure > 0.0) {
-            bail!("the initial pressure is {pressure} Pa: a pressure in Pa, absolute and above zero, is expected");
+            bail!("the initial pressure is {pressure} Pa; expected a pressure in Pa, absolute and above zero");
         }
         return Ok(at(pressure));
     }
     let Some(measured) = &motion.pressure_pa else {
         bail!(
-            "{}: has no pressure column to begin from; say the gas pressure at the start by --initial-pressure",
+            "{}: no pressure column to take the initial pressure from; give it with --initial-pressure",
             motion.path.display()
         );
     };
@@ -218,7 +218,7 @@ fn check_volume(model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Res
     for Knot { time, position, .. } in &signals.knots {
         if geometry.volume(*position) <= 0.0 {
             bail!(
-                "{}: at {time} s the position {position} m leaves no gas: the dead volume is {} m3",
+                "{}: at {time} s the position {position} m leaves no gas volume (the dead volume is {} m3)",
                 motion.path.display(),
                 geometry.dead_volume
             );

@@ -18,26 +18,29 @@ pub fn html(model: &Path, rig: &Path, found: &Validated) -> Result<String, Error
     result.blocks.push(Block::Verdict {
         kind: "",
         text: format!(
-            "The error is **{}** rms; the recording's noise is {}.",
+            "The error is **{}** rms; the noise of the recording is {}.",
             pressure(v.rmse_pa, 3),
             pressure(v.noise_pa, 3)
         ),
     });
-    let to =
-        if v.whole_record { "all of each record" } else { "each record's rest and first move; what follows is judged" };
-    result.text(format!("The records' own numbers are fitted to {to}; everything else is the model's."));
+    let to = if v.whole_record {
+        "the whole of each record"
+    } else {
+        "the rest and first move of each record; the error is that of the rest of the record"
+    };
+    result.text(format!("The records' own parameters are fitted to {to}. Everything else is taken from the model."));
     result.table(records(found));
     let mut drawn = Section::new("Records and residuals");
-    drawn.note("Residual: measured less model; the grey band is twice the noise.");
+    drawn.note("The residual is measured minus model; the grey band is ± two standard deviations of the noise.");
     drawn.blocks.push(Block::Charts((0..v.records.len()).map(|k| record(found, k)).collect::<Result<_, _>>()?));
     drawn.note(format!("pneutherm {}", env!("CARGO_PKG_VERSION")));
     let lead = format!("{} on {}", model.display(), rig.display());
-    Ok(page::page("A model on records that took no part", &lead, &[result, drawn]))
+    Ok(page::page("Validation of a model on other records", &lead, &[result, drawn]))
 }
 
 fn records(found: &Validated) -> Table {
     let records = &found.validation.records;
-    let mut table = Table::new(&["record", "error, Pa", "judged from, s"]);
+    let mut table = Table::new(&["record", "error, Pa", "compared from, s"]);
     let own = records.first().map_or(&[][..], |r| r.parameters.as_slice());
     let quantities: Vec<(&String, Quantity)> =
         own.iter().map(|(name, e)| (name, Quantity::of(name, &e.unit, e.value))).collect();

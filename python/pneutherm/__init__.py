@@ -1,8 +1,8 @@
 """Heat transfer in pneumatic cylinder chambers, from Python.
 
-The functions take the files that the commands of the program `pneutherm` take, and return pyarrow tables. Units are SI and
-stand in each column's name and metadata; pressure is absolute. What is wrong with an input is raised as `Error`, with
-the sentence that the program would print. The rows of `simulate` and `sweep` lie where Rust wrote them; they are not copied.
+The functions take the same files as the commands of the program `pneutherm`, and return pyarrow tables. Units are SI; the name
+and the metadata of each column state them. Pressure is absolute. Wrong input raises `Error` with the sentence that the program
+would print. The rows of `simulate` and `sweep` are passed without a copy.
 
     >>> import pneutherm
     >>> pneutherm.identify("examples/cylinder").parameters.to_pandas()  # doctest: +SKIP
@@ -46,13 +46,13 @@ Path = Union[str, "os.PathLike[str]"]
 
 @dataclasses.dataclass(frozen=True)
 class Identification:
-    """What `identify` found.
+    """The result of `identify`.
 
     Attributes:
         method: ``"exact"`` or ``"time-constant"``.
-        parameters: name, value, ci95_low, ci95_high, unit: one row a parameter.
-        experiments: final pressure, pressure rise, time constant and the like: one row an experiment.
-        rmse_pa: root mean square error against what the sensor recorded, Pa: ``fit`` and ``held_out``.
+        parameters: name, value, ci95_low, ci95_high, unit; one row per parameter.
+        experiments: final pressure, pressure rise, time constant and so on; one row per experiment.
+        rmse_pa: root mean square error against the recorded pressure, Pa: ``fit`` and, on left-out data, ``held_out``.
         raw: everything, as ``pneutherm identify --json`` writes it.
     """
 
@@ -65,19 +65,19 @@ class Identification:
 
 @dataclasses.dataclass(frozen=True)
 class Diagnosis:
-    """What `diagnose` found.
+    """The result of `diagnose`.
 
     Attributes:
         verdict: ``"adequate"``, ``"explained"``, ``"improved"`` or ``"unexplained"``.
-        effects: the effects that explain the residual; empty unless explained.
-        balance: ``"none"``, ``"mass"``, ``"energy"``, ``"volume"`` or ``"sensor"``: where the evidence points.
-        indistinguishable: sets of effects that the data cannot tell apart.
-        noise_pa: the sensor's noise, Pa.
+        effects: the effects in the model; empty if the verdict is adequate or unexplained.
+        balance: ``"none"``, ``"mass"``, ``"energy"``, ``"volume"`` or ``"sensor"``: the balance that the evidence points to.
+        indistinguishable: sets of effects that the data cannot distinguish.
+        noise_pa: the noise of the recording, Pa.
         before: parameters of the paper's model, as `Identification.parameters`.
         after: parameters of the diagnosed model; equals `before` when `effects` is empty.
         rmse_before_pa: error of the paper's model, Pa: ``fit`` and ``held_out``.
         rmse_after_pa: error of the diagnosed model.
-        candidates: effect, delta_bic (positive speaks for it), held_out_rmse_pa: one row a candidate.
+        candidates: effect, delta_bic (positive values favour it), held_out_rmse_pa; one row per candidate.
         raw: everything, as ``pneutherm diagnose --json`` writes it.
     """
 
@@ -96,13 +96,13 @@ class Diagnosis:
 
 @dataclasses.dataclass(frozen=True)
 class Validation:
-    """What `validate` found.
+    """The result of `validate`.
 
     Attributes:
-        rmse_pa: error over all rows judged, Pa rms.
-        noise_pa: the recording's noise, Pa.
-        systematic_pa: what is systematic in the error, Pa, where whole records are judged.
-        records: trace, rmse_pa, judged_from_s, rows and the record's own numbers (JSON): one row a record.
+        rmse_pa: error over all compared rows, Pa rms.
+        noise_pa: the noise of the recording, Pa.
+        systematic_pa: the systematic part of the error, Pa, if whole records are compared.
+        records: trace, rmse_pa, judged_from_s, rows and the record's own parameters (JSON); one row per record.
         raw: everything, as ``pneutherm validate --json`` writes it.
     """
 
@@ -116,11 +116,11 @@ class Validation:
 def identify(
     rig: Path, *, method: Literal["exact", "time-constant"] = "exact", model: Optional[Path] = None
 ) -> Identification:
-    """Heat transfer coefficient, dead volume and mass, with 95 % intervals, from measured traces.
+    """Identifies heat transfer coefficient, dead volume and mass, with 95 % intervals, from measured traces.
 
     Args:
         rig: the rig file, or the folder with a ``rig.toml``.
-        method: the exact regression, or the paper's thermal time constant method.
+        method: a fit of all traces at once, or the paper's thermal time constant method on each trace.
         model: where to write the model file, if anywhere.
     """
     raw = json.loads(_native.identify(rig, method, model))
@@ -134,7 +134,7 @@ def identify(
 
 
 def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] = None) -> Diagnosis:
-    """Which effect the paper's model misses, and the error before and after on held-out traces.
+    """Finds which effects the paper's model lacks, with the error before and after on left-out records.
 
     Args:
         rig: the rig file, or the folder with a ``rig.toml``.
@@ -161,13 +161,13 @@ def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] 
 
 
 def validate(model: Path, rig: Path, *, whole_record: bool = False) -> Validation:
-    """How well a model predicts records that took no part in finding it.
+    """Tests a model on records that took no part in its identification.
 
     Args:
         model: the model file.
         rig: the rig file of the records, or the folder with a ``rig.toml``.
-        whole_record: fit the records' own numbers (initial pressure, delay, offsets) to all of each record, not only to its
-            rest and first move.
+        whole_record: fit the records' own parameters (initial pressure, delays, offset) to the whole of each record, not
+            only to its rest and first move.
     """
     raw = json.loads(_native.validate(model, rig, whole_record))
     return Validation(
@@ -189,18 +189,17 @@ def simulate(
     level: float = 0.95,
     seed: int = 0,
 ) -> pyarrow.Table:
-    """The chamber along a measured or planned stroke: one row for each row of the motion.
+    """Simulates the chamber along a measured or planned stroke; one row per row of the motion.
 
     Args:
         model: the model file.
         motion: the trace file with the motion, or what `write_trace` takes: a table, a MATLAB, Parquet or Excel file.
-        rig: a rig file whose columns and format are the motion's.
-        initial_pressure_pa: gas pressure at the start, Pa; otherwise from the motion's pressure before the first
-            movement.
-        samples: also give a predictive band from so many draws of the identified parameters: ``pressure_low_pa``,
+        rig: a rig file whose columns and format describe the motion file.
+        initial_pressure_pa: initial gas pressure, Pa; by default from the motion's pressure before the first movement.
+        samples: also compute a prediction band from this many draws of the identified parameters: ``pressure_low_pa``,
             ``pressure_high_pa`` and so on.
-        level: probability of the band.
-        seed: seed of the draws.
+        level: coverage probability of the band.
+        seed: seed of the random draws.
     """
     import pyarrow
 
@@ -210,14 +209,14 @@ def simulate(
 
 @dataclasses.dataclass(frozen=True)
 class StudyFolder:
-    """What `sweep` did in a folder, and what is in it.
+    """The folder of a study, and what `sweep` did in it.
 
     Attributes:
         path: the folder.
-        rows_written: rows that this run computed; those that were there already stayed.
+        rows_written: rows that this run computed; parts that existed already were kept.
         rows_taken: rows that it took from the smaller study in `extend`.
         statuses: rows of this run's shard by status.
-        complete: whether the rows of all shards are there.
+        complete: whether the rows of all shards are complete.
     """
 
     path: pathlib.Path
@@ -228,14 +227,14 @@ class StudyFolder:
 
     @property
     def rows(self) -> pyarrow.dataset.Dataset:
-        """The rows, to be filtered and read piece by piece: ``.to_table()``, or for DuckDB and polars as it is."""
+        """The rows as a dataset, to filter and read in pieces: with ``.to_table()``, DuckDB or polars."""
         import pyarrow.dataset
 
         return pyarrow.dataset.dataset(self.path / "rows", format="parquet")
 
     @property
     def statistics(self) -> Optional[dict[str, Any]]:
-        """``statistics.json``, where the study asks for statistics or keeps no rows."""
+        """``statistics.json``, if the study requests statistics or keeps no rows."""
         return self._json("statistics.json")
 
     @property
@@ -269,18 +268,18 @@ def sweep(
     extend: Optional[Path] = None,
     progress: Optional[Callable[[int, int], object]] = None,
 ) -> Union[pyarrow.Table, StudyFolder]:
-    """A parameter study: all its rows as one table, or into a folder as ``pneutherm sweep`` writes it.
+    """Runs a parameter study: returns all rows as one table, or writes a folder like ``pneutherm sweep``.
 
-    For studies larger than memory give a folder, or read `batches`.
+    For studies larger than memory use a folder or `batches`.
 
     Args:
-        study: the study file, or what it would say: ``{"study": {"model": ..., "design": ...}, "test": {...},
-            "vary": {...}}``, with paths relative to the working folder. NumPy's numbers and arrays will do.
-        out: the folder. A study that was interrupted goes on where it ended.
-        shard: only the parts i with i mod N = I, as ``"I/N"``.
+        study: the study file, or a dictionary with its content: ``{"study": {"model": ..., "design": ...}, "test": {...},
+            "vary": {...}}``, with paths relative to the working folder. NumPy numbers and arrays are allowed.
+        out: the folder. An interrupted study continues where it ended.
+        shard: ``"I/N"`` computes only the parts i with i mod N = I.
         rows: False keeps no rows, only `StudyFolder.statistics`.
         extend: the folder of a smaller study of the same sequence, whose rows are taken instead of solved again.
-        progress: called now and then with the rows done and all rows.
+        progress: called regularly with the number of rows done and of all rows.
     """
     import pyarrow
 
@@ -294,7 +293,7 @@ def sweep(
 
 
 def batches(study: Union[Path, Mapping[str, Any]]) -> pyarrow.RecordBatchReader:
-    """The rows of a study, batch after batch, computed as they are read: for DuckDB, polars or a loop.
+    """Computes the rows of a study, batch by batch, while they are read by DuckDB, polars or a loop.
 
     Args:
         study: as for `sweep`.
@@ -311,13 +310,13 @@ def statistics(
     quantiles: Optional[Sequence[float]] = None,
     progress: Optional[Callable[[int, int], object]] = None,
 ) -> dict[str, Any]:
-    """What the rows of a study come to, as ``statistics.json`` has it; no row is kept, so a study may have any size.
+    """Computes statistics of a study like ``statistics.json``. It keeps no rows, so the study may have any size.
 
     Args:
-        study: as for `sweep`; its ``[statistics]`` holds unless columns or quantiles are given.
-        columns: which results; all unless given.
+        study: as for `sweep`; columns and quantiles override its ``[statistics]``.
+        columns: the results to use; all by default.
         quantiles: probabilities of the quantiles.
-        progress: called now and then with the rows done and all rows.
+        progress: called regularly with the number of rows done and of all rows.
     """
     native = _study(study)
     names = None if columns is None else list(columns)
@@ -339,7 +338,7 @@ def _plain(value: Any) -> Any:
         return dict(value)
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise Error(f"study: {type(value).__name__} is nothing that a study file can say")
+    raise Error(f"study: a value of type {type(value).__name__} is not allowed in a study")
 
 
 def _telling(progress: Optional[Callable[[int, int], object]], rows: int) -> Optional[Callable[[int], object]]:

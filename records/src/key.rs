@@ -16,7 +16,7 @@ pub enum KeyProblem {
         known: Vec<String>,
     },
     /// A key of another kind of file.
-    #[error("belongs to a {kind}, another kind of file is expected here; known here: {}", known.join(", "))]
+    #[error("belongs to a {kind}, but another kind of file is expected here, with the keys {}", known.join(", "))]
     OtherFile {
         /// The kind of file whose key it is.
         kind: &'static str,
@@ -38,7 +38,7 @@ pub enum KeyProblem {
         found: String,
     },
     /// A number that cannot be.
-    #[error("{value:?} cannot be; expected {expected}")]
+    #[error("{value:?} is out of range; expected {expected}")]
     OutOfBounds {
         /// The number.
         value: f64,
@@ -46,7 +46,7 @@ pub enum KeyProblem {
         expected: String,
     },
     /// A word that is none of those known.
-    #[error("`{value}` is not known; {}", offer(near, known))]
+    #[error("unknown value `{value}`; {}", offer(near, known))]
     UnknownName {
         /// The word.
         value: String,
@@ -63,8 +63,8 @@ pub enum KeyProblem {
 fn offer(near: &Option<String>, known: &[String]) -> String {
     match near {
         Some(near) => format!("did you mean `{near}`?"),
-        None if known.is_empty() => "nothing is expected here".to_owned(),
-        None => format!("known here: {}", known.join(", ")),
+        None if known.is_empty() => "nothing is allowed here".to_owned(),
+        None => format!("expected one of: {}", known.join(", ")),
     }
 }
 

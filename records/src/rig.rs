@@ -1,7 +1,7 @@
 //! Rig files: the cylinder, its surroundings, gas and sensor, and the experiments with their traces.
 //!
 //! [`RigFile`] is the file itself, [`Rig`] the file with all its traces read. What a file leaves out is: the cap side,
-//! no rod, air, surroundings of 101325 Pa at a temperature to be estimated, SI columns separated by commas.
+//! no rod, air, surroundings of 101325 Pa at an unknown temperature, SI columns.
 
 use crate::document::Document;
 use crate::error::Error;
@@ -64,7 +64,7 @@ pub struct DeadVolume {
 /// The surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
-    /// Temperature, K; absent where it was not recorded and is to be estimated.
+    /// Temperature, K; absent where it is not stated.
     pub temperature_k: Option<f64>,
     /// Pressure, Pa.
     pub pressure_pa: f64,

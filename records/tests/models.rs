@@ -47,8 +47,8 @@ fn an_effect_is_on_once_a_parameter_of_it_is_not_neutral() {
 fn faulty_models_are_refused_by_key() {
     refusal("[heat_transfer]\ncoefficient_w_per_m2_k = 1\n", &["line 1: chamber: missing"]);
     refusal("[chamber]\nbore_m = 0.02\n[heat_transfer]\n", &["line 3: heat_transfer.coefficient_w_per_m2_k: missing"]);
-    refusal(&FEW.replace("0.02", "-0.02"), &["line 2: chamber.bore_m: -0.02 cannot be"]);
-    refusal(&FEW.replace("0.02", "inf"), &["line 2: chamber.bore_m: inf cannot be"]);
+    refusal(&FEW.replace("0.02", "-0.02"), &["line 2: chamber.bore_m: -0.02 is out of range"]);
+    refusal(&FEW.replace("0.02", "inf"), &["line 2: chamber.bore_m: inf is out of range"]);
     refusal(&FEW.replace("bore_m", "boer_m"), &["line 2: chamber.boer_m: unknown key", "`bore_m`"]);
     refusal(&format!("{FEW}lambda = 3\n"), &["line 5: heat_transfer.lambda: unknown key"]);
     refusal(&format!("area = 1\n{FEW}"), &["line 1: area: unknown key"]);
@@ -71,7 +71,7 @@ fn faulty_effects_are_refused_as_their_cards_say() {
             let key = parameter.key();
             let beyond = parameter.bounds.end() * 2.0 + 1.0;
             let text = format!("{FEW}[effect.{}]\n{key} = {beyond:?}\n", card.name);
-            refusal(&text, &[&format!("line 6: effect.{}.{key}: {beyond:?} cannot be", card.name)]);
+            refusal(&text, &[&format!("line 6: effect.{}.{key}: {beyond:?} is out of range", card.name)]);
         }
     }
 }
@@ -98,7 +98,7 @@ fn a_faulty_curve_is_refused_in_a_sentence() {
         (heat, pressure, "[]", values, &["line 8", "has 0 numbers; expected a list of 1 to 8 numbers"]),
         (heat, pressure, "[0, 1, 2, 3, 4, 5, 6, 7, 8]", values, &["line 8", "has 9 numbers"]),
         (heat, pressure, knots, "[1, 2, 3]", &["line 9", "effect.empirical.values: has 3 numbers, `knots` has 2"]),
-        (heat, pressure, knots, "[1, nan]", &["line 9", "NaN cannot be"]),
+        (heat, pressure, knots, "[1, nan]", &["line 9", "NaN is out of range"]),
         ("\"volume_share\"", "\"mass\"", knots, values, &["line 6", "can follow pressure or position only"]),
     ];
     for (balance, variable, knots, values, parts) in faults {
@@ -157,7 +157,7 @@ fn faulty_uncertainties_are_refused_by_key() {
     refusal(&full(two, "[[0, 1]]", "[]"), &["line 7: uncertainty.ci95", "1 rows for 2 parameters"]);
     refusal(&full(two, "[[0, 1], [3, 2]]", "[[1, 0], [0, 1]]"), &["line 7", "[3.0, 2.0] is no interval", "`b`"]);
     refusal(&full(two, "[[0, 1], [3]]", "[[1, 0], [0, 1]]"), &["line 7", "[3.0] is no interval"]);
-    refusal(&full(two, "[[0, 1], [0, inf]]", "[]"), &["line 7: uncertainty.ci95: inf cannot be", "finite"]);
+    refusal(&full(two, "[[0, 1], [0, inf]]", "[]"), &["line 7: uncertainty.ci95: inf is out of range", "finite"]);
     refusal(&full(two, "[0, 1]", "[]"), &["line 7: uncertainty.ci95", "expected a list of lists of numbers"]);
     refusal(&full(two, intervals, "[[1, 0], [0]]"), &["line 8", "the row of `b` has 1 numbers"]);
     refusal(&full(two, intervals, "[[1, 0], [0, -1]]"), &["line 8", "variance of `b`, -1.0, is negative"]);

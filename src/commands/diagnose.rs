@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
-/// Find what the model lacks: the residual, the effect that causes it, the error before and after on held-out traces
+/// Find which effects the paper's model lacks, with the error before and after on left-out records
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
@@ -17,23 +17,23 @@ Example:
   pneutherm diagnose examples/cylinder --json diagnosis.json
 
 The verdict:
-  adequate     the paper's model leaves no more than noise, or than the accuracy asked for
-  explained    named effects leave what the noise leaves
-  improved     named effects predict left-out data decisively better, and more than noise remains
-  unexplained  nothing known predicts left-out data better")]
+  adequate     the residual of the paper's model is noise, or below the accuracy asked for
+  explained    with the named effects the residual is noise
+  improved     the named effects predict left-out data decisively better, but the residual is more than noise
+  unexplained  no known effect predicts left-out data better")]
 pub struct Args {
     /// The rig file, or the folder that holds its rig.toml
     rig: PathBuf,
-    /// Write the model to go on with to this file: with the effects found, the paper's where there are none
+    /// Write the model to this file: with the effects found, or the paper's model if there are none
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
-    /// Write the model only where the verdict is `adequate` or `explained`; otherwise end with an error
+    /// Write the model only if the verdict is `adequate` or `explained`; otherwise exit with an error
     #[arg(long, requires = "output")]
     strict: bool,
     /// Write the result as JSON to this file, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write a report for people to this file: one self-contained page
+    /// Write a report to this file: one self-contained page
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 }
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let verdict = found.diagnosis.verdict;
         if args.strict && !matches!(verdict, "adequate" | "explained") {
             anyhow::bail!(
-                "{}: not written: the verdict is `{verdict}`, and --strict takes `adequate` or `explained` only",
+                "{}: not written, because --strict requires `adequate` or `explained` and the verdict is `{verdict}`",
                 path.display()
             );
         }
@@ -83,22 +83,22 @@ fn table(d: &Diagnosis) -> String {
     let mut out = String::new();
     let what = match d.verdict {
         "adequate" => format!(
-            "what the paper's model leaves is noise, or no more than the {} Pa that matter",
+            "the residual of the paper's model is noise, or below the accuracy of {} Pa",
             digits(d.accuracy_pa, 2)
         ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
         "improved" if d.has_curve() => format!(
-            "with {} left-out experiments are predicted decisively better; a curve read off the records describes them and names no cause ({} Pa rms remain beyond noise)",
+            "with {} the model predicts left-out experiments decisively better; the curve describes the records and names no cause (a systematic misfit of {} Pa rms remains)",
             d.terms().join(" and "),
             digits(d.remaining_pa, 3)
         ),
         "improved" => format!(
-            "with {} left-out data are predicted decisively better; {} Pa rms remain beyond noise, so that this describes the records and need not be the cause",
+            "with {} the model predicts left-out data decisively better, but a systematic misfit of {} Pa rms remains: it describes the records, and its effects need not be the cause",
             d.terms().join(" and "),
             digits(d.remaining_pa, 3)
         ),
         _ => format!(
-            "no known effect predicts left-out data decisively better; {} Pa rms remain beyond noise, and point to the {} balance",
+            "no known effect predicts left-out data decisively better; a systematic misfit of {} Pa rms remains, and the evidence points to the {} balance",
             digits(d.remaining_pa, 3),
             d.balance
         ),
@@ -108,7 +108,7 @@ fn table(d: &Diagnosis) -> String {
         let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
         format!("{:>10.1} {held_out:>12}", rmse.fit)
     };
-    let _ = writeln!(out, "error, Pa rms        fit     held out     (noise of the recording {:.1})", d.noise_pa);
+    let _ = writeln!(out, "error, Pa rms        fit     left out     (noise of the recording {:.1})", d.noise_pa);
     for step in &d.steps {
         let name = if step.effects.is_empty() {
             "the paper's model".to_owned()
@@ -120,13 +120,13 @@ fn table(d: &Diagnosis) -> String {
     out.push('\n');
     estimates::parameters(&mut out, &d.after.parameters);
     recording(&mut out, d);
-    let _ = writeln!(out, "\n{:<44} {:>12} {:>14}", "effects tried", "delta BIC", "held out Pa");
+    let _ = writeln!(out, "\n{:<44} {:>12} {:>14}", "effects tried", "delta BIC", "left out Pa");
     for c in d.candidates.iter().take(SHOWN) {
         let held_out = c.held_out_rmse_pa.map_or("-".to_owned(), |h| format!("{h:.1}"));
         let _ = writeln!(out, "{:<44} {:>12.1} {held_out:>14}", c.effect, c.delta_bic);
     }
     for group in &d.indistinguishable {
-        let _ = writeln!(out, "\nthe data cannot tell apart: {}", group.join(", "));
+        let _ = writeln!(out, "\nthe data cannot distinguish: {}", group.join(", "));
     }
     if let Some(e) = &d.empirical {
         empirical(&mut out, e);
@@ -136,7 +136,7 @@ fn table(d: &Diagnosis) -> String {
     }
     for n in &d.next_experiments {
         let by = n.difference_over_noise.map_or(String::new(), |d| format!(" (they differ by {d:.1} times the noise)"));
-        let _ = writeln!(out, "\nto tell {} from {}: {}{by}", n.separates[0], n.separates[1], n.test);
+        let _ = writeln!(out, "\nto distinguish {} from {}: {}{by}", n.separates[0], n.separates[1], n.test);
     }
     estimates::notes(&mut out, &d.undetermined, &d.assumptions);
     out
@@ -147,7 +147,11 @@ fn recording(out: &mut String, d: &Diagnosis) {
     let n = &d.noise;
     let mut parts = vec![format!("white {} Pa", digits(n.white_pa, 3))];
     if n.coloured_pa > 0.0 {
-        parts.push(format!("coloured {} Pa over {} s", digits(n.coloured_pa, 3), digits(n.correlation_s, 2)));
+        parts.push(format!(
+            "coloured {} Pa with a correlation time of {} s",
+            digits(n.coloured_pa, 3),
+            digits(n.correlation_s, 2)
+        ));
     }
     parts.extend(n.hum_hz.map(|hz| format!("hum at {} Hz", digits(hz, 3))));
     if n.step_pa > 0.0 {
@@ -162,7 +166,7 @@ fn recording(out: &mut String, d: &Diagnosis) {
         .filter(|b| b.share > 0.005)
         .map(|b| format!("{} {:.0} %", b.source, 100.0 * b.share))
         .collect();
-    let _ = writeln!(out, "the variance of lambda0 comes from: {}", shares.join(", "));
+    let _ = writeln!(out, "variance of lambda0 by source: {}", shares.join(", "));
     let likely: Vec<String> =
         d.probabilities.iter().filter(|(_, p)| *p > 0.2).map(|(e, p)| format!("{e} {:.0} %", 100.0 * p)).collect();
     if !likely.is_empty() {
@@ -174,8 +178,8 @@ fn recording(out: &mut String, d: &Diagnosis) {
 fn empirical(out: &mut String, e: &Empirical) {
     let _ = writeln!(
         out,
-        "\n{}: {} as a curve over the {}; error on experiments left out whole {} -> {} Pa",
-        if e.accepted { "in the model" } else { "refused, as it does not carry over" },
+        "\n{}: {} as a curve over {}; error on left-out experiments {} -> {} Pa",
+        if e.accepted { "in the model" } else { "rejected, because it does not predict left-out experiments" },
         e.quantity,
         e.variable,
         digits(e.left_out_rmse_pa.without, 3),
@@ -191,7 +195,7 @@ fn empirical(out: &mut String, e: &Empirical) {
 fn missing(out: &mut String, m: &Unnamed) {
     let _ = writeln!(
         out,
-        "\nmissing: {} as a function of {} would take away {:.0} % of what is beyond noise ({} balance)",
+        "\n{} as a function of {} would explain {:.0} % of the residual beyond noise ({} balance)",
         m.quantity,
         m.variable,
         100.0 * m.share,

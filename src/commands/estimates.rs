@@ -12,10 +12,10 @@ pub fn parameters(out: &mut String, parameters: &[(String, Estimate)]) {
     }
 }
 
-/// What is not determined, what was assumed.
+/// Parameters that the data do not determine, and what was assumed.
 pub fn notes(out: &mut String, undetermined: &[Undetermined], assumptions: &[String]) {
     for u in undetermined {
-        let _ = writeln!(out, "hardly determined by these traces: {}", u.words());
+        let _ = writeln!(out, "poorly determined by these traces: {}", u.words());
     }
     for a in assumptions {
         let _ = writeln!(out, "note: {a}");

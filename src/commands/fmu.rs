@@ -17,21 +17,21 @@ const LIBRARIES: &[Library<'static>] = include!(concat!(env!("OUT_DIR"), "/libra
 /// Where the piston stands in an FMU until its host says otherwise, m.
 const START_POSITION_M: f64 = 0.1;
 
-/// Write an FMU (FMI 2.0 or 3.0) whose start values are a model's
+/// Write an FMU (FMI 2.0 or 3.0) with the start values of a model
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
   pneutherm fmu model.toml -o Chamber.fmu
 
-Every start value can be changed by the importing tool. The date in the FMU is that of SOURCE_DATE_EPOCH, else the \
-model's own: the same model gives the same bytes.")]
+The importing tool can change every start value. The generation date in the FMU is SOURCE_DATE_EPOCH, or else the date of the \
+model, so that the same model gives the same bytes.")]
 pub struct Args {
     /// The model file, as `identify` and `diagnose` write it
     model: PathBuf,
     /// The FMU to write
     #[arg(short, long, value_name = "FILE.fmu", default_value = "Chamber.fmu")]
     output: PathBuf,
-    /// The version of FMI
+    /// Version of FMI, 2 or 3
     #[arg(long, value_name = "VERSION", default_value = "2", value_parser = version)]
     fmi: Version,
 }
@@ -40,7 +40,7 @@ fn version(text: &str) -> Result<Version, String> {
     match text {
         "2" => Ok(Version::Two),
         "3" => Ok(Version::Three),
-        _ => Err("2 or 3 is expected".into()),
+        _ => Err("expected 2 or 3".into()),
     }
 }
 
@@ -49,14 +49,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut model = Model::read(&args.model)?;
     let left_out = model.leave_out_recorded_stroke();
     for (place, card) in chamber::effects::all() {
-        fmu::table::exported(card, model.chamber.effects.of(place)).map_err(|reason| {
-            anyhow::anyhow!("{}: no FMU can be made of this model: {reason}", args.model.display())
-        })?;
+        fmu::table::exported(card, model.chamber.effects.of(place))
+            .map_err(|reason| anyhow::anyhow!("{}: the FMU cannot be made: {reason}", args.model.display()))?;
     }
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
     let identity = Identity::of(name.unwrap_or("Chamber"));
     let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?)
-        .with_context(|| format!("{}: no FMU can be made of this model", args.model.display()))?;
+        .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;
     if !output::is_stdout(&args.output) {
         let platforms: Vec<_> = LIBRARIES.iter().map(|library| library.platform).collect();
@@ -79,10 +78,10 @@ fn doubt(model: &Model) -> Option<&'static str> {
     match model.provenance.verdict? {
         Verdict::Adequate | Verdict::Explained => None,
         Verdict::Improved => Some(
-            "The model's verdict is `improved`: more than noise remains of the record, so its effects describe it and need not be the cause.",
+            "The verdict of the model is `improved`: its residual is more than noise. The effects describe the records and need not be the cause.",
         ),
         Verdict::Unexplained => Some(
-            "The model's verdict is `unexplained`: no known effect predicts the record better than the paper's model, which misses part of it.",
+            "The verdict of the model is `unexplained`: the residual of the paper's model is more than noise, and no known effect predicts the records better.",
         ),
     }
 }
@@ -91,8 +90,8 @@ fn doubt(model: &Model) -> Option<&'static str> {
 fn about(model: &Model) -> About {
     let provenance = &model.provenance;
     let verdict = provenance.verdict.map(|verdict| match verdict {
-        Verdict::Adequate => "adequate: the paper's model leaves no more than noise.".to_owned(),
-        Verdict::Explained => "explained: the effects that are on leave no more than noise.".to_owned(),
+        Verdict::Adequate => "adequate: the residual of the paper's model is noise.".to_owned(),
+        Verdict::Explained => "explained: with the effects that are on, the residual is noise.".to_owned(),
         Verdict::Improved | Verdict::Unexplained => doubt(model).unwrap_or_default().to_owned(),
     });
     let error = |rmse: Option<records::Rmse>| rmse.map(|rmse| rmse.held_out.unwrap_or(rmse.fit));
@@ -167,6 +166,6 @@ fn starts(model: &Model) -> Starts {
 fn generated(epoch: Option<&str>, model: &Model) -> anyhow::Result<Option<String>> {
     let Some(epoch) = epoch else { return Ok(model.provenance.date.clone()) };
     let seconds: u64 =
-        epoch.parse().with_context(|| format!("SOURCE_DATE_EPOCH = {epoch}: whole seconds since 1970 are expected"))?;
+        epoch.parse().with_context(|| format!("SOURCE_DATE_EPOCH = {epoch}: expected whole seconds since 1970"))?;
     Ok(Some(records::utc(seconds)))
 }

@@ -7,18 +7,18 @@ use report::digits;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Identify heat transfer coefficient, dead volume and mass from measured traces, with 95 % intervals
+/// Identify the heat transfer coefficient, dead volume and mass from measured traces, with 95 % intervals
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
   pneutherm identify examples/cylinder/rig.toml -o model.toml
   pneutherm identify examples/cylinder --method time-constant --json -
 
-Units: lambda0 in W/(m2 K) at 5.65 bar and 293 K, dead volume in m3, mass in kg, pressures in Pa, times in s.")]
+Units: lambda0 in W/(m2 K) at 5.65 bar and 293 K, dead volume in m3, mass in kg, pressure in Pa, time in s.")]
 pub struct Args {
     /// The rig file, or the folder that holds its rig.toml
     rig: PathBuf,
-    /// All traces at once through moves and holds, or the paper's seven steps on each trace
+    /// How to identify
     #[arg(long, value_enum, default_value = "exact")]
     method: Choice,
     /// Write the identified model to this file
@@ -31,9 +31,9 @@ pub struct Args {
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Choice {
-    /// All traces at once, through moves and holds
+    /// Fit all traces at once, through moves and holds
     Exact,
-    /// The paper's seven steps on each trace
+    /// Apply the paper's seven steps to each trace, and average
     TimeConstant,
 }
 
@@ -69,10 +69,10 @@ fn table(r: &Identification) -> String {
             cell(e.mass_kg, 4)
         );
     }
-    let held_out = r.rmse_pa.held_out.map_or(String::new(), |h| format!(", on held-out data {h:.1} Pa"));
-    let _ = writeln!(out, "\nerror {:.1} Pa rms{held_out}; noise of the sensor {:.1} Pa", r.rmse_pa.fit, r.noise_pa);
+    let held_out = r.rmse_pa.held_out.map_or(String::new(), |h| format!(", on left-out data {h:.1} Pa"));
+    let _ = writeln!(out, "\nerror {:.1} Pa rms{held_out}; noise of the recording {:.1} Pa", r.rmse_pa.fit, r.noise_pa);
     if r.method == "exact" && !r.residual_is_noise {
-        let _ = writeln!(out, "the model leaves more than noise: `pneutherm diagnose` looks for what it lacks");
+        let _ = writeln!(out, "the residual is more than noise: `pneutherm diagnose` finds what the model lacks");
     }
     estimates::notes(&mut out, &r.undetermined, &r.assumptions);
     out

@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Show what a trace file holds, and write a rig file for it
+/// Show what a trace file contains, and write a rig file for it
 #[derive(clap::Args)]
 #[command(after_help = "\
-Columns are recognised by their names and units; what is only guessed, or has to be filled in, is marked in the rig file.
+Columns are recognised by their names and units. The rig file marks what is guessed and what you have to fill in.
 
 Example:
   pneutherm look run-1.csv
@@ -26,22 +26,22 @@ pub struct Args {
     /// Bore of the cylinder, mm
     #[arg(long, value_name = "MM", value_parser = bore)]
     bore_mm: Option<f64>,
-    /// Name of the column with time, where it is not recognised
+    /// Name of the time column, if it is not recognised
     #[arg(long, value_name = "COLUMN")]
     time: Option<String>,
-    /// Name of the column with the chamber's pressure
+    /// Name of the pressure column, if it is not recognised
     #[arg(long, value_name = "COLUMN")]
     pressure: Option<String>,
-    /// Name of the column with the piston's position
+    /// Name of the position column, if it is not recognised
     #[arg(long, value_name = "COLUMN")]
     position: Option<String>,
-    /// Make an experiment of each push-and-hold test in the file
+    /// Make one experiment of each push-and-hold test in the file
     #[arg(long)]
     split: bool,
-    /// Write the rig file here, `-` for standard output
+    /// Write the rig file to this file, `-` for standard output
     #[arg(short, long, value_name = "RIG.toml")]
     output: Option<PathBuf>,
-    /// Write what was found as JSON to this file, `-` for standard output
+    /// Write the result as JSON to this file, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
@@ -49,7 +49,7 @@ pub struct Args {
 fn bore(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.1..=5000.0).contains(&value) => Ok(value),
-        _ => Err("the bore in mm, from 0.1 to 5000, is expected".to_owned()),
+        _ => Err("expected the bore in mm, from 0.1 to 5000".to_owned()),
     }
 }
 
@@ -79,7 +79,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let mut out = summary(&look, &cycles, open);
     if args.output.is_none() {
-        let _ = write!(out, "\nrig.toml (`-o rig.toml` writes it):\n\n{rig}");
+        let _ = write!(out, "\nproposed rig file (write it with -o rig.toml):\n\n{rig}");
     }
     output::print(out.as_bytes())
 }
@@ -132,7 +132,7 @@ fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
         Some(found) => record(&mut out, found, cycles, open),
         None => {
             let options: Vec<String> = look.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
-            let _ = writeln!(out, "\nnot recognised; say which column it is: {}", options.join(", "));
+            let _ = writeln!(out, "\nnot recognised; name the column with {}", options.join(", "));
         }
     }
     out
@@ -143,8 +143,8 @@ fn record(out: &mut String, found: &Found, cycles: &[Cycle], open: usize) {
     let (first, last) = (trace.time_s[0], trace.time_s[trace.len() - 1]);
     let gaps = if readings.gaps > 0 { format!(", {} gaps", readings.gaps) } else { String::new() };
     let _ = writeln!(out, "\n{} rows, {} Hz{gaps}, {first} s to {last} s", trace.len(), digits(readings.rate_hz()));
-    let step = readings.step_pa.map_or("finely resolved".to_owned(), |step| format!("in steps of {} Pa", digits(step)));
-    let readout = readings.readout_hz.map_or(String::new(), |hz| format!(", read out at {} Hz only", digits(hz)));
+    let step = readings.step_pa.map_or("no steps seen".to_owned(), |step| format!("in steps of {} Pa", digits(step)));
+    let readout = readings.readout_hz.map_or(String::new(), |hz| format!(", read out at only {} Hz", digits(hz)));
     let _ = writeln!(out, "pressure: {step}, noise from row to row {} Pa{readout}", digits(readings.noise_pa));
     for note in trace.notes() {
         let _ = writeln!(out, "note: {note}");
@@ -165,10 +165,10 @@ fn record(out: &mut String, found: &Found, cycles: &[Cycle], open: usize) {
         );
     }
     if cycles.len() > 1 {
-        let _ = writeln!(out, "\n{} push-and-hold tests; --split makes an experiment of each", cycles.len());
+        let _ = writeln!(out, "\n{} push-and-hold tests; --split makes one experiment of each", cycles.len());
     }
     if open > 0 {
-        let _ = writeln!(out, "{open} moves that the pressure does not answer: the port was open");
+        let _ = writeln!(out, "{open} moves without a response of the pressure: the port was open");
     }
 }
 

@@ -4,14 +4,14 @@ use crate::output;
 use anyhow::Context;
 use clap::CommandFactory;
 
-/// Print the manual page of the program or of one of its commands
+/// Print the manual page of the program or of one command
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
   pneutherm man simulate | man -l -
   pneutherm man > ~/.local/share/man/man1/pneutherm.1")]
 pub struct Args {
-    /// The command; without it the program's own page
+    /// The command; without it, the page of the program
     command: Option<String>,
 }
 
@@ -33,7 +33,7 @@ fn find(program: &clap::Command, name: &str) -> anyhow::Result<clap::Command> {
     let names = || program.get_subcommands().map(clap::Command::get_name);
     let command = program.find_subcommand(name).with_context(|| match records::nearest(name, names()) {
         Some(near) => format!("there is no command `{name}`; did you mean `{near}`?"),
-        None => format!("there is no command `{name}`; there are {}", names().collect::<Vec<_>>().join(", ")),
+        None => format!("there is no command `{name}`; the commands are {}", names().collect::<Vec<_>>().join(", ")),
     })?;
     Ok(command.clone())
 }

@@ -12,11 +12,11 @@ use std::time::{Duration, Instant};
 /// How progress is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Telling {
-    /// A bar, where standard error is a terminal
+    /// A progress bar, if standard error is a terminal
     Bar,
-    /// A line of JSON a second
+    /// One line of JSON per second, for programs
     Json,
-    /// Not at all
+    /// No progress
     None,
 }
 

@@ -3,13 +3,13 @@
 use crate::{output, reproduce};
 use std::path::PathBuf;
 
-/// Reproduce the paper's results from its tables: data, figures and a report
+/// Reproduce the paper's results from its own tables: data, figures and a report
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
   pneutherm reproduce -o results     # then open results/report.html")]
 pub struct Args {
-    /// Folder to write into; it is made when absent
+    /// Folder to write to; created if it does not exist
     #[arg(short, long, value_name = "DIR", default_value = "results")]
     output: PathBuf,
 }

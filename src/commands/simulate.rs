@@ -8,39 +8,39 @@ use std::path::PathBuf;
 /// Simulate a model's chamber along a measured or planned stroke
 #[derive(clap::Args)]
 #[command(after_help = "\
-One row for each row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, temperature_k, \
-mass_kg, volume_m3, heat_flow_w (into the gas); with --samples the ends of a band for each, pressure_low_pa, \
-pressure_high_pa and so on. The gas begins at ambient temperature, and at the pressure with which \
-the simulated mean before the first movement is that of the motion's pressure column.
+The output has one row per row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, \
+temperature_k, mass_kg, volume_m3, heat_flow_w (into the gas). With --samples each column but time_s has two more, the ends of \
+its band: pressure_low_pa, pressure_high_pa and so on. The gas starts at ambient temperature. Its initial pressure is chosen so \
+that the simulated mean before the first movement equals that of the motion's pressure column.
 
 Example:
   pneutherm simulate model.toml --motion validation.csv -o simulated.csv
   pneutherm simulate model.toml --motion plan.csv --initial-pressure 6e5 | head
   pneutherm simulate model.toml --motion validation.csv --samples 256 -o band.csv")]
 pub struct Args {
-    /// The model, as `identify` and `diagnose` write it
+    /// The model file, as `identify` and `diagnose` write it
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
-    /// The motion: columns time_s and position_m; pressure_pa, ambient_temperature_k, mass_flow_kg_per_s where known
+    /// The motion: columns time_s and position_m, optionally pressure_pa, ambient_temperature_k, mass_flow_kg_per_s
     #[arg(long, value_name = "TRACE.csv")]
     motion: PathBuf,
-    /// A rig whose [columns] and [format] say how the motion's file is laid out
+    /// A rig file whose [columns] and [format] describe the motion file
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
-    /// Gas pressure at the start, Pa, absolute; otherwise from the motion's pressure before the first movement
+    /// Initial gas pressure, Pa absolute; by default from the motion's pressure before the first movement
     #[arg(long, value_name = "PA", value_parser = pressure)]
     initial_pressure: Option<f64>,
-    /// Also write a predictive band from so many draws of the identified parameters, 16 to 100000, by their covariance in
-    /// the model's [uncertainty]; that of pressure_pa has the noise that the model left in its records in it
+    /// Also write a prediction band from this many draws, 16 to 100000, of the parameters in the model's [uncertainty]. The
+    /// band of pressure_pa includes the noise of the records
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())))]
     samples: Option<u32>,
-    /// Probability of the band, between 0 and 1
+    /// Coverage probability of the band, between 0 and 1
     #[arg(long, value_name = "P", value_parser = level, default_value_t = LEVEL, requires = "samples")]
     level: f64,
-    /// Seed of the draws
+    /// Seed of the random draws
     #[arg(long, value_name = "SEED", default_value_t = 0, requires = "samples")]
     seed: u64,
-    /// The file to write
+    /// Write the table to this file, `-` for standard output
     #[arg(short, long, value_name = "OUT.csv", default_value = "-")]
     output: PathBuf,
 }
@@ -48,14 +48,14 @@ pub struct Args {
 fn pressure(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("a pressure in Pa, absolute and above zero, is expected".to_owned()),
+        _ => Err("expected a pressure in Pa, absolute and above zero".to_owned()),
     }
 }
 
 fn level(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
-        _ => Err("a probability between 0 and 1 is expected, such as 0.95".to_owned()),
+        _ => Err("expected a probability between 0 and 1, such as 0.95".to_owned()),
     }
 }
 

@@ -10,14 +10,14 @@ use sweep::estimate::{Estimate, calibrate};
 use sweep::study::SOLVERS;
 use sweep::{Earlier, Options, Report, Shard, Study, traces};
 
-/// Run a parameter study of the push-and-hold test into a folder of Parquet files
+/// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///
-/// Run the same command again after an interruption: finished parts stay. Shards of a study may run at the same time, on
-/// several machines that share the folder; the last one writes manifest.json.
+/// After an interruption run the same command again: finished parts are kept. Shards of a study may run at the same time, on
+/// several machines that share the folder. The last one writes manifest.json.
 #[derive(clap::Args)]
 #[command(after_help = "\
-[vary] of a study takes values, ranges and distributions (normal, log-normal, uniform, triangular, empirical); from = \"model\" draws \
-the parameters that identify or diagnose found, with their correlations.
+The [vary] table of a study takes values, ranges and distributions (normal, log-normal, uniform, triangular, empirical). \
+from = \"model\" draws the parameters that identify or diagnose found, with their correlations.
 
 Examples:
   pneutherm sweep study.toml -o out --dry-run
@@ -31,42 +31,42 @@ pub struct Args {
     /// The study file (TOML)
     #[arg(required_unless_present = "verify")]
     study: Option<PathBuf>,
-    /// Folder of the study: its rows in rows/, manifest.json; made where it is absent
+    /// Folder for the study, with its rows in rows/ and manifest.json; created if it does not exist
     #[arg(short, long, value_name = "DIR", required_unless_present = "verify")]
     output: Option<PathBuf>,
-    /// Read a finished study's folder back and compare every part with its SHA-256 in manifest.json
+    /// Read the folder of a finished study and compare every part with its SHA-256 in manifest.json
     #[arg(long, value_name = "DIR", exclusive = true)]
     verify: Option<PathBuf>,
-    /// Only the parts i with i mod N = I, I from 0 to N-1
+    /// Compute only the parts i with i mod N = I, where I is 0 to N-1
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
-    /// Number of threads, 1 to 1024; by default one for each processor
+    /// Number of threads, 1 to 1024; by default one per processor
     #[arg(long, short, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Only tell the rows, the time from a short calibration, and the bytes; nothing is written
+    /// Print the number of rows, the estimated time and size, and write nothing
     #[arg(long)]
     dry_run: bool,
-    /// How the equations are solved; in place of the study's `solver`
+    /// How to solve the equations; overrides the study's `solver`
     #[arg(long, value_name = "NAME", value_parser = SOLVERS.map(|(name, _)| name))]
     solver: Option<String>,
-    /// Relative tolerance of the integration; in place of the study's `tolerance`
+    /// Relative tolerance of the integration; overrides the study's `tolerance`
     #[arg(long, value_name = "RTOL")]
     tolerance: Option<f64>,
-    /// Also write the courses of these rows, sampled, into traces/traces.parquet: numbers and ranges such as
-    /// 0,17,100-119. Of several shards the first one does
+    /// Also write time series of these rows to traces/traces.parquet: numbers and ranges such as 0,17,100-119. With shards,
+    /// the first shard writes them
     #[arg(long, value_name = "ROWS")]
     traces: Option<traces::Rows>,
-    /// Samples per second of these traces, Hz
+    /// Sampling rate of these time series, Hz
     #[arg(long, value_name = "HZ", default_value_t = traces::RATE_HZ)]
     trace_rate: f64,
-    /// Keep no rows: only statistics.json, those of the study's [statistics] or of every result; for studies of any size
+    /// Keep only statistics.json, no rows: the study's [statistics], or those of every result
     #[arg(long)]
     no_rows: bool,
-    /// Take the rows that a smaller study of the same sequence has in this folder instead of solving them again: fewer samples
-    /// of a sobol or saltelli design, fewer values of the first axis of a factorial one, fewer rows of a table
+    /// Take rows from the folder of a smaller study instead of solving them again: fewer samples of a sobol or saltelli design,
+    /// fewer values of the first axis of a factorial design, or fewer rows of a table
     #[arg(long, value_name = "DIR")]
     extend: Option<PathBuf>,
-    /// Progress on standard error: `bar` on a terminal, one line of JSON a second for programs, or `none`
+    /// How to report progress on standard error
     #[arg(long, value_name = "HOW", value_enum, default_value_t = Telling::Bar)]
     progress: Telling,
 }
@@ -74,11 +74,13 @@ pub struct Args {
 /// Carries out the study.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let threads = args.jobs.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("threads cannot be started")?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("the threads cannot be started")?;
     if let Some(folder) = &args.verify {
         return pool.install(|| verify(folder));
     }
-    let (Some(path), Some(folder)) = (&args.study, &args.output) else { bail!("a study and a folder were expected") };
+    let (Some(path), Some(folder)) = (&args.study, &args.output) else {
+        bail!("expected a study file and an output folder")
+    };
     let mut study = Study::read(path)?;
     if let Some(name) = &args.solver {
         study.solver = SOLVERS.iter().find(|(n, _)| n == name).map(|(_, solver)| *solver).context("unknown solver")?;
@@ -118,7 +120,7 @@ fn on_interrupt() {
     let Ok(mut signals) = Signals::new([SIGINT]) else { return };
     std::thread::spawn(move || {
         if signals.forever().next().is_some() {
-            eprintln!("interrupted: finished parts are kept; run the same command again to go on");
+            eprintln!("interrupted: finished parts are kept; run the same command again to continue");
             std::process::exit(130);
         }
     });
@@ -135,14 +137,14 @@ fn verify(folder: &Path) -> anyhow::Result<()> {
     if report.wrong.is_empty() {
         let (parts, bytes) = (report.parts, indicatif::BinaryBytes(report.bytes));
         let text =
-            format!("{}: {} rows, {parts} parts, {bytes}: as manifest.json says\n", folder.display(), report.rows);
+            format!("{}: {} rows, {parts} parts, {bytes}: agree with manifest.json\n", folder.display(), report.rows);
         return output::print(text.as_bytes());
     }
     let named = report.wrong.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
     let more = report.wrong.len().saturating_sub(NAMED);
     let more = if more > 0 { format!("; and {more} more") } else { String::new() };
     bail!(
-        "{}: {} of {} parts are not what manifest.json says: {named}{more}; run the study again to compute them anew",
+        "{}: {} of {} parts do not agree with manifest.json: {named}{more}; run the study again to recompute them",
         folder.display(),
         report.wrong.len(),
         report.parts,
@@ -186,7 +188,7 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
         let parts = if study.parts == 1 { "1 part".to_owned() } else { format!("{} parts", study.parts) };
         let _ = writeln!(
             text,
-            "{}: shard {shard} has nothing to do: the study has {parts}; set `parts` in the study to share it further",
+            "{}: shard {shard} has nothing to do: the study has {parts}; increase `parts` in the study to divide it further",
             study.name
         );
         return text;
@@ -202,10 +204,10 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
         folder.display(),
     );
     if report.parts_found > 0 {
-        let _ = writeln!(text, "{} parts were there already", report.parts_found);
+        let _ = writeln!(text, "{} parts existed already", report.parts_found);
     }
     if report.parts_damaged > 0 {
-        let _ = writeln!(text, "{} parts were damaged and are computed anew", report.parts_damaged);
+        let _ = writeln!(text, "{} parts were damaged and have been recomputed", report.parts_damaged);
     }
     for (status, count) in &report.statuses {
         let _ = writeln!(text, "{count:>12}  {status}");
@@ -217,16 +219,16 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
         let _ = writeln!(text, "results: {name}");
     }
     let _ = match report.complete {
-        true => writeln!(text, "all {} parts are there: manifest.json is written", study.parts),
-        false => writeln!(text, "parts of other shards are still missing: manifest.json is not written yet"),
+        true => writeln!(text, "all {} parts are complete: manifest.json is written", study.parts),
+        false => writeln!(text, "parts of other shards are missing: manifest.json is not yet written"),
     };
     text
 }
 
 fn taken(report: &Report, earlier: &Earlier) -> String {
-    let mut text = format!("{} rows are those of {}\n", report.rows_taken, earlier.folder().display());
+    let mut text = format!("{} rows taken from {}\n", report.rows_taken, earlier.folder().display());
     if earlier.damaged > 0 {
-        let _ = writeln!(text, "{} parts there were damaged: their rows are solved again", earlier.damaged);
+        let _ = writeln!(text, "{} parts there were damaged; their rows were solved again", earlier.damaged);
     }
     text
 }

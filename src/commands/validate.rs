@@ -6,28 +6,28 @@ use report::digits;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Judge a model by records that took no part in finding it
+/// Test a model on records that took no part in its identification
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
   pneutherm validate model.toml other-day/rig.toml
   pneutherm validate model.toml other-day --whole-record --json validation.json --report validation.html
 
-Each record brings its own initial pressure, delay and gauge offset (and initial temperature, where it begins in motion). They
-are fitted to its rest and its first move, and what follows is judged; with --whole-record they are fitted to all of
-it, and all of it is judged. Everything else is the model's. Pressures in Pa.")]
+Each record has its own initial pressure, delays and gauge offset, and its own initial temperature if it begins in motion. \
+These are fitted to its rest and first move, and the rest of the record is predicted and compared. With --whole-record they \
+are fitted to the whole record, and the whole record is compared. Everything else is taken from the model. Pressures are in Pa.")]
 pub struct Args {
     /// The model file
     model: PathBuf,
     /// The rig file of the records, or the folder that holds its rig.toml
     rig: PathBuf,
-    /// Fit each record's own numbers to all of it
+    /// Fit each record's own parameters to the whole record
     #[arg(long)]
     whole_record: bool,
     /// Write the result as JSON to this file, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write a report for people to this file: one self-contained page
+    /// Write a report to this file: one self-contained page
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 }
@@ -47,9 +47,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
 fn table(v: &Validation) -> String {
     let mut out = String::new();
-    let how = if v.whole_record { "all of each record" } else { "each record's rest and first move" };
-    let _ = writeln!(out, "own numbers of the records fitted to {how}\n");
-    let _ = writeln!(out, "{:>12} {:>10} {:>14}   record and its own numbers", "error Pa", "rows", "judged from s");
+    let how = if v.whole_record { "the whole of each record" } else { "the rest and first move of each record" };
+    let _ = writeln!(out, "the records' own parameters are fitted to {how}\n");
+    let _ = writeln!(out, "{:>12} {:>10} {:>14}   record and its own parameters", "error Pa", "rows", "from s");
     for r in &v.records {
         let own: Vec<String> =
             r.parameters.iter().map(|(name, e)| format!("{name} = {} {}", digits(e.value, 5), e.unit)).collect();

@@ -237,7 +237,7 @@ fn spectrum_chart(found: &Diagnosed) -> Chart<'static> {
 pub fn missing(m: &Unnamed, caption: String) -> Result<Drawing, Error> {
     let known = m.value.iter().zip(&m.sd);
     let term = Term {
-        title: format!("takes away {:.0} % of what is beyond noise", 100.0 * m.share),
+        title: format!("explains {:.0} % of the residual beyond noise", 100.0 * m.share),
         x: (m.variable, m.variable_unit),
         y: (m.quantity, m.unit),
         at: &m.at,
@@ -249,7 +249,7 @@ pub fn missing(m: &Unnamed, caption: String) -> Result<Drawing, Error> {
 
 /// The refitted curve of a missing term, with its 95 % intervals.
 pub fn empirical(e: &Empirical, caption: String) -> Result<Drawing, Error> {
-    let title = if e.accepted { "in the model" } else { "refused: it does not carry over" };
+    let title = if e.accepted { "in the model" } else { "rejected: it does not predict left-out experiments" };
     let term = Term {
         title: title.to_owned(),
         x: (e.variable, e.variable_unit),

@@ -11,47 +11,47 @@ pub fn sentence(m: &Unnamed, ambient_pa: f64) -> String {
     match (quantity, m.variable) {
         ("mass flow into the gas", "pressure") => flow(&curve, ambient_pa),
         ("mass flow into the gas", "rate of pressure") if curve.is_monotonic() && !grows => {
-            "Gas goes away while the pressure rises and comes back while it falls: a volume at another temperature joined to the chamber, such as a tube.".to_owned()
+            "Gas leaves while the pressure rises and returns while it falls. This suggests a connected volume at another temperature, such as a tube.".to_owned()
         }
         ("heat flow into the gas", "temperature difference gas − wall") => {
-            "Heat flows beside the model's own: where the curve is zero, gas and true wall have the same temperature.".to_owned()
+            "There is another heat flow beside the model's. Where the curve is zero, the gas has the temperature of the true wall.".to_owned()
         }
         ("heat flow into the gas", "piston speed") if curve.is_positive() => {
-            "Heat appears while the piston moves, whichever way: friction, or a pressure that lags.".to_owned()
+            "Heat is released while the piston moves in either direction. This suggests friction, or a pressure sensor that lags.".to_owned()
         }
         ("heat flow into the gas", "power of the gas on the piston") if curve.is_positive() => {
-            "Heat appears with the piston's work, whichever way it goes: friction.".to_owned()
+            "Heat is released in proportion to the work of the piston in either direction. This suggests friction.".to_owned()
         }
         ("share of the heat transfer coefficient", "piston position") => {
-            "The coefficient depends on where the piston is: the length of the gas column, the wall of the dead volume, or a wrong bore.".to_owned()
+            "The coefficient depends on the position of the piston. This suggests an effect of the length of the gas column, of the wall of the dead volume, or a wrong bore.".to_owned()
         }
         ("share of the heat transfer coefficient", "amount of the piston speed") if grows => {
-            "The coefficient is larger while the piston moves: forced convection.".to_owned()
+            "The coefficient is larger while the piston moves. This suggests forced convection.".to_owned()
         }
         ("share of the heat transfer coefficient", "time since the last move began") if !grows => {
-            "The coefficient is larger just after a move and fades: turbulence that the move leaves behind, or a wall that warms up.".to_owned()
+            "The coefficient is larger just after a move and then decreases. This suggests turbulence from the move, or a wall that warms up.".to_owned()
         }
         ("share of the heat transfer coefficient", "pressure") => {
-            format!("The coefficient follows the pressure {} than the model's square root.", if grows { "more" } else { "less" })
+            format!("The coefficient grows {} with pressure than the square root in the model.", if grows { "faster" } else { "more slowly" })
         }
         ("share of the heat transfer coefficient", variable) if variable.contains("temperature difference") => {
-            "The coefficient depends on how far gas and wall are apart: natural convection, or a wall that is not at ambient temperature.".to_owned()
+            "The coefficient depends on the temperature difference between gas and wall. This suggests natural convection, or a wall that is not at ambient temperature.".to_owned()
         }
         ("share of the volume", "pressure") if grows => {
-            "The volume grows with pressure: a hose or seal that gives way.".to_owned()
+            "The volume grows with pressure. This suggests a hose or a seal that yields.".to_owned()
         }
         ("share of the volume", "piston position") => {
-            "The volume is off by a share that depends on the position: bore, rod or the position's scale.".to_owned()
+            "The relative error of the volume depends on the position. This suggests a wrong bore, rod or position scale.".to_owned()
         }
         ("share of the volume", "piston speed") => {
-            "The volume is off while the piston moves: position and pressure are not recorded at the same moment.".to_owned()
+            "The volume is wrong while the piston moves. This suggests that position and pressure are not recorded at the same time.".to_owned()
         }
-        ("part of the pressure reading", "time from the record's start") => "The reading drifts.".to_owned(),
+        ("part of the pressure reading", "time from the record's start") => "The reading drifts with time.".to_owned(),
         ("part of the pressure reading", "pressure") => {
-            "The reading is off by an amount that depends on the pressure: offset or calibration of the sensor.".to_owned()
+            "The error of the reading depends on the pressure. This suggests an offset or a wrong calibration of the sensor.".to_owned()
         }
         ("part of the pressure reading", "rate of pressure") => {
-            "The reading is off while the pressure changes: the sensor lags, or position and pressure are not recorded at the same moment.".to_owned()
+            "The reading is wrong while the pressure changes. This suggests that the sensor lags, or that position and pressure are not recorded at the same time.".to_owned()
         }
         _ => String::new(),
     }
@@ -62,20 +62,20 @@ fn flow(curve: &Curve<'_>, ambient_pa: f64) -> String {
     let bar = |pa: f64| format!("{} bar", digits(pa * 1e-5, 3));
     match curve.zero() {
         Some(at) if (at / ambient_pa - 1.0).abs() < 0.2 && curve.slope() < 0.0 => {
-            "The missing flow is zero near ambient pressure and leaves the chamber above it: a leak to the surroundings."
+            "The missing flow is zero near ambient pressure and leaves the chamber above it. This suggests a leak to the surroundings."
                 .to_owned()
         }
         Some(at) if curve.slope() < 0.0 => {
             format!(
-                "The missing flow comes in below {0} and goes out above: a leak to something at {0}, such as the other chamber.",
+                "The missing flow enters below {0} and leaves above it. This suggests a leak to a volume at {0}, such as the other chamber.",
                 bar(at)
             )
         }
         None if curve.is_positive() => {
-            "Gas comes in at every pressure of these records: a supply at a higher pressure that does not close.".to_owned()
+            "Gas enters at every pressure of these records. This suggests a supply at a higher pressure whose valve leaks.".to_owned()
         }
         None if curve.is_negative() => {
-            "Gas goes out at every pressure of these records: a leak to something below all of them.".to_owned()
+            "Gas leaves at every pressure of these records. This suggests a leak to a volume at a lower pressure.".to_owned()
         }
         _ => String::new(),
     }
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn a_flow_that_is_zero_at_ambient_pressure_is_a_leak_to_the_surroundings() {
         assert!(sentence(&flow_over_pressure(1.0e5), 1.013e5).contains("a leak to the surroundings"));
-        assert!(sentence(&flow_over_pressure(3.0e5), 1.013e5).contains("a leak to something at 3.00 bar"));
+        assert!(sentence(&flow_over_pressure(3.0e5), 1.013e5).contains("a leak to a volume at 3.00 bar"));
         assert!(sentence(&flow_over_pressure(7.0e5), 1.013e5).contains("a supply at a higher pressure"));
     }
 }

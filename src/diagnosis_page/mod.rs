@@ -36,7 +36,7 @@ pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
         let mut section = Section::new(&format!("Records of “{}”", found.data.experiments[number]));
         if number == 0 {
             section.note(
-                "Every repeat of the experiment. Residual: measured less model; the grey band is twice the noise.",
+                "All repeats of the experiment. The residual is measured minus model; the grey band is ± two standard deviations of the noise.",
             );
         }
         section.blocks.push(Block::Charts(drawings::experiment(found, number)?));
@@ -46,7 +46,7 @@ pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
     sections.push(evidence(d));
     sections.push(data(rig, d));
     sections.retain(|s| !s.blocks.is_empty());
-    Ok(page::page("What the model of this cylinder lacks", &rig.path.display().to_string(), &sections))
+    Ok(page::page("Diagnosis of a cylinder chamber", &rig.path.display().to_string(), &sections))
 }
 
 fn effect_names(names: &[&str]) -> String {
@@ -63,41 +63,41 @@ fn verdict(d: &Diagnosis) -> Section {
     let remaining = pressure(d.remaining_pa, 2);
     let text = match d.verdict {
         "adequate" => format!(
-            "**Adequate.** The paper's chamber model describes these records: what is systematic in its residual is {remaining}, no more than noise or than the {} that matter.",
+            "**Adequate.** The paper's chamber model describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
             pressure(d.accuracy_pa, 2)
         ),
         "explained" => format!(
-            "**Explained.** The paper's chamber model is visibly wrong here. What it lacks is {} ({}). With it, what remains is noise.",
+            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, the residual is noise.",
             effect_names(&d.effects),
             documented(&d.effects)
         ),
         "improved" if d.has_curve() => format!(
-            "**Improved.** The paper's chamber model is visibly wrong here. With {} ({}) experiments that were left out are predicted decisively better. \
-             A curve read off these records describes them and names no cause; {remaining} rms remain beyond noise.",
+            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out experiments decisively better. \
+             The curve describes the records and names no cause; a systematic misfit of {remaining} rms remains.",
             effect_names(d.terms()),
             documented(d.terms())
         ),
         "improved" => format!(
-            "**Improved.** The paper's chamber model is visibly wrong here. With {} ({}) records that were left out are predicted decisively better. \
-             More than noise remains, {remaining} rms: this describes the records, and need not be the cause.",
+            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better. \
+             A systematic misfit of {remaining} rms remains: the model describes the records, and its effects need not be the cause.",
             effect_names(d.terms()),
             documented(d.terms())
         ),
         _ => format!(
-            "**Unexplained.** The paper's chamber model is visibly wrong here, and no known effect predicts records that were left out decisively better. \
-             What is missing, {remaining} rms, points to the {} balance. No effect is added to the model.",
+            "**Unexplained.** The paper's chamber model does not describe these records, and no known effect predicts left-out records decisively better. \
+             A systematic misfit of {remaining} rms remains; the evidence points to the {} balance. No effect is added to the model.",
             d.balance
         ),
     };
     section.blocks.push(Block::Verdict { kind: d.verdict, text });
-    let mut table = Table::new(&["model", "error on the data fitted", "error on data left out of the fit"]);
+    let mut table = Table::new(&["model", "error on fitted data", "error on left-out data"]);
     let errors = |name: String, rmse: &Rmse| {
         let held_out = rmse.held_out.map_or("–".to_owned(), |h| pressure(h, 3));
         [name, pressure(rmse.fit, 3), held_out]
     };
     for step in &d.steps {
         let name = match step.effects.is_empty() {
-            true => "before: the paper's".to_owned(),
+            true => "before: the paper's model".to_owned(),
             false => format!("with {}", step.effects.iter().map(|e| spaced(e)).collect::<Vec<_>>().join(" + ")),
         };
         table.row(errors(name, &step.rmse_pa));
@@ -105,19 +105,17 @@ fn verdict(d: &Diagnosis) -> Section {
     table.row(["noise of the recording".to_owned(), pressure(d.noise_pa, 3), String::new()]);
     section.table(table);
     section.note(
-        "Errors are root mean squares. Left out: each repeat in turn; without repeats, records in turn; with few records, the last third of each, simulated on from its \
-         beginning. A record that was left out brings its own initial pressure: each half of its rows is judged with the one that the other half asks for.",
+        "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; with few records, the last third of each, which is \
+         simulated from the start of the record. The initial pressure of a left-out record is fitted to one half of its rows and the other half is judged, and vice versa.",
     );
     if !d.probabilities.is_empty() {
         let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
-        section.text(format!(
-            "Probability of each effect, over all sets that were tried: {}.",
-            each.collect::<Vec<_>>().join(", ")
-        ));
+        section
+            .text(format!("Probability of each effect, over all sets tried: {}.", each.collect::<Vec<_>>().join(", ")));
     }
     for group in &d.indistinguishable {
         let names: Vec<String> = group.iter().map(|n| format!("**{}**", spaced(n))).collect();
-        section.text(format!("These records cannot tell apart: {}.", names.join(", ")));
+        section.text(format!("These records cannot distinguish: {}.", names.join(", ")));
     }
     section
 }
@@ -143,10 +141,10 @@ fn parameters(d: &Diagnosis) -> Section {
         .map(|b| format!("{} {:.0} %", Quantity::of(&b.source, "", 1.0).name, 100.0 * b.share))
         .collect();
     if !shares.is_empty() {
-        section.text(format!("Where the variance of λ0 comes from: {}.", shares.join(", ")));
+        section.text(format!("Variance of λ0 by source: {}.", shares.join(", ")));
     }
     for u in &d.undetermined {
-        section.text(format!("Hardly determined by these records: {}.", u.words()));
+        section.text(format!("Poorly determined by these records: {}.", u.words()));
     }
     for (_, card) in d.effects.iter().filter_map(|e| effects::find(e)) {
         section.note(format!("{}: `{}`. {}", spaced(card.name), card.equation, card.source));
@@ -169,9 +167,9 @@ fn recording(d: &Diagnosis) -> Section {
     if n.step_pa > 0.0 {
         parts.push(format!("steps of {} between readings", pressure(n.step_pa, 3)));
     }
-    parts.extend(n.readout_hz.map(|hz| format!("{} readings in a second", digits(hz, 3))));
+    parts.extend(n.readout_hz.map(|hz| format!("a readout rate of {} Hz", digits(hz, 3))));
     if n.outliers > 0 {
-        parts.push(format!("{} readings far off, which are left out", n.outliers));
+        parts.push(format!("{} outliers, which are left out", n.outliers));
     }
     section.text(format!("The pressure has {}.", parts.join(", ")));
     let Some(first) = d.records.first() else { return section };
@@ -200,33 +198,33 @@ fn recording(d: &Diagnosis) -> Section {
 fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
     let mut section = Section::new("The missing term as a curve");
     let errors = format!(
-        "the error on experiments left out whole {} {}, from {} without it",
+        "the error on left-out experiments {} {}, from {} without it",
         if e.accepted { "falls to" } else { "is then" },
         pressure(e.left_out_rmse_pa.with, 3),
         pressure(e.left_out_rmse_pa.without, 3)
     );
     section.text(if e.accepted {
         format!(
-            "No named effect has the shape of what is missing. Read off the records and fitted with everything else, a {} over the {} is in the model: {errors}. \
-             It is linear between its knots and constant beyond them, where it knows nothing.",
+            "No named effect has the shape of the residual. A curve was fitted together with all other parameters and is now in the model, a {} over {}: {errors}. \
+             It is linear between its knots and constant beyond them, where there are no data.",
             e.quantity, e.variable
         )
     } else {
         format!(
-            "No named effect has the shape of what is missing, and no curve does either. The best one, a {} over the {}, does not carry over and is not in the model: {errors}.",
+            "Neither a named effect nor a curve explains the residual. The best curve, a {} over {}, does not predict left-out experiments and is not in the model: {errors}.",
             e.quantity, e.variable
         )
     });
     let caption = meaning::sentence(&e.as_first_order(), rig.ambient.pressure_pa);
     section.blocks.push(Block::Charts(vec![drawings::empirical(e, caption)?]));
-    section.note("Bars: 95 % intervals, everything else fitted beside.");
+    section.note("Bars: 95 % intervals, with all other parameters fitted.");
     Ok(section)
 }
 
 fn missing(rig: &records::Rig, d: &Diagnosis) -> Result<Section, Error> {
-    let mut section = Section::new("What is missing, without a name");
+    let mut section = Section::new("Curves that would explain the residual");
     section.text(
-        "The residual as a free function of one variable, to first order; the best ones by what they take away of the squares beyond noise. Bars: two standard deviations.",
+        "Each curve is a missing term as a free function of one variable, to first order. The curves that explain most of the residual beyond noise come first. Bars: ± two standard deviations.",
     );
     let drawings: Result<Vec<_>, Error> =
         d.missing.iter().take(4).map(|m| drawings::missing(m, meaning::sentence(m, rig.ambient.pressure_pa))).collect();
@@ -239,8 +237,8 @@ fn next(d: &Diagnosis) -> Section {
     let advice = d.next_experiments.iter().map(|n| {
         let by = n
             .difference_over_noise
-            .map_or(String::new(), |x| format!(" The two differ there by {} times the noise.", digits(x, 2)));
-        format!("To tell **{}** from **{}**: {}.{by}", spaced(&n.separates[0]), spaced(&n.separates[1]), n.test)
+            .map_or(String::new(), |x| format!(" There the two differ by {} times the noise.", digits(x, 2)));
+        format!("To distinguish **{}** from **{}**: {}.{by}", spaced(&n.separates[0]), spaced(&n.separates[1]), n.test)
     });
     let advice: Vec<String> = advice.collect();
     if !advice.is_empty() {
@@ -250,10 +248,10 @@ fn next(d: &Diagnosis) -> Section {
 }
 
 fn residual(found: &Diagnosed) -> Result<Section, Error> {
-    let mut section = Section::new("The residual in every view");
+    let mut section = Section::new("The residual in detail");
     section.text(
-        "All records. Spectrum: noise that is white is level; a hump or a rise towards low frequencies is colour, or something the model lacks. \
-         Clouds: means of blocks of rows; flat and within the band is noise.",
+        "All records. White noise has a flat spectrum; a peak or a rise towards low frequencies is coloured noise, or something that the model lacks. \
+         Each point in the other plots is the mean of a block of rows; a flat cloud within the band is noise.",
     );
     section.blocks.push(Block::Charts(drawings::residuals(found)?));
     Ok(section)
@@ -262,8 +260,8 @@ fn residual(found: &Diagnosed) -> Result<Section, Error> {
 fn evidence(d: &Diagnosis) -> Section {
     let mut section = Section::new("Evidence");
     section.text(
-        "Each effect was added to the model and everything fitted anew. ΔBIC: how much the data speak for it against the paper's model, each parameter paid for; \
-         above 10 is decisive. An effect enters only if the error on left-out data falls too.",
+        "Each effect was added to the model, and all parameters were fitted again. ΔBIC is the evidence for it over the paper's model, with a penalty for each parameter. \
+         An effect enters the model if the gain in BIC is above 10, plus the logarithm of the number of candidates, and if the error on left-out data falls too.",
     );
     let paper: Vec<&String> = d.before.parameters.iter().map(|(n, _)| n).collect();
     let mut table = Table::new(&["effect", "ΔBIC", "error on left-out data", "its parameters"]);

@@ -10,17 +10,17 @@ fn page() -> String {
     let code = |name: &str| format!("`{name}`");
     let mut page = format!("{MADE}# Columns\n\n## Traces\n\n");
     page += &table(
-        ["key in `[columns]`", "column unless mapped", "units that are read"],
+        ["key in `[columns]`", "default column", "units"],
         Quantity::ALL.map(|q| [code(q.key()), code(q.default_name()), q.unit_names().collect::<Vec<_>>().join(", ")]),
     );
-    page += "\nThe first unit is that of the column unless mapped.\n\n## What `simulate` writes\n\n";
+    page += "\nThe first unit is that of the default column.\n\n## Output of `simulate`\n\n";
     page += &table(
         ["column", "unit", ""],
         simulation::COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]),
     );
-    page += "\nWith `--samples` each column but time has two more, the ends of its band: `pressure_low_pa`, `pressure_high_pa` and \
-             so on. That of `pressure_pa` is of a record to be measured, noise included.\n";
-    page += "\n## What `sweep` writes\n\n`row` (its number in the design), each varied quantity under its own name, then\n\n";
+    page += "\nWith `--samples` each column but time has two more, the ends of its prediction band: `pressure_low_pa`, `pressure_high_pa` \
+             and so on. The band of `pressure_pa` is that of a future record, noise included.\n";
+    page += "\n## Output of `sweep`\n\nThe columns are `row` (the number of the row in the design), each varied quantity under its own name, and\n\n";
     page += &table(
         ["column", "unit", ""],
         OUTPUTS.iter().map(|o| {
@@ -32,15 +32,20 @@ fn page() -> String {
             [code(o.name), o.unit.to_owned(), format!("{}{when}", o.doc)]
         }),
     );
-    page += "\nand `status`: `ok`, `not_settled` (the test ends before), `no_time_constant` (a leak, say: the relaxation is over 5 % \
-             of its rise, and more than a closed chamber's, from an exponential; with `fit = true`), \
-             `left_out: ` and the constraint of `[vary]` that the row breaks, or `failed: ` and the reason.\n";
-    page += "\n## What `sweep --traces` writes\n\n`row`, then\n\n";
+    page += "\nand `status`, which is one of\n\n\
+             - `ok`;\n\
+             - `not_settled`: the test ends before the pressure has settled;\n\
+             - `no_time_constant` (with `fit = true`): the relaxation is not an exponential, for instance because of a leak. It deviates \
+             from one by more than 5 % of its rise, and by more than the relaxation of a closed chamber would;\n\
+             - `left_out: ` and the constraint of `[vary]` that the row breaks;\n\
+             - `failed: ` and the reason.\n";
+    page += "\n## Output of `sweep --traces`\n\nThe columns are `row` and\n\n";
     page += &table(
         ["column", "unit", ""],
         traces::COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]),
     );
-    page += "\n## What a study can vary\n\nBy the dotted name, or its last part where that can mean nothing else.\n\n";
+    page +=
+        "\n## Quantities that a study can vary\n\nUse the dotted name, or its last part if that is unambiguous.\n\n";
     page += &table(
         ["quantity", "unit", "values", ""],
         (0..)

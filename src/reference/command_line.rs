@@ -7,7 +7,8 @@ use std::fmt::Write;
 fn page() -> String {
     let mut program = crate::Cli::command().term_width(100);
     program.build();
-    let mut page = format!("{MADE}# Command line\n\nAs `pneutherm --help` and `pneutherm COMMAND --help` say it.\n");
+    let mut page =
+        format!("{MADE}# Command line\n\nThis is the output of `pneutherm --help` and `pneutherm COMMAND --help`.\n");
     section(&mut page, &mut program);
     for command in program.get_subcommands_mut().filter(|c| c.get_name() != "help" && !c.is_hide_set()) {
         section(&mut page, command);

@@ -21,11 +21,13 @@ fn page() -> String {
 const HEAD: &str = "\
 # Effects and their parameters
 
-What the paper's model neglects. An effect is off when each of its parameters is neutral. *Typical* is the value that a
-fit begins from. Names as in model files (`[effect.NAME]`) and studies (`effect.NAME.parameter`).
+These are the effects that the paper's model neglects. An effect is off when each of its parameters has its neutral value. The
+names are those of model files (`[effect.NAME]`) and studies (`effect.NAME.parameter`). *Typical* is a usual value; a fit scales
+its start values to the rig.
 
-*Scope* is what the parameters belong to: the rig, or one record of it. An effect keeps the closed form when a sealed
-chamber's pressure can be computed without an integrator although the effect is on; a filter acts on the reading behind it.
+*Scope* states what the parameters belong to: the rig, or one record of it. *Keeps the closed form* means that a study computes
+a sealed chamber with this effect without an integrator. *A filter of the reading* acts on the pressure after it has been
+computed.
 
 ";
 
@@ -36,7 +38,7 @@ fn section(card: &Card) -> String {
         ClosedForm::Filter => " A filter of the reading.",
         ClosedForm::Lost => "",
     };
-    let by_itself = if card.candidate { "" } else { " `diagnose` does not try it by itself." };
+    let by_itself = if card.candidate { "" } else { " `diagnose` does not try it." };
     writeln!(
         text,
         "Balance: {}. Scope: {}.{closed_form}{by_itself} Source: {}.\n",
@@ -50,7 +52,9 @@ fn section(card: &Card) -> String {
         card.parameters.iter().filter(|p| !matches!(p.kind, Kind::Place { index: 1.., .. })).map(|p| {
             let (name, fitted) = match p.kind {
                 Kind::Number if p.fitted => (p.key(), String::new()),
-                Kind::Number => (p.key(), " (not fitted unless asked for)".to_owned()),
+                Kind::Number => {
+                    (p.key(), " (keeps its neutral value in a fit unless freeing it is decisively better)".to_owned())
+                }
                 Kind::Word(words) => (
                     p.key(),
                     format!(": {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")),
@@ -73,12 +77,11 @@ fn section(card: &Card) -> String {
     for (p, prior) in card.parameters.iter().filter_map(|p| Some((p, p.prior(&Gas::AIR)?))) {
         let gas = if matches!(p.prior, Prior::OfGas(_)) { " for air" } else { "" };
         let (mean, deviation) = (number(prior.mean), number(prior.standard_deviation));
-        writeln!(text, "\nKnown beforehand{gas}: `{}` is {mean} with a standard deviation of {deviation}.", p.key())
+        writeln!(text, "\nPrior{gas}: `{}` is {mean} with a standard deviation of {deviation}.", p.key())
             .expect("a String takes all");
     }
     for state in card.states {
-        writeln!(text, "\nIntegrates a state of its own: {}, {}.", state.doc, unit(state.unit))
-            .expect("a String takes all");
+        writeln!(text, "\nAdditional state: {}, {}.", state.doc, unit(state.unit)).expect("a String takes all");
     }
     text
 }

@@ -6,16 +6,18 @@ use fmu::table::{Role, Variability, Variable};
 const HEAD: &str = "\
 # FMU variables
 
-Start values are those of the model that the FMU was made from. A parameter is *fixed* (set it before initialisation) or
-*tunable* (between steps, or in event mode). Units are SI; the FMU declares them, with bar, mm and the like to display.
+Start values are those of the model from which the FMU was made. A *fixed* parameter can be set before initialisation. A
+*tunable* parameter can also be set between steps, or in event mode. Units are SI; the FMU also declares display units such as
+bar and mm.
 
 ";
 
 const STROKE: &str = "
-Within a communication step of co-simulation from t the piston goes x = `position` + `velocity` · (time − t), or with the position's
-derivative where the host has set one. Where the host's next `position` differs from what was reached, the volume is
-taken there adiabatically at the start of the next step, so that `volume` always belongs to `position`. Where `strokeInput`
-is `velocity`, the velocity alone moves the piston. Under Model Exchange `velocity` has to be the rate of `position`.
+Within a communication step of co-simulation from t the piston follows x = `position` + `velocity` · (time − t), or the
+derivative of `position` if the host has set one. If the host's next `position` differs from the position reached, the FMU moves
+the piston by the difference adiabatically at the start of the next step, so that `volume` always belongs to `position`. If
+`strokeInput` is `velocity`, the velocity alone moves the piston. Under Model Exchange `velocity` must be the rate of
+`position`.
 ";
 
 fn page() -> String {

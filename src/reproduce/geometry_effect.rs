@@ -41,15 +41,15 @@ pub fn entries(effect: &GeometryEffect) -> Vec<Entry<'_>> {
 /// # Errors
 /// A drawing that fails.
 pub fn section(effect: &GeometryEffect) -> Result<Section> {
-    let mut section = Section::new("The loop on the six measured points: a hypothesis");
+    let mut section = Section::new("A coefficient that depends on the column length: a hypothesis");
     let before = effect.outcome(ONE_LAMBDA0).context("the baseline is missing")?;
     let after = effect.outcome(COLUMN_HALF).context("the column length's form is missing")?;
     let best = effect.best_left_out().context("no form was fitted")?;
     section.text(format!(
-        "One λ0 for all six tests misses the measured time constants by {} rms, and by {} for an actuator that took no part in \
-         the fit. {} forms of λ were tried on the same six numbers. With the same single parameter, λ = {} W/(m² K) · √(P T/(P0 T0)) \
-         · (l/{} m)^(−1/2), where l = V/(piston area) is the length of the gas column, leaves {} ({} left out); the form with \
-         the smallest left-out error, {}, leaves {} ({} left out).",
+        "With one λ0 for all six tests, the predicted time constants are off by {} rms, and by {} for an actuator left out of \
+         the fit. {} forms of λ were fitted to the same six numbers. With a single parameter too, λ = {} W/(m² K) · √(P T/(P0 T0)) \
+         · (l/{} m)^(−1/2) has an error of {} ({} left out), where l = V/(piston area) is the length of the gas column. The form with \
+         the smallest left-out error, {}, has an error of {} ({} left out).",
         percent(before.rms_fitted, 0),
         rms(before.rms_left_out),
         FORMS.len(),
@@ -64,9 +64,9 @@ pub fn section(effect: &GeometryEffect) -> Result<Section> {
     let chosen: Vec<String> = effect.chosen_blind.iter().map(|(a, form)| format!("{a} by “{form}”")).collect();
     let exponents: Vec<String> = effect.pressure_exponents.iter().map(|(a, n)| format!("{a} {n:.2}")).collect();
     section.text(format!(
-        "This is a hypothesis, not a law: three actuators, two pressures each, one laboratory, and the form was chosen after \
-         seeing the data. When the form, too, is chosen without the actuator that it then predicts ({}), the error is {}: two \
-         actuators do not tell the form. More sizes would; `pneutherm diagnose` tries the same effect on traces. \
+        "This is a hypothesis, not a law. There are three actuators, two pressures each and one laboratory, and the form was chosen \
+         after seeing the data. If the form is also chosen without the actuator that it then predicts ({}), the error is {}: two \
+         actuators do not determine the form. Records of more sizes would; `pneutherm diagnose` tries the same effect on traces. \
          The exponent of P T within each actuator is {}, below the ½ of equation 5.",
         chosen.join(", "),
         percent(effect.rms_chosen_blind, 0),
@@ -76,8 +76,8 @@ pub fn section(effect: &GeometryEffect) -> Result<Section> {
         file: "time_constants.svg",
         svg: figures::time_constants::draw(effect)?,
         caption: format!(
-            "Predicted over measured time constant of each test, each actuator predicted from the other two: one λ0 for all \
-             ({} rms) and λ ∝ √(P T) l^(−1/2) ({} rms), one fitted number each.",
+            "Predicted over measured time constant of each test. Each actuator is predicted from the other two, with one λ0 for all \
+             ({} rms) and with λ ∝ √(P T) l^(−1/2) ({} rms). Both have one fitted parameter.",
             rms(before.rms_left_out),
             rms(after.rms_left_out)
         ),
@@ -90,7 +90,7 @@ pub fn section(effect: &GeometryEffect) -> Result<Section> {
     section.blocks.push(Block::Figure {
         file: "geometry_forms.svg",
         svg: figures::forms::draw(effect)?,
-        caption: "Every form tried: rms error of τ on the fitted points and on left-out actuators.".to_owned(),
+        caption: "All forms of λ: rms error of τ on the fitted points and on actuators left out of the fit.".to_owned(),
     });
     Ok(section)
 }

@@ -13,9 +13,9 @@ pub fn section() -> Section {
     let ratio = paper::equilibrium_pressure_ratio(Gas::AIR.heat_capacity_ratio);
     let mut section = Section::new("Appendix 2: the reference pressure");
     section.text(format!(
-        "λ0 refers to the chamber pressure at which a servovalve's subsonic inlet and sonic exhaust pass the same flow. Solved \
-         here, the ratio to the supply is {} (the paper prints {PRINTED_RATIO}): {} bar of {} bar. P0 = {} bar, as in the paper, stays \
-         the reference.",
+        "λ0 refers to the chamber pressure at which the subsonic inlet and the sonic exhaust of a servovalve pass the same flow. \
+         The exact ratio to the supply pressure is {} (the paper prints {PRINTED_RATIO}), that is {} bar of {} bar. We keep the paper's \
+         P0 = {} bar as the reference.",
         digits(ratio, 5),
         digits(ratio * SUPPLY_PA * 1e-5, 4),
         digits(SUPPLY_PA * 1e-5, 2),

@@ -18,10 +18,10 @@ pub fn section(found: &Section31) -> Result<Section> {
     let mut section = Section::new("Section 3.1: the simulated test");
     let timing = found.timing;
     section.text(format!(
-        "The paper simulates a push from {} to {} mm with λ0 = {} W/(m² K), counting the swept length's lateral area, and \
-         evaluates the pressure by its seven steps, counting the whole gas volume's (equation 27). Both are done here with \
-         a push of {} s, a hold of {} s and {} rows a second; the paper prints none of the three. A push of 0.03 to \
-         0.05 s moves λ0 by less than {}. Intervals are omitted: the record has no noise.",
+        "The paper simulates a push from {} to {} mm with λ0 = {} W/(m² K) and with the lateral area of the swept length. It \
+         evaluates the pressure by its seven steps, with the lateral area of the whole gas volume (equation 27). Here both are done with \
+         a push of {} s, a hold of {} s and {} rows per second; the paper states none of the three. A push of 0.03 to \
+         0.05 s changes λ0 by less than {}. There are no intervals, because the record has no noise.",
         digits(found.description.initial_stroke_m * 1e3, 3),
         digits(found.description.final_stroke_m * 1e3, 2),
         digits(found.description.coefficient_w_per_m2_k, 3),
@@ -35,10 +35,10 @@ pub fn section(found: &Section31) -> Result<Section> {
     let published = found.published.steps.coefficient_0_w_per_m2_k.value;
     let truth = found.description.coefficient_w_per_m2_k;
     section.text(format!(
-        "The published steps end {} off the true {truth} W/(m² K) (the paper's print: {}), and that small error is two larger ones that cancel. \
-         Fitting an exponential to what is exponential in 1 − Pf/P only, with the simulation's own area on both sides, gives \
-         {} W/(m² K): {}. Counting the dead volume's lateral area in the evaluation, but not in the simulated cylinder, then \
-         takes {} off. With a cylinder that equation 27 describes, the second error is absent and the first stays. \
+        "The result of the published steps deviates by {} from the true {truth} W/(m² K) (in the paper: {}). This small error is the sum of two larger ones that cancel. \
+         The first: the steps fit an exponential to P, although only 1 − Pf/P is exponential. With the same area in simulation and evaluation this gives \
+         {} W/(m² K), an error of {}. The second: the evaluation counts the lateral area of the dead volume, but the simulated cylinder does not have it. \
+         This reduces the result by {}. For a real cylinder, which equation 27 describes, the second error is absent and the first remains. \
          The exact regression 1/P = (1/Pf)(1 − a e^(−kt)) needs no averages and recovers {} W/(m² K).",
         signed_percent(published / truth - 1.0, 1),
         signed_percent(printed_error(found), 1),
@@ -52,8 +52,8 @@ pub fn section(found: &Section31) -> Result<Section> {
         file: "pressure_response.svg",
         svg: figures::pressure_response::draw(found)?,
         caption: format!(
-            "Pressure after the push with both fits, and what each leaves. The exponential's residual has a shape, up to {} bar; \
-             the exact regression leaves rounding only.",
+            "Pressure after the push with both fits, and their residuals. The residual of the exponential is systematic, up to {} bar; \
+             that of the exact regression is rounding only.",
             digits(largest * 1e-5, 2)
         ),
     });

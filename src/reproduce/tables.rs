@@ -67,11 +67,11 @@ pub fn section(measured: &Measured) -> Result<Section> {
     let mut section = Section::new("Tables 4 and 5: six measured tests");
     let t = &measured.ambient.temperature_k;
     section.text(format!(
-        "The steps, from the regressions of table 3. The paper does not print the ambient temperature; one for all six tests \
-         is inferred by least squares from what table 4 prints and that temperature moves, the mean temperatures and the \
-         masses: {} K, 95 % interval {} to {} K. Weights come from the printed digits; the tests scatter {} times as much as \
-         those allow (the room was hardly the same each time), and the interval is widened by that. Dead volumes, areas and mean \
-         pressures do not depend on it.",
+        "The steps are applied to the regressions of table 3. The paper does not state the ambient temperature. We infer one \
+         temperature for all six tests by least squares from the mean temperatures and masses of table 4, which depend on it: \
+         {} K, with a 95 % interval of {} to {} K. The weights follow from the printed digits. The tests scatter {} times as much as \
+         the digits allow, probably because the room temperature varied, and the interval is widened by this factor. Dead volumes, areas and mean \
+         pressures do not depend on the ambient temperature.",
         digits(t.value, 4),
         digits(t.ci95[0], 4),
         digits(t.ci95[1], 4),
@@ -79,9 +79,9 @@ pub fn section(measured: &Measured) -> Result<Section> {
     ));
     section.table(coefficients(measured)?);
     section.text(
-        "Intervals (95 %) carry the printed digits of table 2 and 3 and the inferred temperature through the steps; they do \
-         not hold the method's own bias. The last two columns remove that: λ0 of the exact decay whose regression by an \
-         exponential is the printed one, for assumed holds of 5 and of 10 time constants. Every column of both tables is in \
+        "The 95 % intervals propagate the printed digits of tables 2 and 3 and the inferred temperature through the steps. They do \
+         not include the bias of the method. The last two columns remove this bias: they give λ0 of the exact decay whose regression by an \
+         exponential is the printed one, for assumed holds of 5 and of 10 time constants. All columns of both tables are in \
          `table4.csv` and `table5.csv`.",
     );
     section.table(largest_differences(measured)?);
@@ -129,7 +129,7 @@ fn coefficients(measured: &Measured) -> Result<Table> {
 
 /// The largest difference of each column, with what half a unit of the last printed digit amounts to.
 fn largest_differences(measured: &Measured) -> Result<Table> {
-    let mut table = Table::new(&["column", "table", "largest difference", "printed digits leave open (that row)"]);
+    let mut table = Table::new(&["column", "table", "largest difference", "rounding of the printed digits (that row)"]);
     for (name, source) in [("4", TABLE_4), ("5", TABLE_5)] {
         let paper = tables::Table::parse(source)?;
         for column in &paper.columns[KEYS..] {

@@ -20,12 +20,12 @@ pub fn section(
     let mut section = Section::new("The trend of table 5: λ0 falls with volume over area");
     let [column, one] = models.map(|m| m.chamber.heat_transfer.coefficient);
     section.text(format!(
-        "Table 5 orders the tests by V/A and finds λ0 falling, with hardly a difference between the two pressures. A dense study \
-         of the same test, {} rows over bore, stroke and pressure, shows where that comes from. V/A varies in two ways, and they differ. \
-         With λ = {} W/(m² K) · √(P T/(P0 T0)) · (l/0.1 m)^(−1/2), the paper's steps give a λ0 that falls along each bore's curve, the same \
-         for all pressures, because a longer gas column has more V/A (left). At one length of the column a wider bore has more V/A, \
-         too, and λ0 stays where it is (right). The sibling with one λ0 = {} W/(m² K) is flat both ways. So V/A is not the cause by \
-         itself; the six points follow their columns' lengths. Coefficients are those of the exact decay behind each printed \
+        "Table 5 orders the tests by V/A and finds that λ0 falls, with almost no difference between the two pressures. A study of \
+         the same test with {} rows over bore, stroke and pressure shows the reason. V/A can vary in two ways. \
+         With λ = {} W/(m² K) · √(P T/(P0 T0)) · (l/0.1 m)^(−1/2), the paper's steps give a λ0 that falls along the curve of each bore, equally \
+         for all pressures, because a longer gas column has a larger V/A (left). At a given column length a wider bore also has a larger V/A, \
+         but λ0 does not change (right). A second study with one λ0 = {} W/(m² K) is flat in both directions. So V/A itself is not the \
+         cause: the six points follow the lengths of their gas columns. The coefficients are those of the exact decay behind each printed \
          regression (geometric mean of six).",
         studied.len(),
         digits(column, 4),
@@ -34,12 +34,11 @@ pub fn section(
     section.blocks.push(Block::Figure {
         file: "lambda0_trend.svg",
         svg: figures::trend::draw(measured, studied, flat)?,
-        caption: "λ0 by the paper's steps against V/A at the final stroke, varied by the column's length at each bore and by the \
-                  bore at each length: rows of the two studies, and table 5's six points (hollow: from 1 bar, filled: from 3 bar)."
+        caption: "λ0 by the paper's steps against V/A at the final stroke. Left: longer columns at each bore. Right: wider bores at each \
+                  column length. Lines: rows of the two studies. Points: table 5 (hollow: from 1 bar, filled: from 3 bar)."
             .to_owned(),
     });
-    let mut table =
-        Table::new(&["study", "rows", "λ0, W/(m² K)", "spread between pressures", "steps over the model's own λ0"]);
+    let mut table = Table::new(&["study", "rows", "λ0, W/(m² K)", "spread between pressures", "bias of the steps"]);
     for (law, points, coefficient) in [(Law::Column, studied, column), (Law::Flat, flat, one)] {
         let all = points.iter().map(|p| p.coefficient_0_w_per_m2_k);
         let (low, high) = (all.clone().fold(f64::MAX, f64::min), all.fold(f64::MIN, f64::max));
@@ -57,10 +56,9 @@ pub fn section(
     }
     section.table(table);
     section.text(
-        "Every row keeps the same proportions (final stroke half the initial one, a push of one time constant, a hold of ten), so that \
-         the bias of the paper's fit, the last column, makes no trend; what remains between pressures comes from the 100 rows a second \
-         of a record, fewer for a shorter time constant. `pneutherm sweep table5_sweep.toml -o DIR` in this folder \
-         repeats the study.",
+        "All rows have the same proportions (final stroke half the initial one, a push of one time constant, a hold of ten), so that \
+         the bias of the paper's fit in the last column adds no trend. The remaining spread between pressures is due to the sampling at \
+         100 Hz: a shorter time constant has fewer rows. `pneutherm sweep table5_sweep.toml -o DIR` in this folder repeats the study.",
     );
     Ok(section)
 }

@@ -88,7 +88,7 @@ fn the_same_traces_give_the_same_bytes() {
 fn bad_rigs_and_traces_are_refused_and_nothing_is_written() {
     let faults = [
         ("rig.toml", "bore_m", "boer_m", "rig.toml: line 3: cylinder.boer_m: unknown key; did you mean `bore_m`?"),
-        ("rig.toml", "0.032", "-0.032", "rig.toml: line 3: cylinder.bore_m: -0.032 cannot be"),
+        ("rig.toml", "0.032", "-0.032", "rig.toml: line 3: cylinder.bore_m: -0.032 is out of range"),
         ("rig.toml", "compress-3bar-2.csv", "absent.csv", "absent.csv: cannot be read"),
         ("rig.toml", "[[experiment]]", "[[experimnt]]", "did you mean `experiment`?"),
         ("expand-5bar-2.csv", "pressure_pa", "pressure", "expand-5bar-2.csv: line 1: there is no column `pressure_pa`"),

@@ -76,7 +76,7 @@ fn a_leak_before_the_first_movement_is_allowed_for_in_the_start() {
 fn a_plan_without_pressure_needs_the_start() {
     let bench = Bench::new();
     bench.file("motion.csv", "time_s,position_m\n0,0.1\n0.1,0.1\n0.2,0.05\n1,0.05\n");
-    assert!(bench.refusal(&CALL).contains("motion.csv: has no pressure column to begin from; say"));
+    assert!(bench.refusal(&CALL).contains("motion.csv: no pressure column to take the initial pressure from"));
     assert_eq!(rows(&bench.call(0, &[&CALL[..], &["--initial-pressure", "2e5"]].concat()).stdout).len(), 4);
 }
 

@@ -27,6 +27,10 @@ if not PROGRAM.exists():
     pytest.exit(f"{PROGRAM} is not there: build it (cargo build --workspace --release), or name it in PNEUTHERM", 1)
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "alone: measures time, and so runs without other tests beside it (tests/run)")
+
+
 def library() -> pathlib.Path:
     """The extension module of the Python package, as the tests' build of the workspace left it."""
     name = {"win32": "pneutherm_native.dll", "darwin": "libpneutherm_native.dylib"}.get(sys.platform, "libpneutherm_native.so")

@@ -170,7 +170,7 @@ def test_a_predictive_band_covers_left_out_records_at_its_level(tmp_path, pneuth
         measured = columns(folder / "left_out.csv")["pressure_pa"]
         for level in inside:
             process = pneutherm("simulate", folder / "model.toml", "--motion", folder / "left_out.csv", "--samples", 64, "--level", level, "-o", folder / "band.csv")
-            assert "64 draws of lambda0_w_per_m2_k, dead_volume_m3; that of pressure_pa adds" in process.stderr
+            assert "64 draws of lambda0_w_per_m2_k, dead_volume_m3; the band of pressure_pa includes" in process.stderr
             band = columns(folder / "band.csv")
             inside[level] += np.count_nonzero((band["pressure_low_pa"] <= measured) & (measured <= band["pressure_high_pa"]))
             for name in ("gas_pressure_pa", "temperature_k", "mass_kg", "heat_flow_w"):

@@ -172,7 +172,7 @@ def test_damage_at_random_in_two_hundred_parts_is_found_by_verify_and_mended_by_
     study = write(tmp_path, 'design = "sobol"\nsamples = 4000\nparts = 200\nfit = false\nsolver = "exact"', COMMON)
     out = tmp_path / "out"
     pneutherm("sweep", study, "-o", out)
-    assert "as manifest.json says" in pneutherm("sweep", "--verify", out).stdout
+    assert "agree with manifest.json" in pneutherm("sweep", "--verify", out).stdout
     before = table(out)
     random = np.random.default_rng(7)
     parts = sorted((out / "rows").iterdir())
@@ -182,8 +182,8 @@ def test_damage_at_random_in_two_hundred_parts_is_found_by_verify_and_mended_by_
         damaged[random.integers(len(damaged))] ^= 1 << random.integers(8)
         part.write_bytes(damaged)
     error = pneutherm("sweep", "--verify", out, code=1).stderr
-    assert error.count("\n") == 1 and "200 of 200 parts are not what manifest.json says" in error
-    assert "200 parts were damaged and are computed anew" in pneutherm("sweep", study, "-o", out).stdout
+    assert error.count("\n") == 1 and "200 of 200 parts do not agree with manifest.json" in error
+    assert "200 parts were damaged and have been recomputed" in pneutherm("sweep", study, "-o", out).stdout
     pneutherm("sweep", "--verify", out)
     assert table(out).equals(before)
 
@@ -514,7 +514,7 @@ def test_a_study_grows_without_solving_its_rows_again(tmp_path, pneutherm):
     large = write(tmp_path, 'design = "sobol"\nname = "small"\nsamples = 10000\nfit = false', COMMON, name="large.toml")
     pneutherm("sweep", small, "-o", tmp_path / "small")
     told = pneutherm("sweep", large, "-o", tmp_path / "grown", "--extend", tmp_path / "small", "--progress", "json")
-    assert "7000 rows in" in told.stdout and f"3000 rows are those of {tmp_path / 'small'}" in told.stdout
+    assert "7000 rows in" in told.stdout and f"3000 rows taken from {tmp_path / 'small'}" in told.stdout
     last = json.loads(told.stderr.splitlines()[-1])
     assert (last["rows_done"], last["rows_found"], last["seconds_left"]) == (10000, 3000, 0)
     pneutherm("sweep", large, "-o", tmp_path / "whole")
@@ -555,7 +555,7 @@ def test_progress_as_json_counts_up_to_all_rows(tmp_path, pneutherm):
         for part in sorted((tmp_path / "out" / "rows").iterdir())[:2]:
             part.unlink()
     told = pneutherm("sweep", study, "-o", tmp_path / "out", "--progress", "none")
-    assert told.stderr == "" and "2 parts were there already" in told.stdout
+    assert told.stderr == "" and "2 parts existed already" in told.stdout
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
@@ -567,11 +567,12 @@ def test_an_interrupt_says_how_to_go_on(tmp_path, pneutherm):
     process.send_signal(signal.SIGINT)
     error = process.communicate(timeout=30)[1]
     assert process.returncode == 130
-    assert "finished parts are kept; run the same command again to go on" in error and error.count("\n") == 1
+    assert "finished parts are kept; run the same command again to continue" in error and error.count("\n") == 1
     pneutherm("sweep", study, "-o", tmp_path / "out")
     assert (tmp_path / "out" / "manifest.json").exists()
 
 
+@pytest.mark.alone
 def test_the_estimate_is_right_where_one_end_of_an_axis_is_slow(tmp_path, pneutherm):
     # Sealed rows take a hundredth of the time of leaky ones, and all of the leaky ones come last. The study is so long that
     # making each part last on the disk, which the estimate of rows a second leaves out, hardly counts.

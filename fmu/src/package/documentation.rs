@@ -58,7 +58,7 @@ pub fn page(identity: &Identity, start: &Starts, about: &About) -> String {
 fn origin(about: &About) -> String {
     let mut text = String::new();
     if *about == About::default() {
-        text += "<p>No record is named in the model that this FMU was made of: its numbers are its author's.</p>\n";
+        text += "<p>The model file names no records: its author chose the numbers.</p>\n";
     }
     if let Some(verdict) = &about.verdict {
         let _ = writeln!(text, "<p>Diagnosis: {}</p>", escaped(verdict));
@@ -66,12 +66,12 @@ fn origin(about: &About) -> String {
     if let Some([before, after]) = about.error_pa {
         let _ = writeln!(
             text,
-            "<p>Error against the record: {before:.0} Pa rms by the paper's model, {after:.0} Pa rms by this one.</p>"
+            "<p>Error on the records: {before:.0} Pa rms with the paper's model, {after:.0} Pa rms with this model.</p>"
         );
     }
     if !about.records.is_empty() {
         let records: Vec<String> = about.records.iter().map(|name| format!("<code>{}</code>", escaped(name))).collect();
-        let _ = writeln!(text, "<p>Identified from {}.</p>", records.join(", "));
+        let _ = writeln!(text, "<p>Identified from the records {}.</p>", records.join(", "));
     }
     text
 }

@@ -70,7 +70,7 @@ pub struct Enumeration {
 pub static AREA_LAW: Enumeration = Enumeration {
     name: "AreaLaw",
     description: "Lateral area that exchanges heat, beside both end faces",
-    items: &[("total", "Of all the gas's volume, dead volume included"), ("swept", "Of the swept length only")],
+    items: &[("total", "Of the whole gas volume, dead volume included"), ("swept", "Of the swept length only")],
 };
 
 /// What moves the piston.
@@ -79,7 +79,7 @@ pub static STROKE_INPUT: Enumeration = Enumeration {
     description: "Inputs that move the piston",
     items: &[
         ("positionAndVelocity", "Both; the volume at a communication point is that of the position"),
-        ("velocity", "The velocity alone, from the start value of the position on"),
+        ("velocity", "The velocity alone, from the start value of position"),
     ],
 };
 
@@ -183,7 +183,7 @@ fn inputs(table: &mut Vec<Variable>) {
             None,
             None,
             0.1,
-            "Distance of the piston face from the chamber's end; the volume is that of this position. Where strokeInput is velocity only its start value counts",
+            "Distance of the piston face from the end of the chamber; the volume follows from it. If strokeInput is velocity, only the start value is used",
         ),
         Row(
             "velocity",
@@ -191,7 +191,7 @@ fn inputs(table: &mut Vec<Variable>) {
             None,
             None,
             0.1,
-            "Speed of the piston, positive where the chamber grows; moves the position within a step unless the host sets the position's derivative",
+            "Velocity of the piston, positive when the chamber grows; moves the position within a step unless the host sets the derivative of position",
         ),
         Row(
             "massFlowIn",
@@ -224,7 +224,7 @@ fn inputs(table: &mut Vec<Variable>) {
             Some(0.0),
             Some(1e9),
             1e5,
-            "Absolute pressure of the surroundings: on the other side of a leak, and what force is counted against",
+            "Absolute pressure of the surroundings: the pressure outside a leak, and the zero of force",
         ),
         Row(
             "wallTemperature",
@@ -232,7 +232,7 @@ fn inputs(table: &mut Vec<Variable>) {
             Some(1.0),
             Some(1e5),
             300.0,
-            "Temperature of the wall where externalWall is true; of no influence otherwise",
+            "Temperature of the wall if externalWall is true; otherwise not used",
         ),
         Row(
             "supplyPortPressure",
@@ -295,7 +295,7 @@ fn outputs(table: &mut Vec<Variable>) {
             None,
             None,
             1e5,
-            "What the pressure sensor shows: lag, delay and drift included",
+            "Reading of the pressure sensor, with lag, delay, offset and drift",
         ),
         Row("temperature", &units::TEMPERATURE, Some(0.0), None, 300.0, "Mean temperature of the gas"),
         Row("mass", &units::MASS, Some(0.0), None, 1e-4, "Mass of the gas"),
@@ -310,7 +310,7 @@ fn outputs(table: &mut Vec<Variable>) {
             30.0,
             "Heat transfer coefficient between gas and wall at the present state",
         ),
-        Row("pistonPosition", &units::LENGTH, None, None, 0.1, "Where the piston is, within its stroke"),
+        Row("pistonPosition", &units::LENGTH, None, None, 0.1, "Position of the piston, limited to its stroke"),
         Row(
             "supplyPortMassFlow",
             &units::MASS_FLOW,
@@ -344,7 +344,7 @@ fn outputs(table: &mut Vec<Variable>) {
             "Enthalpy flow through the exhaust port into the chamber, cp T of each mass; the mean as for the mass flow",
         ),
         Row("internalEnergy", &units::ENERGY, Some(0.0), None, 10.0, "Internal energy of the gas"),
-        Row("heatReceived", &units::ENERGY_CHANGE, None, None, 10.0, "Heat into the gas since the start"),
+        Row("heatReceived", &units::ENERGY_CHANGE, None, None, 10.0, "Heat received by the gas since the start"),
         Row("workDone", &units::ENERGY_CHANGE, None, None, 10.0, "Work of the gas on the piston since the start"),
         Row(
             "enthalpyReceived",
@@ -352,9 +352,9 @@ fn outputs(table: &mut Vec<Variable>) {
             None,
             None,
             10.0,
-            "Enthalpy that flows brought since the start: the change of internalEnergy less heatReceived plus workDone",
+            "Enthalpy received with flows since the start: the change of internalEnergy minus heatReceived plus workDone",
         ),
-        Row("massReceived", &units::MASS_CHANGE, None, None, 1e-4, "Mass that flows brought since the start"),
+        Row("massReceived", &units::MASS_CHANGE, None, None, 1e-4, "Mass received with flows since the start"),
     ];
     push(table, &rows, Variability::Continuous, Role::Output);
 }
@@ -393,7 +393,7 @@ fn base_parameters(table: &mut Vec<Variable>) {
             Some(0.0),
             Some(100.0),
             0.1,
-            "Length of the stroke: the piston stays between zero and it; zero sets no limits",
+            "Length of the stroke, which limits the position from below (0) and above; zero means no limits",
         ),
     ];
     push(table, &fixed, Variability::Fixed, Role::Parameter);
@@ -455,19 +455,19 @@ fn base_parameters(table: &mut Vec<Variable>) {
     let choices = [
         (
             "areaLaw",
-            "Lateral area that exchanges heat: of all the gas's volume, or of the swept length only",
+            "Lateral area that exchanges heat: that of the whole gas volume, or of the swept length only",
             Choice::AreaLaw,
             Type::Enumeration(&AREA_LAW),
         ),
         (
             "strokeInput",
-            "What moves the piston: position and velocity, or the velocity alone; then pistonPosition says where it is",
+            "Inputs that move the piston: position and velocity, or velocity alone; pistonPosition is the result",
             Choice::StrokeInput,
             Type::Enumeration(&STROKE_INPUT),
         ),
         (
             "externalWall",
-            "Whether the wall's temperature is the input wallTemperature; a thermal network takes heatFlow from it",
+            "Whether the input wallTemperature is the temperature of the wall, for a thermal network that supplies heatFlow",
             Choice::ExternalWall,
             Type::Boolean,
         ),
@@ -564,7 +564,7 @@ fn states(table: &mut Vec<Variable>) {
             own.push((name, s.doc.into(), units::of_card(s.unit), s.nominal));
         }
     }
-    let travel = "Way of the piston since the start: the integral of its speed";
+    let travel = "Travel of the piston since the start: the integral of its velocity";
     own.push(("travel".into(), travel.into(), &units::LENGTH, 0.1));
     let mut continuous = |name: String, description: String, role, quantity: &'static Quantity, nominal| {
         table.push(Variable {

@@ -34,21 +34,21 @@ fn write(out: &mut String, look: &Look, stated: &Stated) -> std::fmt::Result {
     let gauge = look.guess.of(Quantity::Pressure).is_some_and(|pressure| pressure.gauge);
     writeln!(
         out,
-        "# Proposed by `pneutherm look`. Check what is marked, then: pneutherm identify THIS-FILE\n[cylinder]"
+        "# Written by `pneutherm look`. Check the marked lines, then run: pneutherm identify THIS-FILE\n[cylinder]"
     )?;
     match stated.bore_m {
         Some(bore) => writeln!(out, "bore_m = {bore:?}")?,
         None => writeln!(out, "# bore_m = 0.032  # FILL IN: the bore in m (or area_m2, the piston area in m2)")?,
     }
-    writeln!(out, "# chamber = \"rod\" and rod_m = ... for a chamber that the rod runs through\n\n[ambient]")?;
+    writeln!(out, "# for the rod side: chamber = \"rod\" and rod_m = (rod diameter in m)\n\n[ambient]")?;
     match look.guess.of(Quantity::AmbientTemperature) {
-        Some(_) => writeln!(out, "# the temperature is recorded")?,
+        Some(_) => writeln!(out, "# the temperature is in the record")?,
         None => writeln!(
             out,
-            "# temperature_k = 293.15  # FILL IN if it is known: lambda0 is estimated without it, but worse"
+            "# temperature_k = 293.15  # FILL IN if known: without it 293.15 K +- 5 K are assumed, and lambda0 is less certain"
         )?,
     }
-    let why = if gauge { "CHECK: gauge pressures count from it" } else { "CHECK" };
+    let why = if gauge { "CHECK: gauge pressures are relative to it" } else { "CHECK" };
     writeln!(out, "pressure_pa = {STANDARD_ATMOSPHERE_PA:?}  # {why}\n\n[columns]")?;
     for column in &look.guess.columns {
         write_column(out, column)?;
@@ -84,14 +84,14 @@ fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
     }
     if column.unit.name == VOLT {
         keys += ", scale = 1.0, offset = 0.0";
-        remarks.push("FILL IN scale (SI units a volt) and offset (SI units at zero volts)");
+        remarks.push("FILL IN scale (SI units per volt) and offset (SI units at zero volts)");
     }
     if column.quantity == Quantity::Pressure {
         keys += if column.gauge { ", reference = \"gauge\"" } else { ", reference = \"absolute\"" };
     }
     if column.quantity == Quantity::Position && (column.sign, column.offset_m) != (1.0, 0.0) {
         write!(keys, ", sign = {}, offset_m = {:?}", column.sign, column.offset_m)?;
-        remarks.push("CHECK: it is to count from the chamber's end, smaller as the gas is compressed");
+        remarks.push("CHECK: the position must count from the end of the chamber and fall as the gas is compressed");
     }
     let remarks = if remarks.is_empty() { String::new() } else { format!("  # {}", remarks.join("; ")) };
     writeln!(out, "{} = {{ {keys} }}{remarks}", column.quantity.key())

@@ -62,7 +62,7 @@ impl Trace {
 
     /// What was done to the file's rows to make them a record, in sentences; none where they are as the file has them.
     pub fn notes(&self) -> Vec<String> {
-        let sorted = self.sorted.then(|| "the rows are not in the order of time; they were sorted".to_owned());
+        let sorted = self.sorted.then(|| "the rows are not in the order of time and were sorted".to_owned());
         let path = self.path.display();
         sorted.into_iter().chain(left_out::sentence(&self.left_out)).map(|note| format!("{path}: {note}")).collect()
     }

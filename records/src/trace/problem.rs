@@ -8,7 +8,7 @@ pub enum TraceProblem {
     #[error("the file is empty; a header line and rows of numbers are expected")]
     Empty,
     /// More than a trace may have.
-    #[error("{found} are more than a trace may have ({limit}); cut it, or thin it out")]
+    #[error("the file has {found}; the limit is {limit}; cut the record, or keep every second row only")]
     TooLarge {
         /// What there is, with its unit.
         found: String,
@@ -16,7 +16,7 @@ pub enum TraceProblem {
         limit: String,
     },
     /// Not a text file.
-    #[error("line {line}: {what}; a table in text is expected")]
+    #[error("line {line}: {what}; expected a text table")]
     NotText {
         /// The line.
         line: usize,
@@ -36,7 +36,9 @@ pub enum TraceProblem {
         hint: String,
     },
     /// A column name that two columns have.
-    #[error("line {line}: two columns are named `{column}`; say which by its number, as in name = \"column {second}\"")]
+    #[error(
+        "line {line}: two columns are named `{column}`; choose one by its number, as in name = \"column {second}\""
+    )]
     DoubleColumn {
         /// The header's line.
         line: usize,
@@ -47,7 +49,7 @@ pub enum TraceProblem {
     },
     /// A units line that says something else than the rig file.
     #[error(
-        "line {line}, column `{column}`: its unit is {found} there, but {expected} by the rig's [columns]; say unit = \"{found}\""
+        "line {line}, column `{column}`: the unit is {found} here, but {expected} in the [columns] of the rig file; write unit = \"{found}\""
     )]
     OtherUnit {
         /// The units line.
@@ -66,7 +68,7 @@ pub enum TraceProblem {
         line: usize,
     },
     /// Too few rows to be a record.
-    #[error("{rows} row{} {part}{} too few for a record; 3 are the least", if *rows == 1 { "" } else { "s" }, if *rows == 1 { "is" } else { "are" })]
+    #[error("{rows} row{} {part}{} too few for a record; at least 3 are needed", if *rows == 1 { "" } else { "s" }, if *rows == 1 { "is" } else { "are" })]
     FewRows {
         /// How many there are.
         rows: usize,
@@ -89,8 +91,8 @@ pub enum TraceProblem {
     },
     /// A clock that starts again.
     #[error(
-        "line {line}, column `{column}`: time starts again, {value:?} s after {before:?} s; several records in one file \
-         have to be cut into one file each"
+        "line {line}, column `{column}`: the time restarts at {value:?} s after {before:?} s; put each record into a file of \
+         its own"
     )]
     TimeRestarts {
         /// The line.
@@ -106,11 +108,14 @@ pub enum TraceProblem {
 
 fn how_many(bad: usize, rows: usize, lines: &[usize]) -> String {
     if bad == 1 {
-        return format!("; it is one of {rows} rows, and one in fifty may be left out");
+        return format!("; this is one of only {rows} rows, and at most one in fifty may be left out");
     }
     let more = if bad > lines.len() { ", ..." } else { "" };
     let lines: Vec<String> = lines.iter().map(usize::to_string).collect();
-    format!("; {bad} of {rows} rows cannot be used (lines {}{more}), one in fifty may be left out", lines.join(", "))
+    format!(
+        "; {bad} of {rows} rows cannot be used (lines {}{more}), and at most one in fifty may be left out",
+        lines.join(", ")
+    )
 }
 
 /// What is wrong with one row of a trace.
@@ -151,7 +156,7 @@ pub enum RowProblem {
         value: String,
     },
     /// A time that another row has already.
-    #[error("column `{column}`: time does not increase, {value:?} s stands there twice")]
+    #[error("column `{column}`: time does not increase, {value:?} s occurs twice")]
     TimeRepeats {
         /// The column.
         column: String,
@@ -179,7 +184,7 @@ pub enum RowProblem {
         hint: &'static str,
     },
     /// A temperature that no chamber has.
-    #[error("column `{column}`: {value:?} K cannot be{hint}")]
+    #[error("column `{column}`: a temperature of {value:?} K is not plausible{hint}")]
     Temperature {
         /// The column.
         column: String,
@@ -200,8 +205,8 @@ pub enum RowProblem {
     },
     /// A piston on the wrong side of the chamber's end.
     #[error(
-        "column `{column}`: position {value:?} m is below zero; it counts from the chamber's end: say sign and offset_m \
-         in the rig's [columns] position"
+        "column `{column}`: position {value:?} m is below zero; positions count from the end of the chamber: set sign and \
+         offset_m of position in the [columns] of the rig file"
     )]
     NegativePosition {
         /// The column.
