@@ -499,7 +499,12 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(c: *mut c_void, info: *mut EventI
             let info = place(info, "fmi2eventInfo")?;
             let event = component.instance.new_discrete_states()?;
             let values_of_continuous_states_changed = c_int::from(event.states_changed);
-            *info = EventInfo { values_of_continuous_states_changed, ..EventInfo::default() };
+            *info = EventInfo {
+                values_of_continuous_states_changed,
+                next_event_time_defined: c_int::from(event.next.is_some()),
+                next_event_time: event.next.unwrap_or_default(),
+                ..EventInfo::default()
+            };
             Ok(())
         })
     }

@@ -1100,13 +1100,14 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
                 place(again, "discreteStatesNeedUpdate")?,
                 place(terminate, "terminateSimulation")?,
                 place(nominals_changed, "nominalsOfContinuousStatesChanged")?,
-                place(next_event_time_defined, "nextEventTimeDefined")?,
             ];
+            let next_is_known = place(next_event_time_defined, "nextEventTimeDefined")?;
             let (changed, time) =
                 (place(values_changed, "valuesOfContinuousStatesChanged")?, place(next_event_time, "nextEventTime")?);
             let event = component.instance.new_discrete_states()?;
             flags.into_iter().for_each(|flag| *flag = 0);
-            (*changed, *time) = (u8::from(event.states_changed), 0.0);
+            *next_is_known = u8::from(event.next.is_some());
+            (*changed, *time) = (u8::from(event.states_changed), event.next.unwrap_or(0.0));
             Ok(())
         })
     }

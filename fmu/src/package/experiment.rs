@@ -1,22 +1,18 @@
 //! The reference experiment inside an FMU: a push and hold with the result that this model gives, in the form of the FMI
 //! layered standard for reference experiments (FMI-LS-REF, beta of 2026). An importer replays it to see whether it finds
-//! the same numbers.
+//! the same numbers. The FMU runs the same by itself where its host sets nothing.
 
+use crate::plant::leader::{Leader, PUSH_S};
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::{Starts, input, output};
 use std::fmt::Write;
 
 /// Folder of the layered standard within the FMU.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
-/// Duration of the push, s: a tenth of a second, as in the paper's tests.
-const PUSH_S: f64 = 0.1;
 /// Steps of the push.
 const PUSH_STEPS: u32 = 10;
 /// Steps of push and hold.
 const STEPS: u32 = 200;
-/// Where the push ends, as a share of the position at the start.
-const PUSHED_TO: f64 = 0.5;
-
 /// Duration of the experiment, s.
 pub const DURATION_S: f64 = PUSH_S * STEPS as f64 / PUSH_STEPS as f64;
 
@@ -43,29 +39,19 @@ pub fn files(starts: &Starts) -> Vec<(&'static str, String)> {
     }
 }
 
-/// Position, m, and speed, m/s, from the begin of the step with that number on.
-fn stroke(starts: &Starts, step: u32) -> (f64, f64) {
-    let from = starts.inputs[input::POSITION];
-    let to = PUSHED_TO * from;
-    let share = f64::from(step.min(PUSH_STEPS)) / f64::from(PUSH_STEPS);
-    (from + (to - from) * share, if step < PUSH_STEPS { (to - from) / PUSH_S } else { 0.0 })
-}
-
 fn time(step: u32) -> f64 {
     f64::from(step) * PUSH_S / f64::from(PUSH_STEPS)
 }
 
-/// The stroke: linear between rows, two rows where the speed jumps.
+/// The stroke of the default experiment: linear between rows, two rows where the speed jumps.
 fn inputs(starts: &Starts) -> String {
     let mut text = String::from("time,position,velocity\n");
-    let mut row = |step: u32, velocity: f64| {
-        let _ = writeln!(text, "{},{},{velocity}", time(step), stroke(starts, step).0);
-    };
-    let speed = stroke(starts, 0).1;
-    row(0, speed);
-    row(PUSH_STEPS, speed);
-    row(PUSH_STEPS, 0.0);
-    row(STEPS, 0.0);
+    for (step, leader) in
+        [(0, Leader::Push), (PUSH_STEPS, Leader::Push), (PUSH_STEPS, Leader::Hold), (STEPS, Leader::Hold)]
+    {
+        let at = leader.stroke(starts.inputs[input::POSITION], time(step));
+        let _ = at.map(|(position, velocity)| writeln!(text, "{},{position},{velocity}", time(step)));
+    }
     text
 }
 
@@ -82,9 +68,6 @@ fn result(starts: &Starts) -> Option<String> {
         if step == STEPS {
             break;
         }
-        let (position, velocity) = stroke(starts, step);
-        simulation.inputs.set(input::POSITION, position);
-        simulation.inputs.set(input::VELOCITY, velocity);
         simulation.step(time(step + 1) - time(step)).ok()?;
         simulation.time = time(step + 1);
     }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`values`] | places of inputs, outputs and parameters; parameters as a chamber |
 //! | [`inputs`] | what the host imposes, with derivatives within a step |
+//! | [`leader`] | who moves the piston: the host, or the default experiment |
 //! | [`stroke`] | where the piston goes: limits, and strokes given by position or by velocity |
 //! | [`port`] | flow through a valve's port, ISO 6358 |
 //! | [`states`] | the states, their start, a stroke taken up at once |
@@ -19,6 +20,7 @@ pub mod derivatives;
 pub mod fault;
 pub mod history;
 pub mod inputs;
+pub mod leader;
 pub mod port;
 pub mod rates;
 pub mod simulation;

@@ -6,6 +6,7 @@ use super::derivatives;
 use super::fault::Fault;
 use super::history::{Reading, Record, Stretch};
 use super::inputs::{self, Inputs};
+use super::leader::Leader;
 use super::port::Around;
 use super::rates::{Moment, Present, Sensor};
 use super::states::{self, ALL, Origin, TRAVEL};
@@ -66,6 +67,8 @@ pub struct Simulation {
     pub time: f64,
     /// Parameters as set.
     pub parameters: Parameters,
+    /// Who moves the piston.
+    pub leader: Leader,
     /// Inputs as set.
     pub inputs: Inputs,
     /// The gas; of no meaning before the end of initialization.
@@ -95,6 +98,7 @@ impl Simulation {
             experiment: Experiment { start: 0.0, stop: None, tolerance: DEFAULT_TOLERANCE },
             time: 0.0,
             parameters: starts.parameters,
+            leader: Leader::Push,
             inputs: Inputs::new(starts.inputs),
             gas: Gas { states: [0.0; ALL], position, inner_step: 0.0, port_flows: None },
             origin: Origin { mass: 0.0, energy: 0.0, position },
@@ -233,11 +237,65 @@ impl Simulation {
         }
     }
 
+    /// The host moves the piston from now on. Whatever the default experiment made of it, it rests until the host says more.
+    pub fn hand_over(&mut self) {
+        if self.leader != Leader::Host {
+            if self.started {
+                self.inputs.set(input::VELOCITY, 0.0);
+            }
+            self.leader = Leader::Host;
+        }
+    }
+
+    /// Sets position and velocity to what the default experiment has at the present time, where it leads.
+    pub fn lead(&mut self) {
+        let elapsed = self.time - self.experiment.start;
+        if let Some((position, velocity)) = self.leader.stroke(self.origin.position, elapsed) {
+            let position = if self.kind == Kind::CoSimulation { self.gas.position } else { position };
+            self.inputs.set(input::POSITION, position);
+            self.inputs.set(input::VELOCITY, velocity);
+        }
+    }
+
+    /// When the default experiment turns next, s.
+    pub fn turn(&self) -> Option<f64> {
+        self.leader.until().map(|until| self.experiment.start + until)
+    }
+
     /// One communication step of `h` seconds. On refusal nothing has changed.
     ///
     /// # Errors
     /// Where no accurate step exists.
     pub fn step(&mut self, h: f64) -> Result<(), Fault> {
+        if self.leader == Leader::Host {
+            return self.step_on(h);
+        }
+        let before = self.clone();
+        let outcome = self.step_by_default(h);
+        if outcome.is_err() {
+            *self = before;
+        }
+        outcome
+    }
+
+    /// A step of the default experiment, in two where it turns within.
+    fn step_by_default(&mut self, h: f64) -> Result<(), Fault> {
+        let end = self.time + h;
+        if let Some(turn) = self.turn().filter(|turn| *turn < end) {
+            if turn > self.time {
+                self.lead();
+                self.step_on(turn - self.time)?;
+            }
+            self.leader = Leader::Hold;
+        }
+        self.lead();
+        self.step_on(end - self.time)?;
+        self.time = end;
+        self.lead();
+        Ok(())
+    }
+
+    fn step_on(&mut self, h: f64) -> Result<(), Fault> {
         let (time, delay) = (self.time, self.delay());
         let mark = self.record.as_ref().map(Record::mark);
         let record = self.record.as_mut().map(|record| (record, delay));
@@ -351,7 +409,21 @@ impl Simulation {
     /// # Errors
     /// When the present inputs leave the gas no room, or a host's states make no gas.
     pub fn handle_event(&mut self) -> Result<bool, Fault> {
+        let before = (self.leader, self.inputs.clone());
+        let outcome = self.event();
+        if outcome.is_err() {
+            (self.leader, self.inputs) = before;
+        }
+        outcome
+    }
+
+    fn event(&mut self) -> Result<bool, Fault> {
         let mut changed = false;
+        // The host comes to a time event as near as its clock can.
+        if self.turn().is_some_and(|turn| self.time >= turn - 1e-12 * turn.abs()) {
+            self.leader = Leader::Hold;
+        }
+        self.lead();
         if !self.is_moved_by_velocity() {
             let u = self.here();
             let (from, to) = (self.completed.position, u[input::POSITION]);

@@ -44,10 +44,12 @@ pub struct Instance {
 }
 
 /// What an event's iteration has come to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// Whether continuous states have new values.
     pub states_changed: bool,
+    /// When the next event is, s, where that is known.
+    pub next: Option<f64>,
 }
 
 impl Instance {
@@ -224,7 +226,8 @@ impl Instance {
         let states_changed = self.now.kind == Kind::ModelExchange && self.now.handle_event()?;
         self.outputs = None;
         self.warnings.lose_track();
-        Ok(Event { states_changed })
+        let next = self.now.turn().filter(|_| self.now.kind == Kind::ModelExchange);
+        Ok(Event { states_changed, next })
     }
 
     /// `fmi2EnterContinuousTimeMode`.
@@ -304,6 +307,7 @@ impl Instance {
             return Err(Refusal::BadArgument { argument: "time", value: time, expected: "a finite time is expected" });
         }
         self.now.time = time;
+        self.now.lead();
         self.outputs = None;
         Ok(())
     }
@@ -405,6 +409,8 @@ impl Instance {
         for (&reference, &value) in references.iter().zip(values) {
             self.settable(real(reference)?, value)?;
         }
+        self.hand_over(self.phase.is_started() && !references.is_empty());
+        let before = (self.now.inputs.value, self.now.parameters);
         let mut parameters = self.now.parameters;
         for (&reference, &value) in references.iter().zip(values) {
             match real(reference)?.role {
@@ -414,8 +420,17 @@ impl Instance {
             }
         }
         self.outputs = None;
+        self.hand_over(before != (self.now.inputs.value, parameters));
         self.take_over(parameters);
         Ok(())
+    }
+
+    /// A host that sets something moves the piston from then on: before the end of initialization, something else than the
+    /// start values, which many set again.
+    fn hand_over(&mut self, to_the_host: bool) {
+        if to_the_host {
+            self.now.hand_over();
+        }
     }
 
     fn take_over(&mut self, parameters: Parameters) {
@@ -521,6 +536,7 @@ impl Instance {
             }
         }
         self.outputs = None;
+        self.hand_over(self.phase.is_started() || parameters != self.now.parameters);
         self.take_over(parameters);
         Ok(())
     }
@@ -591,6 +607,7 @@ impl Instance {
                 return Err(Refusal::NotFinite { name, value, unit: variable.quantity.unit });
             }
         }
+        self.hand_over(!references.is_empty());
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let (_, index) = place(reference)?;
             if index == input::POSITION && self.now.is_moved_by_velocity() {

@@ -9,6 +9,7 @@ use super::refusal::Refusal;
 use crate::plant::corners::{CORNERS, Rest, Sides};
 use crate::plant::history::{Reading, Record, Stretch};
 use crate::plant::inputs::{Inputs, ORDERS};
+use crate::plant::leader::Leader;
 use crate::plant::simulation::{Completed, Experiment, Kind, Simulation, TOLERANCES};
 use crate::plant::states::Origin;
 use crate::plant::step::Gas;
@@ -16,7 +17,7 @@ use crate::plant::values::{Choice, INPUTS, Starts};
 use crate::table::{Role, table};
 
 const MAGIC: [u8; 8] = *b"PNTFMUS\0";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const GUID: usize = 40;
 /// How far, relative to the time or 1 s, a record may reach beyond the present time: the host's clock counts, not the sum of steps.
 const CLOCK: f64 = 1e-6;
@@ -50,7 +51,7 @@ fn payload(snapshot: &Snapshot, out: &mut Vec<u8>) {
     put(&[f64::from(snapshot.phase as u8), f64::from(s.kind as u8)]);
     put(&Choice::ALL.map(|choice| f64::from(s.parameters.choices.get(choice))));
     put(&[s.experiment.start, flag(s.experiment.stop.is_some()), s.experiment.stop.unwrap_or(0.0)]);
-    put(&[s.experiment.tolerance, s.time]);
+    put(&[s.experiment.tolerance, s.time, f64::from(s.leader as u8)]);
     put(&s.parameters.real);
     put(&s.inputs.value);
     put(s.inputs.derivative.as_flattened());
@@ -154,6 +155,7 @@ impl Reader<'_> {
         let tolerance = self.real().filter(|t| TOLERANCES.contains(t))?;
         s.experiment = Experiment { start, stop: has_stop.then_some(stop), tolerance };
         s.time = self.real()?;
+        s.leader = self.one_of(&Leader::ALL, |leader| leader as u8)?;
         s.parameters.real = self.reals()?;
         s.inputs = self.inputs()?;
         s.gas = Gas { states: self.reals()?, position: self.real()?, inner_step: self.real()?, port_flows: None };
@@ -233,5 +235,6 @@ fn makes_sense(snapshot: &Snapshot) -> bool {
                 .end()
                 .is_none_or(|end| s.kind == Kind::ModelExchange || end <= s.time + CLOCK * s.time.abs().max(1.0))
     });
-    within && of_its_kind && gas && record && ascending && s.gas.inner_step >= 0.0
+    let led = s.leader == Leader::Host || s.origin.position.abs() < 1e6;
+    within && led && of_its_kind && gas && record && ascending && s.gas.inner_step >= 0.0
 }
