@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p pneutherm-fmu --example step_cost [MILLIONS]`: a table in Markdown on standard output.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 use fmu::fmi2::abi::*;
 use fmu::fmi2::host::Callbacks;

@@ -1,6 +1,6 @@
 //! The FMU against the closed forms of the sealed chamber, at communication steps from 0.1 ms to 0.1 s.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 

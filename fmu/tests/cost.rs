@@ -1,6 +1,6 @@
 //! What a step costs: no allocation, and memory that stays flat however many steps are made.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 

@@ -1,6 +1,6 @@
 //! What an FMU does whose host sets nothing: a push and hold, until the host sets something.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 

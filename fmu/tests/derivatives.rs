@@ -1,6 +1,6 @@
 //! Directional and output derivatives against differences of the FMU itself.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 

@@ -1,7 +1,7 @@
 //! Model Exchange: a host that integrates finds what co-simulation finds, meets every corner as an event, and may do
 //! nothing out of order.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 

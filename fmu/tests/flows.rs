@@ -1,6 +1,6 @@
 //! Charging, discharging, strokes and effects against independent integrations and conservation laws.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 

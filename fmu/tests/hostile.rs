@@ -3,7 +3,7 @@
 //! 100,000 random call sequences of co-simulation, a twentieth where the environment has `CI`, and 20,000 of Model Exchange.
 //! Those of FMI 3.0 are in `hostile_fmi3.rs`.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 #[path = "common/draws.rs"]

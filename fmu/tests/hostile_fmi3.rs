@@ -1,7 +1,7 @@
 //! Hosts of FMI 3.0 that call anything with anything: 20,000 random call sequences of Model Exchange, and as many of
 //! co-simulation, with and without event mode and early return, a tenth where the environment has `CI`.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 #[path = "common/draws.rs"]
 mod draws;

@@ -1,6 +1,6 @@
 //! What a host may and may not do: order of calls, refused values by name, whole batches, discarded steps, reset, logging.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 #![cfg_attr(miri, feature(c_variadic))]
 
 mod common;

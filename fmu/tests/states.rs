@@ -1,6 +1,6 @@
 //! Saved states: rollback, serialization into a new process, and bytes that are no state.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 #![cfg_attr(miri, feature(c_variadic))]
 
 mod common;

@@ -1,6 +1,6 @@
 //! The chamber in a system: ports solved inside, the stroke's ends, a wall of others, sums that close, warnings once.
 
-#![allow(unsafe_code, reason = "a host calls C functions")]
+#![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
 mod common;
 

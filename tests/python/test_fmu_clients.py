@@ -348,6 +348,18 @@ def test_the_documentation_has_this_model_s_values_and_intervals(pneutherm, tmp_
     assert "<h1>My cylinder</h1>" in page and "<td>0.025</td>" in page
 
 
+def test_the_notices_of_the_crates_in_the_library_are_inside(fmu, root):
+    with zipfile.ZipFile(fmu) as archive:
+        notices = archive.read("documentation/licenses/THIRD-PARTY.md").decode()
+        assert archive.read("documentation/licenses/LICENSE-MIT.txt") == (root / "LICENSE-MIT").read_bytes()
+    command = ["cargo", "tree", "--package", "pneutherm-fmu-cdylib", "--edges", "normal", "--prefix", "none", "--format", "{p}", "--locked", "--offline"]
+    tree = subprocess.run(command, cwd=root, capture_output=True, text=True)
+    assert tree.returncode == 0, tree.stderr
+    crates = {line.split()[0] for line in tree.stdout.splitlines() if line.strip() and not line.startswith("pneutherm")}
+    missing = [crate for crate in crates if crate not in notices]
+    assert {"crc32fast", "thiserror"} <= crates and not missing, missing
+
+
 def test_the_experiment_inside_is_replayed_to_its_own_result(fmu, tmp_path):
     from xml.etree import ElementTree
 
@@ -370,6 +382,21 @@ def test_the_experiment_inside_is_replayed_to_its_own_result(fmu, tmp_path):
     assert np.ptp(expected["pressure"]) > 1e5, "the pressure moves"
     for name in expected.dtype.names[1:]:
         assert np.allclose(found[name], expected[name], rtol=1e-7, atol=1e-6), name
+
+
+@pytest.mark.parametrize(("version", "kind"), [("2", "CoSimulation"), ("2", "ModelExchange"), ("3", "CoSimulation"), ("3", "ModelExchange")])
+def test_a_first_run_with_nothing_connected_shows_the_experiment_inside(fmu, pneutherm, tmp_path, version, kind):
+    pneutherm("fmu", fmu.parent / "model.toml", "--fmi", version, "-o", tmp_path / "Chamber.fmu")
+    with zipfile.ZipFile(fmu) as archive:
+        result = archive.read("extra/org.fmi-standard.fmi-ls-ref/push_and_hold_out.csv").decode()
+    expected = np.genfromtxt(result.splitlines(), delimiter=",", names=True)
+    settings = {} if kind == "CoSimulation" else {"relative_tolerance": 1e-9, "output_interval": 0.01}
+    found = simulate_fmu(str(tmp_path / "Chamber.fmu"), fmi_type=kind, output=["pressure", "temperature"], **settings)
+    assert found["time"][-1] == pytest.approx(2.0) and np.ptp(found["pressure"]) > 1e5
+    for row in expected[::10]:
+        at = found[np.isclose(found["time"], row["time"], atol=1e-9)][-1]
+        assert at["pressure"] == pytest.approx(row["pressure"], rel=1e-7), row["time"]
+        assert at["temperature"] == pytest.approx(row["temperature"], rel=1e-7), row["time"]
 
 
 def test_a_model_that_no_fmu_can_hold_is_refused_by_name(pneutherm, tmp_path):

@@ -296,6 +296,12 @@ impl Simulation {
     }
 
     fn step_on(&mut self, h: f64) -> Result<(), Fault> {
+        if self.gas.hold(&self.plant, &self.inputs, h) {
+            self.inputs.advance(h);
+            self.inputs.now[input::POSITION] = self.gas.position;
+            self.time += h;
+            return Ok(());
+        }
         let (time, delay) = (self.time, self.delay());
         let mark = self.record.as_ref().map(Record::mark);
         let record = self.record.as_mut().map(|record| (record, delay));

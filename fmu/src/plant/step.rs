@@ -61,6 +61,8 @@ pub struct Plant {
     pub limits: Limits,
     /// How finely to integrate.
     pub tolerance: Tolerance<STATES>,
+    /// The closed form of this chamber with a kilogram of gas in it.
+    kilogram: Closed,
 }
 
 impl Plant {
@@ -75,7 +77,24 @@ impl Plant {
             critical_ratios: parameters.critical_ratios(),
             limits: parameters.limits(),
             tolerance,
+            kilogram: Closed::filled(&chamber, chamber.gas.gas_constant, 1.0, 1.0, 0.0),
         }
+    }
+
+    /// Wall temperature without effects, K.
+    fn wall(&self, inputs: &Inputs) -> f64 {
+        let place = if self.choices.external_wall { input::WALL_TEMPERATURE } else { input::AMBIENT_TEMPERATURE };
+        inputs.value[place]
+    }
+
+    /// Internal energy, J, of a sealed gas after `h` seconds with its piston held: the exact solution. What the chamber
+    /// exchanges heat with depends on the gas's mass by its root alone.
+    fn held(&self, mass: f64, energy: f64, volume: f64, wall: f64, h: f64) -> f64 {
+        let per_root = 1.0 / mass.sqrt();
+        let exchange = self.kilogram.exchange.map(|one| one * per_root);
+        let closed = Closed { exchange, ambient_temperature: wall, ..self.kilogram };
+        let heat_capacity = mass * self.balance.chamber.gas.cv();
+        heat_capacity * closed.held(energy / heat_capacity, volume, h)
     }
 
     /// Volume at a position, m³.
@@ -97,6 +116,28 @@ impl Plant {
 const LARGEST_VOLUME: f64 = 1e9;
 
 impl Gas {
+    /// A step in place of the sealed chamber with its piston held, the most frequent of all; whether this is one.
+    pub fn hold(&mut self, plant: &Plant, inputs: &Inputs, h: f64) -> bool {
+        let u = &inputs.value;
+        let by_velocity = plant.choices.stroke_input == StrokeInput::Velocity;
+        let still = u[input::VELOCITY] == 0.0 && (by_velocity || u[input::POSITION] == self.position);
+        let closed = [input::MASS_FLOW_IN, input::MASS_FLOW_OUT, input::SUPPLY_PORT + 2, input::EXHAUST_PORT + 2];
+        if !(still && closed.iter().all(|&i| u[i] == 0.0) && plant.set.is_empty() && inputs.is_plain()) {
+            return false;
+        }
+        let volume = plant.balance.chamber.geometry.volume(self.position);
+        let [mass, before] = [self.states[MASS], self.states[ENERGY]];
+        let energy = plant.held(mass, before, volume, plant.wall(inputs), h);
+        let is_gas = mass > 0.0 && volume > 0.0 && volume < LARGEST_VOLUME && energy > 0.0 && energy.is_finite();
+        if !is_gas || plant.limits.excludes(self.position) {
+            return false;
+        }
+        self.states[ENERGY] = energy;
+        self.states[HEAT] += energy - before;
+        self.port_flows = Some([0.0; 4]);
+        true
+    }
+
     /// The gas `h` seconds later; `time` is that of the step's begin, `record` takes the sensor's readings if given.
     ///
     /// # Errors
@@ -122,7 +163,11 @@ impl Gas {
         let is_straight = inputs.is_plain() && motion.is_straight(h);
         let course = Course { plant, inputs, motion, h, inner_step: self.inner_step, is_straight };
         let mut gas = if bare && closed && is_straight && speed == 0.0 {
-            let states = course.held(states, begin);
+            let mut states = states;
+            let volume = plant.balance.chamber.geometry.volume(begin);
+            let before = states[ENERGY];
+            states[ENERGY] = plant.held(states[MASS], before, volume, plant.wall(inputs), h);
+            states[HEAT] += states[ENERGY] - before;
             Gas { states, position: end, inner_step: self.inner_step, port_flows: Some([0.0; 4]) }
         } else {
             leaves_gas(inputs, states[MASS], h, bare)?;
@@ -179,25 +224,9 @@ struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// Closed form of the sealed chamber with its piston held.
-    fn held(&self, mut states: [f64; ALL], position: f64) -> [f64; ALL] {
-        let chamber = &self.plant.balance.chamber;
-        let cv = chamber.gas.cv();
-        let volume = chamber.geometry.volume(position);
-        let temperature = states[ENERGY] / (states[MASS] * cv);
-        let pressure = (chamber.gas.heat_capacity_ratio - 1.0) * states[ENERGY] / volume;
-        let wall = self.wall();
-        let later = Closed::filled(chamber, pressure, temperature, volume, wall).held(temperature, volume, self.h);
-        let energy = states[MASS] * cv * later;
-        states[HEAT] += energy - states[ENERGY];
-        states[ENERGY] = energy;
-        states
-    }
-
     /// Wall temperature without effects, K.
     fn wall(&self) -> f64 {
-        let place = if self.plant.choices.external_wall { input::WALL_TEMPERATURE } else { input::AMBIENT_TEMPERATURE };
-        self.inputs.value[place]
+        self.plant.wall(self.inputs)
     }
 
     /// What is imposed `s` seconds into the step; ports as if they were open.

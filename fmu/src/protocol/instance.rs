@@ -8,6 +8,7 @@ use super::warning::Warnings;
 use crate::plant::corners::CORNERS;
 use crate::plant::derivatives::{self, Seed};
 use crate::plant::inputs::ORDERS;
+use crate::plant::leader::Leader;
 use crate::plant::rates::Present;
 use crate::plant::simulation::{DEFAULT_TOLERANCE, Experiment, Kind, Simulation, TOLERANCES};
 use crate::plant::states::ALL;
@@ -410,18 +411,20 @@ impl Instance {
             self.settable(real(reference)?, value)?;
         }
         self.hand_over(self.phase.is_started() && !references.is_empty());
-        let before = (self.now.inputs.value, self.now.parameters);
-        let mut parameters = self.now.parameters;
+        let before = (self.now.leader != Leader::Host).then_some(self.now.inputs.value);
+        let mut parameters = None;
         for (&reference, &value) in references.iter().zip(values) {
             match real(reference)?.role {
                 Role::Input(index) => self.now.inputs.set(index, value),
-                Role::Parameter(index) => parameters.real[index] = value,
+                Role::Parameter(index) => parameters.get_or_insert(self.now.parameters).real[index] = value,
                 _ => {}
             }
         }
         self.outputs = None;
-        self.hand_over(before != (self.now.inputs.value, parameters));
-        self.take_over(parameters);
+        self.hand_over(before.is_some_and(|before| before != self.now.inputs.value));
+        if let Some(parameters) = parameters {
+            self.take_over(parameters);
+        }
         Ok(())
     }
 
@@ -437,6 +440,7 @@ impl Instance {
         if parameters == self.now.parameters {
             return;
         }
+        self.now.hand_over();
         if self.phase.is_started() {
             self.now.tune(parameters);
         } else {
@@ -536,7 +540,7 @@ impl Instance {
             }
         }
         self.outputs = None;
-        self.hand_over(self.phase.is_started() || parameters != self.now.parameters);
+        self.hand_over(self.phase.is_started() && !references.is_empty());
         self.take_over(parameters);
         Ok(())
     }
