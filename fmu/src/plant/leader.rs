@@ -25,11 +25,12 @@ impl Leader {
     /// Every leader.
     pub const ALL: [Leader; 3] = [Leader::Push, Leader::Hold, Leader::Host];
 
-    /// Position and speed that the default experiment gives a piston that began at `from`, `elapsed` seconds ago.
+    /// Position and speed that the default experiment gives a piston that began at `from`, `elapsed` seconds ago. The push has
+    /// no end of its own: a host that integrates may look beyond the event, and a kink there would spoil its step.
     pub fn stroke(self, from: f64, elapsed: f64) -> Option<(f64, f64)> {
         let way = (PUSHED_TO - 1.0) * from;
         match self {
-            Leader::Push => Some((from + way * (elapsed / PUSH_S).clamp(0.0, 1.0), way / PUSH_S)),
+            Leader::Push => Some((from + way * (elapsed / PUSH_S), way / PUSH_S)),
             Leader::Hold => Some((from + way, 0.0)),
             Leader::Host => None,
         }

@@ -425,9 +425,11 @@ impl Simulation {
 
     fn event(&mut self) -> Result<bool, Fault> {
         let mut changed = false;
-        // The host comes to a time event as near as its clock can.
+        // The host comes to a time event as near as its clock can. Some, such as fmusim, begin a new integration only where
+        // states have changed: the turn counts as such.
         if self.turn().is_some_and(|turn| self.time >= turn - 1e-12 * turn.abs()) {
             self.leader = Leader::Hold;
+            changed = true;
         }
         self.lead();
         if !self.is_moved_by_velocity() {
