@@ -41,7 +41,8 @@ impl Signals {
     pub fn with_true_stroke(self, set: EffectSet, values: &EffectValues) -> Self {
         let delay = effects::stroke_delay(set, values);
         let window = effects::stroke_window(set, values);
-        if delay == 0.0 && window == 0.0 {
+        let filter = effects::stroke_filter(set, values);
+        if delay == 0.0 && window == 0.0 && filter == 0.0 {
             return self;
         }
         let (begin, end) = (self.knots[0].time, self.knots[self.knots.len() - 1].time);
@@ -51,8 +52,9 @@ impl Signals {
         times.retain(|time| (begin..=end).contains(time));
         times.sort_by(f64::total_cmp);
         times.dedup_by(|later, earlier| *later - *earlier < SMALLEST_STRETCH * (end - begin));
+        let slopes = self.slopes();
         let knots = times.iter().map(|&time| {
-            let recorded = |time: f64| self.knot(time).position;
+            let recorded = |time: f64| self.knot(time).position + filter * self.between(&slopes, time);
             Knot {
                 time,
                 position: position_averaging::undone(recorded, window, [begin, end], time + delay),
@@ -60,6 +62,27 @@ impl Signals {
             }
         });
         Self { knots: knots.collect(), ambient_pressure: self.ambient_pressure }
+    }
+
+    /// Slope of the position at each knot, m/s: the mean of those before and behind it, which are zero outside the record.
+    fn slopes(&self) -> Vec<f64> {
+        let of = |k: &[Knot]| (k[1].position - k[0].position) / (k[1].time - k[0].time);
+        let chords = || self.knots.windows(2).map(of);
+        chords()
+            .chain([0.0])
+            .zip([0.0].into_iter().chain(chords()))
+            .map(|(behind, before)| 0.5 * (before + behind))
+            .collect()
+    }
+
+    /// What has these values at the knots at a time, s; before the first knot and behind the last as there.
+    fn between(&self, values: &[f64], time: f64) -> f64 {
+        let next = self.knots.partition_point(|knot| knot.time <= time);
+        let (Some(from), true) = (next.checked_sub(1), next < values.len()) else {
+            return values[next.min(values.len() - 1)];
+        };
+        let share = (time - self.knots[from].time) / (self.knots[next].time - self.knots[from].time);
+        values[from] + (values[next] - values[from]) * share
     }
 
     /// All inputs at a time, s; before the first knot and behind the last as they are there.
@@ -151,6 +174,23 @@ mod tests {
             assert!((signals.knot(t).position - truth).abs() < 1e-15, "{t}");
         }
         assert_eq!((signals.knots[0].time, signals.knots.last().unwrap().time), (0.0, 1.0));
+    }
+
+    #[test]
+    fn a_stroke_behind_a_low_pass_is_found_again() {
+        let (index, _) = find("position_delay").unwrap();
+        let (filter, mut values) = (0.05, EffectValues::NEUTRAL);
+        values.of_mut(index)[1] = filter;
+        let (set, speed) = (EffectSet::one(index), 0.2);
+        let stroke = |t: f64| 0.1 - speed * (t.clamp(0.2, 0.4) - 0.2);
+        // Filtered: a ramp minus τ v (1 − e^(−t/τ)), at its begin and, with the other sign, at its end.
+        let behind = |t: f64| if t > 0.0 { speed * (t - filter * (1.0 - (-t / filter).exp())) } else { 0.0 };
+        let record = recorded((0..=1000).map(|k| f64::from(k) * 1e-3), |t| 0.1 - behind(t - 0.2) + behind(t - 0.4));
+        let signals = record.with_true_stroke(set, &values);
+        for k in 0..999 {
+            let t = f64::from(k) * 1e-3;
+            assert!((signals.knot(t).position - stroke(t)).abs() < speed * 1e-3, "{t}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::record::stroke::{Motion, Spline};
 use crate::record::true_stroke::TrueStroke;
 use chamber::Chamber;
 use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, STATES};
-use chamber::effects::{self, EffectSet, OWN_STATES, sensor_lag};
+use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
 use chamber::record::{self, Inputs, Readings};
@@ -34,19 +34,39 @@ struct Passing<'a, R> {
     stroke: TrueStroke<'a>,
     /// The window that the stroke was recorded over, s.
     window: R,
+    /// Time constant of the low-pass that it has passed, s, where there may be one.
+    filter: Option<R>,
     near_flow: Cell<usize>,
+    /// The stretch that was asked last.
+    stretch: Cell<usize>,
 }
 
 impl<'a, R: Scalar> Passing<'a, R> {
     fn new(course: &'a Course, chamber: &Chamber<R>, set: EffectSet) -> Self {
         let window = effects::stroke_window(set, &chamber.effects);
-        let stroke = TrueStroke::new(&course.motion, window.value().max(0.0));
-        Self { course, stroke, window, near_flow: Cell::new(0) }
+        let filter = effects::stroke_filter(set, &chamber.effects);
+        let may_be_filtered = effects::stroke_filter(set, &EffectValues([1.0; effects::PARAMETERS])) > 0.0;
+        let stroke = TrueStroke::new(&course.motion, window.value().max(0.0), filter.value().max(0.0));
+        Self {
+            course,
+            stroke,
+            window,
+            filter: may_be_filtered.then_some(filter),
+            near_flow: Cell::new(0),
+            stretch: Cell::new(0),
+        }
     }
 
-    /// The same boundary with what the window's derivatives, if it has any, make of position and velocity.
+    /// The boundary that was asked last with what the derivatives of the window and the low-pass, if they have any, make of
+    /// position and velocity.
     #[inline(always)]
-    fn with_window(&self, mut boundary: Boundary<R>, time: f64) -> Boundary<R> {
+    fn with_tangents(&self, mut boundary: Boundary<R>, time: f64) -> Boundary<R> {
+        if let Some(filter) = self.filter {
+            let [position, velocity] = self.stroke.by_filter(self.stretch.get(), time);
+            let slower = filter - filter.value();
+            boundary.position += slower * position;
+            boundary.velocity += slower * velocity;
+        }
         if self.window.value() > 0.0 {
             let [position, velocity] = self.stroke.by_window(time);
             let wider = self.window - self.window.value();
@@ -76,6 +96,7 @@ impl<R: Scalar> Inputs for Passing<'_, R> {
     #[inline]
     fn boundary(&self, stretch: usize, time: f64) -> Boundary {
         let course = self.course;
+        self.stretch.set(stretch);
         let [position, velocity] = self.stroke.at(stretch, time);
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
         let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
@@ -172,7 +193,7 @@ impl<R: Scalar> Run<'_, R> {
         let Some(&last) = times.last() else { return Ok(Vec::new()) };
         let inputs = Passing::new(course, chamber, set);
         let begin = inputs.begin();
-        let around = |boundary: Boundary, time: f64| inputs.with_window(warmed(boundary, warmer), time);
+        let around = |boundary: Boundary, time: f64| inputs.with_tangents(warmed(boundary, warmer), time);
         let first = around(inputs.boundary(0, begin), begin);
         let initial = balance::state_at(chamber, &first, start.pressure, start.temperature);
         let initial: [R; N] = core::array::from_fn(|i| initial[i]);
@@ -262,7 +283,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
         let dense = step.dense();
         let pressure = |t: R| {
-            let boundary = self.inputs.with_window(record::boundary_at(&self.inputs, stretch, t), t.value());
+            let boundary = self.inputs.with_tangents(record::boundary_at(&self.inputs, stretch, t), t.value());
             let mut volume = self.balance.chamber.geometry.volume(boundary.position);
             if let Some([_, _, change, _]) = extra.at(t.value()) {
                 volume += change;

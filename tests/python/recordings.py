@@ -47,9 +47,11 @@ class Bench(reference.Chamber):
         try:
             rates, _ = self.rates(y, x, v, 0.0)
             power = self.warm_wall * self.coefficient(p, temperature, ambient, x, v) * self.heat_area(x)
-            over = min(max((p / 7e5 - 0.3) / 0.7, 0.0), 1.0)
-            flow = self.supply * 7e5 * 1.185 * math.sqrt(293.15 / ambient) * math.sqrt(1 - over**2)
-            rates[0] += ((self.gamma - 1) * power + self.gamma * self.gas_constant * flow * ambient) / volume
+            # Between the supply and the gas, whichever has the higher pressure.
+            up, down, warm = (7e5, p, ambient) if p < 7e5 else (p, 7e5, temperature)
+            over = max((down / up - 0.3) / 0.7, 0.0)
+            flow = self.supply * up * 1.185 * math.sqrt(293.15 / warm) * math.sqrt(1 - over**2) * (1 if p < 7e5 else -1)
+            rates[0] += ((self.gamma - 1) * power + self.gamma * self.gas_constant * flow * warm) / volume
             rates[1] += flow
         finally:
             self.ambient_temperature = cold

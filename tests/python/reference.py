@@ -211,6 +211,9 @@ def true_stroke(chamber, times, positions):
     """Knots of the true stroke from a recorded one that was late and a moving average: x - (w^2/24) x" with x" the
     second difference over half the window, near an end that of half a window from it."""
     delay = chamber.value("position_delay", "delay_s")
+    # Behind a low-pass: x + tau dx/dt, the slope at a row the mean of those on both sides, linear between the rows.
+    chords = np.concatenate([[0.0], np.diff(positions) / np.diff(times), [0.0]])
+    positions = positions + chamber.value("position_delay", "filter_time_constant_s") * (chords[1:] + chords[:-1]) / 2
     half = chamber.value("position_averaging", "window_s") / 2
 
     def recorded(t):

@@ -30,6 +30,8 @@ EFFECTS = {
     "supply_leakage": {"supply_leakage": {"conductance_m3_per_s_pa": 3e-11, "supply_pressure_pa": 2.2e5, "critical_pressure_ratio": 0.2}},
     "sensor_offset": {"sensor_offset": {"offset_pa": 2100.0}},
     "position_delay": {"position_delay": {"delay_s": 0.0137}},
+    "position_filter": {"position_delay": {"delay_s": 0.0137, "filter_time_constant_s": 0.02}},
+    "a_filtered_average": {"position_delay": {"filter_time_constant_s": 0.03}, "position_averaging": {"window_s": 0.06}},
     "position_averaging": {"position_averaging": {"window_s": 0.046}},
     "a_late_average": {"position_delay": {"delay_s": 0.023}, "position_averaging": {"window_s": 0.06}},
     "wall_conduction": {"wall_conduction": {"inverse_effusivity_m2_k_per_w_s05": 3e-3}},

@@ -142,6 +142,12 @@ pub trait Effect {
         R::ZERO
     }
 
+    /// Time constant of the first-order filter that the recorded position has passed, s.
+    #[inline(always)]
+    fn stroke_filter<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
+
     /// Time over which the recorded position is a centred moving average, s.
     #[inline(always)]
     fn stroke_window<R: Real>(_p: &[R]) -> R {
@@ -412,6 +418,15 @@ macro_rules! effects {
                 delay += $module::$name::stroke_delay($module::$name::values(values));
             })*
             delay
+        }
+
+        /// Sum of [`Effect::stroke_filter`] of the effects in `set`, s.
+        pub fn stroke_filter<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
+            let mut filter = R::ZERO;
+            $(if set.has($module::$name::INDEX) {
+                filter += $module::$name::stroke_filter($module::$name::values(values));
+            })*
+            filter
         }
 
         /// Sum of [`Effect::stroke_window`] of the effects in `set`, s.

@@ -1,39 +1,57 @@
-//! Position delay: the position record is later than the piston, x(t) = x_rec(t + d).
+//! Position delay: the position record is later than the piston, by a fixed time d and by a first-order filter of time
+//! constant τ: x(t) = x_rec(t + d) + τ dx_rec/dt(t + d).
 //!
-//! d ≥ 0 in s: a filtered or digitally read displacement sensor. With nothing else recorded than position and pressure,
-//! only its difference to the delay of the pressure record shows.
+//! d, τ ≥ 0 in s: a digitally read displacement sensor, or one behind an analogue low-pass. With nothing else recorded than
+//! position and pressure, only the difference of d to the delay of the pressure record shows. Of a stroke recorded in rows
+//! the slope at a row is the mean of those on both sides.
 
 use super::Effect;
 use crate::card::{ActsOn, Balance, Card, ClosedForm, Normal, Parameter, Prior, Scope, Unit};
 use crate::real::Real;
 
-/// Pure delay of the position record.
+/// Delay and low-pass of the position record.
 pub struct PositionDelay;
 
 impl Effect for PositionDelay {
     const CARD: Card = Card {
         name: "position_delay",
-        doc: "The position record is later than the piston by a fixed time",
-        equation: "x(t) = x_rec(t + d)",
+        doc: "The position record is later than the piston, by a fixed time or by a filter",
+        equation: "x(t) = x_rec(t + d) + tau dx_rec/dt(t + d)",
         source: "dead time of a sampled acquisition chain, e.g. Ljung, System Identification (1999)",
         balance: Balance::Volume,
         acts_on: ActsOn::RecordedStroke,
         scope: Scope::Record,
         closed_form: ClosedForm::Kept,
-        parameters: &[Parameter {
-            name: "delay",
-            unit: Unit::Second,
-            bounds: 0.0..=10.0,
-            typical: 0.01,
-            prior: Prior::Normal(Normal { mean: 0.0, standard_deviation: 0.2 }),
-            doc: "Delay of the recorded position behind the piston's",
-            ..Parameter::DEFAULT
-        }],
+        parameters: &[
+            Parameter {
+                name: "delay",
+                unit: Unit::Second,
+                bounds: 0.0..=10.0,
+                typical: 0.01,
+                prior: Prior::Normal(Normal { mean: 0.0, standard_deviation: 0.2 }),
+                doc: "Delay of the recorded position behind the piston's",
+                ..Parameter::DEFAULT
+            },
+            Parameter {
+                name: "filter_time_constant",
+                unit: Unit::Second,
+                bounds: 0.0..=10.0,
+                typical: 0.05,
+                fitted: false,
+                doc: "Time constant of a first-order low-pass that the recorded position has passed",
+                ..Parameter::DEFAULT
+            },
+        ],
         ..Card::DEFAULT
     };
 
     #[inline(always)]
     fn stroke_delay<R: Real>(p: &[R]) -> R {
         p[0]
+    }
+
+    #[inline(always)]
+    fn stroke_filter<R: Real>(p: &[R]) -> R {
+        p[1]
     }
 }

@@ -1,5 +1,6 @@
-//! The piston's stroke behind a record of it that is a moving average: what `position_averaging` takes back, with its
-//! derivative by the window. Position in m, time in s from the record's start.
+//! The piston's stroke behind a record of it that is a moving average and has passed a low-pass: what `position_averaging`
+//! and `position_delay` take back, with its derivatives by the window and by the low-pass's time constant. Position in m,
+//! time in s from the record's start.
 //!
 //! Where the record has a corner, the stroke has one there and half a window to either side of it.
 
@@ -11,14 +12,17 @@ use std::cell::Cell;
 pub struct TrueStroke<'a> {
     motion: &'a Motion,
     window: f64,
+    /// Time constant of the low-pass, s.
+    filter: f64,
     /// Where stretches without a corner end; those of the record itself where it is no average.
     ends: Vec<f64>,
     near: [Cell<usize>; 4],
 }
 
 impl<'a> TrueStroke<'a> {
-    /// Behind a record that averages over `window`, s; zero means that the record is the stroke.
-    pub fn new(motion: &'a Motion, window: f64) -> Self {
+    /// Behind a record that averages over `window`, s, and has passed a low-pass of time constant `filter`, s; zero means
+    /// that the record is the stroke.
+    pub fn new(motion: &'a Motion, window: f64, filter: f64) -> Self {
         let mut ends: Vec<f64> = motion.segments.iter().map(|s| s.to_s).collect();
         if window > 0.0 {
             let (begin, end) = motion.extent();
@@ -28,7 +32,7 @@ impl<'a> TrueStroke<'a> {
             ends.sort_by(f64::total_cmp);
             ends.dedup_by(|later, earlier| *later - *earlier < 1e-9);
         }
-        Self { motion, window, ends, near: Default::default() }
+        Self { motion, window, filter, ends, near: Default::default() }
     }
 
     /// Number of stretches without a corner.
@@ -46,6 +50,32 @@ impl<'a> TrueStroke<'a> {
     /// Position, m, and velocity, m/s, at a time on a stretch.
     #[inline]
     pub fn at(&self, stretch: usize, time: f64) -> [f64; 2] {
+        let [position, velocity] = self.filtered(stretch, time);
+        if self.filter == 0.0 {
+            return [position, velocity];
+        }
+        [position + self.filter * velocity, velocity + self.filter * self.acceleration(stretch, time)]
+    }
+
+    /// Derivatives of position and velocity by the low-pass's time constant, 1/s of each.
+    pub fn by_filter(&self, stretch: usize, time: f64) -> [f64; 2] {
+        [self.filtered(stretch, time)[1], self.acceleration(stretch, time)]
+    }
+
+    /// Acceleration behind the average and before the low-pass, m/s².
+    fn acceleration(&self, stretch: usize, time: f64) -> f64 {
+        if self.window == 0.0 {
+            return self.motion.segments[stretch].stroke.curvature(time, &self.near[0]);
+        }
+        let recorded = |time: f64, near: usize| self.segment(time).stroke.curvature(time, &self.near[near]);
+        let Points { times, moves_on, .. } = self.points(time);
+        let bend = if moves_on { position_averaging::bend([0, 1, 2].map(|i| recorded(times[i], i))) } else { 0.0 };
+        recorded(time, 3) - bend
+    }
+
+    /// Position, m, and velocity, m/s, behind the average and before the low-pass.
+    #[inline]
+    fn filtered(&self, stretch: usize, time: f64) -> [f64; 2] {
         if self.window == 0.0 {
             let (position, velocity) = self.motion.segments[stretch].stroke.at(time, &self.near[0]);
             return [position, velocity];
@@ -59,7 +89,7 @@ impl<'a> TrueStroke<'a> {
         [position - bend, velocity - bend_rate]
     }
 
-    /// Derivatives of position and velocity by the window, 1/s of each.
+    /// Derivatives of position and velocity by the window, 1/s of each; the low-pass's share of the velocity's is left out.
     pub fn by_window(&self, time: f64) -> [f64; 2] {
         let Points { times, by_window, moves_on } = self.points(time);
         let rate = |i: usize| {
@@ -68,7 +98,8 @@ impl<'a> TrueStroke<'a> {
         };
         let rates = [0, 1, 2].map(rate);
         let of = |k: usize| -position_averaging::bend(rates.map(|r| r[k]));
-        [of(0), if moves_on { of(1) } else { 0.0 }]
+        let velocity = if moves_on { of(1) } else { 0.0 };
+        [of(0) + self.filter * velocity, velocity]
     }
 
     /// Where the record is read for the bend at a time.
@@ -128,7 +159,7 @@ mod tests {
     #[test]
     fn the_stroke_behind_a_moving_average_is_found_again() {
         let (truth, motion) = record();
-        let [plain, behind] = [0.0, WINDOW].map(|window| TrueStroke::new(&motion, window));
+        let [plain, behind] = [0.0, WINDOW].map(|window| TrueStroke::new(&motion, window, 0.0));
         let worst = |stroke: &TrueStroke<'_>| {
             (1..1490).map(|k| f64::from(k) * 1e-3).map(|t| (along(stroke, t)[0] - truth(t)).abs()).fold(0.0, f64::max)
         };
@@ -137,9 +168,37 @@ mod tests {
     }
 
     #[test]
+    fn the_stroke_behind_a_low_pass_is_found_again_with_its_derivative() {
+        const FILTER: f64 = 0.05;
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let truth = |t: f64| 0.1 - 0.05 * smooth(((t - 0.4) / 0.3).clamp(0.0, 1.0));
+        // τ y' = x − y in steps of 1 µs by the trapezoidal rule.
+        let (mut filtered, mut y) = (vec![(0.0, 0.1)], 0.1);
+        for i in 0..1_500_000 {
+            let t = f64::from(i) * 1e-6;
+            let share = 0.5e-6 / FILTER;
+            y = (y * (1.0 - share) + share * (truth(t) + truth(t + 1e-6))) / (1.0 + share);
+            if (i + 1) % 5000 == 0 {
+                filtered.push((t + 1e-6, y));
+            }
+        }
+        let (time, position): (Vec<f64>, Vec<f64>) = filtered.into_iter().unzip();
+        let motion = Motion::detect(&time, &position);
+        let [less, behind, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, 0.0, FILTER + d));
+        for t in (1..1490).map(|k| f64::from(k) * 1e-3) {
+            assert!((along(&behind, t)[0] - truth(t)).abs() < 5e-5, "{t}: {} {}", along(&behind, t)[0], truth(t));
+            let stretch = (0..behind.stretches()).find(|s| t <= behind.end(*s)).unwrap_or(behind.stretches() - 1);
+            for (k, exact) in behind.by_filter(stretch, t).into_iter().enumerate() {
+                let by_filter = (along(&more, t)[k] - along(&less, t)[k]) / 2e-6;
+                assert!((by_filter - exact).abs() < 1e-6 * (1.0 + exact.abs()), "{t}: {by_filter} {exact}");
+            }
+        }
+    }
+
+    #[test]
     fn derivatives_are_those_of_finite_differences() {
         let (_, motion) = record();
-        let [less, middle, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, WINDOW + d));
+        let [less, middle, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, WINDOW + d, 0.0));
         for t in [0.005, 0.013, 0.38, 0.45, 0.5123, 0.6, 0.71, 1.0, 1.49] {
             let [position, velocity] = middle.by_window(t);
             let by_window = [0, 1].map(|k| (along(&more, t)[k] - along(&less, t)[k]) / 2e-6);

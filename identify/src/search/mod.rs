@@ -136,6 +136,13 @@ impl Search {
         if best.is_some_and(|best| self.noise_anew(&best)) {
             singles = self.refitted(singles);
         }
+        let strongest = singles.len().min(policy::PAIRED);
+        for single in &mut singles[..strongest] {
+            if let Some(freed) = self.freed(single) {
+                *single = freed;
+            }
+        }
+        sort(&mut singles);
         self.judge(&mut singles, usize::MAX);
         self.tried = singles;
         self.take_best(self.tried.clone());

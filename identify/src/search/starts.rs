@@ -40,7 +40,9 @@ fn is_rival(chi2: f64, best: f64) -> bool {
 fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Selection) -> Vec<(Hypothesis, Descent)> {
     let base = part.chamber();
     let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
-    let starts = starts(&base, &fresh, sizes);
+    let mut starts = starts(&base, &fresh, sizes);
+    let freed = model.secondary.iter().filter(|e| !part.hypothesis.model.secondary.has(*e));
+    starts.extend(freed.flat_map(|e| exchanged(&base, e)));
     let begun = |start: &Chamber| {
         let h = Hypothesis::new(data, model, start, sizes);
         let own = owns(data, &h, part);
@@ -99,6 +101,23 @@ fn starts(base: &Chamber, fresh: &[usize], sizes: &Sizes) -> Vec<Chamber> {
         }
     }
     out
+}
+
+/// A chamber for each secondary parameter of an effect that could do what a fitted one of the same unit does: with the one in
+/// the place of the other. A filter looks like a delay, but the way from one to the other may lead over a hill.
+fn exchanged(base: &Chamber, effect: usize) -> Vec<Chamber> {
+    let parameters = CARDS[effect].parameters;
+    let pairs = (0..parameters.len()).flat_map(|p| (0..parameters.len()).map(move |q| (p, q)));
+    pairs
+        .filter(|&(p, q)| parameters[p].fitted && !parameters[q].fitted && parameters[p].unit == parameters[q].unit)
+        .map(|(p, q)| {
+            let mut chamber = *base;
+            let values = chamber.effects.of_mut(effect);
+            values[q] = values[p].clamp(*parameters[q].bounds.start(), *parameters[q].bounds.end());
+            values[p] = parameters[p].neutral;
+            chamber
+        })
+        .collect()
 }
 
 /// A parameter that changes nothing at a neutral value inside its bounds starts there; one whose neutral value is the

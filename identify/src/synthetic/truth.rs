@@ -128,7 +128,9 @@ impl Truth<'_> {
         let flow = match self.outside {
             Some(Outside::NeighbourLeak(conductance)) => conductance * (3e5 - gas.pressure),
             Some(Outside::LaminarLeak(conductance)) => conductance * (self.ambient_pa - gas.pressure),
-            Some(Outside::SupplyLeak(conductance)) => supplied(conductance, gas.pressure, self.ambient_at(t)),
+            Some(Outside::SupplyLeak(conductance)) => {
+                supplied(conductance, [gas.pressure, gas.temperature], self.ambient_at(t))
+            }
             _ => 0.0,
         };
         rates[MASS] += flow;
@@ -156,12 +158,20 @@ impl Truth<'_> {
     }
 }
 
-/// Flow from a supply at 7 bar and the surroundings' temperature (ISO 6358, critical ratio 0.3), kg/s.
-fn supplied(conductance: f64, pressure: f64, temperature: f64) -> f64 {
+/// Flow from a supply at 7 bar and the surroundings' temperature (ISO 6358, critical ratio 0.3), kg/s; back to it from a gas
+/// of a higher pressure, Pa, and its temperature, K.
+fn supplied(conductance: f64, [pressure, temperature]: [f64; 2], surroundings: f64) -> f64 {
     const SUPPLY_PA: f64 = 7e5;
     const CRITICAL: f64 = 0.3;
-    let over = ((pressure / SUPPLY_PA - CRITICAL) / (1.0 - CRITICAL)).clamp(0.0, 1.0);
-    conductance * SUPPLY_PA * 1.185 * (293.15 / temperature).sqrt() * (1.0 - over * over).sqrt()
+    let through = |from: f64, to: f64, temperature: f64| {
+        let over = ((to / from - CRITICAL) / (1.0 - CRITICAL)).max(0.0);
+        conductance * from * 1.185 * (293.15 / temperature).sqrt() * (1.0 - over * over).sqrt()
+    };
+    if pressure < SUPPLY_PA {
+        through(SUPPLY_PA, pressure, surroundings)
+    } else {
+        -through(pressure, SUPPLY_PA, temperature)
+    }
 }
 
 /// cp/R of air at `t` K: see [`Outside::RealAir`].
