@@ -89,36 +89,49 @@ impl Stretch {
 }
 
 /// The readings of the last `delay` seconds.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Shown before the first stretch, Pa.
     pub first: f64,
     /// Stretches in time order.
     pub stretches: VecDeque<Stretch>,
+    /// How many of them have not changed since the mark.
+    unchanged: usize,
+    /// What those behind them were at the mark, the last first.
+    changed: Vec<Stretch>,
 }
 
-/// Where a record was before a step, to go back to.
-pub struct Mark {
-    length: usize,
-    last: Option<Stretch>,
+/// Records are equal that show the same, whatever they were before.
+impl PartialEq for Record {
+    fn eq(&self, other: &Self) -> bool {
+        self.first == other.first && self.stretches == other.stretches
+    }
 }
 
 impl Record {
     /// An empty record that shows `reading`, Pa.
     pub fn new(reading: f64) -> Self {
-        Self { first: reading, stretches: VecDeque::with_capacity(256) }
+        Self { first: reading, stretches: VecDeque::with_capacity(256), ..Self::default() }
     }
 
-    /// Notes where the record is.
-    pub fn mark(&self) -> Mark {
-        Mark { length: self.stretches.len(), last: self.stretches.back().copied() }
+    /// Notes where the record is before a step, to go back to.
+    pub fn mark(&mut self) {
+        self.unchanged = self.stretches.len();
+        self.changed.clear();
     }
 
-    /// Forgets what came after the mark.
-    pub fn rewind(&mut self, mark: &Mark) {
-        self.stretches.truncate(mark.length);
-        if let (Some(back), Some(last)) = (self.stretches.back_mut(), mark.last) {
-            *back = last;
+    /// As it was at the mark.
+    pub fn rewind(&mut self) {
+        self.stretches.truncate(self.unchanged);
+        self.stretches.extend(self.changed.drain(..).rev());
+        self.unchanged = self.stretches.len();
+    }
+
+    /// Keeps the last stretch, which is about to go or to change, if it has been there since the mark.
+    fn keep_last(&mut self) {
+        if self.stretches.len() == self.unchanged {
+            self.changed.extend(self.stretches.back());
+            self.unchanged -= 1;
         }
     }
 
@@ -129,15 +142,15 @@ impl Record {
             return;
         }
         while self.stretches.back().is_some_and(|last| last.from >= stretch.from) {
+            self.keep_last();
             self.stretches.pop_back();
         }
-        if let Some(last) = self.stretches.back_mut()
-            && let Some(both) = last.merged(&stretch, delay)
-        {
-            *last = both;
-            return;
+        let both = self.stretches.back().and_then(|last| last.merged(&stretch, delay));
+        if both.is_some() {
+            self.keep_last();
+            self.stretches.pop_back();
         }
-        self.stretches.push_back(stretch);
+        self.stretches.push_back(both.unwrap_or(stretch));
     }
 
     /// End of the last stretch, s.
@@ -222,13 +235,16 @@ mod tests {
     fn a_rewound_record_is_as_before() {
         let mut record = filled(0.01, 100, 10.0);
         let before = record.clone();
-        let mark = record.mark();
-        for k in 0..5 {
-            record.push(Stretch::of(1.0 + 0.01 * f64::from(k), 0.01, |t| wave(t) + 7.0 * t), 10.0);
+        // The second begin lies before the last stretches of the record, which the new ones cover.
+        for begin in [1.0, 0.93] {
+            record.mark();
+            for k in 0..15 {
+                record.push(Stretch::of(begin + 0.01 * f64::from(k), 0.01, |t| wave(t) + 7.0 * t), 10.0);
+            }
+            assert_ne!(record, before);
+            record.rewind();
+            assert_eq!(record, before);
         }
-        assert_ne!(record, before);
-        record.rewind(&mark);
-        assert_eq!(record, before);
     }
 
     #[test]

@@ -303,8 +303,10 @@ impl Simulation {
             return Ok(());
         }
         let (time, delay) = (self.time, self.delay());
-        let mark = self.record.as_ref().map(Record::mark);
-        let record = self.record.as_mut().map(|record| (record, delay));
+        let record = self.record.as_mut().map(|record| {
+            record.mark();
+            (record, delay)
+        });
         match self.gas.after(&self.plant, &self.inputs, time, h, record) {
             Ok(gas) => {
                 self.gas = gas;
@@ -317,8 +319,8 @@ impl Simulation {
                 Ok(())
             }
             Err(fault) => {
-                if let (Some(record), Some(mark)) = (&mut self.record, mark) {
-                    record.rewind(&mark);
+                if let Some(record) = &mut self.record {
+                    record.rewind();
                 }
                 Err(fault)
             }
