@@ -192,7 +192,7 @@ impl Data {
             .collect();
         let mut columns = Vec::with_capacity(mended.len());
         for (experiment, repeat, trace, left_out) in &mended {
-            columns.push(Columns::of(trace, *experiment, *repeat, *left_out)?);
+            columns.push(Columns::of(trace, *experiment, *repeat, *left_out, rig.sensor.readout_hz)?);
         }
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
@@ -291,13 +291,21 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    fn of(trace: &'a Trace, experiment: usize, repeat: usize, backward_rows: usize) -> Result<Self, Error> {
+    fn of(
+        trace: &'a Trace,
+        experiment: usize,
+        repeat: usize,
+        backward_rows: usize,
+        readout_hz: Option<f64>,
+    ) -> Result<Self, Error> {
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = Motion::detect(&time_s, &trace.position_m);
-        let readout = Readout::detect(pressure_pa);
+        let row_s = time_s[time_s.len() - 1] / (time_s.len() - 1) as f64;
+        let readout =
+            readout_hz.map_or_else(|| Readout::detect(pressure_pa), |hz| Readout::stated(pressure_pa, row_s, hz));
         checks::trace(trace, pressure_pa, &motion, &readout)?;
         Ok(Self { trace, experiment, repeat, backward_rows, pressure_pa, time_s, motion, readout })
     }

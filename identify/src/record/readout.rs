@@ -46,6 +46,40 @@ impl Readout {
         held(pressure_pa).or_else(|| interpolated(pressure_pa)).unwrap_or_else(Self::every_row)
     }
 
+    /// The readout of a pressure whose rows come `row_s` apart and that was read out at a stated rate, Hz: looked for
+    /// where the rate does not fit a whole number of rows.
+    pub fn stated(pressure_pa: &[f64], row_s: f64, readout_hz: f64) -> Self {
+        /// How far a period may be from a whole number of rows.
+        const OFF: f64 = 0.02;
+        let rows = 1.0 / (readout_hz * row_s);
+        let period = rows.round().max(1.0);
+        match period as usize {
+            _ if rows > 1.0 && (rows / period - 1.0).abs() > OFF => Self::detect(pressure_pa),
+            1 => Self::every_row(),
+            period => Self::of_period(pressure_pa, period),
+        }
+    }
+
+    /// Held where hardly any other row than every `period`-th changes, else interpolated: begun where changes, or bends, are
+    /// largest.
+    fn of_period(pressure_pa: &[f64], period: usize) -> Self {
+        let sums = |squares: &mut dyn Iterator<Item = (usize, f64)>| {
+            let mut sums = vec![0.0; period];
+            squares.for_each(|(row, square)| sums[row % period] += square);
+            let first = (0..period).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0);
+            (first, sums[first], sums.iter().sum::<f64>())
+        };
+        let changes = pressure_pa.windows(2).enumerate().map(|(i, w)| (i + 1, (w[1] - w[0]).powi(2)));
+        let bends = pressure_pa.windows(3).enumerate().map(|(i, w)| (i + 1, (w[0] - 2.0 * w[1] + w[2]).powi(2)));
+        let (first, there, all) = sums(&mut { changes });
+        let (between, first) = if all - there <= 1e-3 * all {
+            (Between::Held, first)
+        } else {
+            (Between::Interpolated, sums(&mut { bends }).0)
+        };
+        Self { between, period, first, outliers: Vec::new() }
+    }
+
     /// Whether a row is data.
     #[inline]
     pub fn is_data(&self, row: usize) -> bool {
@@ -157,6 +191,24 @@ mod tests {
             .collect();
         let found = Readout::detect(&rows);
         assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 10, 0));
+    }
+
+    #[test]
+    fn a_stated_readout_is_taken_where_the_rows_alone_do_not_show_it() {
+        // Too few readings for a period to be believed.
+        let slow = readings(12);
+        let held: Vec<f64> = (0..110).map(|i| slow[(i + 7) / 10]).collect();
+        let straight: Vec<f64> =
+            (0..100).map(|i| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0).collect();
+        for rows in [&held, &straight] {
+            assert_eq!(Readout::detect(rows).period, 1);
+        }
+        let found = Readout::stated(&held, 0.01, 10.0);
+        assert_eq!((found.between, found.period, found.first), (Between::Held, 10, 3));
+        let found = Readout::stated(&straight, 0.01, 10.0);
+        assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 10, 0));
+        assert_eq!(Readout::stated(&held, 0.01, 200.0), Readout::every_row());
+        assert_eq!(Readout::stated(&held, 0.01, 30.0), Readout::detect(&held));
     }
 
     #[test]
