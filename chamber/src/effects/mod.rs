@@ -481,7 +481,7 @@ pub const PARAMETERS: usize = PARAMETER_OFFSETS[COUNT];
 /// Number of own states of all effects.
 pub const OWN_STATES: usize = STATE_OFFSETS[COUNT];
 
-/// Number of own states of the effects before the first that has more than [`MANY`].
+/// Number of own states of the effects before the first that has more than four.
 pub const FEW_OWN_STATES: usize = {
     let mut i = 0;
     while i < COUNT && CARDS[i].states.len() <= MANY {

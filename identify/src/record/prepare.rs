@@ -84,7 +84,7 @@ pub struct Prepared {
     pub blocks: Vec<Block>,
     /// Makes the blocks' residuals white.
     pub whitener: Whitener,
-    /// Integration error of the model along it, relative to the states: see [`INTEGRATION_ERROR`].
+    /// Integration error of the model along it, relative to the states: a thousandth of the noise.
     pub relative_tolerance: f64,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,
