@@ -444,7 +444,7 @@ impl<R: Real> Balance<R> {
         let of_law = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
         let area = effects::heat_transfer_area(set, &chamber.effects, of_law);
         let from_wall = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
-        let heat_flow = from_wall + effects::heat_flow(set, &chamber.effects, &at);
+        let heat_flow = effects::heat_flow(set, &chamber.effects, &at, from_wall);
 
         let mut flows = Flows { outflow: boundary.mass_flow_out, ..Flows::NONE };
         flows.enter(boundary.mass_flow_in, boundary.temperature_in);

@@ -297,8 +297,8 @@ impl Effect for Empirical {
     }
 
     #[inline(always)]
-    fn heat_flow<R: Real>(p: &[R], at: &Conditions<R>) -> R {
-        term(p, Balance::HeatFlow, at)
+    fn heat_flow<R: Real>(p: &[R], at: &Conditions<R>, heat: &mut R) {
+        *heat += term(p, Balance::HeatFlow, at);
     }
 
     #[inline(always)]

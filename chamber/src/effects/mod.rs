@@ -67,11 +67,9 @@ pub trait Effect {
         [R::ONE, R::ZERO, R::ZERO]
     }
 
-    /// Heat into the gas beside that from the wall, W.
+    /// Adds heat into the gas beside that from the wall, W.
     #[inline(always)]
-    fn heat_flow<R: Real>(_p: &[R], _at: &Conditions<R>) -> R {
-        R::ZERO
-    }
+    fn heat_flow<R: Real>(_p: &[R], _at: &Conditions<R>, _heat: &mut R) {}
 
     /// A factor of the heat transfer coefficient.
     #[inline(always)]
@@ -261,14 +259,14 @@ macro_rules! effects {
             all
         }
 
-        /// Sum of [`Effect::heat_flow`] of the effects in `set`, W.
+        /// Heat into the gas, W: that from the wall, and [`Effect::heat_flow`] of the effects in `set`.
         #[inline(always)]
-        pub fn heat_flow<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>) -> R {
-            let mut sum = R::ZERO;
+        pub fn heat_flow<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, from_wall: R) -> R {
+            let mut heat = from_wall;
             $(if set.has($module::$name::INDEX) {
-                sum += $module::$name::heat_flow($module::$name::values(values), at);
+                $module::$name::heat_flow($module::$name::values(values), at, &mut heat);
             })*
-            sum
+            heat
         }
 
         /// [`Effect::conditions`] of the effects in `set`.
