@@ -206,7 +206,7 @@ impl<R: Real> Contents<R> {
 /// A chamber with what its balances would divide by and take roots of again and again worked out once.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<R = f64> {
-    /// The chamber.
+    /// Gas, shape, heat transfer and effects that it is of.
     pub chamber: Chamber<R>,
     /// γ − 1.
     pub expansion: R,

@@ -84,9 +84,9 @@ pub enum ClosedForm {
 /// A normal distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Normal {
-    /// Its mean.
+    /// Mean, in the parameter's unit.
     pub mean: f64,
-    /// Its standard deviation.
+    /// Standard deviation, in the parameter's unit.
     pub standard_deviation: f64,
 }
 
@@ -205,7 +205,7 @@ pub struct Parameter {
     pub name: &'static str,
     /// What its number stands for.
     pub kind: Kind,
-    /// Its unit.
+    /// Unit of its number, of its bounds and of its column.
     pub unit: Unit,
     /// Values that make sense; others are refused.
     pub bounds: RangeInclusive<f64>,
@@ -269,7 +269,7 @@ impl Parameter {
 pub struct OwnState {
     /// Name without unit, snake case.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit of the state and of its nominal size.
     pub unit: Unit,
     /// Its order of magnitude, the scale of its integration error.
     pub nominal: f64,

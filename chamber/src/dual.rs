@@ -11,7 +11,7 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 pub struct Dual<const N: usize> {
     /// The number itself.
     pub value: f64,
-    /// Its derivatives.
+    /// Derivatives by each of the N independent variables.
     pub tangent: [f64; N],
 }
 

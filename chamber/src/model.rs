@@ -11,7 +11,7 @@ use crate::real::Real;
 pub struct Chamber<R = f64> {
     /// The gas in it.
     pub gas: Gas<R>,
-    /// Its shape.
+    /// Bore, rod and dead volume.
     pub geometry: Geometry<R>,
     /// Heat transfer between gas and wall.
     pub heat_transfer: HeatTransfer<R>,

@@ -4,8 +4,12 @@
 //! one thread, medians over the rounds. Rows are those of `benches/sealed.toml`, drawn at random, with one effect at its
 //! typical values. The error is the largest over the rows, against the integrator at a tolerance of 1e-13.
 
+#[path = "../src/tests/numbers.rs"]
+mod numbers;
+
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
 use ensemble::{CHUNK, Failure, Hold, Kernel, Options, Outcome, Scenario, Solver};
+use numbers::Numbers;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
@@ -28,22 +32,6 @@ struct Case {
     rows: Vec<Scenario>,
     solver: Solver,
     seconds: [Vec<f64>; 2],
-}
-
-/// Reproducible numbers in [0, 1): a 64-bit linear congruence, the high bits of it.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
 }
 
 /// The rows of `benches/sealed.toml`, at random.

@@ -108,7 +108,7 @@ pub struct Interpolant {
 }
 
 impl Interpolant {
-    /// The polynomial.
+    /// The polynomial through values and slopes at the stencils' knots.
     #[inline(always)]
     pub fn new(stencils: &Stencils) -> Self {
         let Stencils { clock, at, value, slope, count } = stencils;

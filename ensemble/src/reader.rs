@@ -590,7 +590,7 @@ impl WithSimd for Powers<'_> {
 
 /// What a curve a lane is made of.
 trait Reading {
-    /// The curve.
+    /// What events and roots are looked for on.
     type Curve: Curve;
     /// Makes it, with the instructions at hand.
     fn curve(self) -> Self::Curve;

@@ -27,7 +27,7 @@ const FEWEST: f64 = 5.0;
 /// A record between two of its samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<R = f64> {
-    /// The samples.
+    /// Those from one knot to the next, with their count and times.
     pub samples: Samples<R>,
     /// Pressure at the nodes of their sum.
     pub pressure: [R; POINTS],

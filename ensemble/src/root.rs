@@ -10,7 +10,7 @@ const NOTHING: f64 = 1e-13;
 
 /// A function of the share of a step.
 pub trait Curve {
-    /// Its value.
+    /// Its value at a share of the step, 0 to 1.
     fn at(&self, share: Lanes) -> Lanes;
 }
 

@@ -1,25 +1,12 @@
 //! Batches against closed forms, against the plain integrator, and against themselves in another order.
 
+mod numbers;
+
 use super::*;
 use chamber::card::ClosedForm;
 use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
-
-/// Reproducible numbers in [0, 1): a 64-bit linear congruence, the high bits of it.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-}
+use numbers::Numbers;
 
 /// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
 fn sealed(count: usize) -> Vec<Scenario> {

@@ -13,9 +13,9 @@ use crate::forward::{Disturbance, Run, Undisturbed};
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
 use chamber::balance::MASS;
-use chamber::card::Balance;
 use chamber::dual::Dual;
-use chamber::effects::{self, empirical};
+use chamber::effects;
+use chamber::effects::empirical::{self, Balance};
 use chamber::real::Real;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
@@ -91,102 +91,66 @@ impl Variable {
     }
 }
 
-/// In what way a family disturbs the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// A mass flow into the gas, kg/s.
-    Flow,
-    /// A heat flow into the gas, W.
-    Power,
-    /// A relative change of the heat transfer coefficient.
-    CoefficientShare,
-    /// A relative change of the gas's volume.
-    VolumeShare,
-    /// An error of the reading, Pa.
-    Reading,
-}
-
-impl Form {
-    /// The balance it belongs to.
-    pub fn balance(self) -> Balance {
-        match self {
-            Form::Flow => Balance::Mass,
-            Form::Power | Form::CoefficientShare => Balance::Energy,
-            Form::VolumeShare => Balance::Volume,
-            Form::Reading => Balance::Sensor,
-        }
-    }
-    /// The same in a model.
-    pub fn in_model(self) -> empirical::Balance {
-        match self {
-            Form::Flow => empirical::Balance::MassFlow,
-            Form::Power => empirical::Balance::HeatFlow,
-            Form::CoefficientShare => empirical::Balance::CoefficientShare,
-            Form::VolumeShare => empirical::Balance::VolumeShare,
-            Form::Reading => empirical::Balance::Reading,
-        }
-    }
-    /// Name and unit, for people.
-    pub fn name(self) -> (&'static str, &'static str) {
-        match self {
-            Form::Flow => ("missing mass flow into the gas", "kg/s"),
-            Form::Power => ("missing heat flow into the gas", "W"),
-            Form::CoefficientShare => ("missing share of the heat transfer coefficient", "1"),
-            Form::VolumeShare => ("missing share of the volume", "1"),
-            Form::Reading => ("missing part of the pressure reading", "Pa"),
-        }
+/// What a missing term is, for people.
+pub fn quantity(term: Balance) -> &'static str {
+    match term {
+        Balance::MassFlow => "missing mass flow into the gas",
+        Balance::HeatFlow => "missing heat flow into the gas",
+        Balance::CoefficientShare => "missing share of the heat transfer coefficient",
+        Balance::VolumeShare => "missing share of the volume",
+        Balance::Reading => "missing part of the pressure reading",
     }
 }
 
 /// The families tried. A volume that is a function of position alone would be a matter of geometry, a reading that is one
 /// of pressure alone a matter of calibration; both are outside what a closed chamber is modelled by, and so belong here.
-const FAMILIES: [(Form, Variable); 19] = [
-    (Form::Flow, Variable::Time),
-    (Form::Flow, Variable::Pressure),
-    (Form::Flow, Variable::PressureRate),
-    (Form::Power, Variable::TemperatureDifference),
-    (Form::Power, Variable::Time),
-    (Form::Power, Variable::Speed),
-    (Form::CoefficientShare, Variable::TemperatureDistance),
-    (Form::CoefficientShare, Variable::TemperatureDifference),
-    (Form::CoefficientShare, Variable::Pressure),
-    (Form::CoefficientShare, Variable::Position),
-    (Form::CoefficientShare, Variable::SpeedAmount),
-    (Form::CoefficientShare, Variable::SinceMove),
-    (Form::VolumeShare, Variable::Pressure),
-    (Form::VolumeShare, Variable::Position),
-    (Form::VolumeShare, Variable::Speed),
-    (Form::Reading, Variable::Time),
-    (Form::Reading, Variable::Pressure),
-    (Form::Reading, Variable::PressureRate),
-    (Form::Reading, Variable::SinceMove),
+const FAMILIES: [(Balance, Variable); 19] = [
+    (Balance::MassFlow, Variable::Time),
+    (Balance::MassFlow, Variable::Pressure),
+    (Balance::MassFlow, Variable::PressureRate),
+    (Balance::HeatFlow, Variable::TemperatureDifference),
+    (Balance::HeatFlow, Variable::Time),
+    (Balance::HeatFlow, Variable::Speed),
+    (Balance::CoefficientShare, Variable::TemperatureDistance),
+    (Balance::CoefficientShare, Variable::TemperatureDifference),
+    (Balance::CoefficientShare, Variable::Pressure),
+    (Balance::CoefficientShare, Variable::Position),
+    (Balance::CoefficientShare, Variable::SpeedAmount),
+    (Balance::CoefficientShare, Variable::SinceMove),
+    (Balance::VolumeShare, Variable::Pressure),
+    (Balance::VolumeShare, Variable::Position),
+    (Balance::VolumeShare, Variable::Speed),
+    (Balance::Reading, Variable::Time),
+    (Balance::Reading, Variable::Pressure),
+    (Balance::Reading, Variable::PressureRate),
+    (Balance::Reading, Variable::SinceMove),
 ];
 
 /// The families that a model can hold: the term follows from the chamber's state and stroke at the moment, so that it carries
 /// over to another motion.
-const CURVES: [(Form, Variable); 15] = [
-    (Form::Flow, Variable::Pressure),
-    (Form::Flow, Variable::Mass),
-    (Form::Power, Variable::TemperatureDifference),
-    (Form::Power, Variable::Pressure),
-    (Form::Power, Variable::Position),
-    (Form::Power, Variable::Speed),
-    (Form::Power, Variable::PistonPower),
-    (Form::CoefficientShare, Variable::Temperature),
-    (Form::CoefficientShare, Variable::TemperatureDifference),
-    (Form::CoefficientShare, Variable::Pressure),
-    (Form::CoefficientShare, Variable::Position),
-    (Form::CoefficientShare, Variable::Speed),
-    (Form::VolumeShare, Variable::Pressure),
-    (Form::VolumeShare, Variable::Position),
-    (Form::Reading, Variable::Pressure),
+const CURVES: [(Balance, Variable); 15] = [
+    (Balance::MassFlow, Variable::Pressure),
+    (Balance::MassFlow, Variable::Mass),
+    (Balance::HeatFlow, Variable::TemperatureDifference),
+    (Balance::HeatFlow, Variable::Pressure),
+    (Balance::HeatFlow, Variable::Position),
+    (Balance::HeatFlow, Variable::Speed),
+    (Balance::HeatFlow, Variable::PistonPower),
+    (Balance::CoefficientShare, Variable::Temperature),
+    (Balance::CoefficientShare, Variable::TemperatureDifference),
+    (Balance::CoefficientShare, Variable::Pressure),
+    (Balance::CoefficientShare, Variable::Position),
+    (Balance::CoefficientShare, Variable::Speed),
+    (Balance::VolumeShare, Variable::Pressure),
+    (Balance::VolumeShare, Variable::Position),
+    (Balance::Reading, Variable::Pressure),
 ];
 
 /// What a family takes away, and its function.
 #[derive(Clone, Debug)]
 pub struct Missing {
     /// In what way it disturbs.
-    pub form: Form,
+    pub balance: Balance,
     /// What it follows.
     pub variable: Variable,
     /// How much of χ² the best function takes away.
@@ -316,7 +280,7 @@ fn derivative(t: &[f64], y: &[f64]) -> Vec<f64> {
 
 /// Hat functions of a variable on a record, with the amount that each multiplies and its rate.
 struct Hats<'a> {
-    form: Form,
+    balance: Balance,
     time_s: &'a [f64],
     share: Vec<[f64; KNOTS]>,
     amount: Vec<f64>,
@@ -342,11 +306,11 @@ impl Hats<'_> {
 impl Disturbance<Tangent> for Hats<'_> {
     fn at(&self, time: f64) -> Option<[Tangent; 4]> {
         let ([value, rate], zero) = (self.amounts(time), Tangent::ZERO);
-        match self.form {
-            Form::Flow => Some([value, zero, zero, zero]),
-            Form::Power | Form::CoefficientShare => Some([zero, value, zero, zero]),
-            Form::VolumeShare => Some([zero, zero, value, rate]),
-            Form::Reading => None,
+        match self.balance {
+            Balance::MassFlow => Some([value, zero, zero, zero]),
+            Balance::HeatFlow | Balance::CoefficientShare => Some([zero, value, zero, zero]),
+            Balance::VolumeShare => Some([zero, zero, value, rate]),
+            Balance::Reading => None,
         }
     }
 }
@@ -414,7 +378,7 @@ impl Missing {
 
     /// It as a model holds it, all zero; `None` where no model can.
     pub fn flat(&self) -> Option<empirical::Curve> {
-        let (balance, variable) = (self.form.in_model(), self.variable.in_model()?);
+        let (balance, variable) = (self.balance, self.variable.in_model()?);
         let (knots, values) = (self.at.clone(), vec![0.0; self.at.len()]);
         balance.follows(variable).then_some(empirical::Curve { balance, variable, knots, values })
     }
@@ -450,38 +414,38 @@ impl<'a> Search<'a> {
         self.of(&CURVES)
     }
 
-    fn of(&self, families: &[(Form, Variable)]) -> Vec<Missing> {
+    fn of(&self, families: &[(Balance, Variable)]) -> Vec<Missing> {
         let mut found: Vec<Missing> =
-            families.par_iter().filter_map(|&(form, variable)| self.family(form, variable)).collect();
+            families.par_iter().filter_map(|&(balance, variable)| self.family(balance, variable)).collect();
         found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         found
     }
 
-    fn family(&self, form: Form, variable: Variable) -> Option<Missing> {
+    fn family(&self, balance: Balance, variable: Variable) -> Option<Missing> {
         let values: Vec<Vec<f64>> = self.paths.iter().map(|p| p.variable(variable)).collect();
         let at = knots(&mut values.iter().flatten().copied().collect())?;
         let responses: Option<Vec<DMatrix<f64>>> = (0..self.paths.len())
             .into_par_iter()
-            .map(|k| self.response(k, form, values[k].iter().map(|v| hats(&at, *v)).collect()))
+            .map(|k| self.response(k, balance, values[k].iter().map(|v| hats(&at, *v)).collect()))
             .collect();
         let responses = responses?;
         let (gain, rank, value, sd) = self.solve(&responses)?;
-        Some(Missing { form, variable, gain, rank, at: at.to_vec(), value, sd })
+        Some(Missing { balance, variable, gain, rank, at: at.to_vec(), value, sd })
     }
 
     /// d(model/σ)/d(coefficient) of one trace's blocks.
-    fn response(&self, k: usize, form: Form, share: Vec<[f64; KNOTS]>) -> Option<DMatrix<f64>> {
+    fn response(&self, k: usize, balance: Balance, share: Vec<[f64; KNOTS]>) -> Option<DMatrix<f64>> {
         let (t, path) = (&self.data.traces[k], &self.paths[k]);
         let linear = &self.fit.linear[k];
         let blocks = &t.blocks[..linear.blocks];
         let times = fit::points(blocks);
-        let amount: Vec<f64> = match form {
-            Form::CoefficientShare => path.heat_flow_w.clone(),
-            Form::VolumeShare => path.volume_m3.clone(),
+        let amount: Vec<f64> = match balance {
+            Balance::CoefficientShare => path.heat_flow_w.clone(),
+            Balance::VolumeShare => path.volume_m3.clone(),
             _ => vec![1.0; path.time_s.len()],
         };
-        let disturbance = Hats { form, time_s: &path.time_s, share, amount };
-        let shown: Vec<Tangent> = if form == Form::Reading {
+        let disturbance = Hats { balance, time_s: &path.time_s, share, amount };
+        let shown: Vec<Tangent> = if balance == Balance::Reading {
             times.iter().map(|time| disturbance.amounts(*time)[0]).collect()
         } else {
             let lifted = |x: &[f64]| x.iter().map(|x| Tangent::from(*x)).collect::<Vec<_>>();

@@ -338,12 +338,12 @@ impl Hypothesis {
     /// Combinations of axes whose mean beforehand is zero, with their standard deviations: how much each value of a curve
     /// differs from the straight line through its neighbours. Where nothing is measured a curve goes on as it began. A knot
     /// at zero is free of that: laws have corners where their variable changes its sign.
-    pub fn bends(&self) -> impl Iterator<Item = ([(usize, f64); 3], f64)> {
+    pub fn bends(&self) -> Vec<([(usize, f64); 3], f64)> {
         let Some((curve, first)) = self.axes.iter().enumerate().find_map(|(i, axis)| match axis.slot {
             Slot::Effect(e, _) => Some((curve_of(e, &self.base)?, i)),
             _ => None,
         }) else {
-            return Vec::new().into_iter();
+            return Vec::new();
         };
         // In coordinates: as a first fit has found the curve, or what would be a lot.
         let sizes = curve.values.iter().zip(&self.axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
@@ -355,7 +355,7 @@ impl Hypothesis {
             ([at(k, share - 1.0), at(k + 1, 1.0), at(k + 2, -share)], BEND * size)
         };
         let inner = (0..knots.len().saturating_sub(2)).filter(|k| knots[k + 1] != 0.0);
-        inner.map(bend).collect::<Vec<_>>().into_iter()
+        inner.map(bend).collect()
     }
 
     /// The coordinates of a chamber's numbers.

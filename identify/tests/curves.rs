@@ -34,7 +34,7 @@ fn heat_from_friction_becomes_a_curve_over_the_piston_s_power_that_leaves_noise(
 fn a_sensor_that_hangs_back_has_no_curve_that_carries_over() {
     let (_, found) = traced(Outside::Hysteresis(600.0));
     let read_off = found.read_off.unwrap();
-    assert!(!read_off.accepted, "{:?} over {:?}", read_off.first_order.form, read_off.first_order.variable);
+    assert!(!read_off.accepted, "{:?} over {:?}", read_off.first_order.balance, read_off.first_order.variable);
     assert_eq!(
         (found.verdict, found.chosen.model.effects.iter().any(|e| names([e].into_iter().collect()) == ["empirical"])),
         (Verdict::Unexplained, false)

@@ -111,7 +111,7 @@ impl Variable {
     const WORDS: [&'static str; 7] =
         ["pressure", "temperature", "temperature_difference", "position", "velocity", "piston_power", "mass"];
 
-    /// Its unit.
+    /// Unit of the knots.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Pressure => "Pa",

@@ -10,7 +10,7 @@ use crate::real::Real;
 
 /// One physical effect. `p` are its parameters in the card's order, `own` its own states.
 pub trait Effect {
-    /// Its declaration.
+    /// Name, equation, source, parameters and own states.
     const CARD: Card;
 
     /// What its flows need of its parameters and the gas alone, worked out once for a chamber.

@@ -303,7 +303,7 @@ fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear>
     if known.is_empty() {
         return None;
     }
-    let bends: Vec<_> = hypothesis.bends().collect();
+    let bends = hypothesis.bends();
     let mut by_rig = DMatrix::zeros(known.len() + bends.len(), rig.len() + stated);
     let mut residual = Vec::with_capacity(known.len());
     for (row, (i, [mean, sd])) in known.into_iter().enumerate() {

@@ -1,6 +1,6 @@
 //! What a diagnosis says: the contract's JSON, the numbers of the report, the model that follows.
 
-use crate::discrepancy::{Missing, Path, Search};
+use crate::discrepancy::{self, Missing, Path, Search};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::fit::covariance::{self, Estimate, Undetermined};
@@ -212,7 +212,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         (Verdict::Unexplained, _) | (_, None) => missing.first().map_or("none", |m| m.balance),
         (_, Some(first)) => match chamber::effects::find(first) {
             Some((place, _)) if Some(place) == ReadOff::effect() => {
-                found.read_off.as_ref().map_or("none", |r| r.first_order.form.balance().name())
+                found.read_off.as_ref().map_or("none", |r| r.first_order.balance.card_balance().name())
             }
             Some((_, card)) => card.balance.name(),
             None => "none",
@@ -338,9 +338,9 @@ fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
     best.iter()
         .take(6)
         .map(|m| Unnamed {
-            balance: m.form.balance().name(),
-            quantity: m.form.name().0,
-            unit: m.form.name().1,
+            balance: m.balance.card_balance().name(),
+            quantity: discrepancy::quantity(m.balance),
+            unit: m.balance.unit(),
             variable: m.variable.name().0,
             variable_unit: m.variable.name().1,
             at: m.at.clone(),

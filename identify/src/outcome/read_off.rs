@@ -1,5 +1,6 @@
 //! The missing term as a curve: what a diagnosis says of it.
 
+use crate::discrepancy;
 use crate::fit::covariance;
 use crate::outcome::diagnosis::Unnamed;
 use crate::parameters::Slot;
@@ -65,12 +66,12 @@ impl Empirical {
         let covariance = covariance::covariance(fit, residual_is_noise);
         let values = fit.hypothesis.axes.iter().zip(covariance::estimates(fit, &covariance));
         let ci95 = values.filter(|(axis, _)| matches!(axis.slot, Slot::Effect(e, _) if e == effect));
-        let (form, variable) = (found.first_order.form, found.first_order.variable);
+        let variable = found.first_order.variable;
         Some(Self {
             accepted: found.accepted,
             balance: curve.balance.word(),
-            quantity: form.name().0,
-            unit: form.name().1,
+            quantity: discrepancy::quantity(curve.balance),
+            unit: curve.balance.unit(),
             variable: variable.name().0,
             variable_unit: variable.name().1,
             knots: curve.knots,

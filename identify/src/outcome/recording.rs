@@ -1,6 +1,7 @@
 //! What a diagnosis says of the recording: its noise, what each record has for itself, what was assumed and left out.
 
 use super::diagnosis::{Estimates, as_map};
+use crate::discrepancy;
 use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::judge::misfit;
@@ -163,11 +164,10 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         ));
     }
     if let Some(r) = found.read_off.as_ref().filter(|r| !r.accepted) {
-        let (form, variable) = (r.first_order.form, r.first_order.variable);
         out.push(format!(
             "no curve carries over: the best, a {} over the {}, changes the error on experiments left out whole from {} to {} Pa",
-            form.name().0,
-            variable.name().0,
+            discrepancy::quantity(r.first_order.balance),
+            r.first_order.variable.name().0,
             digits(r.left_out_pa[0], 3),
             digits(r.left_out_pa[1], 3)
         ));

@@ -70,12 +70,10 @@ impl Search {
     /// A curve in the place of several named effects that together leave no more than noise: one that alone fits the records
     /// decisively better shows that the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
-        let folds = left_out::by_experiment(&self.data);
-        let left_out = |fit: &Fit| left_out::rmse(&self.data, fit, &folds);
         let is_better = |c: &Candidate| c.delta_bic > named.delta_bic + policy::DECISIVE;
-        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, &is_better, &left_out);
+        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, is_better);
         let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
-        Some(self.told(best, left_out(&named.fit)?, true))
+        Some(self.told(best, self.left_out(&named.fit)?, true))
     }
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
@@ -85,12 +83,9 @@ impl Search {
         if self.chosen.model != Model::PAPER {
             parts.push(&self.chosen);
         }
-        let folds = left_out::by_experiment(&self.data);
-        let left_out = |fit: &Fit| left_out::rmse(&self.data, fit, &folds);
-        let (settled_pa, paper_pa) = (left_out(&settled.fit)?, left_out(&self.baseline.fit)?);
+        let (settled_pa, paper_pa) = (self.left_out(&settled.fit)?, self.left_out(&self.baseline.fit)?);
         let is_likely = |c: &Candidate| c.delta_bic > settled.delta_bic;
-        let curves: Vec<Judged> =
-            parts.iter().flat_map(|part| self.curves_on(part, empirical, &is_likely, &left_out)).collect();
+        let curves: Vec<Judged> = parts.iter().flat_map(|part| self.curves_on(part, empirical, is_likely)).collect();
         let acceptable = |c: &&Judged| {
             c.is_evident
                 && if c.candidate.model.terms() > settled.model.terms() {
@@ -108,7 +103,7 @@ impl Search {
         };
         let accepted = curves.iter().filter(acceptable).filter(alike).min_by(by_terms);
         let told = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
-        let best = if accepted.is_some() { self.pruned(told.clone(), &left_out) } else { told.clone() };
+        let best = if accepted.is_some() { self.pruned(told.clone()) } else { told.clone() };
         Some(self.told(best, settled_pa, accepted.is_some()))
     }
 
@@ -121,6 +116,11 @@ impl Search {
         }
     }
 
+    /// Error on experiments left out whole, Pa rms.
+    fn left_out(&self, fit: &Fit) -> Option<f64> {
+        left_out::rmse(&self.data, fit, &left_out::by_experiment(&self.data))
+    }
+
     /// Whether the error on left-out data falls by more than nobody minds.
     fn fits_left_out_data_better(&self, c: &Judged, settled: &Candidate) -> bool {
         let held_out = c.candidate.held_out_pa.zip(settled.held_out_pa);
@@ -128,13 +128,13 @@ impl Search {
     }
 
     /// The same without the names that stood for part of the curve: those no longer decisive beside it.
-    fn pruned(&self, mut best: Judged, left_out: &(dyn Fn(&Fit) -> Option<f64> + Sync)) -> Judged {
+    fn pruned(&self, mut best: Judged) -> Judged {
         let curve: EffectSet = ReadOff::effect().into_iter().collect();
         loop {
             let less = terms::without_one(&best.candidate.model).into_iter().filter(|m| m.effects.contains(curve));
             let fits = less.filter_map(|model| self.refitted_without(&best.candidate.fit, model));
             let Some(candidate) = fits.map(|fit| self.candidate(fit)).max_by(by_bic) else { return best };
-            let left_out_pa = left_out(&candidate.fit).unwrap_or(f64::INFINITY);
+            let left_out_pa = self.left_out(&candidate.fit).unwrap_or(f64::INFINITY);
             if best.candidate.delta_bic - candidate.delta_bic > policy::DECISIVE
                 || left_out_pa > NEARLY_AS_WELL * best.left_out_pa
             {
@@ -156,13 +156,7 @@ impl Search {
     }
 
     /// The curves that take most away from what a model leaves, refitted; those `worth_judging` judged.
-    fn curves_on(
-        &self,
-        part: &Candidate,
-        empirical: usize,
-        worth_judging: &(dyn Fn(&Candidate) -> bool + Sync),
-        left_out: &(dyn Fn(&Fit) -> Option<f64> + Sync),
-    ) -> Vec<Judged> {
+    fn curves_on(&self, part: &Candidate, empirical: usize, worth_judging: impl Fn(&Candidate) -> bool) -> Vec<Judged> {
         let Some(search) = discrepancy::Search::new(&self.data, &part.fit) else { return Vec::new() };
         let mut curves = search.curves();
         curves.sort_by(|a, b| b.worth(&part.fit).total_cmp(&a.worth(&part.fit)));
@@ -178,7 +172,7 @@ impl Search {
         refitted.sort_by(|a, b| by_bic(&b.1, &a.1));
         refitted.truncate(JUDGED);
         let judged = |(first_order, candidate): (Missing, Candidate)| {
-            let left_out_pa = left_out(&candidate.fit)?;
+            let left_out_pa = self.left_out(&candidate.fit)?;
             let gain = |bic: &dyn Fn(&Fit) -> f64| bic(&part.fit) - bic(&candidate.fit);
             let is_evident = gain(&bic) > policy::DECISIVE + (REFITTED as f64).ln()
                 && gain(&|fit| bic_widened(fit, policy::GEOMETRY_WIDENED)) > policy::DECISIVE;

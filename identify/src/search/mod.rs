@@ -237,7 +237,8 @@ impl Search {
     /// The same set with its secondary parameters free, where that is decisively better.
     fn freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = Model { secondary: c.model.of_rig(), ..c.model };
-        if model.secondary.iter().all(|e| CARDS[e].parameters.iter().all(|p| p.fitted)) {
+        let has_secondary = |e: usize| CARDS[e].parameters.iter().any(|p| !p.fitted);
+        if model == c.model || !model.secondary.iter().any(has_secondary) {
             return None;
         }
         let fit = fit_model(&self.data, model, &c.fit, &self.sizes)?;
