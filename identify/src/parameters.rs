@@ -273,6 +273,12 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
+    /// Number of free parameters with so many records, beyond those that every record has.
+    pub fn freedom(&self, records: usize) -> usize {
+        let temperatures = if self.model.initial_temperature { records } else { 0 };
+        self.axes.len() + self.own.len() * records + temperatures
+    }
+
     /// That model on a rig; begins from `base` (its free numbers too).
     pub fn new(data: &Data, model: Model, base: &Chamber, sizes: &Sizes) -> Self {
         let swept = data.piston_area_m2 * data.smallest_position_m();

@@ -7,7 +7,7 @@ use identify::forward::Run;
 use identify::parameters::names;
 use identify::record::prepare::Data;
 use identify::search::{self, Found, Verdict, baseline};
-use identify::synthetic::recording::{Disturbance, Scattered};
+use identify::synthetic::recording::{self, Disturbance, Scattered};
 use identify::synthetic::{Outside, Recipe, Shape};
 
 fn traced(recipe: &Recipe) -> Found {
@@ -106,6 +106,33 @@ fn a_random_walk_of_the_readings_is_no_drift() {
         let found = traced(&recipe);
         assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Adequate, vec![]), "{seed}");
     }
+}
+
+#[test]
+fn a_slow_hum_of_records_without_repeats_is_noise() {
+    for seed in [3, 60] {
+        let mut recipe = Recipe { repeats: 1, noise_pa: 60.0, ..Recipe::from_seed(seed) };
+        recipe.faults.disturbances.push(Disturbance::Hum { amplitude_pa: 200.0, frequency_hz: 0.45 });
+        let found = traced(&recipe);
+        assert_eq!(found.verdict, Verdict::Adequate, "seed {seed}: {:?}", names(found.chosen.model.effects));
+    }
+}
+
+#[test]
+fn a_filtered_record_of_a_fast_stroke_has_no_lagging_sensor() {
+    // As much noise as what the interpolation between its rows leaves.
+    let filtered = recording::ALL.iter().find(|r| r.name == "position-filtered").unwrap();
+    let found = traced(&filtered.apply(Recipe::wide(3)));
+    assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Explained, vec!["position_delay"]));
+}
+
+#[test]
+fn a_warm_wall_is_warm_for_every_law_of_heat_transfer() {
+    let (column, _) = effects::find("gas_column_length").unwrap();
+    let mut recipe = Recipe { repeats: 2, outside: Some(Outside::WarmWall(10.0)), ..Recipe::from_seed(2) };
+    recipe.bench.start_warmer_k = 10.0;
+    let found = traced(&recipe.with_strength(column, 1.0));
+    assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Explained, vec!["gas_column_length"]));
 }
 
 #[test]

@@ -103,9 +103,7 @@ impl Fit {
 
     /// Number of free parameters beyond those that every record has.
     pub fn freedom(&self) -> usize {
-        let records = self.linear.iter().filter(|l| l.blocks > 0).count();
-        let temperatures = if self.hypothesis.model.initial_temperature { records } else { 0 };
-        self.hypothesis.axes.len() + self.hypothesis.own.len() * records + temperatures
+        self.hypothesis.freedom(self.linear.iter().filter(|l| l.blocks > 0).count())
     }
 }
 
@@ -211,6 +209,13 @@ pub fn descend(
         break;
     }
     Ok(Descent { rig, own, chi2, iterations, converged })
+}
+
+/// The sum of squares that the first step from these coordinates promises; `None` where the simulation fails.
+pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>]) -> Option<f64> {
+    let linear = linearise(data, hypothesis, rig, own, &all_blocks(data), false).ok()?;
+    let (_, _, promised) = System::new(&linear, hypothesis.axes.len()).step(hypothesis, rig, 1e-4)?;
+    Some((total(&linear) - promised).max(0.0))
 }
 
 /// Linearises in everything at the solution.

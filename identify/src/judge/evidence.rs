@@ -9,15 +9,16 @@ use crate::fit::Fit;
 
 /// BIC of a fit.
 pub fn bic(fit: &Fit) -> f64 {
-    of_squares(fit, fit.marginal)
+    of_squares(fit.marginal, fit.blocks, fit.freedom())
 }
 
 /// The same with tolerances so many times as wide.
 pub fn bic_widened(fit: &Fit, factor: f64) -> f64 {
-    of_squares(fit, fit.marginal_widened(factor))
+    of_squares(fit.marginal_widened(factor), fit.blocks, fit.freedom())
 }
 
-fn of_squares(fit: &Fit, squares: f64) -> f64 {
-    let n = fit.blocks as f64;
-    n * (squares.max(f64::MIN_POSITIVE) / n).ln() + fit.freedom() as f64 * n.ln()
+/// BIC of so many whitened blocks' sum of squares with that number of free parameters.
+pub fn of_squares(squares: f64, blocks: usize, free: usize) -> f64 {
+    let n = blocks as f64;
+    n * (squares.max(f64::MIN_POSITIVE) / n).ln() + free as f64 * n.ln()
 }

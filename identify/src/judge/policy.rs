@@ -13,6 +13,8 @@ pub const MOST_IN_ALL: usize = 6;
 pub const GO_ON: usize = 3;
 /// Single terms that are joined in pairs where none of them is enough alone.
 pub const PAIRED: usize = 6;
+/// Larger sets of a round that are fitted: those whose first step promises most.
+pub const FITTED: usize = 8;
 /// Better sets of each round whose error on left-out data is judged.
 pub const JUDGED: usize = 4;
 

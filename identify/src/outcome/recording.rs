@@ -6,8 +6,8 @@ use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::judge::misfit;
 use crate::judge::policy::TOLERANCES;
-use crate::parameters::Slot;
-use crate::record::prepare::Data;
+use crate::parameters::{Own, Slot};
+use crate::record::prepare::{Data, Prepared};
 use crate::record::readout::Between;
 use crate::search::{Found, Verdict};
 use chamber::effects::{CARDS, EffectSet};
@@ -175,6 +175,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
         out.push("the records differ in how they were recorded (see records), not in physics".to_owned());
     }
+    out.extend(common_start(data, fit));
     if found.follows_the_test {
         let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
@@ -186,4 +187,25 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         out.push("the last fit did not settle within its iterations: take its numbers with care".to_owned());
     }
     out
+}
+
+/// What the records' initial temperatures have in common, where they are fitted and that is more than chance.
+fn common_start(data: &Data, fit: &Fit) -> Option<String> {
+    const DEVIATIONS: f64 = 4.0;
+    let warmer = |(t, own): (&Prepared, &Vec<f64>)| {
+        let axes = fit.hypothesis.own_of(t);
+        let place = axes.iter().position(|axis| axis.slot == Own::Temperature)?;
+        Some(axes[place].value(own[place]) - t.initial_temperature_k)
+    };
+    let warmer_k: Vec<f64> = data.traces.iter().zip(&fit.own).filter_map(warmer).collect();
+    let count = warmer_k.len() as f64;
+    let mean = warmer_k.iter().sum::<f64>() / count;
+    let variance = warmer_k.iter().map(|k| (k - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (warmer_k.len() > 2 && mean.abs() > DEVIATIONS * (variance / count).sqrt()).then(|| {
+        let (how, other) = if mean < 0.0 { ("colder", "warmer") } else { ("warmer", "colder") };
+        format!(
+            "the gas begins {:.1} K {how} than the wall in the mean of the records: it may not have reached the wall's temperature before they begin, or the wall is {other} than the stated surroundings, which pressures alone do not determine (lambda0 follows the wall's temperature to the power 1.5)",
+            mean.abs()
+        )
+    })
 }

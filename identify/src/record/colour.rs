@@ -8,6 +8,7 @@
 //! Stat. Assoc. 72 (1977) 320 (restricted likelihood).
 
 use crate::fit::whiten::{Place, Whitener};
+use crate::judge::policy::DECISIVE;
 use crate::record::noise::{Colour, Hum, Noise};
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
@@ -28,6 +29,9 @@ const FREE_IN_CONTRAST: usize = 1;
 const MOST_POINTS: usize = 30_000;
 /// Fewest points that say anything about colour.
 const FEWEST_POINTS: usize = 120;
+
+/// Periods of a slow hum that the longest hold has at least: fewer may be the gas.
+const FEWEST_PERIODS: f64 = 2.0;
 
 /// Noise of a rig in one window, Pa, at equal distances.
 struct Window {
@@ -76,6 +80,9 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
         }
     }
     let mut noise = best.1;
+    if !pure && noise.hum.is_none() {
+        noise.hum = slow_hum(data, residuals, &start);
+    }
     let rows = likelihood.points() as f64;
     noise.variance_error = (2.0 / (rows - 2.0).max(1.0)).sqrt();
     if let Some(stated) = noise.stated_pa.filter(|s| *s > 1.2 * noise.total_pa()) {
@@ -83,6 +90,24 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
         noise = scale_by(&noise, scale);
     }
     noise
+}
+
+/// Hum that whole rests and holds of single records show: a short window holds less than a period of it.
+fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
+    let rests_and_holds = |(t, residual): (&Prepared, &Vec<f64>)| -> Vec<Window> {
+        let segments = 0..t.course.motion.segments.len();
+        let rows = segments.map(|s| quiet_rows(t, s, false));
+        rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
+    };
+    let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
+    let longest_s = windows.iter().map(|w| w.distance_s * w.values.len() as f64).fold(0.0, f64::max);
+    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+    // A colour stands for what the model itself leaves.
+    let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
+    let (without, coloured) = colour(&likelihood.scaled(start).1);
+    let hum = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS)?;
+    let (with, humming) = colour(&likelihood.scaled(&Noise { hum: Some(hum), ..start.clone() }).1);
+    (with + DECISIVE < without).then_some(humming.hum).flatten()
 }
 
 fn scale_by(noise: &Noise, factor: f64) -> Noise {

@@ -1,7 +1,7 @@
 //! From a rig's residual to the terms that explain it, or to the statement that none of the known ones does.
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
-//! better sets with every further term (a beam) and, where none helps alone, with two of them, until what is left is adequate,
+//! better sets with every further term (a beam; those are fitted whose first step promises most) and, where none helps alone, with two of them, until what is left is adequate,
 //! nothing enters, or [`policy::MOST_TERMS`] are in. A term is an effect of the rig, an effect of the recording that each record has for itself, or initial temperatures.
 //! It enters by decisive evidence and a lower error on left-out data; at the end each has to be decisive beside the others
 //! and with the geometry far more uncertain than stated, or it goes out again. Where that leaves more than noise, the missing term
@@ -155,6 +155,11 @@ impl Search {
             // One more round where a term has entered: another one may be hidden behind it.
             return rounds == 1 && model.terms() == 1;
         }
+        let left_pa = self.chosen_adequacy.systematic_pa;
+        if left_pa < self.data.noise.total_pa() && self.chosen_adequacy.settles(&self.baseline_adequacy) {
+            // Next to nothing, and less than noise: how the readings are interpolated counts there.
+            return false;
+        }
         terms::of_gas(model) < policy::MOST_TERMS && model.terms() < policy::MOST_IN_ALL
     }
 
@@ -190,7 +195,16 @@ impl Search {
         self.try_all(terms::pairs(&more, &chosen))
     }
 
-    /// Fits those that were not tried yet; whether one of them entered.
+    /// Those whose first step promises the best evidence.
+    fn promising(&self, models: Vec<Model>) -> Vec<Model> {
+        let promised =
+            |model: Model| Some((starts::promised_bic(&self.data, model, self.part_of(&model), &self.sizes)?, model));
+        let mut promised: Vec<(f64, Model)> = models.into_par_iter().filter_map(promised).collect();
+        promised.sort_by(|a, b| a.0.total_cmp(&b.0));
+        promised.into_iter().take(policy::FITTED).map(|(_, model)| model).collect()
+    }
+
+    /// Fits the promising of those that were not tried yet; whether one of them entered.
     fn try_all(&mut self, models: Vec<Model>) -> bool {
         let mut fresh: Vec<Model> = Vec::new();
         for model in models {
@@ -198,7 +212,7 @@ impl Search {
                 fresh.push(model);
             }
         }
-        let mut found = self.fit_all(&fresh);
+        let mut found = self.fit_all(&self.promising(fresh));
         self.judge(&mut found, policy::JUDGED);
         self.tried.extend(found.iter().cloned());
         sort(&mut self.tried);

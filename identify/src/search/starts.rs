@@ -1,6 +1,7 @@
 //! Fits of a model with terms added, each from several starts where its error surface has several valleys.
 
 use crate::fit::{self, Descent, Fit, Selection};
+use crate::judge::evidence;
 use crate::parameters::{Hypothesis, Model, Sizes};
 use crate::record::prepare::Data;
 use chamber::Chamber;
@@ -29,6 +30,18 @@ pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option
         .take(GO_ON)
         .filter_map(|(h, start)| fit::fit(data, &h, start.rig, start.own, &selection).ok())
         .min_by(|a, b| a.marginal.total_cmp(&b.marginal))
+}
+
+/// BIC that `model` would have if the best of its starts kept the promise of its first step: cheap, to choose what to fit.
+pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
+    let base = part.chamber();
+    let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
+    let begun = |start: &Chamber| {
+        let h = Hypothesis::new(data, model, start, sizes);
+        let squares = fit::promise(data, &h, &h.coordinates(start), &owns(data, &h, part))?;
+        Some(evidence::of_squares(squares, part.blocks, h.freedom(data.traces.len())))
+    };
+    starts(&base, &fresh, sizes).iter().filter_map(begun).min_by(f64::total_cmp)
 }
 
 /// Whether a start may end in another minimum than the best one, and in a lower one.

@@ -7,7 +7,7 @@
 use super::outside::Outside;
 use super::stroke::Stroke;
 use chamber::Chamber;
-use chamber::balance::{self, Boundary, ENERGY, MASS, STATES};
+use chamber::balance::{self, Balance, Boundary, Conditions, ENERGY, MASS, OWN, STATES, Surroundings};
 use chamber::effects::{self, EffectSet};
 
 /// Step of the integration; moves begin and end at its multiples, s.
@@ -93,6 +93,7 @@ impl Truth<'_> {
     }
 
     fn rates(&self, set: EffectSet, state: &[f64; STATES], t: f64, inside: f64) -> [f64; STATES] {
+        let warmer_k = if let Some(Outside::WarmWall(kelvin)) = self.outside { kelvin } else { 0.0 };
         let mut at = self.boundary(t, inside);
         at.position = self.true_position(at.position, state);
         if let Some(Outside::Compliance(per_bar)) = self.outside {
@@ -108,13 +109,17 @@ impl Truth<'_> {
                 at.velocity = of_stroke + nominal * per_bar * pressure_rate / 1e5 / area;
             }
         }
-        let mut rates = balance::rates(set, self.chamber, &at, state);
-        let gas = balance::conditions(self.chamber, &at, state[MASS], state[ENERGY]);
-        let conductance = self.chamber.heat_transfer.coefficient_at(gas.pressure, gas.temperature)
-            * self.chamber.geometry.heat_transfer_area(gas.volume);
+        let balance = Balance::of(*self.chamber);
+        let contents = balance.contents(&at, state);
+        let (gas, found, own) =
+            balance.evaluate_within(&Wall { warmer_k }, set, &at, &contents, &balance::own_states(state));
+        let mut rates = [0.0; STATES];
+        (rates[MASS], rates[ENERGY]) = (found.mass, found.energy);
+        rates[OWN..].copy_from_slice(&own);
+        // With the effects that the chamber has besides.
+        let conductance = found.heat_transfer_coefficient * self.chamber.geometry.heat_transfer_area(gas.volume);
         let colder = self.ambient_at(t) - gas.temperature;
         rates[ENERGY] += match self.outside {
-            Some(Outside::WarmWall(kelvin)) => conductance * kelvin,
             Some(Outside::FadingTurbulence(share, fade_s)) => {
                 let since = inside - self.stroke.moved_s(inside);
                 if since > 0.0 { conductance * share * (-since / fade_s).exp() * colder } else { 0.0 }
@@ -155,6 +160,17 @@ impl Truth<'_> {
         let k3 = self.rates(set, &plus(&k2, 0.5), inside, inside);
         let k4 = self.rates(set, &plus(&k3, 1.0), t + H, inside);
         core::array::from_fn(|i| y[i] + H / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+    }
+}
+
+/// A wall that is warmer than the effects make it, K.
+struct Wall {
+    warmer_k: f64,
+}
+
+impl Surroundings<f64> for Wall {
+    fn conditions(&self, at: &mut Conditions<f64>) {
+        at.wall_temperature += self.warmer_k;
     }
 }
 

@@ -1,30 +1,53 @@
-//! How far an effect shows, before any noise: what the paper's parameters cannot take up, to first order.
+//! How far an effect shows, before any noise: what the paper's parameters cannot take up.
 //!
-//! The difference that an effect makes to the ideal readings, less its projection on the changes that λ0, the dead
-//! volume and each record's initial pressure make: the rms of the rest, Pa. Nothing of the fits is used.
+//! The ideal readings with the effect, less those without it whose λ0, dead volume and initial pressures lie closest to
+//! them (least squares by Gauss and Newton): the rms of the rest, Pa. Nothing of the fits is used.
 
 use super::{Faults, Recipe};
 use nalgebra::{DMatrix, DVector};
 
+/// Steps to the closest readings; the least rest of them counts.
+const STEPS: usize = 4;
+
 /// Root mean square of what an effect leaves, Pa; `with` is `without` with the effect.
 pub fn beyond_paper_pa(with: &Recipe, without: &Recipe) -> f64 {
-    let base = ideal(without);
-    let changed = |change: &dyn Fn(&mut Recipe)| {
-        let mut other = without.clone();
-        change(&mut other);
-        column(&ideal(&other), &base)
-    };
-    let mut columns = vec![
-        changed(&|r| r.chamber.heat_transfer.coefficient *= 1.001),
-        changed(&|r| r.chamber.geometry.dead_volume *= 1.001),
-    ];
-    for k in 0..without.tests.len() {
-        columns.push(changed(&|r| r.tests[k].pressure_pa *= 1.0001));
+    let goal = ideal(with);
+    let mut closest = without.clone();
+    let mut least_pa = f64::INFINITY;
+    for _ in 0..STEPS {
+        let base = ideal(&closest);
+        let parameters = 2 + closest.tests.len();
+        let columns: Vec<_> = (0..parameters)
+            .map(|place| {
+                let mut other = closest.clone();
+                change(&mut other, place, SMALL);
+                column(&ideal(&other), &base) / SMALL
+            })
+            .collect();
+        let difference = column(&goal, &base);
+        let (q, r) = DMatrix::from_columns(&columns).qr().unpack();
+        let projected = q.transpose() * &difference;
+        let rest = &difference - &q * &projected;
+        least_pa = least_pa.min(rest.norm() / (rest.len() as f64).sqrt());
+        let Some(step) = r.solve_upper_triangular(&projected) else { break };
+        step.iter().enumerate().for_each(|(place, by)| change(&mut closest, place, by.clamp(-MOST, MOST)));
     }
-    let difference = column(&ideal(with), &base);
-    let q = DMatrix::from_columns(&columns).qr().q();
-    let rest = &difference - &q * (q.transpose() * &difference);
-    rest.norm() / (rest.len() as f64).sqrt()
+    least_pa
+}
+
+/// Relative change of a derivative by differences.
+const SMALL: f64 = 1e-3;
+/// Largest relative change of a parameter in a step.
+const MOST: f64 = 0.3;
+
+/// Changes a parameter of the paper's model by this share of it: λ0, the dead volume, an initial pressure.
+fn change(recipe: &mut Recipe, place: usize, share: f64) {
+    let parameter = match place {
+        0 => &mut recipe.chamber.heat_transfer.coefficient,
+        1 => &mut recipe.chamber.geometry.dead_volume,
+        _ => &mut recipe.tests[place - 2].pressure_pa,
+    };
+    *parameter *= 1.0 + share;
 }
 
 fn column(a: &[f64], b: &[f64]) -> DVector<f64> {

@@ -251,9 +251,11 @@ pub const ALL: &[Recording] = &[
         ..PLAIN
     },
     Recording {
+        // Colder gas in a wall of the stated temperature gives the same pressures with another lambda0.
         name: "wall-warm",
         what: "wall 10 K warmer than gas and surroundings at the start",
-        expected: Expected::Named(&["warm_wall"]),
+        expected: Expected::AdequateOr(&["warm_wall"]),
+        judges_lambda0: false,
         changes: |r, _| r.outside = Some(Outside::WarmWall(10.0)),
         ..PLAIN
     },
