@@ -127,6 +127,15 @@ fn a_filtered_record_of_a_fast_stroke_has_no_lagging_sensor() {
 }
 
 #[test]
+fn next_to_a_supply_leak_of_another_critical_ratio_the_surface_of_the_dead_volume_is_not_the_gas_column() {
+    let (surface, _) = effects::find("dead_volume_surface").unwrap();
+    let leaking = recording::ALL.iter().find(|r| r.name == "supply-leak").unwrap();
+    let found = traced(&leaking.apply(Recipe::from_seed(104)).with_strength(surface, 1.0));
+    let named = names(found.chosen.model.effects);
+    assert_eq!((found.verdict, named), (Verdict::Explained, vec!["dead_volume_surface", "supply_leakage"]));
+}
+
+#[test]
 fn a_warm_wall_is_warm_for_every_law_of_heat_transfer() {
     let (column, _) = effects::find("gas_column_length").unwrap();
     let mut recipe = Recipe { repeats: 2, outside: Some(Outside::WarmWall(10.0)), ..Recipe::from_seed(2) };

@@ -224,8 +224,15 @@ impl Search {
         let among = candidates.len().max(2) as f64;
         candidates.retain(|c| self.enters(c, among));
         sort(&mut candidates);
+        let Some(highest) = candidates.first().map(|c| c.delta_bic) else { return false };
+        candidates.retain(|c| c.delta_bic > highest - policy::DECISIVE);
+        // Which of those next to each other is best may show with their secondary parameters free only.
+        let freed: Vec<Candidate> = candidates.iter().filter_map(|c| self.freed(c)).collect();
+        self.tried.extend(freed.iter().cloned());
+        sort(&mut self.tried);
+        candidates.extend(freed);
+        sort(&mut candidates);
         let Some(best) = candidates.into_iter().next() else { return false };
-        let best = self.freed(&best).unwrap_or(best);
         self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
         self.steps.push(best.clone());
         self.chosen = best;
