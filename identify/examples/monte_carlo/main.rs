@@ -2,10 +2,11 @@
 //!
 //! From the project's root, one line a set appended to a file, then the tables and the figure from all such files:
 //! `cargo run --release -p pneutherm-identify --example monte_carlo -- run clean 0 1000 results/diagnosis_sets.csv`
-//! (likewise `effects`, `pairs`, `outside`), `… -- report results/diagnosis_sets.csv`; `… -- show effects 17` tells all of one.
+//! (likewise `effects`, `pairs`, `many`, `outside`), `… -- report results/diagnosis_sets.csv`; `… -- show effects 17` tells all of one.
 
 mod figure;
 mod page;
+mod reliability;
 mod sets;
 
 use identify::fit::{self, Fit};
@@ -14,12 +15,15 @@ use identify::outcome::diagnosis;
 use identify::parameters::names;
 use identify::record::prepare::Data;
 use identify::search::{self, Found, Verdict};
+use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::time::Instant;
 
 /// Columns of a set's line.
-pub const HEADER: &str = "study,set,rig,truth,strength,verdict,named,alike,balance,signal_over_noise,left_over_noise,delta_bic,squares_deviations,family_probability,rows,seconds,deviations";
+pub const HEADER: &str = "study,set,rig,truth,strength,verdict,named,alike,balance,signal_over_noise,left_over_noise,delta_bic,squares_deviations,family_probability,rows,seconds,deviations,probabilities,left_out_over_noise";
+
+const UNKNOWN: &str = "studies are clean, effects, pairs, many, outside";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -43,26 +47,29 @@ fn run(study: &str, from: u64, to: u64, file: &str) -> Result<(), Box<dyn std::e
     if is_new {
         writeln!(out, "{HEADER}")?;
     }
-    for index in from..to {
-        let set = sets::set(study, index).ok_or("studies are clean, effects, pairs, outside")?;
-        let begun = Instant::now();
-        let line = match traced(&set) {
-            Ok((data, t)) => line(&set, data, t, begun),
-            Err(error) => format!(
-                "refused,{},,,,,,,,,,{:.2},",
-                error.to_string().replace(',', ";"),
-                begun.elapsed().as_secs_f64()
-            ),
-        };
-        writeln!(
-            out,
-            "{study},{index},{},{},{},{line}",
-            if set.wide { "wide" } else { "bench" },
-            set.truth,
-            set.strength
-        )?;
+    const BESIDE_EACH_OTHER: u64 = 16;
+    for first in (from..to).step_by(BESIDE_EACH_OTHER as usize) {
+        let indices: Vec<u64> = (first..to.min(first + BESIDE_EACH_OTHER)).collect();
+        let lines: Option<Vec<String>> = indices.par_iter().map(|index| diagnosed(study, *index)).collect();
+        for line in lines.ok_or(UNKNOWN)? {
+            writeln!(out, "{line}")?;
+        }
     }
     Ok(())
+}
+
+/// A set's line.
+fn diagnosed(study: &str, index: u64) -> Option<String> {
+    let set = sets::set(study, index)?;
+    let begun = Instant::now();
+    let line = match traced(&set) {
+        Ok((data, t)) => line(&set, data, t, begun),
+        Err(error) => {
+            format!("refused,{},,,,,,,,,,{:.2},", error.to_string().replace(',', ";"), begun.elapsed().as_secs_f64())
+        }
+    };
+    let rig = if set.wide { "wide" } else { "bench" };
+    Some(format!("{study},{index},{rig},{},{},{line}", set.truth, set.strength))
 }
 
 fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
@@ -89,12 +96,15 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     };
     let (signal, left) = (over(&t.baseline.fit), over(&t.chosen.fit));
     let best = t.tried.first().map_or(f64::NAN, |c| c.delta_bic);
+    let left_out = t.chosen.held_out_pa.map_or(f64::NAN, |pa| pa / data.noise.total_pa());
     let rows: usize = data.traces.iter().map(|t| t.time_s.len()).sum();
     let a = t.chosen_adequacy.clone();
     let d = diagnosis::describe(data, t).diagnosis;
     let alike: Vec<String> = d.indistinguishable.iter().map(|g| g.join("|")).collect();
+    let probabilities: Vec<String> = d.probabilities.iter().map(|(name, p)| format!("{name}:{p:.4}")).collect();
+    let probabilities = probabilities.join(";");
     format!(
-        "{},{found},{},{},{signal:.4},{left:.4},{best:.1},{:.2},{:.2e},{rows},{seconds:.2},{deviations}",
+        "{},{found},{},{},{signal:.4},{left:.4},{best:.1},{:.2},{:.2e},{rows},{seconds:.2},{deviations},{probabilities},{left_out:.3}",
         d.verdict,
         alike.join("&"),
         d.balance,
@@ -104,7 +114,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
 }
 
 fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::Error>> {
-    let mut set = sets::set(study, index).ok_or("studies are clean, effects, pairs, outside")?;
+    let mut set = sets::set(study, index).ok_or(UNKNOWN)?;
     set.recipe = set.recipe.with_noise_times(noise);
     println!("{:#?}", set.recipe);
     println!("truth {} at {}", set.truth, set.strength);

@@ -1,8 +1,8 @@
-//! Tables and figure from the sets' lines: `results/diagnosis.md` and `results/diagnosis_rates.svg`.
+//! Tables and figures from the sets' lines: `results/diagnosis.md`, `diagnosis_rates.svg`, `diagnosis_reliability.svg`.
 
-use crate::figure;
-use crate::sets::STRENGTHS;
-use chamber::effects;
+use crate::sets::{STRENGTHS, simulated};
+use crate::{figure, reliability};
+use chamber::effects::CARDS;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -19,6 +19,9 @@ struct Line {
     alike: String,
     seconds: f64,
     deviations: Vec<(String, f64)>,
+    probabilities: Vec<(String, f64)>,
+    /// Error on left-out data over the noise.
+    left_out: f64,
 }
 
 impl Line {
@@ -50,11 +53,10 @@ fn read(files: &[&str]) -> Result<Vec<Line>, Box<dyn std::error::Error>> {
         for record in csv::ReaderBuilder::new().flexible(true).from_path(file)?.into_records() {
             let record = record?;
             let cell = |i: usize| record.get(i).unwrap_or("").to_owned();
-            let deviations = cell(16)
-                .split(';')
-                .filter_map(|d| d.split_once(':'))
-                .filter_map(|(name, d)| Some((name.to_owned(), d.parse().ok()?)))
-                .collect();
+            let pairs = |text: String| -> Vec<(String, f64)> {
+                let named = text.split(';').filter_map(|part| part.split_once(':'));
+                named.filter_map(|(name, value)| Some((name.to_owned(), value.parse().ok()?))).collect()
+            };
             let line = Line {
                 study: cell(0),
                 wide: cell(2) == "wide",
@@ -64,7 +66,9 @@ fn read(files: &[&str]) -> Result<Vec<Line>, Box<dyn std::error::Error>> {
                 named: cell(6),
                 alike: cell(7),
                 seconds: cell(15).parse().unwrap_or(0.0),
-                deviations,
+                deviations: pairs(cell(16)),
+                probabilities: pairs(cell(17)),
+                left_out: cell(18).parse().unwrap_or(f64::NAN),
             };
             lines.insert((cell(0), cell(1)), line);
         }
@@ -84,14 +88,13 @@ pub fn write(files: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
     let mut out = format!(
         "# How often a diagnosis is right\n\n\
          Written by `cargo run --release -p pneutherm-identify --example monte_carlo -- report {}` from one line for each of {} synthetic rigs; the same example's \
-         `run clean 0 1000 FILE` (`effects`, `pairs`, `outside`) makes the lines, `show effects 17` tells all of one. On one core of an x86-64 machine \
-         {:.0} minutes in all, {:.1} s a rig.\n\n\
+         `run clean 0 1000 FILE` (`effects`, `pairs`, `many`, `outside`) makes the lines, `show effects 17` tells all of one. Diagnoses run beside each other on two cores took {:.0} minutes in all, {:.1} s a rig.\n\n\
          Half of the rigs are *bench* rigs (five push-and-hold experiments of three repeats, smooth moves, 100 Hz), half are *wide*: bore 10–80 mm, stroke 30–400 mm, \
          rod side or cap side, air or nitrogen, λ0 8–80 W/(m² K), noise 25–600 Pa, a step of up to 1.5 times the noise, position noise 0.5–20 µm, 50–500 Hz, \
          2–6 experiments of 1–4 repeats at 0.9–6 bar, one or two moves of 0.05–0.8 s (ramps with corners between the rows, sines, cubics, quintics, trapezoids). \
          Strength 1 is about what a worn bench shows: a leak that loses 1 % of the gas in a relaxation time at 3 bar, a wall of 8 heat capacities of the gas, \
          |Δn| = 0.15 in an exponent of λ (0.3 for the gas column), k = 1.5 (s/m)^0.8, a zone of 20 % of the mass, a tube of 3 % of the volume, 10 ms of lag or delay, \
-         150 Pa/s of drift. Other signs, critical ratios from 0.1 to 0.55 and other proportions of second parameters are drawn on wide rigs.\n\n",
+         150 Pa/s of drift. Every rig file states bore, position and ambient temperature with errors drawn from their default tolerances. Other signs, critical ratios from 0.1 to 0.55 and other proportions of second parameters are drawn on wide rigs.\n\n",
         files.join(" "),
         lines.len(),
         seconds / 60.0,
@@ -101,13 +104,15 @@ pub fn write(files: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
     coverage(&mut out, &lines);
     let curves = rates(&mut out, &of("effects"));
     std::fs::write("results/diagnosis_rates.svg", figure::rates(&curves)?)?;
-    let both = of("pairs");
-    if !both.is_empty() {
-        pairs(&mut out, &both);
-    }
+    together(&mut out, "Two effects at once", "Every pair of the list, strengths 0.1–1.5.", &of("pairs"));
+    let drawn = "Drawn from the list, strengths 0.3–1.5.";
+    together(&mut out, "Three and four effects at once", drawn, &of("many"));
+    let statements: Vec<reliability::Statement> = lines.iter().flat_map(statements).collect();
+    reliability::section(&mut out, &statements);
+    std::fs::write("results/diagnosis_reliability.svg", reliability::figure(&statements)?)?;
     outside(&mut out, &of("outside"));
     std::fs::write(Path::new("results/diagnosis.md"), out)?;
-    println!("results/diagnosis.md, results/diagnosis_rates.svg");
+    println!("results/diagnosis.md, results/diagnosis_rates.svg, results/diagnosis_reliability.svg");
     Ok(())
 }
 
@@ -175,7 +180,7 @@ fn rates(out: &mut String, lines: &[Line]) -> Vec<(&'static str, figure::Curve)>
     out.push_str("\n|---|---|---|---|---|---|\n");
     let mut curves = Vec::new();
     let mut totals = [0usize; 5];
-    for (_, card) in effects::all() {
+    for card in simulated().into_iter().map(|e| &CARDS[e]) {
         let _ = write!(out, "| `{}` |", card.name);
         let mut curve = Vec::new();
         for strength in STRENGTHS {
@@ -209,47 +214,65 @@ fn rates(out: &mut String, lines: &[Line]) -> Vec<(&'static str, figure::Curve)>
     curves
 }
 
-fn pairs(out: &mut String, lines: &[Line]) {
+/// What a diagnosis states of the effects of a rig from the list, each with whether the rig has it.
+fn statements(line: &Line) -> Vec<reliability::Statement> {
+    if line.study == "outside" {
+        return Vec::new();
+    }
+    line.probabilities.iter().map(|(name, p)| (*p, line.truth.split('+').any(|t| t == name))).collect()
+}
+
+fn together(out: &mut String, title: &str, drawn: &str, lines: &[Line]) {
+    if lines.is_empty() {
+        return;
+    }
     let named = lines.iter().filter(|l| l.is_named()).count();
     let alike = lines.iter().filter(|l| l.is_alike()).count();
-    let part = |l: &&Line| {
-        l.verdict == "explained"
-            && !l.is_named()
-            && !l.is_alike()
-            && l.named.split('+').all(|n| l.truth.split('+').any(|t| t == n))
-    };
-    let partly = lines.iter().filter(part).count();
-    let wrong: Vec<&Line> = lines
-        .iter()
-        .filter(|l| l.verdict == "explained" && !l.is_named() && !l.is_alike())
-        .filter(|l| !part(l))
-        .collect();
-    let rest = lines.iter().filter(|l| l.verdict == "unexplained").count();
+    let is_open = |l: &&Line| l.verdict == "explained" && !l.is_named() && !l.is_alike();
+    let is_part = |l: &&Line| l.named.split('+').all(|n| l.truth.split('+').any(|t| t == n));
+    let partly = lines.iter().filter(|l| is_open(l) && is_part(l)).count();
+    let wrong: Vec<&Line> = lines.iter().filter(|l| is_open(l) && !is_part(l)).collect();
+    let count = |verdict: &str| lines.iter().filter(|l| l.verdict == verdict).count();
     let _ = write!(
         out,
-        "## Two effects at once\n\nEvery pair of the list, strengths 0.1–1.5. Of {} rigs: both named {named}, within a group that holds the truth {alike}, \
-         one of the two named and what the other does within the noise {partly}, a wrong name {}, unexplained {rest}, not seen {}.\n\n",
+        "## {title}\n\n{drawn} Of {} rigs: all named {named} ({}), within a group that holds the truth {alike}, \
+         some of them named and what the others do within the noise {partly}, a wrong name {}, improved {}, unexplained {}, not seen {}.\n\n",
         lines.len(),
+        percent(named, lines.len()),
         wrong.len(),
-        lines.iter().filter(|l| l.verdict == "adequate").count()
+        count("improved"),
+        count("unexplained"),
+        count("adequate")
     );
     list(out, &wrong);
 }
 
 fn outside(out: &mut String, lines: &[Line]) {
-    out.push_str("## Effects outside the list\n\nStrength 0.3 and 1: number unnamed (unexplained) / not seen / named.\n\n| outside | 0.3 | 1 |\n|---|---|---|\n");
+    /// Error on left-out data, in measures of the noise, up to which a model will do.
+    const NEARLY_NOISE: f64 = 1.3;
+    let _ = write!(
+        out,
+        "## Effects outside the list\n\nStrength 0.3 and 1: unexplained / improved / not seen / explained, and how many rigs leave at most {NEARLY_NOISE} of the noise on left-out data.\n\n\
+         | outside | 0.3 | 1 | left out ≤ {NEARLY_NOISE} noise |\n|---|---|---|---|\n"
+    );
     let mut kinds: Vec<&String> = lines.iter().map(|l| &l.truth).collect();
     kinds.sort();
     kinds.dedup();
     for kind in kinds {
+        let all: Vec<&Line> = lines.iter().filter(|l| &l.truth == kind).collect();
         let _ = write!(out, "| {kind} |");
         for strength in [0.3, 1.0] {
-            let count = |verdict: &str| {
-                lines.iter().filter(|l| &l.truth == kind && l.strength == strength && l.verdict == verdict).count()
-            };
-            let _ = write!(out, " {} / {} / {} |", count("unexplained"), count("adequate"), count("explained"));
+            let count = |verdict: &str| all.iter().filter(|l| l.strength == strength && l.verdict == verdict).count();
+            let _ = write!(
+                out,
+                " {} / {} / {} / {} |",
+                count("unexplained"),
+                count("improved"),
+                count("adequate"),
+                count("explained")
+            );
         }
-        out.push('\n');
+        let _ = writeln!(out, " {} of {} |", all.iter().filter(|l| l.left_out <= NEARLY_NOISE).count(), all.len());
     }
     out.push('\n');
     list(out, &lines.iter().filter(|l| l.verdict == "explained").collect::<Vec<_>>());

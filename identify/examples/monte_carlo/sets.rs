@@ -1,6 +1,7 @@
 //! The sets of a study: which rig, what is in it.
 
-use chamber::effects::{self, CARDS, COUNT};
+use chamber::effects::{self, CARDS};
+use identify::synthetic::recording::Stated;
 use identify::synthetic::{Random, Recipe, outside};
 
 /// Strengths of the rates against strength.
@@ -18,32 +19,52 @@ pub struct Set {
     pub strength: f64,
 }
 
+/// The studies.
+pub const STUDIES: [&str; 5] = ["clean", "effects", "pairs", "outside", "many"];
+/// Pairs are drawn from all; sets of `many` effects have three and four in turn.
+const MANY: [usize; 2] = [3, 4];
+/// Effects that [`Recipe`] does not simulate: they belong to the recording, or are no effect of their own.
+const NOT_SIMULATED: [&str; 4] = ["empirical", "sensor_offset", "position_delay", "position_averaging"];
+
+/// The effects that are simulated.
+pub fn simulated() -> Vec<usize> {
+    effects::all().filter(|(_, card)| !NOT_SIMULATED.contains(&card.name)).map(|(e, _)| e).collect()
+}
+
 /// Set number `index` of a study; the first ones of every study already cover all of its kinds.
 pub fn set(study: &str, index: u64) -> Option<Set> {
+    let simulated = simulated();
+    let count = simulated.len();
+    let place = STUDIES.iter().position(|s| *s == study)?;
     let kinds = match study {
         "clean" => 1,
-        "effects" => COUNT * STRENGTHS.len(),
-        "pairs" => COUNT * (COUNT - 1) / 2,
+        "effects" => count * STRENGTHS.len(),
+        "pairs" => count * (count - 1) / 2,
         "outside" => 2 * outside::KINDS.len(),
-        _ => return None,
+        _ => MANY.len(),
     } as u64;
     let (kind, round) = ((index % kinds) as usize, index / kinds);
     let wide = round % 2 == 0;
-    let seed =
-        index + 1_000_000 * (1 + ["clean", "effects", "pairs", "outside"].iter().position(|s| *s == study)? as u64);
-    let recipe = if wide { Recipe::wide(seed) } else { Recipe::from_seed(seed) };
+    let seed = index + 1_000_000 * (1 + place as u64);
+    let mut recipe = if wide { Recipe::wide(seed) } else { Recipe::from_seed(seed) };
+    let mut random = Random::new(seed);
+    // Bore, position and ambient temperature are stated as well as their tolerances say.
+    recipe.faults.stated = Stated::drawn(&mut random);
     let (recipe, truth, strength) = match study {
         "clean" => (recipe, "none".to_owned(), 0.0),
         "effects" => {
-            let (e, strength) = (kind % COUNT, STRENGTHS[kind / COUNT]);
+            let (e, strength) = (simulated[kind % count], STRENGTHS[kind / count]);
             let recipe = recipe.with_strength(e, strength);
             (if wide { recipe.varied() } else { recipe }, CARDS[e].name.to_owned(), strength)
         }
         "pairs" => {
-            let (a, b) = pair(kind);
-            let strength = Random::new(seed).log_uniform(0.1, 1.5);
-            let recipe = recipe.with_strength(a, strength).with_strength(b, strength).varied();
-            (recipe, format!("{}+{}", CARDS[a].name, CARDS[b].name), strength)
+            let (a, b) = pair(kind, &simulated);
+            together(recipe, &[a, b], random.log_uniform(0.1, 1.5))
+        }
+        "many" => {
+            let mut rest = simulated;
+            let drawn = (0..MANY[kind]).map(|_| rest.swap_remove(random.below(rest.len()))).collect::<Vec<_>>();
+            together(recipe, &drawn, random.log_uniform(0.3, 1.5))
         }
         _ => {
             let strength = [0.3, 1.0][kind % 2];
@@ -54,8 +75,16 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
     Some(Set { recipe, wide, truth, strength })
 }
 
+/// A rig with several effects of one strength.
+fn together(recipe: Recipe, effects: &[usize], strength: f64) -> (Recipe, String, f64) {
+    let recipe = effects.iter().fold(recipe, |recipe, e| recipe.with_strength(*e, strength)).varied();
+    let names: Vec<&str> = effects.iter().map(|e| CARDS[*e].name).collect();
+    (recipe, names.join("+"), strength)
+}
+
 /// Pair number k of the list, the first effect before the second.
-fn pair(k: usize) -> (usize, usize) {
-    let all: Vec<(usize, usize)> = effects::all().flat_map(|(a, _)| (a + 1..COUNT).map(move |b| (a, b))).collect();
+fn pair(k: usize, of: &[usize]) -> (usize, usize) {
+    let all: Vec<(usize, usize)> =
+        of.iter().enumerate().flat_map(|(i, a)| of[i + 1..].iter().map(move |b| (*a, *b))).collect();
     all[k % all.len()]
 }
