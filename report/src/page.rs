@@ -29,7 +29,7 @@ tr { break-inside: avoid; } .chosen td { font-weight: 600; } .scroll { overflow-
 figure { margin: 1.5rem 0; max-width: 62rem; } figure svg { width: 100%; height: auto; display: block; } figcaption { color: #444; font-size: .92rem; }
 .charts { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(23rem, 100%), 1fr)); gap: 1rem; margin: 1rem 0; } .charts figure { margin: 0; }
 code { background: #f3f3f3; padding: 0 .25em; border-radius: 3px; font-size: .92em; }
-@media (max-width: 40rem) { body { margin: 1rem auto; } table { font-size: .82rem; } th, td { padding: .2rem .4rem; } .wide { overflow-x: auto; } .wide svg { width: 44rem; } }
+@media (max-width: 40rem) { body { margin: 1rem auto; } table { font-size: .82rem; } th, td { padding: .2rem .4rem; } td.n { white-space: normal; } .wide { overflow-x: auto; } .wide svg { width: 44rem; } }
 @page { margin: 15mm; }
 @media print { body { margin: 0; max-width: none; font-size: 10pt; } table { font-size: 7.5pt; } th, td { padding: .1rem .35rem; } figure { break-inside: avoid; } h2 { break-after: avoid; } p { orphans: 3; widows: 3; } .scroll { overflow: visible; } figcaption, .lead { font-size: 1em; } }
 ";

@@ -120,10 +120,10 @@ fn table(d: &Diagnosis) -> String {
     out.push('\n');
     estimates::parameters(&mut out, &d.after.parameters);
     recording(&mut out, d);
-    let _ = writeln!(out, "\n{:<44} {:>12} {:>14}", "effects tried", "delta BIC", "left out Pa");
+    let _ = writeln!(out, "\n{:>10} {:>12}   effects tried", "delta BIC", "left out, Pa");
     for c in d.candidates.iter().take(SHOWN) {
         let held_out = c.held_out_rmse_pa.map_or("-".to_owned(), |h| format!("{h:.1}"));
-        let _ = writeln!(out, "{:<44} {:>12.1} {held_out:>14}", c.effect, c.delta_bic);
+        let _ = writeln!(out, "{:>10.1} {held_out:>12}   {}", c.delta_bic, c.effect);
     }
     for group in &d.indistinguishable {
         let _ = writeln!(out, "\nthe data cannot distinguish: {}", group.join(", "));
@@ -135,8 +135,10 @@ fn table(d: &Diagnosis) -> String {
         missing(&mut out, m);
     }
     for n in &d.next_experiments {
-        let by = n.difference_over_noise.map_or(String::new(), |d| format!(" (they differ by {d:.1} times the noise)"));
-        let _ = writeln!(out, "\nto distinguish {} from {}: {}{by}", n.separates[0], n.separates[1], n.test);
+        let [one, other] = &n.separates;
+        let by = n.difference_over_noise;
+        let _ =
+            writeln!(out, "\nto distinguish {one} from {other}: {} (they differ by {by:.1} times the noise)", n.test);
     }
     estimates::notes(&mut out, &d.undetermined, &d.assumptions);
     out

@@ -278,7 +278,11 @@ impl Term<'_> {
         let (y_unit, up) = if self.y.1 == "Pa" { ("Pa", 1.0) } else { shown(self.y.1) };
         let ends = self.at.iter().zip(&self.band).flat_map(|(at, ends)| ends.map(|end| (along * at, up * end)));
         let curve: Points = self.at.iter().zip(self.values).map(|(at, value)| (along * at, up * value)).collect();
-        let (x, y) = (format!("{}, {x_unit}", self.x.0), format!("{}, {y_unit}", self.y.0));
+        // No longer than the axis, and without the unit of a plain number.
+        let name =
+            self.y.0.replace("heat transfer coefficient", "coefficient λ").replace("pressure reading", "reading");
+        let y = if y_unit == "1" { name } else { format!("{name}, {y_unit}") };
+        let x = format!("{}, {x_unit}", self.x.0);
         let chart = Chart {
             title: &self.title,
             x: Axis::new(&x),

@@ -31,7 +31,9 @@ pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
     if !d.missing.is_empty() {
         sections.push(missing(rig, d)?);
     }
-    sections.push(next(d));
+    if !d.next_experiments.is_empty() {
+        sections.push(next(d));
+    }
     for number in 0..found.data.experiments.len() {
         let mut section = Section::new(&format!("Records of “{}”", found.data.experiments[number]));
         if number == 0 {
@@ -127,7 +129,8 @@ fn interval(q: &Quantity, e: &Estimate) -> String {
 fn parameters(d: &Diagnosis) -> Section {
     let mut section = Section::new("Parameters");
     let mut table = Table::new(&["quantity", "before", "after", "95 % interval (after)"]);
-    for (name, e) in &d.after.parameters {
+    // The values of a curve are drawn in a section of their own.
+    for (name, e) in d.after.parameters.iter().filter(|(name, _)| !name.starts_with("empirical.values")) {
         let q = Quantity::of(name, &e.unit, e.value);
         let before = d.before.parameters.iter().find(|(n, _)| n == name);
         let before = before.map_or("–".to_owned(), |(_, b)| q.number(b.value, 4));
@@ -235,15 +238,11 @@ fn missing(rig: &records::Rig, d: &Diagnosis) -> Result<Section, Error> {
 fn next(d: &Diagnosis) -> Section {
     let mut section = Section::new("What to measure next");
     let advice = d.next_experiments.iter().map(|n| {
-        let by = n
-            .difference_over_noise
-            .map_or(String::new(), |x| format!(" There the two differ by {} times the noise.", digits(x, 2)));
-        format!("To distinguish **{}** from **{}**: {}.{by}", spaced(&n.separates[0]), spaced(&n.separates[1]), n.test)
+        let [one, other] = n.separates.each_ref().map(|terms| spaced(terms));
+        let by = digits(n.difference_over_noise, 2);
+        format!("To distinguish **{one}** from **{other}**: {}. There the two differ by {by} times the noise.", n.test)
     });
-    let advice: Vec<String> = advice.collect();
-    if !advice.is_empty() {
-        section.blocks.push(Block::List(advice));
-    }
+    section.blocks.push(Block::List(advice.collect()));
     section
 }
 

@@ -205,7 +205,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     let before = side(&data, &found.baseline, &residuals_before, found.baseline_adequacy.is_adequate());
     let after_side = side(&data, after, &residuals_after, adequacy.is_adequate());
     let effects: Vec<&'static str> = in_order(&found, after.model.of_rig());
-    let open = matches!(found.verdict, Verdict::Unexplained | Verdict::Improved);
+    let open = matches!(found.verdict, Verdict::Unexplained | Verdict::Improved) && !adequacy.is_adequate();
     let missing = if open { unnamed(after, &adequacy.families) } else { Vec::new() };
     let balance = match (found.verdict, effects.first()) {
         (Verdict::Adequate, _) => "none",

@@ -6,9 +6,10 @@
 use crate::forward::{Course, Run};
 use crate::outcome::diagnosis::terms;
 use crate::record::prepare::Data;
-use crate::record::stroke::{Motion, extent};
+use crate::record::stroke::{Motion, Phase};
 use crate::search::{Candidate, Found, Verdict};
 use chamber::simulate::Start;
+use report::digits;
 use serde::Serialize;
 
 /// A test and what it would separate.
@@ -18,8 +19,8 @@ pub struct NextExperiment {
     pub separates: [String; 2],
     /// The test, in words.
     pub test: String,
-    /// Difference of the two models' readings, rms, in units of the noise; `None` where the advice is a general one.
-    pub difference_over_noise: Option<f64>,
+    /// Difference of the two models' readings, rms, in units of the noise.
+    pub difference_over_noise: f64,
 }
 
 /// A difference of less than this many times the noise, rms, is no use.
@@ -35,34 +36,14 @@ struct Test {
     pressure_pa: f64,
 }
 
-/// Advice for a finished tracing: tests that separate the winner from what is alike or nearest.
+/// Tests that separate the chosen model from those that the data cannot tell from it.
 pub fn next(data: &Data, found: &Found) -> Vec<NextExperiment> {
-    match found.verdict {
-        Verdict::Adequate => Vec::new(),
-        Verdict::Unexplained | Verdict::Improved => {
-            let general = NextExperiment {
-                separates: ["unknown".to_owned(), "noise".to_owned()],
-                test: "no known effect fits: record the gas temperature or the wall's beside the pressure, repeat one \
-                       test at another speed and one with a hold five times as long, and see which balance the \
-                       difference follows"
-                    .to_owned(),
-                difference_over_noise: None,
-            };
-            let alike = found.tried.iter().filter(|c| found.alike.contains(&c.model)).take(1);
-            let tests = tests(data);
-            let between = alike.filter_map(|c| separating(data, &tests, &found.chosen, c));
-            std::iter::once(general).chain(between).collect()
-        }
-        Verdict::Explained => {
-            let same_size = found.chosen.model.terms();
-            let alike = found.tried.iter().filter(|c| found.alike.contains(&c.model));
-            let runner_up =
-                found.tried.iter().filter(|c| c.model != found.chosen.model && c.model.terms() == same_size).take(1);
-            let others: Vec<&Candidate> = if found.alike.is_empty() { runner_up.collect() } else { alike.collect() };
-            let tests = tests(data);
-            others.into_iter().filter_map(|c| separating(data, &tests, &found.chosen, c)).collect()
-        }
+    if matches!(found.verdict, Verdict::Adequate | Verdict::Unexplained) {
+        return Vec::new();
     }
+    let tests = tests(data);
+    let alike = found.tried.iter().filter(|c| found.alike.contains(&c.model));
+    alike.filter_map(|c| separating(data, &tests, &found.chosen, c)).collect()
 }
 
 fn separating(data: &Data, tests: &[Test], a: &Candidate, b: &Candidate) -> Option<NextExperiment> {
@@ -71,13 +52,13 @@ fn separating(data: &Data, tests: &[Test], a: &Candidate, b: &Candidate) -> Opti
         .filter_map(|test| Some((test, difference(test, a, b)? / data.noise.total_pa())))
         .max_by(|x, y| x.1.total_cmp(&y.1))?;
     let test = if best.1 < TOO_SMALL {
-        "no push and hold within this stroke shows a difference; a push as fast as the bench allows, sampled as fast as the \
-         logger allows, is the best there is, and until then either of them describes these data"
+        "no push and hold that these records show the rig to do makes a difference; try a faster push, sampled faster. \
+         Until then either of them describes these data"
             .to_owned()
     } else {
         best.0.words.clone()
     };
-    Some(NextExperiment { separates: [terms(&a.model), terms(&b.model)], test, difference_over_noise: Some(best.1) })
+    Some(NextExperiment { separates: [terms(&a.model), terms(&b.model)], test, difference_over_noise: best.1 })
 }
 
 /// Root mean square of the difference of two models' readings, Pa.
@@ -102,22 +83,34 @@ fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
     Some((squares / one.len() as f64).sqrt())
 }
 
+/// Tests that the rig has shown to be able to do: over its stroke, from its initial pressures, as fast as its fastest move
+/// and more slowly, as long as its longest record and longer.
 fn tests(data: &Data) -> Vec<Test> {
-    let stroke = data.traces.iter().flat_map(|t| t.course.motion.segments.iter().map(|s| s.stroke.range()));
-    let (low, high) = stroke.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
-    let longest = data.traces.iter().filter_map(|t| t.time_s.last()).fold(0.0f64, |a, b| a.max(*b));
-    let (_, largest) =
-        data.traces.iter().map(|t| extent(&t.pressure_pa)).fold((0.0, 0.0f64), |a, b| (a.0, a.1.max(b.1)));
-    let ambient = data.ambient_pressure_pa;
+    let segments = || data.traces.iter().flat_map(|t| &t.course.motion.segments);
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+    };
+    let [low, high] = range(&mut segments().map(|s| s.stroke.range()).flat_map(|(a, b)| [a, b]));
+    let [lowest_pa, highest_pa] = range(&mut data.traces.iter().map(|t| t.initial_pressure_pa));
+    let [_, longest_s] = range(&mut data.traces.iter().filter_map(|t| t.time_s.last().copied()));
+    let moves = segments().filter(|s| s.phase == Phase::Move && s.to_s > s.from_s);
+    let speeds = moves.map(|s| {
+        let (from, to) = s.stroke.range();
+        (to - from) / (s.to_s - s.from_s)
+    });
+    let fastest_s = (high - low) / speeds.fold(f64::MIN_POSITIVE, f64::max);
+    let mut pressures = vec![lowest_pa, highest_pa];
+    pressures.dedup_by(|a, b| (*a / *b - 1.0).abs() < 0.1);
     let mut out = Vec::new();
     for (from, to, way) in [(high, low, "compress"), (low, high, "expand")] {
-        for pressure_pa in [0.5 * ambient, ambient, (0.6 * largest).max(2.0 * ambient)] {
-            for push_s in [0.03, 0.1, 2.0] {
-                for hold_s in [longest, 6.0 * longest] {
+        for &pressure_pa in &pressures {
+            for push_s in [1.0, 4.0, 16.0].map(|slower| slower * fastest_s) {
+                for hold_s in [longest_s, 6.0 * longest_s] {
                     let words = format!(
-                        "{way} from {:.0} mm to {:.0} mm in {push_s} s, beginning at {:.2} bar absolute, and hold for {hold_s:.0} s",
+                        "{way} from {:.0} mm to {:.0} mm in {} s, beginning at {:.2} bar absolute, and hold for {hold_s:.0} s",
                         from * 1e3,
                         to * 1e3,
+                        digits(push_s, 2),
                         pressure_pa / 1e5
                     );
                     out.push(test(data, words, [from, to], push_s, hold_s, pressure_pa));

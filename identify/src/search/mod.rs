@@ -160,7 +160,7 @@ impl Search {
             // Next to nothing, and less than noise: how the readings are interpolated counts there.
             return false;
         }
-        terms::of_gas(model) < policy::MOST_TERMS && model.terms() < policy::MOST_IN_ALL
+        terms::is_small(model, 1)
     }
 
     /// The better sets, each with every further term; whether a set entered.
@@ -208,7 +208,8 @@ impl Search {
     fn try_all(&mut self, models: Vec<Model>) -> bool {
         let mut fresh: Vec<Model> = Vec::new();
         for model in models {
-            if !fresh.contains(&model) && self.tried.iter().all(|c| c.model != model) {
+            let is_new = !fresh.contains(&model) && self.tried.iter().all(|c| c.model != model);
+            if is_new && terms::is_small(&model, 0) {
                 fresh.push(model);
             }
         }

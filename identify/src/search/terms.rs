@@ -1,6 +1,7 @@
 //! What a model can gain or lose in one step: an effect of the rig, an effect of the recording that each record has for itself,
 //! the records' initial temperatures.
 
+use crate::judge::policy;
 use crate::parameters::{self, Model};
 use crate::record::prepare::Data;
 use chamber::card::{ActsOn, Card, Scope, Unit};
@@ -43,10 +44,11 @@ pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
     out
 }
 
-/// Number of the model's effects that act on the gas or its wall, not on what is recorded of them.
-pub fn of_gas(model: &Model) -> usize {
+/// Whether a model may have so many terms more: see [`policy::MOST_TERMS`].
+pub fn is_small(model: &Model, more: usize) -> bool {
     let gas = |e: &usize| !matches!(CARDS[*e].acts_on, ActsOn::Reading | ActsOn::RecordedStroke);
-    model.effects.iter().filter(gas).count()
+    let of_gas = model.effects.iter().filter(gas).count();
+    of_gas + more <= policy::MOST_TERMS && model.terms() + more <= policy::MOST_IN_ALL
 }
 
 /// The model with one term less, each way there is.
