@@ -135,6 +135,15 @@ pub struct Conditions<R> {
     pub reference_temperature: R,
 }
 
+impl<R: Real> Conditions<R> {
+    /// dP/dt, Pa/s, in a volume that does not follow the pressure, with this heat and enthalpy into the gas, W, and this
+    /// power of the gas, W.
+    #[inline(always)]
+    fn pressure_rate(&self, heat: R, work: R) -> R {
+        (self.expansion * (heat - work) - work) * self.per_volume
+    }
+}
+
 /// Gas that enters and leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct Flows<R> {
@@ -160,6 +169,13 @@ impl<R: Real> Flows<R> {
         let kelvin = flow * temperature;
         self.inflow_kelvin += kelvin;
         self.inflow_square_kelvin += kelvin * temperature;
+    }
+
+    /// Adds a flow out of the chamber, kg/s, that where it is negative enters at a temperature, K.
+    #[inline(always)]
+    pub fn leave(&mut self, flow: R, temperature: R) {
+        self.outflow += flow.where_positive(flow, R::ZERO);
+        self.enter(flow.where_positive(R::ZERO, -flow), temperature);
     }
 }
 
@@ -462,25 +478,14 @@ impl<R: Real> Balance<R> {
             give = (R::ONE + (at.expansion + 1.0) * at.pressure * by_pressure * at.per_volume).recip();
         }
         let mut work = at.pressure * volume_rate;
-        // Enthalpy as the energy's rate and that of V P/(γ − 1) have it.
-        let enthalpy = |flows: &Flows<R>| {
-            let [for_energy, for_pressure] = effects::excess_enthalpy(set, &chamber.effects, &at, flows);
-            let enthalpy = at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
-            [enthalpy + for_energy, enthalpy + for_pressure]
-        };
-        let pressure_rate = |enthalpy: R| {
-            let rate = (at.expansion * (heat_flow + enthalpy - work) - work) * at.per_volume;
-            if volumetric { rate * give } else { rate }
-        };
+        let [_, for_pressure] = self.enthalpy(set, &at, &flows);
+        let unstored = at.pressure_rate(heat_flow + for_pressure, work);
+        let unstored = if volumetric { unstored * give } else { unstored };
+        effects::storage(set, &chamber.effects, &at, unstored, &mut flows);
 
-        let unstored = pressure_rate(enthalpy(&flows)[1]);
-        effects::storage(set, &chamber.effects, &at, unstored, |flow, temperature| {
-            flows.outflow += flow.where_positive(flow, R::ZERO);
-            flows.enter(flow.where_positive(R::ZERO, -flow), temperature);
-        });
-
-        let [enthalpy_flow, pressure_enthalpy_flow] = enthalpy(&flows);
-        let pressure_rate = pressure_rate(pressure_enthalpy_flow);
+        let [enthalpy_flow, for_pressure] = self.enthalpy(set, &at, &flows);
+        let pressure_rate = at.pressure_rate(heat_flow + for_pressure, work);
+        let pressure_rate = if volumetric { pressure_rate * give } else { pressure_rate };
         if volumetric {
             work += at.pressure * by_pressure * pressure_rate;
         }
@@ -495,6 +500,14 @@ impl<R: Real> Balance<R> {
         };
         let own_rates = effects::own_rates(set, &chamber.effects, own, &at, &flows, &rates);
         (at, rates, own_rates)
+    }
+
+    /// Enthalpy that flows bring, W: as the energy's rate and as that of V P/(γ − 1) have it.
+    #[inline(always)]
+    fn enthalpy(&self, set: EffectSet, at: &Conditions<R>, flows: &Flows<R>) -> [R; 2] {
+        let [for_energy, for_pressure] = effects::excess_enthalpy(set, &self.chamber.effects, at, flows);
+        let enthalpy = at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
+        [enthalpy + for_energy, enthalpy + for_pressure]
     }
 
     /// Rates of the first `N` states, per second: what an integrator needs.

@@ -3,6 +3,7 @@
 //! `cargo run --release -p pneutherm-ensemble --example effect_rates` writes `results/effect_rates.md`: all cases in turn on
 //! one thread, medians over the rounds. Rows are those of `benches/sealed.toml`, drawn at random, with one effect at its
 //! typical values. The error is the largest over the rows, against the integrator at a tolerance of 1e-13.
+//! With names of cases as arguments only sealed rows and these are run, and the page is printed only.
 
 #[path = "../src/tests/numbers.rs"]
 mod numbers;
@@ -148,7 +149,9 @@ fn main() {
         println!("{}", resident().unwrap_or(f64::NAN) - before);
         return;
     }
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
     let mut cases = cases();
+    cases.retain(|case| wanted.is_empty() || case.name.starts_with("sealed") || wanted.contains(&case.name));
     cases.iter_mut().for_each(Case::fill);
     for _ in 0..ROUNDS {
         for case in &mut cases {
@@ -180,6 +183,9 @@ fn main() {
         writeln!(page, "| {} | {} | {memory} | {} |", case.name, rates.join(" | "), errors.join(" | ")).unwrap();
     }
     print!("{page}");
+    if !wanted.is_empty() {
+        return;
+    }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/effect_rates.md");
     std::fs::write(path, page).expect("results/effect_rates.md");
 }

@@ -3,7 +3,7 @@
 
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::Failure;
-use crate::step::{Attempt, FEELING, LaneSystem, View, attempt, judge, stages_in_turn};
+use crate::step::{Attempt, FEELING, LaneSystem, PROBE, TINY, View, attempt, judge, probe, size, stages_in_turn};
 use crate::tableau::STAGES;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -19,13 +19,9 @@ const SHRINK: f64 = 0.3;
 const NOT_A_NUMBER: f64 = 0.1;
 /// Share of the length that the estimate gives, for the first step: its time scale is a guess.
 const FIRST: f64 = 0.6;
-/// Share of a state, and of the stretch, over which the first step's length is felt out.
-const PROBE: f64 = 0.01;
 /// Estimated error of a step of the time scale's length L, relative to the distance |dy/dt| L: what the pair's
 /// estimate gives for dy/dt = −y/L at h = L, where it still grows with the eighth power.
 const ERROR_AT_SCALE: f64 = 6.6e-7;
-/// Added to what is divided by (a choice between quotients would become branches).
-const TINY: f64 = 1e-300;
 /// Longest step, as a share of the stretch, of a solution that is looked into: its interpolant needs knots beside.
 const LONGEST: f64 = 0.26;
 /// A step of this share of what is left goes to the end.
@@ -76,8 +72,13 @@ impl<const N: usize> Problem<N> {
     #[inline(always)]
     fn begin(&mut self, lane: usize, slope: &[Lanes; N], view: &View<Lanes>, first: Lanes) {
         self.first = first[lane];
-        self.view = View { value: view.value.map(|v| v[lane]), slope: view.slope.map(|v| v[lane]) };
-        self.slope = slope.map(|slope| slope[lane]);
+        for i in 0..2 {
+            self.view.value[i] = view.value[i][lane];
+            self.view.slope[i] = view.slope[i][lane];
+        }
+        for i in 0..N {
+            self.slope[i] = slope[i][lane];
+        }
     }
 }
 
@@ -310,10 +311,14 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
         let mut k = [[Lanes::ZERO; N]; STAGES];
         k[0] = if begins { [Lanes::ZERO; N] } else { group.slope };
         let (length, y, absolute) = (group.length, group.y, group.absolute);
-        let (end, view, reached) =
-            stages_in_turn::<N, FUSED, S>(&group.system, [group.t, tried], &y, &mut k, stages, |slope| {
-                probe(length, &y, &absolute, slope, relative)
-            });
+        let (end, view, reached) = stages_in_turn::<N, FUSED, S>(
+            &group.system,
+            [group.t, tried],
+            &y,
+            &mut k,
+            stages,
+            (length, &absolute, relative),
+        );
         if begins {
             let first = first_step(length, &y, &absolute, [&k[0], &k[1]], reached, relative);
             for (lane, problem) in problems[begun..].iter_mut().take(WIDTH).enumerate() {
@@ -361,28 +366,6 @@ fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(system: &S, proble
             problem.begin(lane, &slope, &view, first);
         }
     }
-}
-
-/// The size, at least, that a state counts by.
-#[inline(always)]
-fn size(y: Lanes, absolute: Lanes, relative: f64) -> Lanes {
-    y.abs() + absolute * (1.0 / relative)
-}
-
-/// Over how long a time, s, to feel out how the rates change.
-#[inline(always)]
-fn probe<const N: usize>(
-    length: Lanes,
-    y: &[Lanes; N],
-    absolute: &[Lanes; N],
-    slope: &[Lanes; N],
-    relative: f64,
-) -> Lanes {
-    let mut probe = length * PROBE;
-    for i in 0..N {
-        probe = probe.min(size(y[i], absolute[i], relative) * PROBE / (slope[i].abs() + TINY));
-    }
-    probe
 }
 
 /// Length of the step from `y`, s, by the rates there and a time `probe` ahead.

@@ -53,6 +53,11 @@ pub trait LaneSystem<const N: usize> {
 /// dy/dt = −y/L gives.
 const CHANCE: f64 = 2.5e-4;
 
+/// Share of a state, and of the stretch, over which the first step's length is felt out.
+pub const PROBE: f64 = 0.01;
+/// Added to what is divided by (a choice between quotients would become branches).
+pub const TINY: f64 = 1e-300;
+
 /// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
 #[inline(always)]
 pub fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
@@ -123,11 +128,33 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     end
 }
 
+/// The size, at least, that a state counts by.
+#[inline(always)]
+pub fn size(y: Lanes, absolute: Lanes, relative: f64) -> Lanes {
+    y.abs() + absolute * (1.0 / relative)
+}
+
+/// Over how long a time, s, to feel out how the rates change.
+#[inline(always)]
+pub fn probe<const N: usize>(
+    length: Lanes,
+    y: &[Lanes; N],
+    absolute: &[Lanes; N],
+    slope: &[Lanes; N],
+    relative: f64,
+) -> Lanes {
+    let mut probe = length * PROBE;
+    for i in 0..N {
+        probe = probe.min(size(y[i], absolute[i], relative) * PROBE / (slope[i].abs() + TINY));
+    }
+    probe
+}
+
 /// Stages to be evaluated in turn to feel out the first step from some states: there, and a short way ahead.
 pub const FEELING: Range<usize> = STAGES..STAGES + 2;
 
 /// Evaluates stages in turn, by one copy of the rates, into their slopes `k`: the states at the last one, what is seen
-/// there, and the length it was reached over. In [`FEELING`] that length is what `probe` makes of the first rates; these
+/// there, and the length it was reached over. In [`FEELING`] that length is a [`probe`] by the first rates, of a stretch of `length`; these
 /// become stage 0, those ahead stage 1, and what is seen is the begin.
 #[inline(always)]
 pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
@@ -136,7 +163,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     y: &[Lanes; N],
     k: &mut [[Lanes; N]; STAGES],
     stages: Range<usize>,
-    probe: impl Fn(&[Lanes; N]) -> Lanes,
+    (length, absolute, relative): (Lanes, &[Lanes; N], f64),
 ) -> ([Lanes; N], View<Lanes>, Lanes) {
     let (mut at, mut view) = (*y, View::NONE);
     for stage in stages {
@@ -156,7 +183,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
             Some(place) => {
                 k[place] = slope;
                 if place == 0 {
-                    h = probe(&slope);
+                    h = probe(length, y, absolute, &slope, relative);
                 }
             }
         }

@@ -353,14 +353,14 @@ macro_rules! effects {
             out
         }
 
-        /// [`Effect::storage`] of the effects in `set`, handed to `take` one by one.
+        /// Adds [`Effect::storage`] of the effects in `set` to the flows.
         #[inline(always)]
         pub fn storage<R: Real>(
-            set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, pressure_rate: R, mut take: impl FnMut(R, R),
+            set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, pressure_rate: R, flows: &mut Flows<R>,
         ) {
             $(if set.has($module::$name::INDEX) {
                 if let Some((flow, temperature)) = $module::$name::storage($module::$name::values(values), at, pressure_rate) {
-                    take(flow, temperature);
+                    flows.leave(flow, temperature);
                 }
             })*
         }
@@ -665,8 +665,8 @@ impl EffectValues<f64> {
         if self.0 == Self::NEUTRAL.0 {
             return set;
         }
-        for (i, card) in all() {
-            if card.parameters.iter().zip(self.of(i)).any(|(p, v)| p.neutral != *v) {
+        for i in 0..COUNT {
+            if self.of(i) != Self::NEUTRAL.of(i) {
                 set = set.union(EffectSet::one(i));
             }
         }
