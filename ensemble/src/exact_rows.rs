@@ -1,12 +1,14 @@
-//! Tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, and those with effects that keep the
-//! closed form ([`kept`](crate::kept)). No integration, no tolerance.
+//! Tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, those with effects that keep the closed
+//! form ([`kept`](crate::kept)), and what a sensor shows of either ([`readings`](crate::readings)). No integration, no
+//! tolerance.
 
 use crate::finish::SETTLED;
 use crate::fit;
-use crate::kept::Exchange;
+use crate::kept::{Exchange, Heat, Panel, Part};
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::{Failure, Outcome};
-use crate::regression::{Found, Records, decay};
+use crate::readings::{self, Behind, Readings};
+use crate::regression::{Records, Regression, decay};
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::{Options, Scenario};
 use crate::sealed::Ending;
@@ -18,14 +20,32 @@ use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Ends of the parts in which the regression's sums are taken, in 1/k after the push; the last ends with the record.
-const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
+pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
+
+/// What sensors do to the records of some rows, all alike in that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Effects on the reading; none where the record shows the gas.
+    pub set: EffectSet,
+    /// Whether the sensors lag.
+    pub lags: bool,
+}
+
+/// Memory to use.
+#[derive(Default)]
+pub struct Memory {
+    records: Records,
+    readings: readings::Memory,
+}
 
 /// Solves checked scenarios: numbers and durations, s. `set` are effects that keep the closed form; where there are any,
-/// all rows have their area law in common. `records` is memory to use.
+/// all rows have their area law in common.
+#[allow(clippy::too_many_arguments)]
 pub fn run(
     arch: Arch,
-    records: &mut Records,
+    memory: &mut Memory,
     set: EffectSet,
+    shown: Shown,
     rows: &[(u32, f64)],
     scenarios: &[Scenario],
     options: &Options,
@@ -38,19 +58,26 @@ pub fn run(
     order.sort_unstable_by_key(|&test| all[test as usize].parts as u32);
     for order in order.chunks(WIDTH) {
         let tests = Tests::new(&all, order);
-        let effects = (!set.is_empty()).then(|| {
-            let row = |lane: usize| all[order[lane.min(order.len() - 1)] as usize].row;
-            (set, gather(set, |lane| &scenarios[row(lane) as usize].chamber))
-        });
-        let ends = arch.dispatch(Solve { tests: &tests, effects });
-        let found = options.fit.then(|| {
-            let guess = arch.dispatch(Record { tests: &tests, ends: &ends, records });
-            records.fit(arch, guess)
-        });
+        let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
+        let effects = (!set.is_empty()).then(|| (set, gather(set, |lane| &scenario(lane).chamber)));
+        let ends = arch.dispatch(Solve { tests: &tests, effects: &effects });
+        let solved = Solved { tests: &tests, ends: &ends, effects: &effects };
+        let mut outcomes = [Outcome::failed(Failure::StepTooSmall); WIDTH];
+        if shown.set.is_empty() {
+            solved.outcomes(arch, &mut memory.records, options.fit, scenario, &mut outcomes);
+        } else if shown.lags {
+            solved.readings::<true>(arch, memory, shown.set, options.fit, scenario, &mut outcomes);
+        } else {
+            solved.readings::<false>(arch, memory, shown.set, options.fit, scenario, &mut outcomes);
+        }
         for (lane, &test) in order.iter().enumerate() {
             let Test { row, duration, .. } = all[test as usize];
-            let scenario = &scenarios[row as usize];
-            out[row as usize] = outcome(&tests, &ends, lane, scenario, duration, found.as_ref());
+            let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
+            if pushed > 0.0 && end > 0.0 && pushed.is_finite() && end.is_finite() {
+                out[row as usize] = Outcome { duration_s: duration, ..outcomes[lane] };
+            } else {
+                out[row as usize] = Outcome::failed(Failure::StepTooSmall);
+            }
         }
     }
 }
@@ -87,23 +114,43 @@ impl Test {
     }
 }
 
+/// The closed form of a moving piston. Its parts are a trait's, not closures: these would be compiled for any machine.
+trait Ramp {
+    /// 1/T at the end of one of the equal parts of a ramp.
+    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes;
+}
+
+impl Ramp for Closed<Lanes> {
+    #[inline(always)]
+    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes {
+        self.ramp_part(inverse, part.root, part.step, part.dwell)
+    }
+}
+
+impl Ramp for Exchange<Lanes> {
+    #[inline(always)]
+    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes {
+        part.end(self, inverse)
+    }
+}
+
 /// As many tests as there are lanes.
-struct Tests {
-    closed: Closed<Lanes>,
+pub struct Tests {
+    pub(crate) closed: Closed<Lanes>,
     rate: Lanes,
-    parts: Lanes,
-    start: Lanes,
-    from: Lanes,
-    to: Lanes,
-    push: Lanes,
-    hold: Lanes,
+    pub(crate) parts: Lanes,
+    pub(crate) start: Lanes,
+    pub(crate) from: Lanes,
+    pub(crate) to: Lanes,
+    pub(crate) push: Lanes,
+    pub(crate) hold: Lanes,
 }
 
 /// What becomes of them.
-struct Ends {
-    pushed: Lanes,
+pub struct Ends {
+    pub(crate) pushed: Lanes,
     end: Lanes,
-    rate: Lanes,
+    pub(crate) rate: Lanes,
     settling: Lanes,
 }
 
@@ -140,15 +187,39 @@ impl Tests {
         tests
     }
 
-    /// Temperatures at the end of the push, K, each in its own number of parts; `part` solves one of them.
+    /// 1/T along each part of the push, into `panels`; how many parts there are at most.
     #[inline(always)]
-    fn pushed(&self, part: impl Fn(Lanes, Lanes, Lanes, Lanes) -> Lanes) -> Lanes {
+    pub fn panels(&self, heat: &impl Heat<Lanes>, panels: &mut Vec<Panel<Lanes>>) -> usize {
+        panels.clear();
+        let most = self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b)) as usize;
+        let mut inverse = self.start.recip();
+        for index in 0..most {
+            let (panel, next) = self.part(index).panel(heat, inverse);
+            panels.push(black_box(panel));
+            inverse = black_box(next);
+        }
+        most
+    }
+
+    /// One of the equal parts of the push.
+    #[inline(always)]
+    fn part(&self, index: usize) -> Part<Lanes> {
         let (begin, end) = (self.from.sqrt(), self.to.sqrt());
-        let (step, dwell) = ((end - begin) / self.parts, self.push * 2.0 / (begin + end) / self.parts);
+        let step = (end - begin) / self.parts;
+        let dwell = self.push * 2.0 / (begin + end) / self.parts;
+        let Closed { ambient_temperature: wall, expansion, .. } = self.closed;
+        Part { root: begin + step * index as f64, step, dwell, wall, expansion }
+    }
+
+    /// Temperatures at the end of the push, K, each in its own number of parts.
+    #[inline(always)]
+    fn pushed(&self, ramp: &impl Ramp) -> Lanes {
+        let first = self.part(0);
         let mut inverse = self.start.recip();
         let most = self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b));
         for index in 0..most as usize {
-            let next = part(inverse, begin + step * index as f64, step, dwell);
+            let part = Part { root: first.root + first.step * index as f64, ..first };
+            let next = ramp.part(&part, inverse);
             inverse = (self.parts - index as f64).where_positive(next, inverse);
         }
         inverse.recip()
@@ -184,10 +255,12 @@ fn gather<'a>(set: EffectSet, chamber: impl Fn(usize) -> &'a Chamber) -> Chamber
     all
 }
 
+/// Effects that keep the closed form, and the chambers with their parameters.
+type Effects = Option<(EffectSet, Chamber<Lanes>)>;
+
 struct Solve<'a> {
     tests: &'a Tests,
-    /// Effects that keep the closed form, and the chambers with their parameters.
-    effects: Option<(EffectSet, Chamber<Lanes>)>,
+    effects: &'a Effects,
 }
 
 impl WithSimd for Solve<'_> {
@@ -197,41 +270,95 @@ impl WithSimd for Solve<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.tests);
         let wall = t.closed.ambient_temperature;
-        let pushed = match black_box(&self.effects) {
-            None => t.pushed(|inverse, root, step, dwell| t.closed.ramp_part(inverse, root, step, dwell)),
-            Some((set, chamber)) => {
-                let exchange = Exchange::new(*set, chamber, &t.closed, wall);
-                t.pushed(|inverse, root, step, dwell| exchange.ramp_part(wall, inverse, root, step, dwell))
-            }
+        let pushed = match black_box(self.effects) {
+            None => t.pushed(&t.closed),
+            Some((set, chamber)) => t.pushed(&Exchange::new(*set, chamber, &t.closed, wall)),
         };
         let rate = t.rate;
         let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());
         // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
         let edge = end + (pushed - end) * SETTLED;
-        let excess = |temperature: Lanes| Lanes::ONE - t.closed.ambient_temperature / temperature;
-        let settling = (excess(pushed) / excess(edge)).ln() / rate;
+        let settling = ((Lanes::ONE - wall / pushed) / (Lanes::ONE - wall / edge)).ln() / rate;
         black_box(Ends { pushed, end, rate, settling })
     }
 }
 
-/// One lane's answers.
-fn outcome(
-    tests: &Tests,
-    ends: &Ends,
-    lane: usize,
-    scenario: &Scenario,
-    duration: f64,
-    found: Option<&Found>,
-) -> Outcome {
-    let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
-    if !(pushed > 0.0 && end > 0.0 && pushed.is_finite() && end.is_finite()) {
-        return Outcome::failed(Failure::StepTooSmall);
+/// Tests with their ends.
+struct Solved<'a> {
+    tests: &'a Tests,
+    ends: &'a Ends,
+    effects: &'a Effects,
+}
+
+impl Solved<'_> {
+    /// How a lane's test has ended for the gas.
+    fn ending<'s>(&self, lane: usize, scenario: &'s Scenario, regression: Option<Regression>) -> Ending<'s> {
+        let Self { tests, ends, .. } = self;
+        Ending {
+            scenario,
+            duration: tests.push[lane] + tests.hold[lane],
+            wall: tests.closed.ambient_temperature[lane],
+            pushed: ends.pushed[lane],
+            end: ends.end[lane],
+            pressure_per_temperature: tests.closed.mass_gas_constant[lane] / tests.to[lane],
+            settling: if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 },
+            regression,
+        }
     }
-    let settling = if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 };
-    let pressure_per_temperature = tests.closed.mass_gas_constant[lane] / tests.to[lane];
-    let regression = found.and_then(|found| found.lane(lane));
-    let wall = tests.closed.ambient_temperature[lane];
-    Ending { scenario, duration, wall, pushed, end, pressure_per_temperature, settling, regression }.outcome()
+
+    /// The outcomes where the record shows the gas.
+    fn outcomes<'s>(
+        &self,
+        arch: Arch,
+        records: &mut Records,
+        fit: bool,
+        scenario: impl Fn(usize) -> &'s Scenario,
+        out: &mut [Outcome; WIDTH],
+    ) {
+        let Self { tests, ends, .. } = self;
+        let found = fit.then(|| {
+            let guess = arch.dispatch(Record { tests, ends, records });
+            records.fit(arch, guess)
+        });
+        for lane in 0..WIDTH {
+            let regression = found.as_ref().and_then(|found| found.lane(lane));
+            out[lane] = self.ending(lane, scenario(lane), regression).outcome();
+        }
+    }
+
+    /// The outcomes behind sensors, with effects on the reading.
+    fn readings<'s, const LAGS: bool>(
+        &self,
+        arch: Arch,
+        memory: &mut Memory,
+        set: EffectSet,
+        fit: bool,
+        scenario: impl Fn(usize) -> &'s Scenario,
+        out: &mut [Outcome; WIDTH],
+    ) {
+        let Self { tests, ends, effects } = self;
+        let Memory { records, readings } = memory;
+        let wall = tests.closed.ambient_temperature;
+        let behind = |lane: usize| Behind::new(set, scenario(lane));
+        let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);
+        let readings: Readings<LAGS> = match effects {
+            None => Readings::new(arch, readings, tests, ends, &tests.closed, behind, before),
+            Some((kept, chamber)) => {
+                let heat = Exchange::new(*kept, chamber, &tests.closed, wall);
+                Readings::new(arch, readings, tests, ends, &heat, behind, before)
+            }
+        };
+        let answers = readings.answers();
+        let found = fit.then(|| {
+            readings.lay_out(&answers, records);
+            records.fit(arch, ends.rate.recip())
+        });
+        for lane in 0..WIDTH {
+            let (scenario, answer) = (scenario(lane), &answers[lane]);
+            let regression = found.as_ref().and_then(|found| found.lane(lane));
+            out[lane] = answer.outcome(scenario, regression, wall[lane], self.ending(lane, scenario, None).outcome());
+        }
+    }
 }
 
 /// The records from the end of the push on, P = Pf/(1 − ε e^(−k t)); the answer is a guess of τ, s.

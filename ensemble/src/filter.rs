@@ -8,8 +8,8 @@
 //! digits upwards where w > k and none downwards where w < k; its start g_7 is there the series
 //! w/(k+1) (1 − w/(k+2) (1 − w/(k+3) (…))).
 
-use crate::interpolant::Interpolant;
 use crate::lanes::Lanes;
+use crate::root::Curve;
 use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use chamber::real::Real;
 
@@ -84,7 +84,7 @@ impl Default for ToPowers {
 impl ToPowers {
     /// Coefficients, in powers of the share, of a quantity over a piece: from a time, s, over a length, s.
     #[inline(always)]
-    pub fn of(&self, quantity: &Interpolant, from: Lanes, length: Lanes) -> [Lanes; TERMS] {
+    pub fn of(&self, quantity: &impl Curve, from: Lanes, length: Lanes) -> [Lanes; TERMS] {
         let places = places();
         let mut values = [Lanes::ZERO; TERMS];
         for i in 0..TERMS {
@@ -120,16 +120,18 @@ impl<R: Real> Lagged<R> {
         const TOP: usize = TERMS - 1;
         let w = self.stiffness * x;
         let faded = (-w.min(R::from(700.0))).exp();
-        // Downwards from the series.
-        let small = w.min(R::from(UPWARDS));
-        let mut series = R::ONE;
-        for j in (1..SERIES).rev() {
-            series = R::ONE - small * (1.0 / (TOP + 1 + j) as f64) * series;
-        }
+        // Downwards from the series, where any lane goes that way.
         let mut down = [R::ZERO; TERMS];
-        down[TOP] = small * (1.0 / TERMS as f64) * series;
-        for k in (1..TERMS).rev() {
-            down[k - 1] = (R::ONE - down[k]) * small * (1.0 / k as f64);
+        if (R::from(UPWARDS + 1.0) - w).any_positive() {
+            let small = w.min(R::from(UPWARDS));
+            let mut series = R::ONE;
+            for j in (1..SERIES).rev() {
+                series = R::ONE - small * (1.0 / (TOP + 1 + j) as f64) * series;
+            }
+            down[TOP] = small * (1.0 / TERMS as f64) * series;
+            for k in (1..TERMS).rev() {
+                down[k - 1] = (R::ONE - down[k]) * small * (1.0 / k as f64);
+            }
         }
         // Upwards from the exponential.
         let large = w.max(R::from(UPWARDS));

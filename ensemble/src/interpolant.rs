@@ -9,6 +9,7 @@
 use crate::clock::Clock;
 use crate::history::Knot;
 use crate::lanes::{Lanes, WIDTH};
+use crate::root::Curve;
 use chamber::real::Real;
 
 /// Knots that an interval is interpolated by, and the number of the polynomial's terms.
@@ -157,10 +158,12 @@ impl Interpolant {
         }
         Self { clock: *clock, begin: at[0], per_length, places, terms }
     }
+}
 
+impl Curve for Interpolant {
     /// Its value at a time from the segment's begin, s.
     #[inline(always)]
-    pub fn at(&self, time: Lanes) -> Lanes {
+    fn at(&self, time: Lanes) -> Lanes {
         let x = (self.clock.shown(time) - self.begin) * self.per_length;
         let mut sum = self.terms[TERMS - 1];
         for order in (1..TERMS).rev() {

@@ -3,7 +3,8 @@
 //! du/dt + (b Tw − (γ − 1) V̇/V) u = b with u = 1/T and b = c f(V) A(V)/√V, where f and A are what the effects make of
 //! λ and of the area. Over a ramp, with q = √V as the variable, b dt = d c f A dx for x from 0 to 1 (d the dwell, see
 //! [`Closed::ramp_part`](chamber::exact::Closed::ramp_part)); what is exchanged up to each node of a 16-point
-//! Gauss–Legendre rule is that rule's own integral, by a matrix: the integrals of the polynomial through the nodes.
+//! Gauss–Legendre rule is that rule's own integral, by a matrix: the integrals of the polynomial through the nodes. By the
+//! same matrix 1/T follows at the nodes, and along the ramp from the polynomial through them ([`Panel`]).
 
 use chamber::Chamber;
 use chamber::balance::{Balance, Boundary, Conditions, Contents};
@@ -22,8 +23,29 @@ pub static EFFECTS: LazyLock<EffectSet> = LazyLock::new(|| {
     effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(place, _)| place).collect()
 });
 
-/// The rule's own integrals, from 0 to each node, of the polynomials through the nodes: to be multiplied by their values.
-static UP_TO_NODE: LazyLock<[[f64; NODES]; NODES]> = LazyLock::new(|| {
+/// What the rule makes of values at its nodes.
+struct Rule {
+    /// Its own integrals, from 0 to each node, of the polynomials through them: to be multiplied by their values.
+    up_to_node: [[f64; NODES]; NODES],
+    /// The coefficients of Legendre's polynomials in them, likewise.
+    legendre: [[f64; NODES]; NODES],
+    /// The coefficients of powers in Legendre's polynomials.
+    powers: [[f64; NODES]; NODES],
+}
+
+impl Rule {
+    /// The integral from 0 to a node of the polynomial that has these values at the nodes.
+    #[inline(always)]
+    fn up_to_node<R: Real>(&self, values: &[R; NODES], index: usize) -> R {
+        let mut sum = R::ZERO;
+        for node in 0..NODES {
+            sum += values[node] * self.up_to_node[index][node];
+        }
+        sum
+    }
+}
+
+static RULE: LazyLock<Rule> = LazyLock::new(|| {
     let nodes: [(f64, f64); NODES] = core::array::from_fn(node);
     // Legendre's polynomials at a place from 0 to 1.
     let legendre = |x: f64| {
@@ -34,14 +56,24 @@ static UP_TO_NODE: LazyLock<[[f64; NODES]; NODES]> = LazyLock::new(|| {
         }
         p
     };
-    nodes.map(|(x, _)| {
+    let up_to_node = nodes.map(|(x, _)| {
         let up_to = legendre(x);
         nodes.map(|(y, weight)| {
             let at = legendre(y);
             let series: f64 = (1..NODES).map(|n| at[n] * (up_to[n + 1] - up_to[n - 1])).sum();
             weight * (x + 0.5 * series)
         })
-    })
+    });
+    let coefficient = |order| nodes.map(|(x, weight)| (2 * order + 1) as f64 * weight * legendre(x)[order]);
+    let mut powers = [[0.0; NODES]; NODES];
+    (powers[0][0], powers[1][1]) = (1.0, 1.0);
+    for n in 1..NODES - 1 {
+        for power in 0..NODES {
+            let raised = if power > 0 { powers[n][power - 1] } else { 0.0 };
+            powers[n + 1][power] = ((2 * n + 1) as f64 * raised - n as f64 * powers[n - 1][power]) / (n + 1) as f64;
+        }
+    }
+    Rule { up_to_node, legendre: core::array::from_fn(coefficient), powers }
 });
 
 /// Place, from 0 to 1, and weight of a node.
@@ -110,31 +142,131 @@ impl<R: Real> Exchange<R> {
     pub fn rate(&self, volume: R) -> R {
         self.wall() * self.at(volume) / volume.sqrt()
     }
+}
 
-    /// One of the equal parts, in √V, of a ramp: 1/T at its end, from 1/T and √V at its begin, the part's rise of √V and
-    /// the dwell, s m^-½.
+/// Heat that is exchanged with a wall at a rate that depends on the volume alone.
+pub trait Heat<R: Real> {
+    /// c f A at a volume, m³.
+    fn at(&self, volume: R) -> R;
+}
+
+impl<R: Real> Heat<R> for Exchange<R> {
     #[inline(always)]
-    pub fn ramp_part(&self, wall: R, inverse: R, root: R, step: R, dwell: R) -> R {
-        let mut exchange = [R::ZERO; NODES];
-        let mut total = R::ZERO;
+    fn at(&self, volume: R) -> R {
+        self.at(volume)
+    }
+}
+
+impl<R: Real> Heat<R> for Closed<R> {
+    #[inline(always)]
+    fn at(&self, volume: R) -> R {
+        self.exchange[0] * volume + self.exchange[1]
+    }
+}
+
+/// One of the equal parts, in √V, of a ramp.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<R> {
+    /// √V at its begin, and its rise.
+    pub root: R,
+    /// The rise of √V.
+    pub step: R,
+    /// The dwell, s m^-½.
+    pub dwell: R,
+    /// Temperature of the wall, K.
+    pub wall: R,
+    /// γ − 1.
+    pub expansion: R,
+}
+
+/// What is exchanged over a part: at the nodes, and the sum.
+struct Exchanged<R> {
+    at: [R; NODES],
+    total: R,
+}
+
+impl<R: Real> Part<R> {
+    /// By how much 1/T grows up to a share of the part over which that much is exchanged.
+    #[inline(always)]
+    fn growth(&self, exchanged: R, share: f64) -> R {
+        (self.wall * exchanged - self.expansion * 2.0 * (R::ONE + self.step * share / self.root).ln()).exp()
+    }
+
+    #[inline(always)]
+    fn exchanged(&self, heat: &impl Heat<R>) -> Exchanged<R> {
+        let mut all = Exchanged { at: [R::ZERO; NODES], total: R::ZERO };
         for index in 0..black_box(NODES) {
             let (x, weight) = node(index);
-            let q = root + step * x;
-            exchange[index] = dwell * self.at(q * q);
-            total += exchange[index] * weight;
+            let q = self.root + self.step * x;
+            all.at[index] = self.dwell * heat.at(q * q);
+            all.total += all.at[index] * weight;
         }
-        let expansion = self.balance.expansion * 2.0;
-        let growth = |exchanged: R, x: f64| (wall * exchanged - expansion * (R::ONE + step * x / root).ln()).exp();
-        let (up_to_node, mut integral) = (&*UP_TO_NODE, R::ZERO);
+        all
+    }
+
+    /// 1/T at its end, from that at its begin.
+    #[inline(always)]
+    pub fn end(&self, heat: &impl Heat<R>, inverse: R) -> R {
+        let Exchanged { at: exchange, total } = self.exchanged(heat);
+        let (rule, mut integral) = (&*RULE, R::ZERO);
         for index in 0..black_box(NODES) {
             let (x, weight) = node(index);
-            let mut exchanged = R::ZERO;
-            for (value, share) in exchange.iter().zip(&up_to_node[index]) {
-                exchanged += *value * *share;
+            integral += exchange[index] * self.growth(rule.up_to_node(&exchange, index), x) * weight;
+        }
+        (inverse + integral) / self.growth(total, 1.0)
+    }
+
+    /// 1/T along it, from that at its begin, and at its end.
+    #[inline(always)]
+    pub fn panel(&self, heat: &impl Heat<R>, inverse: R) -> (Panel<R>, R) {
+        let Exchanged { at: exchange, total } = self.exchanged(heat);
+        let rule = &*RULE;
+        let (mut growth, mut source, mut integral) = ([R::ZERO; NODES], [R::ZERO; NODES], R::ZERO);
+        for index in 0..black_box(NODES) {
+            let (x, weight) = node(index);
+            growth[index] = self.growth(rule.up_to_node(&exchange, index), x);
+            source[index] = exchange[index] * growth[index];
+            integral += source[index] * weight;
+        }
+        let mut values = [R::ZERO; NODES];
+        for index in 0..black_box(NODES) {
+            values[index] = (inverse + rule.up_to_node(&source, index)) / growth[index];
+        }
+        (Panel::through(&values, rule), (inverse + integral) / self.growth(total, 1.0))
+    }
+}
+
+/// A quantity along a part: coefficients in powers of its place from −1 to 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Panel<R>([R; NODES]);
+
+impl<R: Real> Panel<R> {
+    /// The polynomial through values at the nodes. By way of Legendre's series, whose terms fall so fast that powers lose
+    /// no digits.
+    #[inline(always)]
+    fn through(values: &[R; NODES], rule: &Rule) -> Self {
+        let mut powers = [R::ZERO; NODES];
+        for order in 0..black_box(NODES) {
+            let mut term = R::ZERO;
+            for index in 0..NODES {
+                term += values[index] * rule.legendre[order][index];
             }
-            integral += exchange[index] * growth(exchanged, x) * weight;
+            for power in 0..NODES {
+                powers[power] += term * rule.powers[order][power];
+            }
         }
-        (inverse + integral) / growth(total, 1.0)
+        Self(powers)
+    }
+
+    /// Its value at a share of the part.
+    #[inline(always)]
+    pub fn at(&self, share: R) -> R {
+        let place = share * 2.0 - 1.0;
+        let mut sum = self.0[NODES - 1];
+        for power in (0..NODES - 1).rev() {
+            sum = sum * place + self.0[power];
+        }
+        sum
     }
 }
 
@@ -143,8 +275,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_panel_is_the_quantity_whose_values_it_goes_through() {
+        // 1/T along a part as long as any: a power of V.
+        let quantity = |x: f64| (1.0 + x).powf(0.8);
+        let values = core::array::from_fn(|index| quantity(node(index).0));
+        let panel = Panel::through(&values, &RULE);
+        for x in [0.0, 0.3, 1.0f64] {
+            assert!((panel.at(x) - quantity(x)).abs() < 2e-14, "{x}");
+        }
+    }
+
+    #[test]
     fn what_is_integrated_up_to_a_node_is_exact_for_polynomials() {
-        for (index, row) in UP_TO_NODE.iter().enumerate() {
+        for (index, row) in RULE.up_to_node.iter().enumerate() {
             let (x, _) = node(index);
             for degree in 0..NODES as i32 {
                 let found: f64 = row.iter().enumerate().map(|(j, w)| w * node(j).0.powi(degree)).sum();

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | sealed, without effects | the closed form (`exact_rows`), or where the integrator is asked for its one equation (`sealed`) |
 //! | with effects that keep the closed form | the closed form with a changed integrand (`kept`) |
+//! | of either kind behind a sensor | the same, filtered (`readings`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
 //!
 //! Rows of the last kind leave a trace: pressure and temperature with their slopes at the end of each step (`history`).
@@ -38,6 +39,7 @@ mod outcome;
 mod plain;
 mod plan;
 mod reader;
+mod readings;
 mod regression;
 mod root;
 mod samples;
@@ -56,7 +58,9 @@ pub use scenario::{Hold, Options, Scenario, Solver};
 use chamber::AreaLaw;
 use chamber::balance::STATES;
 use chamber::effects::{self, EffectSet};
+use exact_rows::Shown;
 use plan::Plan;
+use readings::Behind;
 
 /// Scenarios that are solved together: as many as keep their working memory in a core's cache.
 pub const CHUNK: usize = 512;
@@ -75,7 +79,7 @@ pub struct Kernel {
     instructions: InstructionSet,
     adaptive: adaptive::Memory,
     course: course::Memory,
-    records: regression::Records,
+    closed: exact_rows::Memory,
     sorted: Sorted,
 }
 
@@ -92,18 +96,16 @@ impl Kernel {
     /// Where the two slices differ in length.
     pub fn run(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
-        let Self { instructions: InstructionSet(arch), adaptive: memory, course: course_memory, records, sorted } =
-            self;
+        let Self { instructions: InstructionSet(arch), adaptive: memory, course: course_memory, closed, sorted } = self;
         let arch = *arch;
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
             sorted.fill(set, scenarios, options, out);
-            if options.solver == Solver::Adaptive {
+            if !sorted.sealed.is_empty() {
                 adaptive::run(arch, memory, &sorted.sealed, scenarios, options, out);
-            } else {
-                exact_rows::run(arch, records, EffectSet::NONE, &sorted.sealed, scenarios, options, out);
-                for rows in sorted.kept.iter().filter(|rows| !rows.is_empty()) {
-                    exact_rows::run(arch, records, set.intersection(*kept::EFFECTS), rows, scenarios, options, out);
-                }
+            }
+            for (kind, rows) in sorted.closed.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+                let Kind { kept, shown } = Kind::of(kind, set);
+                exact_rows::run(arch, closed, kept, shown, rows, scenarios, options, out);
             }
             for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
                 course(arch, course_memory, set, rows, scenarios, options, out);
@@ -112,13 +114,42 @@ impl Kernel {
     }
 }
 
+/// What rows that are solved by their closed forms have in common.
+struct Kind {
+    /// Effects that keep the closed form.
+    kept: EffectSet,
+    /// What their sensors do.
+    shown: Shown,
+}
+
+impl Kind {
+    /// How many kinds there are: no effects, or some and one of two area laws; the gas shown, or by sensors that lag or do
+    /// not, and are delayed or are not.
+    const COUNT: usize = 3 * 5;
+
+    /// The number of the kind of a row.
+    fn number(has_kept: bool, swept: bool, behind: Option<Behind>) -> usize {
+        let gas = if has_kept { 1 + usize::from(swept) } else { 0 };
+        let shown = behind.map_or(0, |b| 1 + usize::from(b.sensor.lag > 0.0) + 2 * usize::from(b.delay > 0.0));
+        gas + 3 * shown
+    }
+
+    /// That kind of the rows with a set of effects.
+    fn of(kind: usize, set: EffectSet) -> Self {
+        let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(*kept::EFFECTS) };
+        let shown = kind / 3;
+        let of_sensor = if shown == 0 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
+        Self { kept, shown: Shown { set: of_sensor, lags: shown.is_multiple_of(2) } }
+    }
+}
+
 /// A chunk's rows by the way they are solved.
 #[derive(Default)]
 struct Sorted {
-    /// Sealed tests and their durations, s.
+    /// Sealed tests to be integrated, and their durations, s.
     sealed: Vec<(u32, f64)>,
-    /// Tests with effects that keep the closed form, and their durations, s, by area law.
-    kept: [Vec<(u32, f64)>; 2],
+    /// Tests with closed forms, and their durations, s, by kind.
+    closed: [Vec<(u32, f64)>; Kind::COUNT],
     /// Others, by area law and whether they have a profile: what lanes must have in common.
     others: [Vec<(u32, Plan)>; 4],
 }
@@ -127,21 +158,28 @@ impl Sorted {
     /// Sorts a chunk; rows that cannot be solved are answered at once.
     fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         self.sealed.clear();
-        self.kept.iter_mut().for_each(Vec::clear);
+        self.closed.iter_mut().for_each(Vec::clear);
         self.others.iter_mut().for_each(Vec::clear);
+        let of_sensor = effects::of_sensor();
         for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
             let row = row as u32;
             let swept = usize::from(s.chamber.geometry.area_law == AreaLaw::Swept);
-            let closed = s.mass_flow_in_kg_per_s == 0.0 && s.mass_flow_out_kg_per_s == 0.0 && s.profile.is_none();
+            let sealed = s.mass_flow_in_kg_per_s == 0.0 && s.mass_flow_out_kg_per_s == 0.0 && s.profile.is_none();
             let active = if set.is_empty() { set } else { s.chamber.active() };
-            let sealed = closed && active.is_empty();
-            let kept = closed && options.solver != Solver::Adaptive && kept::EFFECTS.contains(active);
-            if options.solver == Solver::Exact && !kept {
+            let (shown, of_gas) = (active.intersection(of_sensor), active.without(of_sensor));
+            let integrates = options.solver == Solver::Adaptive;
+            let behind = (!shown.is_empty()).then(|| Behind::new(shown, s));
+            // A record that is late by more than the push or the hold shows other parts of the test.
+            let in_time =
+                |b: Behind| plan::times(s).map_or(true, |(push, duration)| b.delay < push.min(duration - push));
+            let has_closed_form = sealed && kept::EFFECTS.contains(of_gas) && behind.is_none_or(in_time);
+            if options.solver == Solver::Exact && !has_closed_form {
                 *out = Outcome::failed(Failure::NoExactSolution);
                 continue;
             }
-            if kept || sealed && set.is_empty() {
-                let list = if sealed { &mut self.sealed } else { &mut self.kept[swept] };
+            if has_closed_form && (!integrates || set.is_empty()) {
+                let kind = Kind::number(!of_gas.is_empty(), swept == 1, behind);
+                let list = if integrates { &mut self.sealed } else { &mut self.closed[kind] };
                 match plan::check(set, s).and_then(|()| plan::times(s)) {
                     Ok((_, duration)) => list.push((row, duration)),
                     Err(reason) => *out = Outcome::failed(reason),

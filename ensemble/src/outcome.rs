@@ -90,7 +90,7 @@ pub enum Failure {
     #[error("an effect is active that the batch does not include")]
     EffectNotInSet,
     /// The exact solution was demanded where there is none.
-    #[error("the exact solution needs a closed chamber without effects, pushed linearly")]
+    #[error("the exact solution needs a closed chamber, pushed linearly, with no effects but those that keep it")]
     NoExactSolution,
     /// The gas is all gone.
     #[error("the chamber runs empty")]

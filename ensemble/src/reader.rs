@@ -589,7 +589,7 @@ impl WithSimd for Powers<'_> {
 }
 
 /// What a curve a lane is made of.
-trait Reading {
+pub trait Reading {
     /// What events and roots are looked for on.
     type Curve: Curve;
     /// Makes it, with the instructions at hand.
@@ -647,7 +647,7 @@ impl Curve for Lagging {
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug)]
-enum Question {
+pub enum Question {
     /// The time at which the curve turns round, and its value there.
     Turn,
     /// The time, between two at the first of which it is outside, at which the curve comes within a band around a value.
@@ -657,10 +657,13 @@ enum Question {
 }
 
 /// A question about a curve a lane, between two times.
-struct Look<R> {
-    reading: R,
-    times: [Lanes; 2],
-    question: Question,
+pub struct Look<R> {
+    /// What makes the curve.
+    pub reading: R,
+    /// The times.
+    pub times: [Lanes; 2],
+    /// What is looked for.
+    pub question: Question,
 }
 
 /// Where a curve turns round: its rise over a short time, positive before a summit or after a bottom.

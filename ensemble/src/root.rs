@@ -8,10 +8,10 @@ const ROUNDS: usize = 6;
 /// Share of a curve's fall between the ends at which its value counts as nothing.
 const NOTHING: f64 = 1e-13;
 
-/// A function of the share of a step.
+/// A function of one variable: a time, s, or a share of a step.
 pub trait Curve {
-    /// Its value at a share of the step, 0 to 1.
-    fn at(&self, share: Lanes) -> Lanes;
+    /// Its value there.
+    fn at(&self, place: Lanes) -> Lanes;
 }
 
 /// A root between `low`, where the curve is positive, and `high`, where it is not.
