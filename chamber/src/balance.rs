@@ -429,28 +429,29 @@ impl<R: Real> Balance<R> {
         self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own_states(state))
     }
 
-    /// [`Balance::evaluate`] where the contents and the effects' own states are at hand; the position goes unread.
+    /// [`Balance::evaluate`] where the contents and the effects' own states are at hand; the position goes unread. The first
+    /// `M` own states do where the effects in `set` have no others.
     #[inline(always)]
-    pub fn evaluate_contents(
+    pub fn evaluate_contents<const M: usize>(
         &self,
         set: EffectSet,
         boundary: &Boundary<R>,
         contents: &Contents<R>,
-        own: &[R; OWN_STATES],
-    ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
+        own: &[R; M],
+    ) -> (Conditions<R>, Rates<R>, [R; M]) {
         self.evaluate_within(&(), set, boundary, contents, own)
     }
 
     /// [`Balance::evaluate_contents`] within these surroundings.
     #[inline(always)]
-    pub fn evaluate_within(
+    pub fn evaluate_within<const M: usize>(
         &self,
         surroundings: &impl Surroundings<R>,
         set: EffectSet,
         boundary: &Boundary<R>,
         contents: &Contents<R>,
-        own: &[R; OWN_STATES],
-    ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
+        own: &[R; M],
+    ) -> (Conditions<R>, Rates<R>, [R; M]) {
         let chamber = &self.chamber;
         let mut at = self.conditions(set, boundary, contents);
         effects::conditions(set, &chamber.effects, own, &mut at);

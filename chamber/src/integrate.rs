@@ -218,13 +218,13 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         slopes[0] = first;
         let mut end = self.state;
         for stage in 1..7 {
-            end = core::array::from_fn(|i| {
-                let mut sum = slopes[0][i] * A[stage][0];
-                for j in 1..stage {
-                    sum += slopes[j][i] * A[stage][j];
+            let mut sum = slopes[0].map(|slope| slope * A[stage][0]);
+            for j in 1..stage {
+                for i in 0..N {
+                    sum[i] += slopes[j][i] * A[stage][j];
                 }
-                self.state[i] + sum * h
-            });
+            }
+            end = core::array::from_fn(|i| self.state[i] + sum[i] * h);
             slopes[stage] = system.rates(self.time + C[stage] * h, &end);
         }
         Step { from: self.time, length: h, start: self.state, end, slopes }
@@ -233,12 +233,14 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
     /// Error of a step relative to the tolerance (largest component), infinite where a state is not finite.
     #[inline]
     fn error(&self, step: &Step<R, N>) -> f64 {
-        let mut worst: f64 = 0.0;
-        for i in 0..N {
-            let mut sum = 0.0;
-            for (slope, weight) in step.slopes.iter().zip(E) {
-                sum += weight * slope[i].value();
+        let mut sums = [0.0; N];
+        for (slope, weight) in step.slopes.iter().zip(E) {
+            for i in 0..N {
+                sums[i] += weight * slope[i].value();
             }
+        }
+        let mut worst: f64 = 0.0;
+        for (i, sum) in sums.into_iter().enumerate() {
             let size = step.start[i].value().abs().max(step.end[i].value().abs());
             let scale = self.tolerance.absolute[i] + self.tolerance.relative * size;
             let ratio = (sum * step.length).abs() / scale;

@@ -269,10 +269,12 @@ macro_rules! effects {
             heat
         }
 
-        /// [`Effect::conditions`] of the effects in `set`.
+        /// [`Effect::conditions`] of the effects in `set` whose own states are among the first `M`.
         #[inline(always)]
-        pub fn conditions<R: Real>(set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], at: &mut Conditions<R>) {
-            $(if set.has($module::$name::INDEX) {
+        pub fn conditions<R: Real, const M: usize>(
+            set: EffectSet, values: &EffectValues<R>, own: &[R; M], at: &mut Conditions<R>,
+        ) {
+            $(if $module::$name::lies_within(M) && set.has($module::$name::INDEX) {
                 $module::$name::conditions($module::$name::values(values), $module::$name::own(own), at);
             })*
         }
@@ -365,13 +367,13 @@ macro_rules! effects {
             })*
         }
 
-        /// [`Effect::own_rates`] of the effects in `set`; zero for the others.
+        /// [`Effect::own_rates`] of the effects in `set` whose own states are among the first `M`; zero for the others.
         #[inline(always)]
-        pub fn own_rates<R: Real>(
-            set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>,
-        ) -> [R; OWN_STATES] {
-            let mut out = [R::ZERO; OWN_STATES];
-            $(if set.has($module::$name::INDEX) {
+        pub fn own_rates<R: Real, const M: usize>(
+            set: EffectSet, values: &EffectValues<R>, own: &[R; M], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>,
+        ) -> [R; M] {
+            let mut out = [R::ZERO; M];
+            $(if $module::$name::lies_within(M) && set.has($module::$name::INDEX) {
                 $module::$name::own_rates(
                     $module::$name::values(values), $module::$name::own(own), at, flows, rates, $module::$name::own_mut(&mut out),
                 );
@@ -533,13 +535,20 @@ trait Place {
     fn values<R>(values: &EffectValues<R>) -> &[R] {
         &values.0[PARAMETER_OFFSETS[Self::INDEX]..PARAMETER_OFFSETS[Self::INDEX + 1]]
     }
+    /// Its own states among the first `M` of all effects: empty where it has none.
     #[inline(always)]
-    fn own<R>(own: &[R; OWN_STATES]) -> &[R] {
-        &own[STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]]
+    fn own<R, const M: usize>(own: &[R; M]) -> &[R] {
+        own.get(STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]).unwrap_or_default()
     }
     #[inline(always)]
-    fn own_mut<R>(own: &mut [R; OWN_STATES]) -> &mut [R] {
-        &mut own[STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]]
+    fn own_mut<R, const M: usize>(own: &mut [R; M]) -> &mut [R] {
+        own.get_mut(STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]).unwrap_or_default()
+    }
+    /// Whether all its own states are among the first `count` of all effects.
+    #[inline(always)]
+    fn lies_within(count: usize) -> bool {
+        let (begin, end) = (STATE_OFFSETS[Self::INDEX], STATE_OFFSETS[Self::INDEX + 1]);
+        begin == end || end <= count
     }
 }
 

@@ -26,10 +26,9 @@ const HEAT_SUM: usize = 2;
 const WORK_SUM: usize = 3;
 /// Mass and enthalpy through both ports within a step, where they are open.
 const PORTS: usize = 4;
-/// With them behind, the effects' own states, as many as most sets of effects have.
-const FEW: usize = GAS + FEW_OWN_STATES;
-/// The same with all of them.
-const MANY: usize = GAS + OWN_STATES;
+/// Behind them, the effects' own states: as many as most sets of effects have, or all.
+const FEW: usize = FEW_OWN_STATES;
+const ALL_OWN: usize = OWN_STATES;
 
 /// States of the gas at a communication point.
 #[derive(Clone, Debug, PartialEq)]
@@ -173,10 +172,10 @@ impl Gas {
             leaves_gas(inputs, states[MASS], h, bare)?;
             let outcome = match (ports, plant.few_states) {
                 _ if bare => course.gas_alone(states),
-                (false, true) => course.in_all_states::<FEW, 0>(states, time, record),
-                (false, false) => course.in_all_states::<MANY, 0>(states, time, record),
-                (true, true) => course.in_all_states::<{ FEW + PORTS }, PORTS>(states, time, record),
-                (true, false) => course.in_all_states::<{ MANY + PORTS }, PORTS>(states, time, record),
+                (false, true) => course.in_all_states::<{ GAS + FEW }, 0, FEW>(states, time, record),
+                (false, false) => course.in_all_states::<{ GAS + ALL_OWN }, 0, ALL_OWN>(states, time, record),
+                (true, true) => course.in_all_states::<{ GAS + PORTS + FEW }, PORTS, FEW>(states, time, record),
+                (true, false) => course.in_all_states::<{ GAS + PORTS + ALL_OWN }, PORTS, ALL_OWN>(states, time, record),
             };
             let (states, inner_step, port_flows) = outcome.map_err(no_step)?;
             Gas { states, position: end, inner_step, port_flows: Some(port_flows) }
@@ -271,7 +270,7 @@ impl Course<'_> {
                 return [f64::NAN; GAS];
             }
             let contents = Contents::new(y[0], y[1], volume);
-            let (_, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[0.0; OWN_STATES]);
+            let (_, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[]);
             [rates.mass, rates.energy, rates.heat_flow, rates.work]
         };
         let absolute = [absolute[MASS], absolute[ENERGY], f64::INFINITY, f64::INFINITY];
@@ -281,8 +280,8 @@ impl Course<'_> {
         Ok((states, inner_step, [0.0; 4]))
     }
 
-    /// The gas with heat and work, what passes the ports, `P` sums, and the effects' own states: `N` in all.
-    fn in_all_states<const N: usize, const P: usize>(
+    /// The gas with heat and work, what passes the ports, `P` sums, and the effects' first `M` own states: `N` in all.
+    fn in_all_states<const N: usize, const P: usize, const M: usize>(
         &self,
         states: [f64; ALL],
         time: f64,
@@ -292,13 +291,13 @@ impl Course<'_> {
             let (start, u) = (self.boundary_at_begin(), &self.inputs.value);
             let around = Around::of(u, self.plant.choices.external_wall, Some(self.plant.critical_ratios));
             let along = move |s: f64| (Boundary { position: start.position + start.velocity * s, ..start }, around);
-            self.all_along::<N, P>(states, time, record, along)
+            self.all_along::<N, P, M>(states, time, record, along)
         } else {
-            self.all_along::<N, P>(states, time, record, |s| self.boundary_at(s))
+            self.all_along::<N, P, M>(states, time, record, |s| self.boundary_at(s))
         }
     }
 
-    fn all_along<const N: usize, const P: usize>(
+    fn all_along<const N: usize, const P: usize, const M: usize>(
         &self,
         states: [f64; ALL],
         time: f64,
@@ -306,12 +305,11 @@ impl Course<'_> {
         along: impl Fn(f64) -> (Boundary, Around),
     ) -> Result<Outcome, IntegrationError> {
         let Plant { balance, set, tolerance, .. } = self.plant;
-        let (first_own, own_states) = (GAS + P, N - GAS - P);
-        let own_of = |y: &[f64; N]| {
-            let mut own = [0.0; OWN_STATES];
-            own[..own_states].copy_from_slice(&y[first_own..]);
-            own
+        let first_own = const {
+            assert!(N == GAS + P + M);
+            GAS + P
         };
+        let own_of = |y: &[f64; N]| -> [f64; M] { core::array::from_fn(|i| y[first_own + i]) };
         let rates = |s: f64, y: &[f64; N]| {
             let (boundary, mut around) = along(s);
             let volume = balance.chamber.geometry.volume(boundary.position);
@@ -331,20 +329,20 @@ impl Course<'_> {
             if P > 0 {
                 out[GAS..first_own].copy_from_slice(&around.port_flows(&at));
             }
-            out[first_own..].copy_from_slice(&own[..own_states]);
+            out[first_own..].copy_from_slice(&own);
             out
         };
         let mut absolute = [f64::INFINITY; N];
         absolute[..OWN].copy_from_slice(&tolerance.absolute[..OWN]);
-        absolute[first_own..].copy_from_slice(&tolerance.absolute[OWN..][..own_states]);
+        absolute[first_own..].copy_from_slice(&tolerance.absolute[OWN..][..M]);
         let wide = Tolerance { relative: tolerance.relative, absolute };
         let mut begin = [0.0; N];
         begin[..GAS].copy_from_slice(&[states[MASS], states[ENERGY], states[HEAT], states[WORK]]);
-        begin[first_own..].copy_from_slice(&states[OWN..][..own_states]);
+        begin[first_own..].copy_from_slice(&states[OWN..][..M]);
         let gas_of = |y: &[f64; N]| {
             let mut gas = states::of_gas(&states);
             gas[..OWN].copy_from_slice(&y[..OWN]);
-            gas[OWN..][..own_states].copy_from_slice(&y[first_own..]);
+            gas[OWN..][..M].copy_from_slice(&y[first_own..]);
             gas
         };
         let (end, inner_step) = match record {
