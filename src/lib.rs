@@ -7,6 +7,7 @@ mod commands;
 mod diagnosis_page;
 pub mod evaluation;
 mod failure;
+mod measured;
 mod output;
 pub mod predictive;
 #[cfg(test)]

@@ -116,6 +116,18 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     Ok(Simulated { samples, band, notes })
 }
 
+/// A model along a record: what is imposed on the chamber, the state it begins from, one sample for each row.
+///
+/// # Errors
+/// A motion that leaves no gas or cannot be followed, no pressure to begin from.
+pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
+    let signals = signals(model, record);
+    check_volume(model, record, &signals)?;
+    let start = start(None, model, record, &signals, 0.0)?;
+    let samples = along(model, start, &signals, record, record.len())?;
+    Ok((signals, start, samples))
+}
+
 impl Course<'_> {
     /// A model along the motion, its mean pressure at rest that of the motion plus `shift`, Pa.
     ///
@@ -124,7 +136,7 @@ impl Course<'_> {
     pub fn samples(&self, model: &Model, shift: f64) -> anyhow::Result<Vec<Sample>> {
         let signals = signals(model, self.motion);
         check_volume(model, self.motion, &signals)?;
-        let start = start(self.request, model, self.motion, &signals, shift)?;
+        let start = start(self.request.initial_pressure_pa, model, self.motion, &signals, shift)?;
         along(model, start, &signals, self.motion, self.motion.len())
     }
 
@@ -169,12 +181,18 @@ fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: u
 
 /// The state that the simulation begins from: the wall's temperature at rest, and the pressure asked for, or the measured
 /// one plus `shift`.
-fn start(request: &Request, model: &Model, motion: &Trace, signals: &Signals, shift: f64) -> anyhow::Result<Start> {
+fn start(
+    initial_pressure_pa: Option<f64>,
+    model: &Model,
+    motion: &Trace,
+    signals: &Signals,
+    shift: f64,
+) -> anyhow::Result<Start> {
     let rest = rows_at_rest(motion);
     let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
     let ambient = ambient.unwrap_or(model.ambient_temperature_k);
     let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
-    if let Some(pressure) = request.initial_pressure_pa {
+    if let Some(pressure) = initial_pressure_pa {
         if !(pressure.is_finite() && pressure > 0.0) {
             bail!("the initial pressure is {pressure} Pa; expected a pressure in Pa, absolute and above zero");
         }

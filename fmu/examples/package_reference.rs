@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         identity: &identity,
         about: &about,
         starts: &starts,
+        validations: &[],
         generated: None,
         model_file: None,
         libraries: &libraries,

@@ -173,7 +173,7 @@ pub unsafe fn instantiate<L: Listener>(
         match guid {
             Some(asked) if asked == block.guid => Ok(Instance::new(&block.starts, &block.guid, kind)),
             Some(asked) => Err(format!(
-                "guid {asked} is not the library's {}: description and library are of different FMUs",
+                "guid {asked} differs from {}, the guid of the library: the model description and the library belong to different FMUs",
                 block.guid
             )),
             None => Err("the guid is NULL".into()),
@@ -190,7 +190,7 @@ pub unsafe fn instantiate<L: Listener>(
         Ok(Err(why)) => why,
         Err(panic) => said(&*panic),
     };
-    let text = format!("no instance was made: {refused}");
+    let text = format!("the instance was not created: {refused}");
     // SAFETY: as the caller promises.
     unsafe { tell(&listener, &Message { status: Status::Error, category: Category::Error, text }) };
     std::ptr::null_mut()

@@ -18,5 +18,6 @@ fn the_documentation_is_the_reviewed_one() {
         &Identity::reference(),
         &Starts::default(),
         &documentation::About::default(),
+        &[],
     ));
 }

@@ -100,7 +100,7 @@ fn states_that_are_none_are_refused() {
 }
 
 #[test]
-fn a_state_of_another_fmu_or_none_at_all_is_refused() {
+fn a_state_of_another_fmu_another_version_or_none_at_all_is_refused() {
     let host = under_way();
     for bytes in [&b""[..], b"PNTFMUS", b"something else entirely", &[0; 4096]] {
         assert_eq!(host.deserialize(bytes), 3);
@@ -112,6 +112,12 @@ fn a_state_of_another_fmu_or_none_at_all_is_refused() {
     other[12..16].copy_from_slice(&checksum.to_le_bytes());
     assert_eq!(host.deserialize(&other), 3);
     assert!(host.message().contains("another guid"));
+    for version in [0u32, 1, 2, 4, u32::MAX] {
+        let mut older = host.serialized();
+        older[8..12].copy_from_slice(&version.to_le_bytes());
+        assert_eq!(host.deserialize(&older), 3, "version {version}");
+        assert!(host.message().contains("they are of another version of the format"));
+    }
     let size = host.serialized().len();
     let (state, mut small) = (host.save(), vec![0; size]);
     assert_eq!(unsafe { fmi2SerializeFMUstate(host.c, state, small.as_mut_ptr().cast(), size - 1) }, 3);

@@ -1,15 +1,16 @@
-//! `pneutherm fmu`: a model as an FMI 2.0 unit for Model Exchange and co-simulation.
+//! `pneutherm fmu`: a model as an FMI 2.0 or 3.0 unit for Model Exchange and co-simulation.
 
-use crate::output;
+use crate::{measured, output};
 use anyhow::Context;
 use fmu::package::documentation::About;
 use fmu::package::identity::Identity;
+use fmu::package::validation::Validation;
 use fmu::package::{Contents, Library, Version};
 use fmu::plant::values::{
     BASE, CRITICAL_RATIO, Choices, Parameters, REALS, Starts, StrokeInput, parameter, start_inputs,
 };
 use fmu::table::parameter_name;
-use records::{Model, Verdict};
+use records::{Model, Rig, Verdict};
 use std::path::PathBuf;
 
 /// The FMU's libraries, built by `build.rs`.
@@ -22,6 +23,11 @@ const START_POSITION_M: f64 = 0.1;
 #[command(after_help = "\
 Example:
   pneutherm fmu model.toml -o Chamber.fmu
+  pneutherm fmu model.toml -o Chamber.fmu --validation other-day/rig.toml
+
+Every FMU contains a push and hold with the result of the model, as a reference experiment (FMI-LS-REF). With --validation it \
+contains the records of that rig too: the recorded stroke, the start values, the measured pressure and the error of the model, \
+all as `pneutherm simulate` computes them.
 
 The importing tool can change every start value. The generation date in the FMU is SOURCE_DATE_EPOCH, or else the date of the \
 model, so that the same model gives the same bytes.")]
@@ -34,6 +40,10 @@ pub struct Args {
     /// Version of FMI, 2 or 3
     #[arg(long, value_name = "VERSION", default_value = "2", value_parser = version)]
     fmi: Version,
+    /// Put the records of this rig into the FMU as measured reference experiments; the rig file or the folder that holds its
+    /// rig.toml
+    #[arg(long, value_name = "RIG.toml")]
+    validation: Option<PathBuf>,
 }
 
 fn version(text: &str) -> Result<Version, String> {
@@ -54,7 +64,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
     let identity = Identity::of(name.unwrap_or("Chamber"));
-    let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?)
+    let validations = match &args.validation {
+        None => Vec::new(),
+        Some(rig) => measured::validations(&model, &Rig::read(rig)?)?,
+    };
+    let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?, &validations)
         .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;
     if !output::is_stdout(&args.output) {
@@ -63,6 +77,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let (path, platforms) = (args.output.display(), platforms.join(", "));
         let told = format!("{path}: FMI {version}, Model Exchange and co-simulation, for {platforms}\n");
         output::print(told.as_bytes())?;
+        for validation in &validations {
+            output::print(format!("reference experiment {}\n", validation.summary()).as_bytes())?;
+        }
         if let Some(note) = output::left_out(left_out) {
             output::print(note.as_bytes())?;
         }
@@ -120,7 +137,13 @@ fn variable_of(key: &str) -> Option<String> {
 }
 
 /// The FMU of a model, as bytes; it keeps the model's file in its resources.
-pub fn package(version: Version, identity: &Identity, model: &Model, model_file: &[u8]) -> anyhow::Result<Vec<u8>> {
+pub fn package(
+    version: Version,
+    identity: &Identity,
+    model: &Model,
+    model_file: &[u8],
+    validations: &[Validation],
+) -> anyhow::Result<Vec<u8>> {
     let (starts, about) = (starts(model), about(model));
     let generated = generated(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref(), model)?;
     let contents = Contents {
@@ -128,6 +151,7 @@ pub fn package(version: Version, identity: &Identity, model: &Model, model_file:
         identity,
         about: &about,
         starts: &starts,
+        validations,
         generated: generated.as_deref(),
         model_file: Some(model_file),
         libraries: LIBRARIES,

@@ -52,6 +52,7 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
             &Identity::reference(),
             &models[0],
             models[0].to_toml()?.as_bytes(),
+            &[],
         )?,
     )?;
     out.json("section31.json", section31::lines(&section31))?;

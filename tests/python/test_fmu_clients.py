@@ -3,9 +3,11 @@
 import ctypes
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 
 import numpy as np
@@ -389,6 +391,53 @@ def test_the_experiment_inside_is_replayed_to_its_own_result(fmu, tmp_path):
     assert np.ptp(expected["pressure"]) > 1e5, "the pressure moves"
     for name in expected.dtype.names[1:]:
         assert np.allclose(found[name], expected[name], rtol=1e-7, atol=1e-6), name
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_a_measured_record_inside_is_replayed_within_the_error_that_is_stated(pneutherm, root, tmp_path, version):
+    from xml.etree import ElementTree
+
+    cylinder = root / "examples/cylinder"
+    pneutherm("diagnose", cylinder, "-o", tmp_path / "model.toml")
+    said = pneutherm("fmu", "model.toml", "--fmi", version, "--validation", cylinder / "validation.toml", "-o", "V.fmu", cwd=tmp_path)
+    stated = r"validation.csv: error of the model ([\d.]+) Pa rms; it took no part in the identification"
+    error = float(re.search("reference experiment " + stated, said.stdout)[1])
+    folder = "extra/org.fmi-standard.fmi-ls-ref/"
+    with zipfile.ZipFile(tmp_path / "V.fmu") as archive:
+        archive.extractall(tmp_path)
+        related = list(ElementTree.fromstring(archive.read(folder + "fmi-ls-manifest.xml")).iter("Related"))
+        inside = {name.removeprefix(folder) for name in archive.namelist() if name.startswith(folder)}
+        assert re.search(stated, archive.read("documentation/index.html").decode())
+    assert {r.get("source") for r in related} | {"fmi-ls-manifest.xml"} == inside
+    of_record = {r.get("role"): r for r in related if r.get("source").startswith("validation_1_")}
+    assert set(of_record) == {"experiment/validation", "parameter", "result"}
+    assert float(re.search(stated, of_record["result"].get("description"))[1]) == error
+
+    def table(role):
+        return np.genfromtxt(tmp_path / folder / of_record[role].get("source"), delimiter=",", names=True)
+
+    measured, record = table("result"), np.genfromtxt(cylinder / "validation.csv", delimiter=",", names=True)
+    assert np.array_equal(measured["measuredPressure"], record["pressure_pa"])
+    start = ElementTree.parse(tmp_path / folder / of_record["parameter"].get("source")).getroot()
+    values = {p.get("name"): float(p[0].get("value")) for p in start.iter() if p.tag.endswith("}Parameter")}
+    assert set(values) == {"initialPressure", "initialTemperature"}
+    found = simulate_fmu(str(tmp_path / "V.fmu"), fmi_type="CoSimulation", start_values=values, output=["measuredPressure"],
+                         input=table("experiment/validation"), stop_time=measured["time"][-1], output_interval=0.01)  # fmt: skip
+    assert np.allclose(found["time"], measured["time"], atol=1e-9)
+    residual = found["measuredPressure"] - measured["measuredPressure"]
+    assert np.sqrt(np.mean(residual**2)) == pytest.approx(error, rel=1e-2)
+    # The error of the model on the records left out of its fit, as its file has it.
+    model = tomllib.loads((tmp_path / "model.toml").read_text())
+    assert error < 1.1 * model["provenance"]["rmse_after_pa"]["held_out"]
+
+
+def test_a_record_that_the_model_was_identified_from_is_called_so(pneutherm, root, tmp_path):
+    cylinder = root / "examples/cylinder"
+    pneutherm("identify", cylinder, "-o", tmp_path / "model.toml")
+    said = pneutherm("fmu", "model.toml", "--validation", cylinder, "-o", "V.fmu", cwd=tmp_path).stdout
+    assert said.count("the model was identified from it") == 15, said
+    process = pneutherm("fmu", "model.toml", "--validation", "nowhere.toml", "-o", "W.fmu", cwd=tmp_path, code=1)
+    assert "nowhere.toml" in process.stderr and not (tmp_path / "W.fmu").exists()
 
 
 @pytest.mark.parametrize(("version", "kind"), [("2", "CoSimulation"), ("2", "ModelExchange"), ("3", "CoSimulation"), ("3", "ModelExchange")])

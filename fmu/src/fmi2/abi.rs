@@ -416,14 +416,14 @@ pub unsafe extern "C" fn fmi2DoStep(
 /// `fmi2CancelStep`: steps are never pending.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(c: *mut c_void) -> CEnum {
-    let advice = "a step is done when fmi2DoStep returns, there is none to cancel";
+    let advice = "every step is complete when fmi2DoStep returns, so there is none to cancel";
     // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2CancelStep", |_| Err(Refusal::OutOfOrder { phase: "while no step is pending", advice })) }
 }
 
 /// Steps are done when fmi2DoStep returns: of the status kinds only the times and the wish to end have an answer.
 unsafe fn no_status(c: *mut c_void, function: &'static str) -> CEnum {
-    let what = "no step is pending; fmi2LastSuccessfulTime and fmi2Terminated can be asked for";
+    let what = "no step is pending; ask for fmi2LastSuccessfulTime or fmi2Terminated";
     // SAFETY: the host's component.
     unsafe { guarded(c, function, |_| Err(Refusal::NotOffered { what })) }
 }

@@ -1,6 +1,8 @@
 //! The FMU's documentation: a page with equations, variables and a worked example, a picture, the licences.
 
+use super::Contents;
 use super::identity::Identity;
+use super::validation::Validation;
 use crate::plant::values::Starts;
 use crate::table::{Role, Variable, camel, effects_here, settable, table};
 use crate::xml::{escaped, number};
@@ -32,14 +34,15 @@ pub struct About {
 }
 
 /// Files of the documentation, by name within its folder.
-pub fn files(identity: &Identity, starts: &Starts, about: &About) -> Vec<(&'static str, Vec<u8>)> {
-    let mut files = vec![("index.html", page(identity, starts, about).into_bytes()), ("chamber.svg", PICTURE.into())];
+pub fn files(contents: &Contents<'_>) -> Vec<(&'static str, Vec<u8>)> {
+    let page = page(contents.identity, contents.starts, contents.about, contents.validations);
+    let mut files = vec![("index.html", page.into_bytes()), ("chamber.svg", PICTURE.into())];
     files.extend(LICENSES.map(|(name, text)| (name, text.into())));
     files
 }
 
 /// `index.html`: the reviewed template with the tables filled in.
-pub fn page(identity: &Identity, start: &Starts, about: &About) -> String {
+pub fn page(identity: &Identity, start: &Starts, about: &About, validations: &[Validation]) -> String {
     let of = |role: fn(&Role) -> bool| -> String {
         table().iter().filter(|v| role(&v.role)).map(|v| row(v, start, about)).collect()
     };
@@ -48,14 +51,14 @@ pub fn page(identity: &Identity, start: &Starts, about: &About) -> String {
         .replace("{{outputs}}", &of(|role| matches!(role, Role::Output(_))))
         .replace("{{parameters}}", &of(|role| matches!(role, Role::Parameter(_) | Role::Choice(_))))
         .replace("{{effects}}", &effects_table())
-        .replace("{{about}}", &origin(about))
+        .replace("{{about}}", &origin(about, validations))
         .replace("{{name}}", &escaped(&identity.name))
         .replace("{{identifier}}", &identity.identifier)
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
 }
 
 /// Where the numbers come from, in HTML.
-fn origin(about: &About) -> String {
+fn origin(about: &About, validations: &[Validation]) -> String {
     let mut text = String::new();
     if *about == About::default() {
         text += "<p>The model file names no records: its author chose the numbers.</p>\n";
@@ -72,6 +75,9 @@ fn origin(about: &About) -> String {
     if !about.records.is_empty() {
         let records: Vec<String> = about.records.iter().map(|name| format!("<code>{}</code>", escaped(name))).collect();
         let _ = writeln!(text, "<p>Identified from the records {}.</p>", records.join(", "));
+    }
+    for validation in validations {
+        let _ = writeln!(text, "<p>Compared with the record {}.</p>", escaped(&validation.summary()));
     }
     text
 }

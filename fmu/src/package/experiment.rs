@@ -1,10 +1,13 @@
-//! The reference experiment inside an FMU: a push and hold with the result that this model gives, in the form of the FMI
-//! layered standard for reference experiments (FMI-LS-REF, beta of 2026). An importer replays it to see whether it finds
-//! the same numbers. The FMU runs the same by itself where its host sets nothing.
+//! The reference experiments inside an FMU, in the form of the FMI layered standard for reference experiments (FMI-LS-REF,
+//! beta of 2026): a push and hold with the result that this model gives, and the measured records that it was validated on.
+//! An importer replays them to see whether it finds the same numbers. The FMU runs the first by itself where its host sets
+//! nothing.
 
+use super::validation::{self, Validation};
 use crate::plant::leader::{Leader, PUSH_S};
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::{Starts, input, output};
+use crate::xml::line;
 use std::fmt::Write;
 
 /// Folder of the layered standard within the FMU.
@@ -16,27 +19,73 @@ const STEPS: u32 = 200;
 /// Duration of the experiment, s.
 pub const DURATION_S: f64 = PUSH_S * STEPS as f64 / PUSH_STEPS as f64;
 
-const MANIFEST: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
-<fmiReferences
-  xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
-  fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref"
-  fmi-ls:fmi-ls-version="1.0.0-beta.1"
-  fmi-ls:fmi-ls-description="Reference experiments of this FMU">
-  <Related type="text/csv" source="push_and_hold_in.csv" role="experiment" description="Inputs: the piston of the closed chamber is pushed to half its position in 0.1 s and held until 2 s"/>
-  <Related type="text/csv" source="push_and_hold_out.csv" role="result" description="Expected result of push_and_hold_in.csv: co-simulation with a communication step of 10 ms"/>
-</fmiReferences>
-"#;
+/// A file of an experiment.
+pub struct Related {
+    /// Media type.
+    pub media: &'static str,
+    /// Name within [`FOLDER`].
+    pub name: String,
+    /// What it is to the experiment, as FMI-LS-REF names it.
+    pub role: &'static str,
+    /// For people.
+    pub description: String,
+    /// The file.
+    pub text: String,
+}
 
-/// Files of the experiment, by name within [`FOLDER`]; none where the start values make no chamber.
-pub fn files(starts: &Starts) -> Vec<(&'static str, String)> {
-    match result(starts) {
-        Some(result) => vec![
-            ("fmi-ls-manifest.xml", MANIFEST.into()),
-            ("push_and_hold_in.csv", inputs(starts)),
-            ("push_and_hold_out.csv", result),
-        ],
-        None => Vec::new(),
+/// Media type of a table.
+pub const CSV: &str = "text/csv";
+
+/// Files of the experiments, by name within [`FOLDER`]; none where the start values make no chamber.
+pub fn files(starts: &Starts, validations: &[Validation]) -> Vec<(String, String)> {
+    let Some(mut related) = push_and_hold(starts) else { return Vec::new() };
+    related.extend((1..).zip(validations).flat_map(|(number, one)| validation::files(one, number)));
+    let manifest = ("fmi-ls-manifest.xml".to_owned(), manifest(&related));
+    [manifest].into_iter().chain(related.into_iter().map(|file| (file.name, file.text))).collect()
+}
+
+fn manifest(related: &[Related]) -> String {
+    let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    let root = [
+        ("xmlns:fmi-ls", "http://fmi-standard.org/fmi-ls-manifest"),
+        ("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-ref"),
+        ("fmi-ls:fmi-ls-version", "1.0.0-beta.1"),
+        ("fmi-ls:fmi-ls-description", "Reference experiments of this FMU"),
+    ];
+    line(&mut xml, 0, "fmiReferences", &root.map(|(name, value)| (name, value.to_owned())), false);
+    for file in related {
+        let attributes = [
+            ("type", file.media.to_owned()),
+            ("source", file.name.clone()),
+            ("role", file.role.to_owned()),
+            ("description", file.description.clone()),
+        ];
+        line(&mut xml, 2, "Related", &attributes, true);
     }
+    xml + "</fmiReferences>\n"
+}
+
+/// The push and hold, and the result that these start values give.
+fn push_and_hold(starts: &Starts) -> Option<Vec<Related>> {
+    Some(vec![
+        Related {
+            media: CSV,
+            name: "push_and_hold_in.csv".into(),
+            role: "experiment",
+            description:
+                "Inputs: the piston of the closed chamber is pushed to half its position in 0.1 s and held until 2 s"
+                    .into(),
+            text: inputs(starts),
+        },
+        Related {
+            media: CSV,
+            name: "push_and_hold_out.csv".into(),
+            role: "result",
+            description: "Expected result of push_and_hold_in.csv: co-simulation with a communication step of 10 ms"
+                .into(),
+            text: result(starts)?,
+        },
+    ])
 }
 
 fn time(step: u32) -> f64 {
@@ -87,10 +136,23 @@ mod tests {
     }
 
     #[test]
-    fn every_file_that_the_manifest_names_is_there() {
-        let files = files(&Starts::default());
-        let named: Vec<&str> = MANIFEST.split("source=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
-        assert_eq!(named.len(), 2);
-        assert!(named.iter().all(|name| files.iter().any(|(file, _)| file == name)), "{named:?}");
+    fn every_file_that_the_manifest_names_is_there_and_no_other() {
+        let record = Validation {
+            record: "a <b>.csv".into(),
+            took_part: false,
+            error_pa: 150.0,
+            start: vec![("initialPressure", 2e5)],
+            input_time_s: vec![0.0, 0.01],
+            inputs: vec![("position", vec![0.1, 0.09]), ("velocity", vec![-1.0, 0.0])],
+            time_s: vec![0.0, 0.01],
+            pressure_pa: vec![2e5, 2.1e5],
+        };
+        let files = files(&Starts::default(), &[record.clone(), record]);
+        let named: Vec<&str> =
+            files[0].1.split("source=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        let there: Vec<&str> = files[1..].iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(named, there);
+        assert_eq!(named.len(), 8);
+        assert!(files[0].1.contains("a &lt;b&gt;.csv"));
     }
 }

@@ -6,6 +6,7 @@ pub mod experiment;
 pub mod identity;
 pub mod signatures;
 pub mod start_values;
+pub mod validation;
 
 use crate::fmi2;
 use crate::fmi3;
@@ -18,6 +19,7 @@ use signatures::SignatureError;
 use start_values::{Block, BlockError};
 use std::io::{Cursor, Write};
 use thiserror::Error;
+use validation::Validation;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -74,6 +76,8 @@ pub struct Contents<'a> {
     pub about: &'a About,
     /// Start values.
     pub starts: &'a Starts,
+    /// Measured records that go with the model, as reference experiments.
+    pub validations: &'a [Validation],
     /// UTC time of generation, as in 2026-01-31T12:00:00Z.
     pub generated: Option<&'a str>,
     /// The model file it is made from, kept in the FMU's resources.
@@ -157,7 +161,7 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
             add("terminalsAndIcons/terminal.png", documentation::TERMINAL, 0o644)?;
         }
     }
-    for (name, bytes) in documentation::files(contents.identity, contents.starts, contents.about) {
+    for (name, bytes) in documentation::files(contents) {
         add(&format!("documentation/{name}"), &bytes, 0o644)?;
     }
     for library in contents.libraries {
@@ -178,7 +182,7 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
             0o755,
         )?;
     }
-    for (name, text) in experiment::files(contents.starts) {
+    for (name, text) in experiment::files(contents.starts, contents.validations) {
         add(&format!("{}/{name}", experiment::FOLDER), text.as_bytes(), 0o644)?;
     }
     if let Some(model) = contents.model_file {

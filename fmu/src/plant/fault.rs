@@ -39,7 +39,9 @@ pub enum Fault {
         outflow: f64,
     },
     /// No accurate step exists.
-    #[error("no accurate step of {step} s from t = {time} s ({cause}); the instance keeps the state of t = {time} s")]
+    #[error(
+        "a step of {step} s from t = {time} s cannot be computed accurately ({cause}); the instance keeps the state of t = {time} s"
+    )]
     NoStep {
         /// s.
         step: f64,
@@ -59,7 +61,7 @@ pub enum Fault {
         energy: f64,
     },
     /// A state that is finite but whose outputs are not, such as a sensor far beyond any number.
-    #[error("the outputs of this state are beyond all numbers; restore or reset")]
+    #[error("the outputs of this state are too large for a number; restore an earlier state or call fmi2Reset")]
     Overflow,
 }
 

@@ -175,7 +175,9 @@ impl Gas {
                 (false, true) => course.in_all_states::<{ GAS + FEW }, 0, FEW>(states, time, record),
                 (false, false) => course.in_all_states::<{ GAS + ALL_OWN }, 0, ALL_OWN>(states, time, record),
                 (true, true) => course.in_all_states::<{ GAS + PORTS + FEW }, PORTS, FEW>(states, time, record),
-                (true, false) => course.in_all_states::<{ GAS + PORTS + ALL_OWN }, PORTS, ALL_OWN>(states, time, record),
+                (true, false) => {
+                    course.in_all_states::<{ GAS + PORTS + ALL_OWN }, PORTS, ALL_OWN>(states, time, record)
+                }
             };
             let (states, inner_step, port_flows) = outcome.map_err(no_step)?;
             Gas { states, position: end, inner_step, port_flows: Some(port_flows) }

@@ -98,7 +98,7 @@ impl Instance {
     /// # Errors
     /// After initialization has begun; times or tolerance of no use.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
-        self.need(&[Phase::Instantiated], "the experiment is announced before initialization mode")?;
+        self.need(&[Phase::Instantiated], "set up the experiment before initialization mode")?;
         let bad = |argument, value, expected| Err(Refusal::BadArgument { argument, value, expected });
         if !start.is_finite() {
             return bad("startTime", start, "a finite time is expected");
@@ -121,7 +121,7 @@ impl Instance {
     /// # Errors
     /// When not freshly instantiated or reset.
     pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
-        self.need(&[Phase::Instantiated], "initialization happens once; fmi2Reset allows another")?;
+        self.need(&[Phase::Instantiated], "an instance is initialized once; call fmi2Reset to do it again")?;
         self.phase = Phase::Initialization;
         self.outputs = None;
         Ok(())
@@ -147,7 +147,7 @@ impl Instance {
     /// # Errors
     /// When there is nothing to end.
     pub fn terminate(&mut self) -> Result<(), Refusal> {
-        self.need(&Phase::RUNNING, "only a simulation under way can be ended")?;
+        self.need(&Phase::RUNNING, "only a running simulation can be terminated")?;
         self.phase = Phase::Terminated;
         Ok(())
     }
@@ -165,7 +165,7 @@ impl Instance {
     /// # Errors
     /// Out of order; a step of no use, beyond the stop time, from another point than the last one's end; no accurate step.
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
-        self.need(&[Phase::Step], "steps of co-simulation follow fmi2ExitInitializationMode")?;
+        self.need(&[Phase::Step], "call fmi2ExitInitializationMode first; only a co-simulation instance makes steps")?;
         let bad = |argument, value, expected| Err(Refusal::BadArgument { argument, value, expected });
         if !point.is_finite() {
             return bad("currentCommunicationPoint", point, "a finite time is expected");
@@ -209,7 +209,7 @@ impl Instance {
     /// Outside Model Exchange under way.
     pub fn enter_event(&mut self) -> Result<(), Refusal> {
         let step = if self.uses_event_mode { Phase::Step } else { Phase::Continuous };
-        self.need(&[Phase::Continuous, Phase::Event, step], "event mode is entered from continuous-time mode")?;
+        self.need(&[Phase::Continuous, Phase::Event, step], "enter event mode from continuous-time mode")?;
         if self.phase == Phase::Continuous {
             self.now.present()?;
             self.now.enter_event();
@@ -237,7 +237,7 @@ impl Instance {
     /// Outside event mode.
     pub fn enter_continuous_time(&mut self) -> Result<(), Refusal> {
         self.need_exchange()?;
-        self.need(&[Phase::Event], "continuous-time mode is entered from event mode")?;
+        self.need(&[Phase::Event], "enter continuous-time mode from event mode")?;
         self.phase = Phase::Continuous;
         Ok(())
     }
@@ -250,7 +250,7 @@ impl Instance {
         if self.now.kind == Kind::ModelExchange {
             return Err(Refusal::NotOffered { what: "this instance is for Model Exchange: it has no step mode" });
         }
-        self.need(&[Phase::Event], "step mode is entered from event mode")?;
+        self.need(&[Phase::Event], "enter step mode from event mode")?;
         self.phase = Phase::Step;
         Ok(())
     }
@@ -291,7 +291,7 @@ impl Instance {
     /// # Errors
     /// Outside continuous-time mode; where the states make no gas.
     pub fn completed_step(&mut self) -> Result<(), Refusal> {
-        self.need(&[Phase::Continuous], "integrator steps are completed in continuous-time mode")?;
+        self.need(&[Phase::Continuous], "complete integrator steps in continuous-time mode")?;
         self.now.complete_step()?;
         let messages = &mut self.messages;
         self.warnings.at_completed_step(&self.now, &mut |text| messages.push(warning(text)));
@@ -303,7 +303,7 @@ impl Instance {
     /// # Errors
     /// Outside Model Exchange under way; a time that is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
-        self.need(&[Phase::Event, Phase::Continuous], "only a host that integrates sets the time, once it has begun")?;
+        self.need(&[Phase::Event, Phase::Continuous], "the time is set in event mode or continuous-time mode")?;
         if !time.is_finite() {
             return Err(Refusal::BadArgument { argument: "time", value: time, expected: "a finite time is expected" });
         }
@@ -318,7 +318,10 @@ impl Instance {
     /// # Errors
     /// Outside Model Exchange under way; another number of states, states that are not finite.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
-        self.need(&[Phase::Event, Phase::Continuous], "only a host that integrates sets states, once it has begun")?;
+        self.need(
+            &[Phase::Event, Phase::Continuous],
+            "continuous states are set in event mode or continuous-time mode",
+        )?;
         let states: [f64; ALL] = states.try_into().map_err(|_| wrong_length("nx", states.len(), ALL))?;
         if let Some((value, state)) = states.iter().zip(0..).find(|(value, _)| !value.is_finite()) {
             let variable = crate::table::place_of_state(state).and_then(|place| table().get(place));
@@ -371,7 +374,7 @@ impl Instance {
     /// # Errors
     /// Before initialization mode; states that make no gas.
     pub fn indicator(&self, index: usize) -> Result<f64, Refusal> {
-        self.need(&Phase::KNOWN, "event indicators exist from initialization mode on")?;
+        self.need(&Phase::KNOWN, "event indicators are available from initialization mode on")?;
         Ok(self.now.indicators()?[index])
     }
 
@@ -398,7 +401,7 @@ impl Instance {
 
     fn exchange(&self) -> Result<(), Refusal> {
         self.need_exchange()?;
-        self.need(&Phase::EXCHANGE, "states, rates and indicators exist from initialization mode on")
+        self.need(&Phase::EXCHANGE, "states, derivatives and indicators are available from initialization mode on")
     }
 
     /// `fmi2SetReal`: the whole batch, or nothing.
@@ -406,7 +409,7 @@ impl Instance {
     /// # Errors
     /// Unknown or foreign references, values that are not finite or out of bounds, variables that cannot be set now.
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
-        self.need(&Phase::SETTABLE, "fmi2Reset makes variables settable again")?;
+        self.need(&Phase::SETTABLE, "call fmi2Reset to set variables again")?;
         for (&reference, &value) in references.iter().zip(values) {
             self.settable(real(reference)?, value)?;
         }
@@ -455,7 +458,7 @@ impl Instance {
         match (variable.role, variable.variability) {
             (Role::Output(_) | Role::State(_) | Role::Rate(_), _) => return not("it is calculated"),
             (_, Variability::Fixed) if self.phase.is_started() => {
-                return not("it is fixed once initialization is over; fmi2Reset allows another run");
+                return not("it is fixed once initialization is over; call fmi2Reset to start another run");
             }
             (_, Variability::Tunable) if self.phase == Phase::Continuous => {
                 return not("parameters change in event mode");
@@ -528,7 +531,7 @@ impl Instance {
     }
 
     fn choose(&mut self, references: &[u32], values: &[i32], asked: &'static str) -> Result<(), Refusal> {
-        self.need(&Phase::SETTABLE, "fmi2Reset makes variables settable again")?;
+        self.need(&Phase::SETTABLE, "call fmi2Reset to set variables again")?;
         let mut parameters = self.now.parameters;
         for (&reference, &value) in references.iter().zip(values) {
             let variable = typed(reference, asked)?;
@@ -593,7 +596,10 @@ impl Instance {
     /// # Errors
     /// Variables that are no inputs, orders that are not supported, values that are not finite.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Refusal> {
-        self.need(&[Phase::Initialization, Phase::Step], "input derivatives belong to the step that follows")?;
+        self.need(
+            &[Phase::Initialization, Phase::Step],
+            "set input derivatives in initialization mode or before a step",
+        )?;
         let place = |reference: u32| {
             let variable = real(reference)?;
             match variable.role {
@@ -628,7 +634,7 @@ impl Instance {
     /// # Errors
     /// Variables that are no outputs, orders above the first.
     pub fn output_derivatives(&self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Result<(), Refusal> {
-        self.need(&[Phase::Step, Phase::Terminated], "output derivatives exist once initialization is over")?;
+        self.need(&[Phase::Step, Phase::Terminated], "output derivatives are available after initialization")?;
         for (&reference, &order) in references.iter().zip(orders) {
             let variable = real(reference)?;
             if !matches!(variable.role, Role::Output(_)) {
@@ -658,7 +664,7 @@ impl Instance {
         direction: &[f64],
         values: &mut [f64],
     ) -> Result<(), Refusal> {
-        self.need(&Phase::KNOWN, "directional derivatives exist from initialization mode on")?;
+        self.need(&Phase::KNOWN, "directional derivatives are available from initialization mode on")?;
         let seed = self.seed(known, direction)?;
         for &reference in unknown {
             let variable = real(reference)?;
@@ -712,7 +718,7 @@ impl Instance {
     }
 
     fn saved(&self, handle: usize) -> Result<&Snapshot, Refusal> {
-        let why = "this is no state that the instance has saved, or read from bytes, and that has not been freed";
+        let why = "there is no state that this handle stands for: it was never saved by this instance, or it was freed";
         self.saved.get(&handle).map(|boxed| &**boxed).ok_or(Refusal::BadState { why })
     }
 

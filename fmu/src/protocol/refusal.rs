@@ -25,7 +25,7 @@ pub enum Refusal {
         argument: &'static str,
     },
     /// An array length that no host means.
-    #[error("{argument} = {length} is more than the {limit} elements that this FMU takes at once")]
+    #[error("{argument} = {length} is too long: this FMU takes at most {limit} elements at once")]
     TooLong {
         /// Its name in the standard.
         argument: &'static str,
@@ -35,7 +35,7 @@ pub enum Refusal {
         limit: usize,
     },
     /// Another number of states or indicators than there are.
-    #[error("{argument} = {length}: this FMU has {expected}")]
+    #[error("{argument} = {length} does not match: this FMU has {expected}")]
     WrongLength {
         /// Its name in the standard.
         argument: &'static str,
@@ -105,7 +105,7 @@ pub enum Refusal {
         max: f64,
     },
     /// Derivatives of a variable that has none for the host.
-    #[error("{name} is no {wanted}: it has no derivatives to {action}")]
+    #[error("{name} is not an {wanted}: it has no derivatives to {action}")]
     NoDerivative {
         /// The variable.
         name: &'static str,
@@ -115,7 +115,7 @@ pub enum Refusal {
         action: &'static str,
     },
     /// An order that is not supported.
-    #[error("derivative of order {order} of {name}: this FMU takes orders 1 to {highest}")]
+    #[error("{name} has no derivative of order {order}: this FMU supports orders 1 to {highest}")]
     DerivativeOrder {
         /// The variable.
         name: &'static str,
@@ -184,7 +184,7 @@ pub enum Refusal {
         what: &'static str,
     },
     /// The instance broke down before.
-    #[error("this instance broke down in an earlier call; fmi2Reset makes it as new")]
+    #[error("this instance broke down in an earlier call; call fmi2Reset to use it again")]
     Broken,
 }
 

@@ -100,7 +100,7 @@ pub fn decode(bytes: &[u8], guid: &str) -> Result<Snapshot, Refusal> {
     let mut reader = Reader { rest: &bytes[HEAD..] };
     match reader.snapshot() {
         Some(snapshot) if reader.rest.is_empty() => Ok(snapshot),
-        _ => bad("what they say makes no instance"),
+        _ => bad("their values are not those of a valid instance"),
     }
 }
 

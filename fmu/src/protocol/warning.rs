@@ -86,9 +86,9 @@ impl Warnings {
             self.once(Warning::Disagreement, tell, || {
                 let cure = match now.kind {
                     Kind::CoSimulation => {
-                        "the gas is taken to position adiabatically at the start of the step; set both, or strokeInput = velocity"
+                        "the gas is compressed or expanded adiabatically to position at the start of the step; set both consistently, or use strokeInput = velocity"
                     }
-                    Kind::ModelExchange => "the gas does its work with velocity; set both, or strokeInput = velocity",
+                    Kind::ModelExchange => "the work of the gas follows velocity; set both consistently, or use strokeInput = velocity",
                 };
                 format!("t = {} s: position has moved by {by_position} m, velocity by {by_velocity} m; {cure}", now.time)
             });
