@@ -18,6 +18,7 @@ use anyhow::Context;
 use pneutherm::evaluation;
 use pneutherm::predictive::{self, Wanted};
 use pneutherm::simulation::{self, Request};
+use pneutherm::stores;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::io::Write;
@@ -174,7 +175,7 @@ impl Study {
         watched(py, &watch, progress, move || {
             let earlier = extend.map(|folder| ::sweep::Earlier::open(&study, &folder)).transpose()?;
             let options = ::sweep::Options { shard, rows, earlier: earlier.as_ref() };
-            let done = ::sweep::run(&study, &folder, options, &*teller)?;
+            let done = stores::within(&folder, |store| Ok(::sweep::run_in(&study, store, options, &*teller)?))?;
             Ok(serde_json::json!({
                 "rows_written": done.rows_written,
                 "rows_taken": done.rows_taken,

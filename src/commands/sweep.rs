@@ -1,14 +1,14 @@
 //! `pneutherm sweep`: a parameter study of the push-and-hold test as partitioned Parquet.
 
 use super::progress::{Progress, Telling};
-use crate::output;
+use crate::{output, stores};
 use anyhow::{Context, bail};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
 use sweep::study::SOLVERS;
-use sweep::{Earlier, Options, Report, Shard, Study, traces};
+use sweep::{Earlier, Options, Report, Shard, Store, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///
@@ -102,13 +102,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
     let begun = Instant::now();
-    let report = progress.during(|progress| pool.install(|| sweep::run(&study, folder, options, progress)))?;
+    let report = stores::within(folder, |store| {
+        Ok(progress.during(|progress| pool.install(|| sweep::run_in(&study, store, options, progress)))?)
+    })?;
     let mut text = told(folder, &study, args.shard, &report, begun.elapsed());
     if let Some(earlier) = &earlier {
         text += &taken(&report, earlier);
     }
     if let Some(rows) = traces {
-        text += &traced(&pool.install(|| traces::write(&study, folder, rows, args.trace_rate))?);
+        let write = |store: &dyn Store| Ok(pool.install(|| traces::write_in(&study, store, rows, args.trace_rate))?);
+        text += &traced(&stores::within(folder, write)?);
     }
     output::print(text.as_bytes())
 }
@@ -133,7 +136,7 @@ fn on_interrupt() {}
 const NAMED: usize = 5;
 
 fn verify(folder: &Path) -> anyhow::Result<()> {
-    let report = sweep::verify(folder)?;
+    let report = stores::within(folder, |store| Ok(sweep::verify_in(store)?))?;
     if report.wrong.is_empty() {
         let (parts, bytes) = (report.parts, indicatif::BinaryBytes(report.bytes));
         let text =

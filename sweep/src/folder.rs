@@ -11,15 +11,14 @@
 
 use crate::columns;
 use crate::error::Error;
-use crate::hash;
-use crate::new_file::{Digest, TEMPORARY};
+use crate::new_file::Digest;
 use crate::part::{StatusCounts, Written};
 use crate::statistics::{self, State};
+use crate::store::{LocalFile, Store};
 use crate::study::Study;
 use crate::traces;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -35,7 +34,7 @@ pub const STUDY: &str = "study.json";
 /// A study's folder.
 pub struct Folder<'a> {
     study: &'a Study,
-    path: &'a Path,
+    store: &'a dyn Store,
     identity: String,
 }
 
@@ -100,14 +99,16 @@ impl<'a> Folder<'a> {
     ///
     /// # Errors
     /// It cannot be read, or is another study's.
-    pub fn open(study: &'a Study, path: &'a Path) -> Result<Self, Error> {
-        if path.exists() && !path.is_dir() {
-            let source = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder");
-            return Err(Error::Write { path: path.to_owned(), source });
-        }
-        let folder = Self { study, path, identity: study.identity() };
+    pub fn open(study: &'a Study, store: &'a dyn Store) -> Result<Self, Error> {
+        let folder = Self { study, store, identity: study.identity() };
+        store.check().map_err(folder.writing(""))?;
         folder.refuse_another_study()?;
         Ok(folder)
+    }
+
+    /// Where it is.
+    pub fn store(&self) -> &'a dyn Store {
+        self.store
     }
 
     /// Makes the folder ready to be written.
@@ -115,41 +116,49 @@ impl<'a> Folder<'a> {
     /// # Errors
     /// It cannot be made.
     pub fn prepare(&self) -> Result<(), Error> {
-        for folder in [self.path.to_owned(), self.rows_path(), self.records_path()] {
-            std::fs::create_dir_all(&folder).map_err(|source| Error::Write { path: folder, source })?;
-        }
-        let path = self.records_path().join(STUDY);
-        if path.exists() {
+        self.store.prepare(&["", ROWS, RECORDS]).map_err(self.writing(""))?;
+        let name = format!("{RECORDS}/{STUDY}");
+        if self.store.length(&name).map_err(self.reading(&name))?.is_some() {
             return Ok(());
         }
         let mut study = self.about();
         study["columns"] = self.columns();
-        Ok(records::write_atomically(&path, pretty(&study).as_bytes())?)
+        self.store.write(&name, pretty(&study).as_bytes()).map_err(self.writing(&name))
     }
 
-    /// Path of the folder of the parts.
-    pub fn rows_path(&self) -> PathBuf {
-        self.path.join(ROWS)
+    /// A system's reason as an error about a file of this folder.
+    fn reading(&self, name: &str) -> impl FnOnce(io::Error) -> Error + use<> {
+        let path = self.path(name);
+        move |source| Error::Read { path, source }
     }
 
-    /// Path of the folder of the parts' records, where files are written until they are whole.
-    pub fn records_path(&self) -> PathBuf {
-        self.path.join(RECORDS)
+    fn writing(&self, name: &str) -> impl FnOnce(io::Error) -> Error + use<> {
+        let path = self.path(name);
+        move |source| Error::Write { path, source }
     }
 
-    /// Path of the table of traces.
-    pub fn traces_path(&self) -> PathBuf {
-        self.path.join(traces::FOLDER).join(traces::FILE)
+    /// A file of this folder as people write it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        if name.is_empty() { self.store.place().to_owned() } else { self.store.place().join(name) }
     }
 
-    /// Path of a part.
-    pub fn part_path(&self, part: u64) -> PathBuf {
-        self.rows_path().join(self.study.part_name(part))
+    /// A part's place in the folder.
+    pub fn part_file(&self, part: u64) -> String {
+        format!("{ROWS}/{}", self.study.part_name(part))
     }
 
-    /// Path of a part's record.
-    pub fn record_path(&self, part: u64) -> PathBuf {
-        self.records_path().join(record_name(&self.study.part_name(part)))
+    /// A part on the disk.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn local_part(&self, part: u64) -> Result<LocalFile, Error> {
+        let name = self.part_file(part);
+        self.store.local(&name).map_err(self.reading(&name))
+    }
+
+    /// A part's record in the folder.
+    fn record_file(&self, part: u64) -> String {
+        format!("{RECORDS}/{}", record_name(&self.study.part_name(part)).display())
     }
 
     /// A part's record, to be written before the part gets its name.
@@ -171,29 +180,20 @@ impl<'a> Folder<'a> {
     /// It cannot be written.
     pub fn write_record(&self, part: u64, record: &Record) -> Result<(), Error> {
         let text = serde_json::to_string(record).unwrap_or_default() + "\n";
-        Ok(records::write_atomically(&self.record_path(part), text.as_bytes())?)
+        let name = self.record_file(part);
+        self.store.write(&name, text.as_bytes()).map_err(self.writing(&name))
     }
 
-    fn names(&self, folder: &Path) -> Result<Vec<String>, Error> {
-        let read = |source| Error::Read { path: folder.to_owned(), source };
-        let entries = match std::fs::read_dir(folder) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-            entries => entries.map_err(read)?,
-        };
-        let names: Result<Vec<_>, _> =
-            entries.map(|e| e.map(|e| e.file_name().to_string_lossy().into_owned())).collect();
-        let mut names = names.map_err(read)?;
-        names.sort();
-        Ok(names)
+    fn names(&self, folder: &str) -> Result<Vec<String>, Error> {
+        self.store.names(folder).map_err(self.reading(folder))
     }
 
     fn refuse_another_study(&self) -> Result<(), Error> {
-        let other = |difference: String| Err(Error::OtherStudy { folder: self.path.to_owned(), difference });
+        let other = |difference: String| Err(Error::OtherStudy { folder: self.path(""), difference });
         let mut is_known = false;
-        for path in [self.records_path().join(STUDY), self.path.join(MANIFEST)] {
-            let Ok(text) = std::fs::read_to_string(&path) else { continue };
-            let name = path.strip_prefix(self.path).unwrap_or(&path).display().to_string();
-            let Ok(found) = serde_json::from_str::<Value>(&text) else {
+        for name in [format!("{RECORDS}/{STUDY}"), MANIFEST.to_owned()] {
+            let Some(text) = self.store.read(&name).map_err(self.reading(&name))? else { continue };
+            let Ok(found) = serde_json::from_slice::<Value>(&text) else {
                 return other(format!("{name} cannot be read"));
             };
             if found["study_sha256"] != json!(self.identity) {
@@ -201,10 +201,10 @@ impl<'a> Folder<'a> {
             }
             is_known = true;
         }
-        if let Some(name) = self.names(self.path)?.iter().find(|name| name.ends_with(".parquet")) {
+        if let Some(name) = self.names("")?.iter().find(|name| name.ends_with(".parquet")) {
             return other(format!("{name} is not in {ROWS}/"));
         }
-        let parts = self.names(&self.rows_path())?;
+        let parts = self.names(ROWS)?;
         if let Some(name) = parts.iter().find(|name| !self.is_part(name)) {
             return other(format!("{ROWS}/{name} is none of its {} parts", self.study.parts));
         }
@@ -234,9 +234,10 @@ impl<'a> Folder<'a> {
     /// Looks for a part; with `rows` its file has to be there too.
     pub fn find(&self, part: u64, rows: bool, look: Look) -> Found {
         let rows_of = self.study.rows_of(part);
-        let record = std::fs::read(self.record_path(part)).ok();
+        let record = self.store.read(&self.record_file(part)).ok().flatten();
         let record: Option<Record> = record.and_then(|text| serde_json::from_slice(&text).ok());
-        let length = std::fs::metadata(self.part_path(part)).ok().map(|file| file.len());
+        let name = self.part_file(part);
+        let length = self.store.length(&name).ok().flatten();
         let Some(record) = record else {
             return if length.is_some() { Found::Damaged } else { Found::Nothing };
         };
@@ -252,7 +253,8 @@ impl<'a> Folder<'a> {
             (Some(digest), Some(length)) => {
                 let same = length == digest.bytes
                     && (look == Look::Length
-                        || hash::of_file(&self.part_path(part)).is_ok_and(|sha256| sha256 == digest.sha256));
+                        || self.store.guards_its_bytes()
+                        || self.store.sha256(&name).is_ok_and(|sha256| sha256 == digest.sha256));
                 if same { Found::Whole(record) } else { Found::Damaged }
             }
         }
@@ -268,19 +270,7 @@ impl<'a> Folder<'a> {
         if mine(0) {
             names.extend([traces::FILE, STUDY, MANIFEST, statistics::FILE].map(str::to_owned));
         }
-        let prefixes: Vec<String> = names.iter().map(|name| format!(".{name}.")).collect();
-        for folder in [self.path.to_owned(), self.records_path()] {
-            for name in self.names(&folder)? {
-                if name.ends_with(TEMPORARY) && prefixes.iter().any(|prefix| name.starts_with(prefix.as_str())) {
-                    let path = folder.join(&name);
-                    let abandoned = File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
-                    if abandoned {
-                        let _ = std::fs::remove_file(&path);
-                    }
-                }
-            }
-        }
-        Ok(())
+        self.store.clean(&["", RECORDS], &names).map_err(self.reading(""))
     }
 
     /// Removes a manifest that says more than is there.
@@ -288,11 +278,7 @@ impl<'a> Folder<'a> {
     /// # Errors
     /// It cannot be removed.
     pub fn remove_manifest(&self) -> Result<(), Error> {
-        let path = self.path.join(MANIFEST);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(Error::Write { path, source }),
-            _ => Ok(()),
-        }
+        self.store.remove(MANIFEST).map_err(self.writing(MANIFEST))
     }
 
     /// Every part's record, if all are there.
@@ -305,11 +291,11 @@ impl<'a> Folder<'a> {
     /// # Errors
     /// It cannot be written.
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), Error> {
-        let (path, text) = (self.path.join(name), pretty(value));
-        if std::fs::read(&path).is_ok_and(|found| found == text.as_bytes()) {
+        let text = pretty(value);
+        if self.store.read(name).is_ok_and(|found| found.as_deref() == Some(text.as_bytes())) {
             return Ok(());
         }
-        Ok(records::write_atomically(&path, text.as_bytes())?)
+        self.store.write(name, text.as_bytes()).map_err(self.writing(name))
     }
 
     /// Writes the manifest: the study, its columns and its parts.
@@ -321,7 +307,7 @@ impl<'a> Folder<'a> {
         let files = parts.iter().enumerate().filter_map(|(i, part)| {
             let file = part.file.as_ref()?;
             Some(json!({
-                "file": format!("{ROWS}/{}", self.study.part_name(i as u64)),
+                "file": self.part_file(i as u64),
                 "first_row": part.first_row,
                 "rows": part.rows,
                 "bytes": file.bytes,

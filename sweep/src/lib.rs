@@ -20,6 +20,7 @@
 //! | [`part`], [`new_file`] | one Parquet file, whole or not there |
 //! | [`pages`], [`sink`] | its pages' checksums; its hash, and the order of its statistics |
 //! | [`earlier`] | rows that a smaller study has solved already |
+//! | [`store`] | where that folder is: on a disk or elsewhere |
 //! | [`folder`], [`verify`](mod@verify) | a study's folder and its manifest; whether it holds what that says |
 //! | [`traces`] | the courses of some rows, as a second table |
 //! | [`run`](mod@run) | a study carried out: a shard into a folder, all into a file or memory |
@@ -50,6 +51,7 @@ pub mod sensitivity;
 pub mod sink;
 pub mod solve;
 pub mod statistics;
+pub mod store;
 pub mod study;
 pub mod traces;
 pub mod uncertain;
@@ -57,6 +59,7 @@ pub mod verify;
 
 pub use earlier::Earlier;
 pub use error::Error;
-pub use run::{Options, Report, Shard, run, run_in_memory, run_to_file};
+pub use run::{Options, Report, Shard, run, run_in, run_in_memory, run_to_file};
+pub use store::Store;
 pub use study::Study;
-pub use verify::verify;
+pub use verify::{verify, verify_in};

@@ -5,6 +5,7 @@
 use crate::error::Error;
 use crate::pages::{self, Collector};
 use crate::sink::Sink;
+use crate::store::{Store, sync_folder_of};
 use arrow::datatypes::SchemaRef;
 use arrow::record_batch::RecordBatch;
 use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};
@@ -188,12 +189,16 @@ impl Ended {
         self.temporary.finished = true;
         sync_folder_of(&self.path).map_err(failed)
     }
-}
 
-/// Makes a new name in a folder last; a system whose folders cannot be synced needs no such thing.
-fn sync_folder_of(path: &Path) -> std::io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+    /// The same in a store. Waits for that.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn publish_to(mut self, store: &dyn Store, name: &str) -> Result<(), Error> {
+        let moved = store.publish(&self.file, &self.temporary.path, name);
+        self.temporary.finished = moved.map_err(|source| Error::Write { path: self.path.clone(), source })?;
+        Ok(())
+    }
 }
 
 /// A name in a folder that no other file has.

@@ -7,6 +7,7 @@ use crate::new_file::Ended;
 use crate::part::{self, OnRows, Place, StatusCounts, Workers};
 use crate::sensitivity;
 use crate::statistics::{self, Plan, State};
+use crate::store::{Local, Store};
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
@@ -112,10 +113,23 @@ pub fn run<'a>(
     options: impl Into<Options<'a>>,
     on_rows: OnRows<'_>,
 ) -> Result<Report, Error> {
+    run_in(study, &Local::new(folder, folder::RECORDS), options, on_rows)
+}
+
+/// The same where the folder is on a disk or elsewhere.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_in<'a>(
+    study: &Study,
+    store: &dyn Store,
+    options: impl Into<Options<'a>>,
+    on_rows: OnRows<'_>,
+) -> Result<Report, Error> {
     let options: Options<'_> = options.into();
     let Options { shard, rows, earlier } = options;
     let plan = plan_of(study, options);
-    let folder = Folder::open(study, folder)?;
+    let folder = Folder::open(study, store)?;
     let mine: Vec<u64> = (0..study.parts).filter(|part| shard.has(*part)).collect();
     let look = |part: &u64| (*part, folder.find(*part, rows, Look::Contents));
     let looked: Vec<(u64, Found)> = mine.par_iter().map(look).collect();
@@ -142,7 +156,7 @@ pub fn run<'a>(
     let all = folder.all_finished(rows);
     let mut results = Vec::new();
     if let Some(all) = &all {
-        if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.part_path(part))? {
+        if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.local_part(part))? {
             folder.write_json(sensitivity::FILE, &indices)?;
             results.push(sensitivity::FILE);
         }
@@ -186,7 +200,7 @@ fn add_statistics(
         return Ok(());
     }
     let state = match &record.file {
-        Some(_) => statistics::of_file(plan, &folder.part_path(part), record.first_row)?,
+        Some(_) => statistics::of_file(plan, folder.local_part(part)?.path(), record.first_row)?,
         None => {
             let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::One, None, on_rows)?;
             written.statistics.unwrap_or_else(|| State::new(plan))
@@ -219,10 +233,10 @@ fn write(
     keep_memory();
     // Fewer files than threads: the threads share each file's rows.
     let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
-    let workshop = folder.records_path();
+    let workshop = folder.store().workshop();
     let one = |part: u64| -> Result<Finished<'_>, Error> {
         let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
-        let path = folder.part_path(part);
+        let path = folder.path(&folder.part_file(part));
         let place = options.rows.then_some(Place { path: &path, workshop: &workshop, extra: &extra });
         let written = part::write(study, study.rows_of(part), place.as_ref(), plan, workers, options.earlier, on_rows)?;
         let record = folder.record(part, &written);
@@ -263,7 +277,8 @@ impl Finished<'_> {
     /// Makes the record last, then the part under its name: no part is ever there without its record.
     fn publish(self) -> Result<(), Error> {
         self.folder.write_record(self.part, &self.record)?;
-        self.file.map_or(Ok(()), Ended::publish)
+        let name = self.folder.part_file(self.part);
+        self.file.map_or(Ok(()), |file| file.publish_to(self.folder.store(), &name))
     }
 }
 

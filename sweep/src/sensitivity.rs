@@ -13,6 +13,7 @@ use crate::columns;
 use crate::design::Design;
 use crate::design::random::{Stream, mix, unit};
 use crate::error::Error;
+use crate::store::LocalFile;
 use crate::study::Study;
 use arrow::array::{Array, AsArray};
 use arrow::datatypes::{DataType, Float64Type};
@@ -21,7 +22,6 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::fs::File;
-use std::path::PathBuf;
 
 /// Name of the file with the indices, beside the parts.
 pub const FILE: &str = "sensitivity.json";
@@ -207,7 +207,7 @@ pub fn of_values(axes: usize, second: bool, values: &[f64]) -> Indices {
 ///
 /// # Errors
 /// A part cannot be read.
-pub fn of_study(study: &Study, path_of: impl Fn(u64) -> PathBuf + Sync) -> Result<Option<Value>, Error> {
+pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error> + Sync) -> Result<Option<Value>, Error> {
     let Design::Saltelli { axes, samples, second_order, .. } = &study.design else { return Ok(None) };
     let layout = Layout { axes: axes.len(), second: *second_order };
     let schema = columns::schema(study);
@@ -215,9 +215,9 @@ pub fn of_study(study: &Study, path_of: impl Fn(u64) -> PathBuf + Sync) -> Resul
     let results: Vec<usize> = (0..schema.fields().len()).filter(is_result).collect();
     let of_column = |column: &usize| {
         let mut centre = Centre::default();
-        blocks(study, *column, layout.length(), &path_of, |block| centre.add(block))?;
+        blocks(study, *column, layout.length(), &local, |block| centre.add(block))?;
         let mut sums = Sums::new(layout, centre);
-        blocks(study, *column, layout.length(), &path_of, |block| sums.add(block))?;
+        blocks(study, *column, layout.length(), &local, |block| sums.add(block))?;
         Ok((schema.field(*column).name().clone(), described(study, layout, &sums.indices())))
     };
     let outputs: Map<String, Value> =
@@ -257,12 +257,13 @@ fn blocks(
     study: &Study,
     column: usize,
     length: usize,
-    path_of: &impl Fn(u64) -> PathBuf,
+    local: &impl Fn(u64) -> Result<LocalFile, Error>,
     mut take: impl FnMut(&[f64]),
 ) -> Result<(), Error> {
     let mut block = Vec::with_capacity(length);
     for part in 0..study.parts {
-        let path = path_of(part);
+        let part = local(part)?;
+        let path = part.path().to_owned();
         let file = File::open(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
         let parquet = |source| Error::Parquet { path: path.clone(), source };
         let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?;

@@ -5,9 +5,10 @@
 
 use crate::columns;
 use crate::error::Error;
-use crate::folder::Folder;
+use crate::folder::{Folder, RECORDS};
 use crate::new_file::NewFile;
 use crate::row;
+use crate::store::{Local, Store};
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
@@ -140,17 +141,23 @@ pub fn check(study: &Study, rows: &Rows, rate_hz: f64) -> Result<(), Error> {
 /// # Errors
 /// As [`check`], or a folder that is another study's or cannot be written.
 pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
+    write_in(study, &Local::new(folder, RECORDS), rows, rate_hz)
+}
+
+/// The same where the folder is on a disk or elsewhere.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_in(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
     check(study, rows, rate_hz)?;
-    let folder = Folder::open(study, folder)?;
+    let folder = Folder::open(study, store)?;
     folder.prepare()?;
-    let path = folder.traces_path();
+    let name = format!("{FOLDER}/{FILE}");
+    let path = folder.path(&name);
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
-    if let Some(parent) = path.parent() {
-        std::fs::create_dir_all(parent).map_err(|source| Error::Write { path: parent.to_owned(), source })?;
-    }
     let properties = columns::properties(study, &schema, &rate);
-    let mut file = NewFile::create_in(&folder.records_path(), &path, schema.clone(), properties)?;
+    let mut file = NewFile::create_in(&store.workshop(), &path, schema.clone(), properties)?;
     let mut report = Report::default();
     let mut wave: Vec<(u64, Scenario, usize)> = Vec::new();
     let mut waiting = 0;
@@ -169,7 +176,7 @@ pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<
         }
     }
     flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
-    file.end()?.publish()?;
+    file.end()?.publish_to(store, &name)?;
     report.without.sort();
     Ok(report)
 }

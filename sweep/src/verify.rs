@@ -1,11 +1,12 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
 use crate::error::Error;
-use crate::folder::MANIFEST;
-use crate::hash;
+use crate::folder::{MANIFEST, RECORDS};
 use crate::new_file::Digest;
+use crate::store::{Local, Store};
 use rayon::prelude::*;
 use serde::Deserialize;
+use std::io;
 use std::path::Path;
 
 /// What was read back.
@@ -40,13 +41,24 @@ struct Part {
 /// # Errors
 /// The manifest is missing or is none.
 pub fn verify(folder: &Path) -> Result<Report, Error> {
-    let path = folder.join(MANIFEST);
-    let text = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+    verify_in(&Local::new(folder, RECORDS))
+}
+
+/// The same where the folder is on a disk or elsewhere.
+///
+/// # Errors
+/// As [`verify`].
+pub fn verify_in(store: &dyn Store) -> Result<Report, Error> {
+    let path = store.place().join(MANIFEST);
+    let text = store
+        .read(MANIFEST)
+        .and_then(|text| text.ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "it is not there")));
+    let text = text.map_err(|source| Error::Read { path: path.clone(), source })?;
     let manifest: Manifest = serde_json::from_slice(&text).map_err(|error| {
         let reason = error.to_string();
         Error::Option(format!("{}: is no study's manifest ({reason}); was the study finished?", path.display()))
     })?;
-    let mut wrong: Vec<String> = manifest.parts.par_iter().filter_map(|part| difference(folder, part)).collect();
+    let mut wrong: Vec<String> = manifest.parts.par_iter().filter_map(|part| difference(store, part)).collect();
     let (rows, has_parts) = (manifest.parts.iter().map(|part| part.rows).sum::<u64>(), !manifest.parts.is_empty());
     if has_parts && rows != manifest.rows {
         wrong.push(format!("{MANIFEST}: its parts have {rows} rows, the study {}", manifest.rows));
@@ -60,16 +72,16 @@ pub fn verify(folder: &Path) -> Result<Report, Error> {
 }
 
 /// How a part differs from what the manifest says.
-fn difference(folder: &Path, part: &Part) -> Option<String> {
-    let path = folder.join(&part.file);
-    let length = match std::fs::metadata(&path) {
-        Ok(file) => file.len(),
+fn difference(store: &dyn Store, part: &Part) -> Option<String> {
+    let length = match store.length(&part.file) {
+        Ok(Some(length)) => length,
+        Ok(None) => return Some(format!("{}: it is not there", part.file)),
         Err(error) => return Some(format!("{}: {error}", part.file)),
     };
     if length != part.digest.bytes {
         return Some(format!("{}: {length} bytes, not {}", part.file, part.digest.bytes));
     }
-    match hash::of_file(&path) {
+    match store.sha256(&part.file) {
         Ok(sha256) if sha256 == part.digest.sha256 => None,
         Ok(_) => Some(format!("{}: its SHA-256 differs", part.file)),
         Err(error) => Some(format!("{}: {error}", part.file)),
