@@ -203,21 +203,23 @@ pub fn of_values(axes: usize, second: bool, values: &[f64]) -> Indices {
     sums.indices()
 }
 
-/// Indices of every output of a Saltelli study from its parts, in bounded memory; `None` for other designs.
+/// Indices of every output of a Saltelli study from its parts, in bounded memory; `None` for other designs. `local` gives a
+/// part as a file on the disk; it is asked once for each part.
 ///
 /// # Errors
 /// A part cannot be read.
-pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error> + Sync) -> Result<Option<Value>, Error> {
+pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error>) -> Result<Option<Value>, Error> {
     let Design::Saltelli { axes, samples, second_order, .. } = &study.design else { return Ok(None) };
+    let parts: Vec<LocalFile> = (0..study.parts).map(local).collect::<Result<_, _>>()?;
     let layout = Layout { axes: axes.len(), second: *second_order };
     let schema = columns::schema(study);
     let is_result = |i: &usize| *i > study.varied.len() && *schema.field(*i).data_type() == DataType::Float64;
     let results: Vec<usize> = (0..schema.fields().len()).filter(is_result).collect();
     let of_column = |column: &usize| {
         let mut centre = Centre::default();
-        blocks(study, *column, layout.length(), &local, |block| centre.add(block))?;
+        blocks(&parts, *column, layout.length(), |block| centre.add(block))?;
         let mut sums = Sums::new(layout, centre);
-        blocks(study, *column, layout.length(), &local, |block| sums.add(block))?;
+        blocks(&parts, *column, layout.length(), |block| sums.add(block))?;
         Ok((schema.field(*column).name().clone(), described(study, layout, &sums.indices())))
     };
     let outputs: Map<String, Value> =
@@ -253,23 +255,15 @@ fn described(study: &Study, layout: Layout, indices: &Indices) -> Value {
 }
 
 /// Hands every block of one column's values that misses none to `take`, in order; blocks may reach across parts.
-fn blocks(
-    study: &Study,
-    column: usize,
-    length: usize,
-    local: &impl Fn(u64) -> Result<LocalFile, Error>,
-    mut take: impl FnMut(&[f64]),
-) -> Result<(), Error> {
+fn blocks(parts: &[LocalFile], column: usize, length: usize, mut take: impl FnMut(&[f64])) -> Result<(), Error> {
     let mut block = Vec::with_capacity(length);
-    for part in 0..study.parts {
-        let part = local(part)?;
-        let path = part.path().to_owned();
-        let file = File::open(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
-        let parquet = |source| Error::Parquet { path: path.clone(), source };
+    for path in parts.iter().map(LocalFile::path) {
+        let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let parquet = |source| Error::Parquet { path: path.to_owned(), source };
         let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?;
         let mask = ProjectionMask::roots(builder.parquet_schema(), [column]);
         for batch in builder.with_projection(mask).build().map_err(parquet)? {
-            let batch = batch.map_err(|error| Error::arrow(&path, error))?;
+            let batch = batch.map_err(|error| Error::arrow(path, error))?;
             let values = batch.column(0).as_primitive::<Float64Type>();
             for i in 0..values.len() {
                 block.push(if values.is_null(i) { f64::NAN } else { values.value(i) });
