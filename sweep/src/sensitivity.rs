@@ -319,9 +319,29 @@ mod tests {
         assert_eq!(of_values(2, false, &values), of_values(2, false, &broken));
     }
 
+    /// Ishigami's function, a = 7, b = 0.1, and its indices of first and total order.
+    fn ishigami(x: [f64; 3]) -> f64 {
+        x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
+    }
+    const FIRST: [f64; 3] = [0.313_905, 0.442_411, 0.0];
+    const TOTAL: [f64; 3] = [0.557_589, 0.442_411, 0.243_684];
+
+    /// Share of the intervals that hold the true index.
+    fn coverage(studies: impl Iterator<Item = Vec<f64>>) -> f64 {
+        let (mut covered, mut asked) = (0, 0);
+        for values in studies {
+            let indices = of_values(3, false, &values);
+            for (found, exact) in indices.first.iter().zip(FIRST).chain(indices.total.iter().zip(TOTAL)) {
+                covered += usize::from((found[0] - exact).abs() <= found[1]);
+                asked += 1;
+            }
+        }
+        covered as f64 / asked as f64
+    }
+
     /// Blocks of independent uniform points through Ishigami's function.
     fn ishigami_at_random(blocks: u64, seed: u64) -> Vec<f64> {
-        let y = |x: [f64; 3]| x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin();
+        let y = ishigami;
         let stream = Stream::new(seed);
         let angle = |i: u64| std::f64::consts::PI * (2.0 * unit(stream.at(i)) - 1.0);
         let block = |k: u64| {
@@ -337,18 +357,23 @@ mod tests {
 
     #[test]
     fn intervals_of_independent_blocks_cover_the_true_indices_at_their_level() {
-        // Of Ishigami's function: S = 0.3139, 0.4424, 0; T = 0.5576, 0.4424, 0.2437.
-        let (first, total) = ([0.313_905, 0.442_411, 0.0], [0.557_589, 0.442_411, 0.243_684]);
-        let (mut covered, mut asked) = (0, 0);
-        for seed in 0..400 {
-            let indices = of_values(3, false, &ishigami_at_random(400, seed));
-            for (found, exact) in indices.first.iter().zip(first).chain(indices.total.iter().zip(total)) {
-                covered += usize::from((found[0] - exact).abs() <= found[1]);
-                asked += 1;
-            }
-        }
-        let share = covered as f64 / asked as f64;
+        let share = coverage((0..400).map(|seed| ishigami_at_random(400, seed)));
         assert!((0.93..=0.97).contains(&share), "{share}");
+    }
+
+    /// Points of a Sobol' sequence are spread more evenly than independent ones, which the resampling does not know.
+    #[test]
+    fn intervals_of_a_saltelli_design_cover_the_true_indices_at_least_at_their_level() {
+        let axis =
+            Axis::Range { from: -std::f64::consts::PI, to: std::f64::consts::PI, count: None, scale: Scale::Linear };
+        let study = |seed| {
+            let design = Design::saltelli(vec![axis.clone(); 3], 256, seed, false);
+            let mut x = vec![Vec::new(); 3];
+            design.fill(0..256 * 5, &mut x).unwrap();
+            (0..x[0].len()).map(|i| ishigami([x[0][i], x[1][i], x[2][i]])).collect()
+        };
+        let share = coverage((0..200).map(study));
+        assert!(share > 0.95, "{share}");
     }
 
     #[test]

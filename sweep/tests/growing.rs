@@ -49,41 +49,92 @@ fn growing(head: &str, smaller: &str, larger: &str, vary: [&str; 2]) -> [Study; 
     })
 }
 
+/// Grows the smaller study to the larger one in every way there is, and compares with the larger one made in one go.
+fn grow([smaller, larger]: [Study; 2], solved: u64) {
+    let [first, second, whole, shards] = [(); 4].map(|()| tempfile::tempdir().unwrap());
+    run(&smaller, first.path(), Shard::WHOLE, &quiet).unwrap();
+    let before = files(first.path());
+    let earlier = Earlier::open(&larger, first.path()).unwrap();
+    let options = |shard| Options { shard, earlier: Some(&earlier), ..Options::default() };
+    let report = run(&larger, second.path(), options(Shard::WHOLE), &quiet).unwrap();
+    assert_eq!((report.rows_written, report.rows_taken), (solved, smaller.rows), "{}", larger.rows);
+    assert!(report.complete);
+    run(&larger, whole.path(), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!(files(second.path()), files(whole.path()));
+    for index in [1, 0] {
+        run(&larger, shards.path(), options(Shard { index, count: 2 }), &quiet).unwrap();
+    }
+    for name in ["manifest.json", "statistics.json"] {
+        assert!(files(shards.path()).contains_key(Path::new(name)), "{name}");
+    }
+    assert_eq!(parts(shards.path()), parts(whole.path()));
+    assert_eq!(files(first.path()), before, "the smaller study stays as it is");
+    // The statistics alone, from the rows that are there.
+    let summary = tempfile::tempdir().unwrap();
+    run(&larger, summary.path(), Options { rows: false, ..options(Shard::WHOLE) }, &quiet).unwrap();
+    let statistics = |folder: &Path| std::fs::read(folder.join("statistics.json")).unwrap();
+    assert_eq!(statistics(summary.path()), statistics(whole.path()));
+}
+
 #[test]
 fn a_study_that_is_grown_is_the_one_made_in_one_go_byte_for_byte() {
     let factorial = ["[0.03, 0.02]", "[0.03, 0.02, 0.04]"].map(|bores| {
         format!("bore_m = {{ values = {bores} }}\ninitial_pressure_pa = {{ from = 1e5, to = 7e5, count = 900 }}")
     });
-    for (studies, solved) in [
-        (growing("design = \"sobol\"\nseed = 4", "samples = 1500", "samples = 9000", [MIXED; 2]), 7500),
-        (growing("design = \"sobol\"\nseed = 4", "samples = 9000\nparts = 7", "samples = 9001", [MIXED; 2]), 1),
-        (growing("design = \"saltelli\"", "samples = 256", "samples = 1000\nparts = 3", [BORES; 2]), 744 * 4),
-        (growing("design = \"factorial\"", "", "", [&factorial[0], &factorial[1]]), 900),
-    ] {
-        let [smaller, larger] = studies;
-        let [first, second, whole, shards] = [(); 4].map(|()| tempfile::tempdir().unwrap());
-        run(&smaller, first.path(), Shard::WHOLE, &quiet).unwrap();
-        let before = files(first.path());
-        let earlier = Earlier::open(&larger, first.path()).unwrap();
-        let options = |shard| Options { shard, earlier: Some(&earlier), ..Options::default() };
-        let report = run(&larger, second.path(), options(Shard::WHOLE), &quiet).unwrap();
-        assert_eq!((report.rows_written, report.rows_taken), (solved, smaller.rows), "{}", larger.rows);
-        assert!(report.complete);
-        run(&larger, whole.path(), Shard::WHOLE, &quiet).unwrap();
-        assert_eq!(files(second.path()), files(whole.path()));
-        for index in [1, 0] {
-            run(&larger, shards.path(), options(Shard { index, count: 2 }), &quiet).unwrap();
-        }
-        for name in ["manifest.json", "statistics.json"] {
-            assert!(files(shards.path()).contains_key(Path::new(name)), "{name}");
-        }
-        assert_eq!(parts(shards.path()), parts(whole.path()));
-        assert_eq!(files(first.path()), before, "the smaller study stays as it is");
-        // The statistics alone, from the rows that are there.
-        let summary = tempfile::tempdir().unwrap();
-        run(&larger, summary.path(), Options { rows: false, ..options(Shard::WHOLE) }, &quiet).unwrap();
-        let statistics = |folder: &Path| std::fs::read(folder.join("statistics.json")).unwrap();
-        assert_eq!(statistics(summary.path()), statistics(whole.path()));
+    grow(growing("design = \"sobol\"\nseed = 4", "samples = 1500", "samples = 9000", [MIXED; 2]), 7500);
+    grow(growing("design = \"sobol\"\nseed = 4", "samples = 9000\nparts = 7", "samples = 9001", [MIXED; 2]), 1);
+    grow(growing("design = \"saltelli\"", "samples = 256", "samples = 1000\nparts = 3", [BORES; 2]), 744 * 4);
+    grow(growing("design = \"factorial\"", "", "", [&factorial[0], &factorial[1]]), 900);
+}
+
+#[test]
+fn a_study_with_constraints_grows_and_keeps_what_they_leave_out() {
+    let sobol = format!("{MIXED}\nconstraints = [\"rod_m < 0.5 * bore_m\"]");
+    grow(growing("design = \"sobol\"\nseed = 4", "samples = 1500", "samples = 4000", [&sobol; 2]), 2500);
+    let factorial = ["[0.02, 0.03]", "[0.02, 0.03, 0.04]"].map(|bores| {
+        format!(
+            "bore_m = {{ values = {bores} }}\nrod_m = {{ from = 0.0, to = 0.018, count = 500 }}\nconstraints = [\"rod_m < 0.5 * bore_m\"]"
+        )
+    });
+    grow(growing("design = \"factorial\"", "", "", [&factorial[0], &factorial[1]]), 500);
+    // Another constraint leaves other rows out.
+    let head = "design = \"sobol\"\nfit = false\nsamples = ";
+    let folder = tempfile::tempdir().unwrap();
+    run(&study(&format!("{head}600"), &sobol), folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let other = study(&format!("{head}900"), &sobol.replace("0.5 *", "0.4 *"));
+    let message = Earlier::open(&other, folder.path()).unwrap_err().to_string();
+    assert!(message.contains("its constraints is [\"rod_m < 0.5 * bore_m\"]"), "{message}");
+}
+
+/// A study on the first rows of a table.
+fn on_table(folder: &Path, rows: u32, file: &str, first_bore: f64) -> Study {
+    let bore = |i: u32| if i == 0 { first_bore } else { 0.02 + 1e-6 * f64::from(i) };
+    let line = |i: u32| format!("{:?},{:?}\n", bore(i), 1e-6 * f64::from(i));
+    let text_of_rows: String = (0..rows).map(line).collect();
+    std::fs::write(folder.join("points.csv"), format!("bore_m,rod_m\n{text_of_rows}")).unwrap();
+    model().write(&folder.join("model.toml")).unwrap();
+    let head = "model = \"model.toml\"\nname = \"points\"\ndesign = \"table\"\nfit = false\nparts = 2\ntable = ";
+    let study = |file: &str, more: &str| {
+        let text = text(&format!("{head}\"{file}\"\n{more}"), "") + WANTED;
+        Study::from_toml(&text, &folder.join("study.toml")).unwrap()
+    };
+    if file == "points.parquet" {
+        sweep::run_to_file(&study("points.csv", ""), &folder.join(file), &quiet).unwrap();
+        return study(file, "columns = [\"bore_m\", \"rod_m\"]");
+    }
+    study(file, "")
+}
+
+#[test]
+fn a_study_on_a_table_grows_by_the_rows_at_its_end() {
+    for file in ["points.csv", "points.parquet"] {
+        // Parts of more rows than a batch has.
+        let [few, many, other] = [(); 3].map(|()| tempfile::tempdir().unwrap());
+        grow([on_table(few.path(), 18_000, file, 0.02), on_table(many.path(), 18_700, file, 0.02)], 700);
+        let folder = tempfile::tempdir().unwrap();
+        run(&on_table(few.path(), 300, file, 0.02), folder.path(), Shard::WHOLE, &quiet).unwrap();
+        let message = Earlier::open(&on_table(other.path(), 400, file, 0.021), folder.path()).unwrap_err().to_string();
+        assert!(message.contains("its row 0 is at bore_m = 0.02, this study's at 0.021"), "{message}");
     }
 }
 
