@@ -17,6 +17,7 @@ mod reference;
 mod reproduce;
 pub mod simulation;
 pub mod stores;
+pub mod study_pictures;
 mod validation_page;
 
 pub use failure::sentence;

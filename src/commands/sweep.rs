@@ -1,7 +1,7 @@
 //! `pneutherm sweep`: a parameter study of the push-and-hold test as partitioned Parquet.
 
 use super::progress::{Progress, Telling};
-use crate::{output, stores};
+use crate::{output, stores, study_pictures};
 use anyhow::{Context, bail};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,8 @@ pub struct Args {
     /// The study file (TOML)
     #[arg(required_unless_present = "verify")]
     study: Option<PathBuf>,
-    /// Folder for the study, with its rows in rows/ and manifest.json; created if it does not exist
+    /// Folder for the study, with its rows in rows/ and manifest.json; created if it does not exist. A build with the feature
+    /// object-store also takes s3://bucket/prefix
     #[arg(short, long, value_name = "DIR", required_unless_present = "verify")]
     output: Option<PathBuf>,
     /// Read the folder of a finished study and compare every part with its SHA-256 in manifest.json
@@ -43,7 +44,7 @@ pub struct Args {
     /// Number of threads, 1 to 1024; by default one per processor
     #[arg(long, short, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Print the number of rows, the estimated time and size, and write nothing
+    /// Print the number of rows, the estimated time and size, and leave nothing on the disk
     #[arg(long)]
     dry_run: bool,
     /// How to solve the equations; overrides the study's `solver`
@@ -94,7 +95,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         traces::check(&study, rows, args.trace_rate)?;
     }
     if args.dry_run {
-        let estimate = pool.install(|| calibrate(&study))?;
+        let estimate = pool.install(|| calibrate(&study, folder))?;
         return output::print(estimated(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
     }
     let earlier = args.extend.as_ref().map(|earlier| pool.install(|| Earlier::open(&study, earlier))).transpose()?;
@@ -103,7 +104,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
     let begun = Instant::now();
     let report = stores::within(folder, |store| {
-        Ok(progress.during(|progress| pool.install(|| sweep::run_in(&study, store, options, progress)))?)
+        let mut report =
+            progress.during(|progress| pool.install(|| sweep::run_in(&study, store, options, progress)))?;
+        report.results.extend(study_pictures::write(store, &report.results)?);
+        Ok(report)
     })?;
     let mut text = told(folder, &study, args.shard, &report, begun.elapsed());
     if let Some(earlier) = &earlier {
@@ -165,15 +169,17 @@ fn rows_of(study: &Study, shard: Shard) -> u64 {
 }
 
 fn estimated(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -> String {
-    let rows = rows_of(study, shard);
+    let (rows, parts) = (rows_of(study, shard), parts_of(study, shard).count() as u64);
+    let seconds = estimate.seconds(rows, parts);
+    let rate = if rows > 0 { rows as f64 / seconds } else { estimate.rows_per_second };
     let mut text = String::new();
     let _ = writeln!(text, "study      {} ({} design)", study.name, study.design.name());
-    let _ = writeln!(text, "rows       {rows} in {} of {} parts", parts_of(study, shard).count(), study.parts);
+    let _ = writeln!(text, "rows       {rows} in {parts} of {} parts", study.parts);
     let _ = writeln!(
         text,
         "time       {} ({:.0} rows/s on {threads} threads, from {} rows)",
-        indicatif::HumanDuration(Duration::from_secs_f64(estimate.seconds(rows).min(1e12))),
-        estimate.rows_per_second,
+        indicatif::HumanDuration(Duration::from_secs_f64(seconds.min(1e12))),
+        rate,
         estimate.calibrated_rows,
     );
     let _ = writeln!(

@@ -1,4 +1,4 @@
-//! What a study will take: its rows, its time from a short calibration, and its bytes.
+//! What a study will take: its rows, its time from a short calibration and a probe of the disk, and its bytes.
 
 use crate::columns;
 use crate::error::Error;
@@ -6,6 +6,8 @@ use crate::part;
 use crate::study::Study;
 use parquet::arrow::ArrowWriter;
 use rayon::prelude::*;
+use std::io::{self, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// How long a calibration goes on at least, if there are rows enough.
@@ -22,16 +24,19 @@ const PIECES: u64 = 8;
 pub struct Estimate {
     /// Rows that were computed to find out.
     pub calibrated_rows: u64,
-    /// Rows per second with the threads of the current pool.
+    /// Rows per second with the threads of the current pool, as long as no disk is waited for.
     pub rows_per_second: f64,
+    /// Time in which a part and its record reach the disk, s; zero where the disk could not be tried.
+    pub seconds_per_part: f64,
     /// Bytes of Parquet for each row.
     pub bytes_per_row: f64,
 }
 
 impl Estimate {
-    /// Time for some rows, s.
-    pub fn seconds(&self, rows: u64) -> f64 {
-        rows as f64 / self.rows_per_second
+    /// Time for some rows in some parts, s: parts reach the disk one after the other, while the next ones are computed.
+    pub fn seconds(&self, rows: u64, parts: u64) -> f64 {
+        let (computing, writing) = (rows as f64 / self.rows_per_second, parts as f64 * self.seconds_per_part);
+        computing.max(writing) + self.seconds_per_part
     }
 
     /// Bytes for some rows.
@@ -40,11 +45,12 @@ impl Estimate {
     }
 }
 
-/// Computes and encodes pieces of the study from all over its design, in memory, for about a second.
+/// Computes and encodes pieces of the study from all over its design, in memory, for about a second, and tries the disk that
+/// `folder` is on or will be on. Leaves nothing there.
 ///
 /// # Errors
 /// A table of points cannot be read.
-pub fn calibrate(study: &Study) -> Result<Estimate, Error> {
+pub fn calibrate(study: &Study, folder: &Path) -> Result<Estimate, Error> {
     let pieces = (rayon::current_num_threads() as u64 * PIECES).min(study.rows);
     let empty = encode(study, 0, 0)?;
     let mut length = FIRST.min(study.rows);
@@ -60,14 +66,39 @@ pub fn calibrate(study: &Study) -> Result<Estimate, Error> {
         let elapsed = begun.elapsed();
         let rows = length * pieces;
         if elapsed > LONG_ENOUGH || length == study.rows || length >= LARGEST {
+            let bytes_per_row = bytes.iter().map(|bytes| bytes - empty).sum::<usize>() as f64 / rows as f64;
+            let rows_per_part = study.rows as f64 / study.parts as f64;
             return Ok(Estimate {
                 calibrated_rows: rows,
                 rows_per_second: rows as f64 / elapsed.as_secs_f64(),
-                bytes_per_row: bytes.iter().map(|bytes| bytes - empty).sum::<usize>() as f64 / rows as f64,
+                seconds_per_part: seconds_per_part(folder, empty as f64 + rows_per_part * bytes_per_row),
+                bytes_per_row,
             });
         }
         length = (2 * length).min(study.rows);
     }
+}
+
+/// Bytes that are written at most to try a disk.
+const PROBE: usize = 8 << 20;
+
+/// Time in which a part of that many bytes and its record reach the disk, s.
+fn seconds_per_part(folder: &Path, bytes: f64) -> f64 {
+    let folder = folder.ancestors().map(|path| if path == Path::new("") { Path::new(".") } else { path });
+    let Some(folder) = folder.into_iter().find(|path| path.is_dir()) else { return 0.0 };
+    let probe = (bytes as usize).min(PROBE);
+    let record = synced(folder, 1 << 10);
+    let part = synced(folder, probe).map(|seconds| seconds * (bytes / probe as f64).max(1.0));
+    record.and_then(|record| Ok(record + part?)).unwrap_or(0.0)
+}
+
+/// Time to write and sync a file without a name, s.
+fn synced(folder: &Path, bytes: usize) -> io::Result<f64> {
+    let mut file = tempfile::tempfile_in(folder)?;
+    let begun = Instant::now();
+    file.write_all(&vec![0x5a; bytes])?;
+    file.sync_all()?;
+    Ok(begun.elapsed().as_secs_f64())
 }
 
 /// Size of some rows as Parquet.
@@ -83,4 +114,25 @@ fn encode(study: &Study, start: u64, rows: u64) -> Result<usize, Error> {
         at = end;
     }
     Ok(writer.into_inner().map_err(parquet)?.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ESTIMATE: Estimate =
+        Estimate { calibrated_rows: 1, rows_per_second: 1e3, seconds_per_part: 0.5, bytes_per_row: 80.0 };
+
+    #[test]
+    fn the_slower_of_processor_and_disk_decides() {
+        assert_eq!(ESTIMATE.seconds(10_000, 4), 10.5);
+        assert_eq!(ESTIMATE.seconds(10_000, 100), 50.5);
+    }
+
+    #[test]
+    fn a_disk_is_tried_where_the_folder_will_be_and_nothing_stays_there() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(seconds_per_part(&folder.path().join("not/yet"), 1e6) > 0.0);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
 }

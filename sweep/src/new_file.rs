@@ -5,7 +5,7 @@
 use crate::error::Error;
 use crate::pages::{self, Collector};
 use crate::sink::Sink;
-use crate::store::{Store, sync_folder_of};
+use crate::store::{Store, put_in_place};
 use arrow::datatypes::SchemaRef;
 use arrow::record_batch::RecordBatch;
 use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};
@@ -183,11 +183,10 @@ impl Ended {
     /// # Errors
     /// It cannot be written.
     pub fn publish(mut self) -> Result<(), Error> {
-        let failed = |source| Error::Write { path: self.path.clone(), source };
-        self.file.sync_all().map_err(failed)?;
-        std::fs::rename(&self.temporary.path, &self.path).map_err(failed)?;
+        put_in_place(&self.file, &self.temporary.path, &self.path)
+            .map_err(|source| Error::Write { path: self.path.clone(), source })?;
         self.temporary.finished = true;
-        sync_folder_of(&self.path).map_err(failed)
+        Ok(())
     }
 
     /// The same in a store. Waits for that.

@@ -188,11 +188,7 @@ impl Store for Local<'_> {
     }
 
     fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<bool> {
-        let place = self.prepared(name)?;
-        file.sync_all()?;
-        std::fs::rename(path, &place)?;
-        sync_folder_of(&place)?;
-        Ok(true)
+        put_in_place(file, path, &self.prepared(name)?).map(|()| true)
     }
 
     fn remove(&self, name: &str) -> io::Result<()> {
@@ -224,8 +220,11 @@ impl Store for Local<'_> {
     }
 }
 
-/// Makes a new name in a folder last; a system whose folders cannot be synced needs no such thing.
-pub(crate) fn sync_folder_of(path: &Path) -> io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+/// Makes a file last under another name on the same disk; a system whose folders cannot be synced needs no more than the
+/// file's own sync.
+pub(crate) fn put_in_place(file: &File, from: &Path, to: &Path) -> io::Result<()> {
+    file.sync_all()?;
+    std::fs::rename(from, to)?;
+    let folder = to.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }

@@ -8,10 +8,12 @@ import signal
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.dataset
+import pyarrow.fs
 import pyarrow.parquet as pq
 import pytest
 from scipy.integrate import solve_ivp
@@ -345,6 +347,9 @@ def test_the_indices_of_a_saltelli_study_are_those_of_salib(tmp_path, pneutherm)
     pneutherm("sweep", study, "-o", tmp_path / "out")
     rows = table(tmp_path / "out")
     assert rows.num_rows == 512 * 5
+    picture = xml.etree.ElementTree.parse(tmp_path / "out" / "sensitivity.svg")
+    texts = "".join(picture.getroot().itertext())
+    assert all(word in texts for word in [*names, "pressure_peak_pa", "first order", "total order"])
     ours = json.loads((tmp_path / "out" / "sensitivity.json").read_text())["outputs"]
     problem = {"num_vars": 3, "names": names, "bounds": [[0, 1]] * 3}
     for output in ["pressure_peak_pa", "temperature_peak_k", "volume_to_area_m"]:
@@ -530,48 +535,83 @@ def test_an_address_of_a_file_is_a_folder_and_other_addresses_are_refused(tmp_pa
     assert sorted(path.name for path in tmp_path.iterdir()) == ["model.toml", "out", "study.toml"]
 
 
-def test_shards_into_an_object_store_are_the_study_of_a_folder(tmp_path, pneutherm, monkeypatch):
+@pytest.fixture(scope="module")
+def bucket():
+    """A client of a local S3 server, its address, and the environment in which the program finds it."""
     if not has_object_stores():
         pytest.skip("the program is built without the feature object-store")
     server = pytest.importorskip("moto.server", reason='no local S3 server (pip install "moto[server]")')
     boto3 = pytest.importorskip("boto3")
     local = server.ThreadedMotoServer(port=0)
     local.start()
-    try:
-        host, port = local.get_host_and_port()
-        url = f"http://{host}:{port}"
-        keys = {"AWS_ACCESS_KEY_ID": "key", "AWS_SECRET_ACCESS_KEY": "secret", "AWS_REGION": "us-east-1"}
+    host, port = local.get_host_and_port()
+    url = f"http://{host}:{port}"
+    keys = {"AWS_ACCESS_KEY_ID": "key", "AWS_SECRET_ACCESS_KEY": "secret", "AWS_REGION": "us-east-1"}
+    with pytest.MonkeyPatch.context() as environment:
         for name, value in {"AWS_ENDPOINT_URL": url, "AWS_DEFAULT_REGION": "us-east-1", **keys}.items():
-            monkeypatch.setenv(name, value)
+            environment.setenv(name, value)
         s3 = boto3.client("s3", endpoint_url=url)
         s3.create_bucket(Bucket="studies")
-        body = lambda key: s3.get_object(Bucket="studies", Key=key)["Body"].read()
-        study = write(tmp_path, 'design = "saltelli"\nsamples = 1000\nparts = 6\nfit = false', COMMON)
-        study.write_text(study.read_text() + "[statistics]\n")
-        for index in (1, 2, 0, 1):
-            pneutherm("sweep", study, "-o", "s3://studies/a/b", "--shard", f"{index}/3")
-        assert "agree with manifest.json" in pneutherm("sweep", "--verify", "s3://studies/a/b").stdout
-        pneutherm("sweep", study, "-o", tmp_path / "out")
-        out = tmp_path / "out"
-        whole = {path.relative_to(out).as_posix(): path for path in out.rglob("*") if path.is_file()}
-        listed = [entry["Key"].removeprefix("a/b/") for entry in s3.list_objects_v2(Bucket="studies")["Contents"]]
-        assert sorted(listed) == sorted(whole)
-        for name, path in whole.items():
-            if name.startswith("rows/"):
-                assert pq.read_table(pa.BufferReader(body(f"a/b/{name}"))).equals(pq.read_table(path))
-            elif name in ("statistics.json", "sensitivity.json"):
-                assert body(f"a/b/{name}") == path.read_bytes()
-        # Another byte is found by --verify, a part that is gone by the next run.
-        part = next(name for name in whole if name.startswith("rows/"))
-        s3.put_object(Bucket="studies", Key=f"a/b/{part}", Body=body(f"a/b/{part}")[:-1] + b"x")
-        assert part in pneutherm("sweep", "--verify", "s3://studies/a/b", code=1).stderr
-        s3.delete_object(Bucket="studies", Key=f"a/b/{part}")
-        pneutherm("sweep", study, "-o", "s3://studies/a/b")
-        pneutherm("sweep", "--verify", "s3://studies/a/b")
-        error = pneutherm("sweep", study, "-o", "s3://nobody/a", code=1).stderr
-        assert error.count("\n") == 1 and "s3://nobody/a" in error
-    finally:
-        local.stop()
+        yield s3, url
+    local.stop()
+
+
+def objects(s3, prefix):
+    """Names of what is below a prefix of the bucket, without the prefix."""
+    listed = s3.list_objects_v2(Bucket="studies", Prefix=prefix).get("Contents", [])
+    return sorted(entry["Key"].removeprefix(prefix) for entry in listed)
+
+
+def test_shards_into_an_object_store_are_the_study_of_a_folder(bucket, tmp_path, pneutherm):
+    s3, _ = bucket
+    body = lambda key: s3.get_object(Bucket="studies", Key=key)["Body"].read()
+    study = write(tmp_path, 'design = "saltelli"\nsamples = 1000\nparts = 6\nfit = false', COMMON)
+    study.write_text(study.read_text() + "[statistics]\n")
+    for index in (1, 2, 0, 1):
+        pneutherm("sweep", study, "-o", "s3://studies/a/b", "--shard", f"{index}/3")
+    assert "agree with manifest.json" in pneutherm("sweep", "--verify", "s3://studies/a/b").stdout
+    out = tmp_path / "out"
+    pneutherm("sweep", study, "-o", out)
+    whole = {path.relative_to(out).as_posix(): path for path in out.rglob("*") if path.is_file()}
+    assert objects(s3, "a/b/") == sorted(whole)
+    for name, path in whole.items():
+        if name.startswith("rows/"):
+            assert pq.read_table(pa.BufferReader(body(f"a/b/{name}"))).equals(pq.read_table(path))
+        elif name.startswith(("statistics.", "sensitivity.")):
+            assert body(f"a/b/{name}") == path.read_bytes()
+    # Another byte is found by --verify, a part that is gone by the next run.
+    part = next(name for name in whole if name.startswith("rows/"))
+    s3.put_object(Bucket="studies", Key=f"a/b/{part}", Body=body(f"a/b/{part}")[:-1] + b"x")
+    assert part in pneutherm("sweep", "--verify", "s3://studies/a/b", code=1).stderr
+    s3.delete_object(Bucket="studies", Key=f"a/b/{part}")
+    pneutherm("sweep", study, "-o", "s3://studies/a/b")
+    pneutherm("sweep", "--verify", "s3://studies/a/b")
+    error = pneutherm("sweep", study, "-o", "s3://nobody/a", code=1).stderr
+    assert error.count("\n") == 1 and "s3://nobody/a" in error
+
+
+def test_a_killed_study_in_an_object_store_goes_on_and_readers_take_its_rows(bucket, tmp_path, pneutherm):
+    polars = pytest.importorskip("polars")
+    s3, url = bucket
+    study = lasting(tmp_path, pneutherm, 4.0)
+    process = subprocess.Popen([PROGRAM, "sweep", study, "-o", "s3://studies/killed"], stdout=subprocess.DEVNULL)
+    while len(objects(s3, "killed/rows/")) < 2 and process.poll() is None:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL, "the run was over before it was killed"
+    there = len(objects(s3, "killed/rows/"))
+    assert "manifest.json" not in objects(s3, "killed/") and there < 16
+    assert f"{there} parts existed already" in pneutherm("sweep", study, "-o", "s3://studies/killed").stdout
+    pneutherm("sweep", study, "-o", tmp_path / "whole")
+    expected = table(tmp_path / "whole")
+    from_bucket = pa.fs.S3FileSystem(
+        access_key="key", secret_key="secret", region="us-east-1", scheme="http", endpoint_override=url.removeprefix("http://")
+    )
+    assert pa.dataset.dataset("studies/killed/rows", filesystem=from_bucket).to_table().equals(expected)
+    options = {"aws_access_key_id": "key", "aws_secret_access_key": "secret", "aws_region": "us-east-1"}
+    options |= {"aws_endpoint_url": url, "aws_allow_http": "true"}
+    frame = polars.scan_parquet("s3://studies/killed/rows/", storage_options=options).collect()
+    assert np.array_equal(frame["pressure_peak_pa"].to_numpy(), expected["pressure_peak_pa"].to_numpy())
 
 
 def test_a_study_grows_without_solving_its_rows_again(tmp_path, pneutherm):
@@ -639,8 +679,7 @@ def test_an_interrupt_says_how_to_go_on(tmp_path, pneutherm):
 
 @pytest.mark.alone
 def test_the_estimate_is_right_where_one_end_of_an_axis_is_slow(tmp_path, pneutherm):
-    # Sealed rows take a hundredth of the time of leaky ones, and all of the leaky ones come last. The study is so long that
-    # making each part last on the disk, which the estimate of rows a second leaves out, hardly counts.
+    # Sealed rows take a hundredth of the time of leaky ones, and all of the leaky ones come last.
     leaks = ", ".join(["0.0"] * 19 + ["1e-12"])
     vary = f'"effect.leakage.conductance_m3_per_s_pa" = {{ values = [{leaks}] }}\nbore_m = {{ from = 0.016, to = 0.063, count = 15000 }}'
     study = write(tmp_path, 'design = "factorial"\nfit = false', vary)
@@ -677,6 +716,8 @@ def test_statistics_without_rows_are_numpys(tmp_path, pneutherm):
     study.write_text(study.read_text() + statistics)
     told = pneutherm("sweep", study, "-o", tmp_path / "none", "--no-rows").stdout
     assert "results: statistics.json" in told and not list((tmp_path / "none").rglob("*.parquet"))
+    picture = xml.etree.ElementTree.parse(tmp_path / "none" / "statistics.svg")
+    assert "results: statistics.svg" in told and "temperature_peak_k, K" in "".join(picture.getroot().itertext())
     found = json.loads((tmp_path / "none" / "statistics.json").read_text())
     rows = table(tmp_path / "rows")
     assert found["rows"] == rows.num_rows == sum(found["statuses"].values())
