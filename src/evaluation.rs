@@ -1,4 +1,4 @@
-//! What `pneutherm identify` and `pneutherm diagnose` do before they print, for other callers: Python.
+//! What `pneutherm identify`, `diagnose` and `validate` do before they print, for other callers: Python.
 
 use anyhow::{Context, bail};
 use identify::outcome::diagnosis;
@@ -22,13 +22,12 @@ pub fn method(name: &str) -> anyhow::Result<Method> {
 /// Identifies what was measured on the rig and writes the model, if asked for.
 ///
 /// # Errors
-/// A file that is refused, a rig that cannot be identified, a file that cannot be written.
-pub fn identify(rig: &Path, method: Method, model: Option<&Path>) -> anyhow::Result<Identification> {
-    let rig = Rig::read(rig)?;
-    let mut found = identify::identify(&rig, method).with_context(|| rig.path.display().to_string())?;
+/// A rig that cannot be identified, a file that cannot be written.
+pub fn identify(rig: &Rig, method: Method, model: Option<&Path>) -> anyhow::Result<Identification> {
+    let mut found = identify::identify(rig, method).with_context(|| rig.path.display().to_string())?;
     found.assumptions.extend(rig.notes());
     if let Some(path) = model {
-        output::write(path, identified_model(&rig, &found).to_toml()?.as_bytes())?;
+        output::write(path, identified_model(rig, &found).to_toml()?.as_bytes())?;
     }
     Ok(found)
 }
@@ -38,28 +37,21 @@ pub fn identify(rig: &Path, method: Method, model: Option<&Path>) -> anyhow::Res
 ///
 /// # Errors
 /// As [`identify()`].
-pub fn diagnose(
-    rig: &Path,
-    report: Option<&Path>,
-    progress: &(dyn Fn(&str, f64) + Sync),
-) -> anyhow::Result<(Rig, Diagnosed)> {
-    let rig = Rig::read(rig)?;
-    let mut found = identify::diagnose(&rig, progress).with_context(|| rig.path.display().to_string())?;
+pub fn diagnose(rig: &Rig, report: Option<&Path>, progress: &(dyn Fn(&str, f64) + Sync)) -> anyhow::Result<Diagnosed> {
+    let mut found = identify::diagnose(rig, progress).with_context(|| rig.path.display().to_string())?;
     found.diagnosis.assumptions.extend(rig.notes());
     if let Some(path) = report {
-        output::write(path, diagnosis_page::html(&rig, &found)?.as_bytes())?;
+        output::write(path, diagnosis_page::html(rig, &found)?.as_bytes())?;
     }
-    Ok((rig, found))
+    Ok(found)
 }
 
-/// Judges a model file by the records of a rig.
+/// Judges a model by the records of a rig.
 ///
 /// # Errors
-/// A file that is refused, records that the model cannot follow.
-pub fn validate(model: &Path, rig: &Path, whole_record: bool) -> anyhow::Result<Validated> {
-    let model = Model::read(model)?;
-    let rig = Rig::read(rig)?;
-    identify::validate(&model.chamber, &rig, whole_record).with_context(|| rig.path.display().to_string())
+/// Records that the model cannot follow.
+pub fn validate(model: &Model, rig: &Rig, whole_record: bool) -> anyhow::Result<Validated> {
+    identify::validate(&model.chamber, rig, whole_record).with_context(|| rig.path.display().to_string())
 }
 
 fn identified_model(rig: &Rig, found: &Identification) -> Model {

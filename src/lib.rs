@@ -15,6 +15,7 @@ pub mod predictive;
 #[cfg(test)]
 mod reference;
 mod reproduce;
+pub mod settings;
 pub mod simulation;
 pub mod stores;
 pub mod study_pictures;

@@ -4,7 +4,7 @@ use crate::predictive::{self, Band, Wanted};
 use anyhow::{Context, bail};
 use chamber::signals::{Knot, Signals};
 use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
-use records::{Layout, Model, Need, Reading, RigFile, Trace, Window};
+use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
 use std::path::{Path, PathBuf};
 
 /// Steps of the search for the start; each leaves a small share of the error, a leak's share of the rest's pressure.
@@ -13,12 +13,12 @@ const MEAN_ITERATIONS: usize = 8;
 /// What is simulated.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// The model file.
-    pub model: PathBuf,
+    /// The model file's content.
+    pub model: Document,
     /// The motion, a trace file with or without pressure.
     pub motion: PathBuf,
-    /// A rig whose columns and format are the motion's.
-    pub rig: Option<PathBuf>,
+    /// The content of a rig file whose columns and format are the motion's.
+    pub rig: Option<Document>,
     /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,
     /// A predictive band from the model's uncertainty, where one is wanted.
@@ -99,8 +99,8 @@ pub struct Course<'a> {
 /// # Errors
 /// A file that is refused, a motion that leaves no gas, no pressure to begin from; a band that the model cannot give.
 pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
-    let model = Model::read(&request.model)?;
-    let motion = read_motion(&request.motion, request.rig.as_deref())?;
+    let model = Model::from_document(&request.model)?;
+    let motion = read_motion(&request.motion, request.rig.as_ref())?;
     let course = Course { request, motion: &motion };
     let samples = course.samples(&model, 0.0)?;
     let mut notes = motion.notes();
@@ -108,7 +108,7 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
         None => None,
         Some(wanted) => {
             let band = predictive::band(&model, &course, *wanted)
-                .with_context(|| format!("{}: no band can be drawn", request.model.display()))?;
+                .with_context(|| format!("{}: no band can be drawn", request.model.path().display()))?;
             notes.push(band.note.clone());
             Some(band)
         }
@@ -146,14 +146,8 @@ impl Course<'_> {
     }
 }
 
-fn read_motion(path: &Path, rig: Option<&Path>) -> anyhow::Result<Trace> {
-    let (layout, stroke_m) = match rig {
-        None => (Layout::default(), None),
-        Some(rig) => {
-            let file = RigFile::read(rig)?;
-            (file.layout, file.rig.cylinder.stroke_m)
-        }
-    };
+fn read_motion(path: &Path, rig: Option<&Document>) -> anyhow::Result<Trace> {
+    let (layout, stroke_m) = rig.map_or_else(|| Ok((Layout::default(), None)), RigFile::layout)?;
     let reading = Reading { layout: &layout, stroke_m, window: Window::ALL, need: Need::Motion };
     Ok(Trace::read(path, &reading)?)
 }

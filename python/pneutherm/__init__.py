@@ -1,11 +1,14 @@
 """Heat transfer in pneumatic cylinder chambers, from Python.
 
-The functions take the same files as the commands of the program `pneutherm`, and return pyarrow tables. Units are SI; the name
-and the metadata of each column state them. Pressure is absolute. Wrong input raises `Error` with the sentence that the program
+The functions take the same files as the commands of the program `pneutherm`, or their content as keyword arguments and
+dictionaries, and return pyarrow tables. Units are SI; the name and the metadata of each column state them. Pressure is absolute. Wrong input raises `Error` with the sentence that the program
 would print. The rows of `simulate` and `sweep` are passed without a copy.
 
     >>> import pneutherm
     >>> pneutherm.identify("examples/cylinder").parameters.to_pandas()  # doctest: +SKIP
+    >>> pneutherm.identify(  # doctest: +SKIP
+    ...     cylinder={"bore_m": 0.032}, experiment=[{"name": "push", "traces": ["push-1.csv", "push-2.csv"]}]
+    ... )
 """
 
 from __future__ import annotations
@@ -18,17 +21,21 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Optional, Union, overload
 
 from . import _native
+from ._content import ModelTables, Path, RigTables, Table, as_json, given_model, given_rig
 from ._native import Error
 from ._trace import as_trace, write_trace
 
 if TYPE_CHECKING:
     import pyarrow
     import pyarrow.dataset
+    from typing_extensions import Unpack
 
 __all__ = [
     "Diagnosis",
     "Error",
     "Identification",
+    "ModelTables",
+    "RigTables",
     "StudyFolder",
     "Validation",
     "batches",
@@ -40,9 +47,6 @@ __all__ = [
     "validate",
     "write_trace",
 ]
-
-Path = Union[str, "os.PathLike[str]"]
-
 
 @dataclasses.dataclass(frozen=True)
 class Identification:
@@ -114,16 +118,25 @@ class Validation:
 
 
 def identify(
-    rig: Path, *, method: Literal["exact", "time-constant"] = "exact", model: Optional[Path] = None
+    rig: Union[Path, Table, None] = None,
+    *,
+    method: Literal["exact", "time-constant"] = "exact",
+    model: Optional[Path] = None,
+    **tables: Unpack[RigTables],
 ) -> Identification:
     """Identifies heat transfer coefficient, dead volume and mass, with 95 % intervals, from measured traces.
 
+    The other keyword arguments are the tables of a rig file (`RigTables`): ``cylinder={"bore_m": 0.032}``. Beside a rig file
+    they replace what it says, key by key; without one they are the rig. The traces of an experiment may be what
+    `write_trace` takes.
+
     Args:
-        rig: the rig file, or the folder with a ``rig.toml``.
+        rig: the rig file, the folder with a ``rig.toml``, or a dictionary with the content of one.
         method: a fit of all traces at once, or the paper's thermal time constant method on each trace.
         model: where to write the model file, if anywhere.
     """
-    raw = json.loads(_native.identify(rig, method, model))
+    with given_rig(rig, tables) as given:
+        raw = json.loads(_native.identify(given, method, model))
     return Identification(
         method=raw["method"],
         parameters=_parameters(raw["parameters"]),
@@ -133,15 +146,24 @@ def identify(
     )
 
 
-def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] = None) -> Diagnosis:
+def diagnose(
+    rig: Union[Path, Table, None] = None,
+    *,
+    model: Optional[Path] = None,
+    report: Optional[Path] = None,
+    **tables: Unpack[RigTables],
+) -> Diagnosis:
     """Finds which effects the paper's model lacks, with the error before and after on left-out records.
 
+    The other keyword arguments are the tables of a rig file, as for `identify`.
+
     Args:
-        rig: the rig file, or the folder with a ``rig.toml``.
+        rig: the rig file, the folder with a ``rig.toml``, or a dictionary with the content of one.
         model: where to write the diagnosed model file, if anywhere.
         report: where to write the report (HTML), if anywhere.
     """
-    raw = json.loads(_native.diagnose(rig, model, report))
+    with given_rig(rig, tables) as given:
+        raw = json.loads(_native.diagnose(given, model, report))
     candidates = [
         {key: candidate[key] for key in ("effect", "delta_bic", "held_out_rmse_pa")} for candidate in raw["candidates"]
     ]
@@ -160,16 +182,25 @@ def diagnose(rig: Path, *, model: Optional[Path] = None, report: Optional[Path] 
     )
 
 
-def validate(model: Path, rig: Path, *, whole_record: bool = False) -> Validation:
+def validate(
+    model: Union[Path, Table],
+    rig: Union[Path, Table, None] = None,
+    *,
+    whole_record: bool = False,
+    **tables: Unpack[RigTables],
+) -> Validation:
     """Tests a model on records that took no part in its identification.
 
+    The other keyword arguments are the tables of a rig file, as for `identify`.
+
     Args:
-        model: the model file.
-        rig: the rig file of the records, or the folder with a ``rig.toml``.
+        model: the model file, or a dictionary with the content of one.
+        rig: the rig file of the records, the folder with a ``rig.toml``, or a dictionary with the content of one.
         whole_record: fit the records' own parameters (initial pressure, delays, offset) to the whole of each record, not
             only to its rest and first move.
     """
-    raw = json.loads(_native.validate(model, rig, whole_record))
+    with given_rig(rig, tables) as given:
+        raw = json.loads(_native.validate(given_model(model, {}), given, whole_record))
     return Validation(
         rmse_pa=raw["rmse_pa"],
         noise_pa=raw["noise_pa"],
@@ -180,31 +211,44 @@ def validate(model: Path, rig: Path, *, whole_record: bool = False) -> Validatio
 
 
 def simulate(
-    model: Path,
+    model: Union[Path, Table, None],
     motion: Union[Path, Any],
     *,
-    rig: Optional[Path] = None,
+    rig: Union[Path, Table, None] = None,
     initial_pressure_pa: Optional[float] = None,
     samples: Optional[int] = None,
     level: float = 0.95,
     seed: int = 0,
+    columns: Optional[Table] = None,
+    format: Optional[Table] = None,
+    **tables: Unpack[ModelTables],
 ) -> pyarrow.Table:
     """Simulates the chamber along a measured or planned stroke; one row per row of the motion.
 
+    The other keyword arguments are the tables of a model file (`ModelTables`), such as
+    ``effect={"leakage": {"conductance_m3_per_s_pa": 1e-11}}``. Beside a model file they replace what it says, key by key; with
+    ``None`` as the model they are the model.
+
     Args:
-        model: the model file.
+        model: the model file, or a dictionary with the content of one.
         motion: the trace file with the motion, or what `write_trace` takes: a table, a MATLAB, Parquet or Excel file.
-        rig: a rig file whose columns and format describe the motion file.
+        rig: a rig file, or a dictionary with the content of one, whose columns and format describe the motion file.
         initial_pressure_pa: initial gas pressure, Pa; by default from the motion's pressure before the first movement.
         samples: also compute a prediction band from this many draws of the identified parameters: ``pressure_low_pa``,
             ``pressure_high_pa`` and so on.
         level: coverage probability of the band.
         seed: seed of the random draws.
+        columns: the ``[columns]`` of a rig file, for the motion.
+        format: the ``[format]`` of a rig file, for the motion.
     """
     import pyarrow
 
-    with as_trace(motion) as path:
-        return pyarrow.table(_native.simulate(model, path, rig, initial_pressure_pa, samples, level, seed))
+    layout: RigTables = {"columns": columns, "format": format}
+    with as_trace(motion) as path, given_rig(rig, layout) as given:
+        native = _native.simulate(
+            given_model(model, tables), path, given, initial_pressure_pa, samples, level, seed
+        )
+    return pyarrow.table(native)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -326,19 +370,8 @@ def statistics(
 
 def _study(study: Union[Path, Mapping[str, Any]]) -> _native.Study:
     if isinstance(study, Mapping):
-        return _native.Study("study", json.dumps(study, default=_plain))
+        return _native.Study("study", as_json(study))
     return _native.Study(study)
-
-
-def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays and other mappings and paths as JSON knows them."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return dict(value)
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    raise Error(f"study: a value of type {type(value).__name__} is not allowed in a study")
 
 
 def _telling(progress: Optional[Callable[[int, int], object]], rows: int) -> Optional[Callable[[int], object]]:

@@ -5,6 +5,7 @@ from os import PathLike
 from typing import Any, Optional, Union
 
 _Path = Union[str, PathLike[str]]
+_Given = tuple[Optional[_Path], Optional[str]]  # a file, its content as JSON, or both
 
 class Error(Exception):
     """What is wrong, in the program's sentence."""
@@ -16,17 +17,17 @@ class Table:
     def __len__(self) -> int: ...
 
 def run(arguments: list[str]) -> int: ...
-def identify(rig: _Path, method: str, model: Optional[_Path]) -> str: ...
-def diagnose(rig: _Path, model: Optional[_Path], report: Optional[_Path]) -> str: ...
-def validate(model: _Path, rig: _Path, whole_record: bool) -> str: ...
+def identify(rig: _Given, method: str, model: Optional[_Path]) -> str: ...
+def diagnose(rig: _Given, model: Optional[_Path], report: Optional[_Path]) -> str: ...
+def validate(model: _Given, rig: _Given, whole_record: bool) -> str: ...
 def simulate(
-    model: _Path,
+    model: _Given,
     motion: _Path,
-    rig: Optional[_Path],
+    rig: _Given,
     initial_pressure_pa: Optional[float],
-    samples: Optional[int] = None,
-    level: float = 0.95,
-    seed: int = 0,
+    samples: Optional[int],
+    level: float,
+    seed: int,
 ) -> Table: ...
 
 class Batches:

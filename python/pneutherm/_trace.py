@@ -56,12 +56,17 @@ def write_trace(
 @contextlib.contextmanager
 def as_trace(source: Any) -> Iterator[Path]:
     """The path of a trace file: the source itself, or a temporary file where the program cannot read the source."""
-    if isinstance(source, (str, os.PathLike)) and _suffix(source) not in _READERS:
+    if is_text_file(source):
         yield source
         return
     with tempfile.TemporaryDirectory() as folder:
         name = pathlib.Path(os.fspath(source)).stem if isinstance(source, (str, os.PathLike)) else "table"
         yield write_trace(source, pathlib.Path(folder) / f"{name}.csv")
+
+
+def is_text_file(source: Any) -> bool:
+    """Whether it is the path of a file that the program reads as it is."""
+    return isinstance(source, (str, os.PathLike)) and _suffix(source) not in _READERS
 
 
 def _suffix(path: Any) -> str:

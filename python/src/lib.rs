@@ -16,10 +16,12 @@ mod work;
 use ::sweep::statistics::Plan;
 use anyhow::Context;
 use pneutherm::evaluation;
-use pneutherm::predictive::{self, Wanted};
+use pneutherm::predictive::Wanted;
+use pneutherm::settings::Settings;
 use pneutherm::simulation::{self, Request};
-use pneutherm::stores;
+use pneutherm::{stores, study_pictures};
 use pyo3::prelude::*;
+use records::{Document, Model, Rig};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
@@ -49,21 +51,38 @@ fn run(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     })
 }
 
+/// What a file says, as a path, as JSON or both: JSON replaces what the file says.
+type Given = (Option<PathBuf>, Option<String>);
+
+fn settings((path, json): Given) -> Settings {
+    Settings { path, json }
+}
+
+fn read_rig(given: Given) -> anyhow::Result<Rig> {
+    let document = settings(given).rig()?.context("rig: no rig file and no content of one is given")?;
+    Ok(Rig::from_document(&document)?)
+}
+
+fn read_model(given: Given) -> anyhow::Result<Document> {
+    settings(given).model()?.context("model: no model file and no content of one is given")
+}
+
 /// What was identified, as JSON.
 #[pyfunction]
-fn identify(py: Python<'_>, rig: PathBuf, method: String, model: Option<PathBuf>) -> PyResult<String> {
+fn identify(py: Python<'_>, rig: Given, method: String, model: Option<PathBuf>) -> PyResult<String> {
     interruptible(py, move || {
         let method = evaluation::method(&method)?;
-        let found = evaluation::identify(&rig, method, model.as_deref())?;
+        let found = evaluation::identify(&read_rig(rig)?, method, model.as_deref())?;
         Ok(serde_json::to_string(&found)?)
     })
 }
 
 /// What was diagnosed, as JSON.
 #[pyfunction]
-fn diagnose(py: Python<'_>, rig: PathBuf, model: Option<PathBuf>, report: Option<PathBuf>) -> PyResult<String> {
+fn diagnose(py: Python<'_>, rig: Given, model: Option<PathBuf>, report: Option<PathBuf>) -> PyResult<String> {
     interruptible(py, move || {
-        let (rig, found) = evaluation::diagnose(&rig, report.as_deref(), &|_, _| {})?;
+        let rig = read_rig(rig)?;
+        let found = evaluation::diagnose(&rig, report.as_deref(), &|_, _| {})?;
         if let Some(path) = &model {
             evaluation::write_diagnosed(&rig, &found, path)?;
         }
@@ -73,19 +92,21 @@ fn diagnose(py: Python<'_>, rig: PathBuf, model: Option<PathBuf>, report: Option
 
 /// How well a model predicts the records of a rig, as JSON.
 #[pyfunction]
-fn validate(py: Python<'_>, model: PathBuf, rig: PathBuf, whole_record: bool) -> PyResult<String> {
-    interruptible(py, move || Ok(serde_json::to_string(&evaluation::validate(&model, &rig, whole_record)?.validation)?))
+fn validate(py: Python<'_>, model: Given, rig: Given, whole_record: bool) -> PyResult<String> {
+    interruptible(py, move || {
+        let model = Model::from_document(&read_model(model)?)?;
+        Ok(serde_json::to_string(&evaluation::validate(&model, &read_rig(rig)?, whole_record)?.validation)?)
+    })
 }
 
 /// The chamber along a motion, with a band where `samples` asks for one.
 #[pyfunction]
-#[pyo3(signature = (model, motion, rig, initial_pressure_pa, samples = None, level = predictive::LEVEL, seed = 0))]
 #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments, one each")]
 fn simulate(
     py: Python<'_>,
-    model: PathBuf,
+    model: Given,
     motion: PathBuf,
-    rig: Option<PathBuf>,
+    rig: Given,
     initial_pressure_pa: Option<f64>,
     samples: Option<u32>,
     level: f64,
@@ -93,6 +114,7 @@ fn simulate(
 ) -> PyResult<Table> {
     interruptible(py, move || {
         let band = samples.map(|samples| Wanted { samples, seed, level });
+        let (model, rig) = (read_model(model)?, settings(rig).rig()?);
         Table::of_simulation(&simulation::simulated(&Request { model, motion, rig, initial_pressure_pa, band })?)
     })
 }
@@ -175,7 +197,11 @@ impl Study {
         watched(py, &watch, progress, move || {
             let earlier = extend.map(|folder| ::sweep::Earlier::open(&study, &folder)).transpose()?;
             let options = ::sweep::Options { shard, rows, earlier: earlier.as_ref() };
-            let done = stores::within(&folder, |store| Ok(::sweep::run_in(&study, store, options, &*teller)?))?;
+            let done = stores::within(&folder, |store| {
+                let done = ::sweep::run_in(&study, store, options, &*teller)?;
+                study_pictures::write(store, &done.results)?;
+                Ok(done)
+            })?;
             Ok(serde_json::json!({
                 "rows_written": done.rows_written,
                 "rows_taken": done.rows_taken,

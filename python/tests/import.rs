@@ -21,8 +21,10 @@ fn python_imports_the_library_and_hears_the_sentence() {
     let package = folder.path().join("pneutherm");
     std::fs::create_dir(&package).unwrap();
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("pneutherm");
-    for file in ["__init__.py", "__main__.py", "_trace.py"] {
-        std::fs::copy(sources.join(file), package.join(file)).unwrap();
+    for file in std::fs::read_dir(sources).unwrap().map(|entry| entry.unwrap()) {
+        if file.path().is_file() {
+            std::fs::copy(file.path(), package.join(file.file_name())).unwrap();
+        }
     }
     let ending = if cfg!(windows) { "pyd" } else { "abi3.so" };
     std::fs::copy(library(), package.join(format!("_native.{ending}"))).unwrap();

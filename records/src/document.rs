@@ -27,6 +27,7 @@ pub struct Document {
 #[derive(Clone, Debug)]
 pub(crate) struct Entry {
     pub key: String,
+    /// Counted from 1; 0 in a document that has no lines.
     pub line: usize,
     pub value: Value,
 }
@@ -73,6 +74,13 @@ impl Document {
         Ok(Self { path: path.to_owned(), text, root })
     }
 
+    /// A document that is no file's text: a program gives its content, and no complaint about it names a line. `path` stands
+    /// for it in complaints; paths in it are relative to the folder of `path`.
+    pub fn from_table(path: &Path, table: &toml::Table) -> Self {
+        let root = table.iter().map(|(key, value)| Entry::of_value(key, value)).collect();
+        Self { path: path.to_owned(), text: table.to_string(), root }
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
@@ -85,7 +93,8 @@ impl Document {
 
     /// The outermost table.
     pub fn root(&self) -> Table<'_> {
-        Table::new(&self.path, String::new(), 1, &self.root)
+        let first = self.root.first().map_or(1, |entry| entry.line.min(1));
+        Table::new(&self.path, String::new(), first, &self.root)
     }
 }
 
@@ -108,6 +117,28 @@ pub fn read_text(path: &Path) -> io::Result<String> {
         let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
         invalid(format!("line {line} has bytes that are not UTF-8 text"))
     })
+}
+
+impl Entry {
+    fn of_value(key: &str, value: &toml::Value) -> Self {
+        Self { key: key.to_owned(), line: 0, value: Value::of(value) }
+    }
+}
+
+impl Value {
+    fn of(value: &toml::Value) -> Self {
+        match value {
+            toml::Value::String(text) => Self::Text(text.clone()),
+            toml::Value::Integer(number) => Self::Integer(*number),
+            toml::Value::Float(number) => Self::Number(*number),
+            toml::Value::Boolean(flag) => Self::Flag(*flag),
+            toml::Value::Datetime(date) => Self::Date(date.to_string()),
+            toml::Value::Array(items) => Self::List(items.iter().map(|item| (0, Self::of(item))).collect()),
+            toml::Value::Table(table) => {
+                Self::Table(table.iter().map(|(key, value)| Entry::of_value(key, value)).collect())
+            }
+        }
+    }
 }
 
 /// A parsed table's entries, in the order of the file.
@@ -181,6 +212,17 @@ mod tests {
     #[test]
     fn a_key_given_twice_is_refused_at_the_second() {
         assert!(message("a = 1\n\na = 2\n").contains("line 3"));
+    }
+
+    #[test]
+    fn a_document_without_a_file_is_complained_about_without_a_line() {
+        let table: toml::Table = toml::from_str("[cylinder]\nbore_mm = 32").unwrap();
+        let document = Document::from_table(Path::new("rig"), &table);
+        let cylinder = document.root().required_table("cylinder").unwrap();
+        let message = cylinder.allow(&["bore_m", "rod_m"]).unwrap_err().to_string();
+        assert!(message.starts_with("rig: cylinder.bore_mm: unknown key"), "{message}");
+        assert!(document.root().allow(&["gas"]).unwrap_err().to_string().starts_with("rig: cylinder: "));
+        assert!(document.root().required_table("gas").unwrap_err().to_string().starts_with("rig: gas: "));
     }
 
     #[test]

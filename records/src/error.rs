@@ -38,11 +38,11 @@ pub enum Error {
         message: String,
     },
     /// Something is wrong with a key of a TOML file.
-    #[error("{}: line {line}: {key}: {problem}", path.display())]
+    #[error("{}: {}{key}: {problem}", path.display(), place(*line))]
     Key {
         /// The file.
         path: PathBuf,
-        /// The key's line, or that of the table where it is missing; counted from 1.
+        /// The key's line, or that of the table where it is missing; counted from 1, 0 where the content comes from no file.
         line: usize,
         /// The key with its tables, dotted.
         key: String,
@@ -60,4 +60,8 @@ pub enum Error {
     /// A model cannot be expressed in a model file.
     #[error("the model cannot be written: {0}")]
     Unwritable(String),
+}
+
+fn place(line: usize) -> String {
+    if line == 0 { String::new() } else { format!("line {line}: ") }
 }

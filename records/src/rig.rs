@@ -16,6 +16,10 @@ use crate::trace::{Need, Reading, Trace, Window};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
+/// What a rig file may hold.
+const TABLES: [&str; 9] =
+    ["cylinder", "ambient", "gas", "sensor", "accuracy", "tolerance", "experiment", "columns", "format"];
+
 /// A rig file with all the traces it names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig {
@@ -109,16 +113,17 @@ impl Rig {
     /// # Errors
     /// [`Error`] names the file, the line and the key or column.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let file = RigFile::read(path)?;
-        let RigFile { mut rig, stated_tolerance, layout, plan } = file;
+        Self::from_document(&RigFile::document(path)?)
+    }
+
+    /// Reads a rig from a document, and every trace it names.
+    ///
+    /// # Errors
+    /// As [`Rig::read`].
+    pub fn from_document(document: &Document) -> Result<Self, Error> {
+        let RigFile { mut rig, stated_tolerance, layout, plan } = RigFile::from_document(document)?;
         if plan.is_empty() {
-            let problem = KeyProblem::Missing { expected: "at least one [[experiment]] with its traces".to_owned() };
-            return Err(Error::Key {
-                path: rig.path,
-                line: 1,
-                key: "experiment".to_owned(),
-                problem: Box::new(problem),
-            });
+            return Err(document.root().missing("experiment", "at least one [[experiment]] with its traces"));
         }
         let stroke_m = rig.cylinder.stroke_m;
         for PlannedExperiment { name, traces, window } in plan {
@@ -151,8 +156,31 @@ impl RigFile {
     /// # Errors
     /// [`Error`] names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let path = if path.is_dir() { path.join("rig.toml") } else { path.to_owned() };
-        Self::from_document(&Document::read(&path)?)
+        Self::from_document(&Self::document(path)?)
+    }
+
+    /// The content of a rig file, or of the `rig.toml` of a folder.
+    ///
+    /// # Errors
+    /// As [`Document::read`].
+    pub fn document(path: &Path) -> Result<Document, Error> {
+        Document::read(&if path.is_dir() { path.join("rig.toml") } else { path.to_owned() })
+    }
+
+    /// How the trace files of a rig are laid out, and the cylinder's stroke, m, where it is known; a document without
+    /// `[cylinder]` will do.
+    ///
+    /// # Errors
+    /// As [`RigFile::read`].
+    pub fn layout(document: &Document) -> Result<(Layout, Option<f64>), Error> {
+        if document.root().has("cylinder") {
+            let file = Self::from_document(document)?;
+            return Ok((file.layout, file.rig.cylinder.stroke_m));
+        }
+        let root = document.root();
+        root.allow(&TABLES)?;
+        let (ambient, pressure_given) = read_ambient(&root)?;
+        Ok((Layout::read(&root, pressure_given.then_some(ambient.pressure_pa))?, None))
     }
 
     /// Reads a rig from a document.
@@ -161,17 +189,7 @@ impl RigFile {
     /// As [`RigFile::read`].
     pub fn from_document(document: &Document) -> Result<Self, Error> {
         let root = document.root();
-        root.allow(&[
-            "cylinder",
-            "ambient",
-            "gas",
-            "sensor",
-            "accuracy",
-            "tolerance",
-            "experiment",
-            "columns",
-            "format",
-        ])?;
+        root.allow(&TABLES)?;
         let cylinder_table = root.required_table("cylinder")?;
         let (ambient, pressure_given) = read_ambient(&root)?;
         let cylinder = read_cylinder(&cylinder_table)?;

@@ -4,6 +4,7 @@ use crate::commands::estimates;
 use crate::{evaluation, output};
 use identify::outcome::diagnosis::{Diagnosis, Rmse, Unnamed};
 use identify::outcome::read_off::Empirical;
+use records::Rig;
 use report::digits;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -43,13 +44,14 @@ const SHOWN: usize = 24;
 
 /// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    let rig = Rig::read(&args.rig)?;
     let bar = progress_bar();
-    let found = evaluation::diagnose(&args.rig, args.report.as_deref(), &|what, share| {
+    let found = evaluation::diagnose(&rig, args.report.as_deref(), &|what, share| {
         bar.set_message(what.to_owned());
         bar.set_position((share * 100.0) as u64);
     });
     bar.finish_and_clear();
-    let (rig, found) = found?;
+    let found = found?;
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;
     }

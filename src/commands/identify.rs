@@ -3,6 +3,7 @@
 use crate::commands::estimates;
 use crate::{evaluation, output};
 use identify::{Identification, Method};
+use records::Rig;
 use report::digits;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -43,7 +44,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Choice::Exact => Method::Exact,
         Choice::TimeConstant => Method::TimeConstant,
     };
-    let result = evaluation::identify(&args.rig, method, args.output.as_deref())?;
+    let result = evaluation::identify(&Rig::read(&args.rig)?, method, args.output.as_deref())?;
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&result)?, b"\n".to_vec()].concat())?;
     }

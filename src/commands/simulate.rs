@@ -3,6 +3,7 @@
 use crate::output;
 use crate::predictive::{LEVEL, SAMPLES, Wanted};
 use crate::simulation::{self, Request, Simulated};
+use records::{Document, RigFile};
 use std::path::PathBuf;
 
 /// Simulate a model's chamber along a measured or planned stroke
@@ -62,9 +63,9 @@ fn level(text: &str) -> Result<f64, String> {
 /// Simulates and writes the table.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let simulated = simulation::simulated(&Request {
-        model: args.model.clone(),
+        model: Document::read(&args.model)?,
         motion: args.motion.clone(),
-        rig: args.rig.clone(),
+        rig: args.rig.as_deref().map(RigFile::document).transpose()?,
         initial_pressure_pa: args.initial_pressure,
         band: args.samples.map(|samples| Wanted { samples, seed: args.seed, level: args.level }),
     })?;

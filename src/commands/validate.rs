@@ -2,6 +2,7 @@
 
 use crate::{evaluation, output, validation_page};
 use identify::Validation;
+use records::{Model, Rig};
 use report::digits;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -34,7 +35,7 @@ pub struct Args {
 
 /// Validates, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let found = evaluation::validate(&args.model, &args.rig, args.whole_record)?;
+    let found = evaluation::validate(&Model::read(&args.model)?, &Rig::read(&args.rig)?, args.whole_record)?;
     if let Some(path) = &args.json {
         output::write(path, &[serde_json::to_vec_pretty(&found.validation)?, b"\n".to_vec()].concat())?;
     }

@@ -85,29 +85,31 @@ def test_what_is_wrong_is_raised_as_the_program_s_sentence(module, root, tmp_pat
         module.simulate(
             root / "fuzz/corpus/model/paper.toml", root / "examples/cylinder/validation.csv", initial_pressure_pa=-1
         )
-    with pytest.raises(TypeError):
-        module.identify()
+
+
+def native_simulation(module, root):
+    """What `simulate` makes a pyarrow table of."""
+    model, motion = root / "fuzz/corpus/model/paper.toml", root / "examples/cylinder/validation.csv"
+    return module._native.simulate((model, None), motion, (None, None), 2e5, None, 0.95, 0)
 
 
 def test_a_table_s_numbers_lie_where_rust_wrote_them_and_outlive_the_result(module, root):
     import pyarrow
 
-    arguments = [str(root / "fuzz/corpus/model/paper.toml"), str(root / "examples/cylinder/validation.csv")]
-    result = module._native.simulate(*arguments, None, 2e5)
+    result = native_simulation(module, root)
     one, two = pyarrow.table(result), pyarrow.table(result)
     place = lambda table: table["pressure_pa"].chunk(0).buffers()[1].address  # noqa: E731
     assert len(result) == one.num_rows and place(one) == place(two), "a copy was made"
     before = one["pressure_pa"].to_pylist()
     del result, two
     gc.collect()
-    module.simulate(*arguments)
+    native_simulation(module, root)
     assert one["pressure_pa"].to_pylist() == before
 
 
 def test_other_libraries_take_the_result_as_it_is(module, root):
     polars = pytest.importorskip("polars")
-    arguments = [str(root / "fuzz/corpus/model/paper.toml"), str(root / "examples/cylinder/validation.csv")]
-    result = module._native.simulate(*arguments, None, 2e5)
+    result = native_simulation(module, root)
     assert polars.DataFrame(result).columns[:2] == ["time_s", "pressure_pa"]
 
 
@@ -218,6 +220,12 @@ def test_a_study_in_python_s_words_is_a_table_batches_and_a_folder_with_the_same
     assert folder.rows.to_table().sort_by("row")["pressure_peak_pa"].equals(table["pressure_peak_pa"])
     assert told[-1] == (3000, 3000) and folder.statistics is None and folder.sensitivity is None
     assert module.sweep(study, tmp_path / "out").rows_written == 0, "what is there stays"
+    larger = study | {"study": study["study"] | {"samples": 4000}}
+    grown = module.sweep(larger, tmp_path / "grown", extend=tmp_path / "out")
+    assert (grown.rows_written, grown.rows_taken, grown.complete) == (1000, 3000, True)
+    assert grown.rows.to_table().sort_by("row").slice(0, 3000)["pressure_peak_pa"].equals(table["pressure_peak_pa"])
+    polars.DataFrame(module.batches(study)).select("row", "pressure_peak_pa")
+    assert polars.scan_pyarrow_dataset(folder.rows).collect().height == len(folder.rows.to_table().to_pandas()) == 3000
     assert polars.from_arrow(table).height == 3000
     listed = study | {"study": study["study"] | {"design": "factorial"}, "vary": {"bore_m": {"values": np.array([0.02, 0.03])}}}
     assert module.sweep(listed)["bore_m"].to_pylist() == [0.02, 0.03]
@@ -278,6 +286,91 @@ def test_a_motion_may_be_a_table_and_has_a_band(module, root, tmp_path):
     assert all(low < high for low, high in zip(band["pressure_low_pa"].to_pylist(), band["pressure_high_pa"].to_pylist()))
     with pytest.raises(module.Error, match="16 to 100000 draws"):
         module.simulate(model, motion, samples=3)
+
+
+def toml(path):
+    """What a TOML file holds."""
+    tomllib = pytest.importorskip("tomllib", reason="TOML files are read by Python from version 3.11 on")
+    return tomllib.loads(path.read_text())
+
+
+def test_a_rig_may_be_a_file_a_dictionary_keyword_arguments_or_a_file_with_other_values(module, root, monkeypatch):
+    import pandas
+
+    monkeypatch.chdir(root / "examples/cylinder")
+    rig = toml(root / "examples/cylinder/rig.toml")
+    from_file = module.identify(root / "examples/cylinder").raw
+    assert module.identify(rig).raw == from_file
+    assert module.identify(**rig).raw == from_file
+    assert module.identify("rig.toml", cylinder=rig["cylinder"], experiment=rig["experiment"]).raw == from_file
+    # Records in memory, and one value of a file replaced.
+    (first, *others) = rig["experiment"]
+    frames = first | {"traces": [pandas.read_csv(trace) for trace in first["traces"]]}
+    in_memory = module.identify(rig, experiment=[frames, *others])
+    assert in_memory.parameters.equals(module.identify(rig).parameters)
+    smaller = module.identify("rig.toml", cylinder={"bore_m": 0.9 * rig["cylinder"]["bore_m"]})
+    mass = lambda found: next(row["value"] for row in found["parameters"].values() if row["unit"] == "kg")
+    assert mass(smaller.raw) == pytest.approx(0.81 * mass(from_file), rel=0.01)
+
+
+def test_diagnose_validate_and_simulate_take_contents_as_well(module, root, tmp_path, monkeypatch):
+    monkeypatch.chdir(root / "examples/cylinder")
+    rig = toml(root / "examples/cylinder/rig.toml")
+    found = module.diagnose(**rig, model=tmp_path / "model.toml")
+    assert found.effects == ["leakage"]
+    model = toml(tmp_path / "model.toml")
+    assert [entry["path"] for entry in model["provenance"]["traces"]][0].endswith(".csv")
+    from_files = module.validate(tmp_path / "model.toml", "rig.toml")
+    assert module.validate(model, rig).raw == module.validate(model, **rig).raw
+    assert module.validate(model, rig).rmse_pa == from_files.rmse_pa
+
+    motion = root / "examples/cylinder/validation.csv"
+    expected = module.simulate(tmp_path / "model.toml", motion)
+    assert module.simulate(model, motion).equals(expected)
+    tables = {name: model[name] for name in ("chamber", "heat_transfer", "effect", "gas", "ambient")}
+    assert module.simulate(None, motion, **tables).equals(expected)
+    sealed = module.simulate(tmp_path / "model.toml", motion, effect={"leakage": {"conductance_m3_per_s_pa": 0.0}})
+    assert min(sealed["mass_kg"].to_pylist()) == max(sealed["mass_kg"].to_pylist()) > min(expected["mass_kg"].to_pylist())
+
+
+def test_a_motion_s_columns_are_keyword_arguments(module, root):
+    import pandas
+
+    model, motion = root / "fuzz/corpus/model/paper.toml", root / "examples/cylinder/validation.csv"
+    frame = pandas.read_csv(motion)
+    other = pandas.DataFrame({"t": frame["time_s"] * 1e3, "x": frame["position_m"] * 1e3, "ambient_temperature_k": frame["ambient_temperature_k"]})
+    columns = {"time": {"name": "t", "unit": "ms"}, "position": {"name": "x", "unit": "mm"}}
+    ours = module.simulate(model, other, columns=columns, initial_pressure_pa=2e5)
+    expected = module.simulate(model, motion, initial_pressure_pa=2e5)
+    assert ours["gas_pressure_pa"].to_pylist() == pytest.approx(expected["gas_pressure_pa"].to_pylist(), rel=1e-9)
+
+
+def test_what_is_wrong_with_a_content_is_said_with_its_key_and_no_line(module, root):
+    rig = toml(root / "examples/cylinder/rig.toml")
+    for content, sentence in [
+        ({"cylinder": {"boer_m": 0.03}}, r"^rig: cylinder.boer_m: unknown key.*bore_m"),
+        ({"cylinder": {"bore_m": "wide"}}, "^rig: cylinder.bore_m: "),
+        ({"cylinder": {"bore_m": None}}, r"^rig: cylinder\.bore_m: has no value \(None\)"),
+        ({"cylinder": {"bore_m": math.nan}}, "a number that is not finite"),
+        ({"cylinder": {"bore_m": object()}}, "a value of type object is not allowed"),
+        ({"cylinder": rig["cylinder"]}, "^rig: experiment: .*at least one"),
+        ({"experiment": rig["experiment"]}, "^rig: cylinder: "),
+        (rig | {"experiment": [{"name": "push", "traces": "absent.csv"}]}, "absent.csv: cannot be read"),
+        (rig | {"experiment": "push"}, "^rig: experiment: "),
+        (rig | {"experiment": [3]}, "^rig: experiment"),
+    ]:
+        with pytest.raises(module.Error, match=sentence):
+            module.identify(content)
+        with pytest.raises(module.Error, match=sentence):
+            module.identify(**content)
+    with pytest.raises(module.Error, match="rig: no rig file and no content of one is given"):
+        module.identify()
+    with pytest.raises(module.Error, match="rig.toml: cylinder.bore_m: "):
+        module.identify(root / "examples/cylinder", cylinder={"bore_m": -1.0})
+    with pytest.raises(module.Error, match="^model: chamber: "):
+        module.simulate({"gas": {"name": "air"}}, root / "examples/cylinder/validation.csv")
+    with pytest.raises(TypeError, match="unexpected keyword argument 'methd'"):
+        module.identify(root / "examples/cylinder", methd="exact")
 
 
 def test_traces_from_tables_and_files_are_the_rows_of_the_text_file(module, root, tmp_path):
