@@ -13,8 +13,11 @@ const BARS_PX: u32 = 44;
 /// Panels side by side.
 const COLUMNS: usize = 2;
 
+/// Draws a result; nothing where it has no value.
+type Draw = fn(&Value) -> Result<Option<String>>;
+
 /// The pictures and what they are drawn from.
-const PICTURES: [(&str, &str, fn(&Value) -> Result<Option<String>>); 2] =
+const PICTURES: [(&str, &str, Draw); 2] =
     [(statistics::FILE, "statistics.svg", of_statistics), (sensitivity::FILE, "sensitivity.svg", of_sensitivity)];
 
 /// Draws those of a study's results that a run has written; the names of the pictures.
