@@ -177,7 +177,8 @@ impl Sorted {
                 *out = Outcome::failed(Failure::NoExactSolution);
                 continue;
             }
-            if has_closed_form && (!integrates || set.is_empty()) {
+            let is_quick = options.solver == Solver::Exact || behind.is_none_or(|b| b.is_quick(s));
+            if has_closed_form && is_quick && (!integrates || set.is_empty()) {
                 let kind = Kind::number(!of_gas.is_empty(), swept == 1, behind);
                 let list = if integrates { &mut self.sealed } else { &mut self.closed[kind] };
                 match plan::check(set, s).and_then(|()| plan::times(s)) {

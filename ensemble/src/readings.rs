@@ -18,6 +18,7 @@ use crate::root::Curve;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::Scenario;
 use chamber::effects::{self, EffectSet};
+use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
@@ -28,6 +29,9 @@ const PIECES_OF_A_PART: usize = 6;
 const ENDS: [f64; 13] = [0.15, 0.33, 0.55, 0.85, 1.2, 1.7, 2.4, 3.3, 4.6, 6.5, 9.5, 14.0, f64::INFINITY];
 /// A length, s, to divide by where there is none.
 const SHORTEST: f64 = 1e-300;
+
+/// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
+const MOST_RELAXATIONS: f64 = 20.0;
 
 /// The sensor of one test.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +60,20 @@ impl Behind {
     pub fn new(set: EffectSet, scenario: &Scenario) -> Self {
         let values = &scenario.chamber.effects;
         Self { sensor: Sensor::new(set, values), delay: effects::delay(set, values) }
+    }
+
+    /// Whether the closed form is the quicker way to what is shown of a sealed test. With a lag or a delay the push is read
+    /// in parts; their number grows with the push over the relaxation, and the time and memory they take with it.
+    pub fn is_quick(&self, scenario: &Scenario) -> bool {
+        if self.sensor.lag == 0.0 && self.delay == 0.0 {
+            return true;
+        }
+        let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
+        let [first, last] =
+            [scenario.initial_position_m, scenario.final_position_m].map(|x| chamber.geometry.volume(x));
+        let pressure = initial_pressure_pa * first / last;
+        let at_rest = Closed::filled(chamber, pressure, *ambient, last, *ambient);
+        scenario.push_time_s * at_rest.rate(last) < MOST_RELAXATIONS
     }
 }
 

@@ -95,6 +95,21 @@ fn all_three_ways_to_solve_a_sealed_test_read_the_same_from_its_record() {
 }
 
 #[test]
+fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
+    let (lag, _) = effects::find("sensor_lag").unwrap();
+    let mut scenarios = sealed(8);
+    for s in &mut scenarios {
+        s.chamber.effects.of_mut(lag)[0] = 0.01;
+    }
+    let [quick, slow] = [1.0, 1e4].map(|slower| {
+        let slowed = scenarios.iter().map(|s| Scenario { push_time_s: slower * s.push_time_s, ..s.clone() });
+        results(EffectSet::one(lag), &slowed.collect::<Vec<_>>(), &Options { fit: false, ..Options::default() })
+    });
+    assert!(quick.iter().all(|o| o.status == Ok(()) && o.exact));
+    assert!(slow.iter().all(|o| o.status == Ok(()) && !o.exact));
+}
+
+#[test]
 fn a_gas_that_its_surroundings_warm_or_cool_beyond_the_push_peaks_at_the_end_of_its_record() {
     let mut r = Numbers(23);
     let mut scenarios = sealed(256);
