@@ -147,7 +147,7 @@ pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<
 /// The same where the folder is on a disk or elsewhere.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_in(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
     check(study, rows, rate_hz)?;
     let folder = Folder::open(study, store)?;
