@@ -88,7 +88,7 @@ pub fn write(files: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
     let mut out = format!(
         "# How often a diagnosis is right\n\n\
          Written by `cargo run --release -p pneutherm-identify --example monte_carlo -- report {}` from one line for each of {} synthetic rigs; the same example's \
-         `run clean 0 1000 FILE` (`effects`, `pairs`, `many`, `outside`) makes the lines, `show effects 17` tells all of one. Diagnoses run beside each other on two cores took {:.0} minutes in all, {:.1} s a rig.\n\n\
+         `run clean 0 1000 FILE` (`effects`, `pairs`, `many`, `outside`) makes the lines, `show effects 17` tells all of one. Sixteen diagnoses run beside each other; their times add up to {:.0} minutes, {:.1} s a rig.\n\n\
          Half of the rigs are *bench* rigs (five push-and-hold experiments of three repeats, smooth moves, 100 Hz), half are *wide*: bore 10–80 mm, stroke 30–400 mm, \
          rod side or cap side, air or nitrogen, λ0 8–80 W/(m² K), noise 25–600 Pa, a step of up to 1.5 times the noise, position noise 0.5–20 µm, 50–500 Hz, \
          2–6 experiments of 1–4 repeats at 0.9–6 bar, one or two moves of 0.05–0.8 s (ramps with corners between the rows, sines, cubics, quintics, trapezoids). \
@@ -164,7 +164,8 @@ fn coverage(out: &mut String, lines: &[Line]) {
     }
     out.push_str(
         "\nA leak's conductance is that of a critical pressure ratio of 0.3 unless the data speak decisively for another; on wide rigs the true ratio is \
-         0.1–0.55, which its interval does not know.\n\n",
+         0.1–0.55, which its interval does not know. The dead volume found counts from the recorded zero of the position; the one it is compared with here counts from the \
+         true zero, and the 0.5 mm between them are not in its interval.\n\n",
     );
 }
 
