@@ -121,10 +121,20 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
 /// # Errors
 /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
 pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
-    let signals = signals(model, record);
-    check_volume(model, record, &signals)?;
-    let start = start(None, model, record, &signals, 0.0)?;
-    let samples = along(model, start, &signals, record, record.len())?;
+    from(None, 0.0, model, record)
+}
+
+/// The same from a pressure asked for, Pa, or the measured one plus `shift`.
+fn from(
+    initial_pressure_pa: Option<f64>,
+    shift: f64,
+    model: &Model,
+    motion: &Trace,
+) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
+    let signals = signals(model, motion);
+    check_volume(model, motion, &signals)?;
+    let start = start(initial_pressure_pa, model, motion, &signals, shift)?;
+    let samples = along(model, start, &signals, motion, motion.len())?;
     Ok((signals, start, samples))
 }
 
@@ -134,10 +144,8 @@ impl Course<'_> {
     /// # Errors
     /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
     pub fn samples(&self, model: &Model, shift: f64) -> anyhow::Result<Vec<Sample>> {
-        let signals = signals(model, self.motion);
-        check_volume(model, self.motion, &signals)?;
-        let start = start(self.request.initial_pressure_pa, model, self.motion, &signals, shift)?;
-        along(model, start, &signals, self.motion, self.motion.len())
+        let (_, _, samples) = from(self.request.initial_pressure_pa, shift, model, self.motion)?;
+        Ok(samples)
     }
 
     /// How many rows the pressure at the start is the mean of; none where it was asked for.

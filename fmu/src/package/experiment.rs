@@ -29,7 +29,7 @@ pub struct Related {
     pub role: &'static str,
     /// For people.
     pub description: String,
-    /// The file.
+    /// Its content: XML, or a table with a header line.
     pub text: String,
 }
 

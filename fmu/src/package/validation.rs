@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// A record that the model was compared with. SI units; times from the record's first row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
-    /// Its file.
+    /// Name of its file, without the folder.
     pub record: String,
     /// Whether the model was identified from it.
     pub took_part: bool,

@@ -1,8 +1,9 @@
 //! Tables and figures from the sets' lines: `results/diagnosis.md`, `diagnosis_rates.svg`, `diagnosis_reliability.svg`.
 
-use crate::sets::{STRENGTHS, simulated};
+use crate::sets::STRENGTHS;
 use crate::{figure, reliability};
 use chamber::effects::CARDS;
+use identify::synthetic::simulated;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! The sets of a study: which rig, what is in it.
 
-use chamber::effects::{self, CARDS};
+use chamber::effects::CARDS;
 use identify::synthetic::recording::Stated;
-use identify::synthetic::{Random, Recipe, outside};
+use identify::synthetic::{Random, Recipe, outside, simulated};
 
 /// Strengths of the rates against strength.
 pub const STRENGTHS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
@@ -23,13 +23,6 @@ pub struct Set {
 pub const STUDIES: [&str; 5] = ["clean", "effects", "pairs", "outside", "many"];
 /// Pairs are drawn from all; sets of `many` effects have three and four in turn.
 const MANY: [usize; 2] = [3, 4];
-/// Effects that [`Recipe`] does not simulate: they belong to the recording, or are no effect of their own.
-const NOT_SIMULATED: [&str; 4] = ["empirical", "sensor_offset", "position_delay", "position_averaging"];
-
-/// The effects that are simulated.
-pub fn simulated() -> Vec<usize> {
-    effects::all().filter(|(_, card)| !NOT_SIMULATED.contains(&card.name)).map(|(e, _)| e).collect()
-}
 
 /// Set number `index` of a study; the first ones of every study already cover all of its kinds.
 pub fn set(study: &str, index: u64) -> Option<Set> {

@@ -3,14 +3,12 @@
 use crate::options::{Effects, Options};
 use chamber::effects::CARDS;
 use identify::synthetic::recording::{ALL, Answer, Outcome, Recording, Stated};
-use identify::synthetic::{Random, Recipe, visibility};
+use identify::synthetic::{Random, Recipe, simulated, visibility};
 use serde::Serialize;
 use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-/// Effects that [`Recipe`] does not simulate: they belong to the recording, or are no effect of their own.
-const NOT_SIMULATED: [&str; 4] = ["empirical", "sensor_offset", "position_delay", "position_averaging"];
 /// An effect is plain where it leaves this many times the noise beyond what the paper's parameters take up …
 const PLAIN: f64 = 2.0;
 /// … at one of these strengths.
@@ -65,7 +63,7 @@ pub struct Row {
 
 /// All jobs of the options.
 pub fn jobs(options: &Options) -> Vec<Job> {
-    let simulated: Vec<usize> = (0..CARDS.len()).filter(|e| !NOT_SIMULATED.contains(&CARDS[*e].name)).collect();
+    let simulated = simulated();
     let chosen = |r: &&Recording| options.only.is_empty() || options.only.iter().any(|name| name == r.name);
     let mut jobs = Vec::new();
     for (number, recording) in ALL.iter().enumerate().filter(|(_, r)| chosen(r)) {

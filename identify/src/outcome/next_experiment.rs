@@ -5,8 +5,8 @@
 
 use crate::forward::{Course, Run};
 use crate::outcome::diagnosis::terms;
-use crate::record::prepare::Data;
-use crate::record::stroke::{Motion, Phase};
+use crate::record::prepare::{Data, Prepared};
+use crate::record::stroke::{Motion, Phase, extent};
 use crate::search::{Candidate, Found, Verdict};
 use chamber::simulate::Start;
 use report::digits;
@@ -87,12 +87,11 @@ fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
 /// and more slowly, as long as its longest record and longer.
 fn tests(data: &Data) -> Vec<Test> {
     let segments = || data.traces.iter().flat_map(|t| &t.course.motion.segments);
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
-    };
-    let [low, high] = range(&mut segments().map(|s| s.stroke.range()).flat_map(|(a, b)| [a, b]));
-    let [lowest_pa, highest_pa] = range(&mut data.traces.iter().map(|t| t.initial_pressure_pa));
-    let [_, longest_s] = range(&mut data.traces.iter().filter_map(|t| t.time_s.last().copied()));
+    let of_traces = |value: fn(&Prepared) -> f64| extent(&data.traces.iter().map(value).collect::<Vec<f64>>());
+    let ends: Vec<f64> = segments().map(|s| s.stroke.range()).flat_map(|(low, high)| [low, high]).collect();
+    let (low, high) = extent(&ends);
+    let (lowest_pa, highest_pa) = of_traces(|t| t.initial_pressure_pa);
+    let (_, longest_s) = of_traces(|t| t.time_s.last().copied().unwrap_or(0.0));
     let moves = segments().filter(|s| s.phase == Phase::Move && s.to_s > s.from_s);
     let speeds = moves.map(|s| {
         let (from, to) = s.stroke.range();

@@ -34,14 +34,26 @@ pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option
 
 /// BIC that `model` would have if the best of its starts kept the promise of its first step: cheap, to choose what to fit.
 pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
-    let base = part.chamber();
-    let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
-    let begun = |start: &Chamber| {
-        let h = Hypothesis::new(data, model, start, sizes);
-        let squares = fit::promise(data, &h, &h.coordinates(start), &owns(data, &h, part))?;
+    let promised = |(h, start): (Hypothesis, Descent)| {
+        let squares = fit::promise(data, &h, &start.rig, &start.own)?;
         Some(evidence::of_squares(squares, part.blocks, h.freedom(data.traces.len())))
     };
-    starts(&base, &fresh, sizes).iter().filter_map(begun).min_by(f64::total_cmp)
+    begun(data, model, part, sizes).into_iter().filter_map(promised).min_by(f64::total_cmp)
+}
+
+/// The starts of `model`, left where they begin.
+fn begun(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Vec<(Hypothesis, Descent)> {
+    let base = part.chamber();
+    let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
+    let mut starts = starts(&base, &fresh, sizes);
+    let freed = model.secondary.iter().filter(|e| !part.hypothesis.model.secondary.has(*e));
+    starts.extend(freed.flat_map(|e| exchanged(&base, e)));
+    let unmoved = |start: &Chamber| {
+        let h = Hypothesis::new(data, model, start, sizes);
+        let (rig, own) = (h.coordinates(start), owns(data, &h, part));
+        (h, Descent { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false })
+    };
+    starts.iter().map(unmoved).collect()
 }
 
 /// Whether a start may end in another minimum than the best one, and in a lower one.
@@ -51,28 +63,17 @@ fn is_rival(chi2: f64, best: f64) -> bool {
 
 /// The starts of `model`, each a few iterations on, the best first; a single one is left where it begins.
 fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Selection) -> Vec<(Hypothesis, Descent)> {
-    let base = part.chamber();
-    let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
-    let mut starts = starts(&base, &fresh, sizes);
-    let freed = model.secondary.iter().filter(|e| !part.hypothesis.model.secondary.has(*e));
-    starts.extend(freed.flat_map(|e| exchanged(&base, e)));
-    let begun = |start: &Chamber| {
-        let h = Hypothesis::new(data, model, start, sizes);
-        let own = owns(data, &h, part);
-        (h.coordinates(start), own, h)
-    };
-    if let [start] = &starts[..] {
-        let (rig, own, h) = begun(start);
-        return vec![(h, Descent { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false })];
+    let begun = begun(data, model, part, sizes);
+    if begun.len() == 1 {
+        return begun;
     }
     // Trials see one repeat of each experiment only.
     let few: Vec<usize> = data.traces.iter().zip(selection).map(|(t, n)| if t.repeat == 0 { *n } else { 0 }).collect();
     let few = if few.iter().all(|n| *n == 0) { selection.to_vec() } else { few };
-    let mut trials: Vec<(Hypothesis, Descent)> = starts
-        .par_iter()
-        .filter_map(|start| {
-            let (rig, own, h) = begun(start);
-            let found = fit::descend(data, &h, rig, own, &few, TRIAL_ITERATIONS).ok()?;
+    let mut trials: Vec<(Hypothesis, Descent)> = begun
+        .into_par_iter()
+        .filter_map(|(h, start)| {
+            let found = fit::descend(data, &h, start.rig, start.own, &few, TRIAL_ITERATIONS).ok()?;
             Some((h, found))
         })
         .collect();

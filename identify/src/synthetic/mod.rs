@@ -23,6 +23,14 @@ use rayon::prelude::*;
 use records::{Ambient, Cylinder, Experiment, NamedGas, Rig, Sensor, Tolerance, Trace};
 use truth::{STEP_S, Truth};
 
+/// Effects that a [`Recipe`] does not simulate as effects: they belong to the recording, or are none of their own.
+const NOT_SIMULATED: [&str; 4] = ["empirical", "sensor_offset", "position_delay", "position_averaging"];
+
+/// Places of the effects that a [`Recipe`] simulates.
+pub fn simulated() -> Vec<usize> {
+    effects::all().filter(|(_, card)| !NOT_SIMULATED.contains(&card.name)).map(|(e, _)| e).collect()
+}
+
 /// One push-and-hold experiment: from rest at a pressure, moves with a hold after each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
