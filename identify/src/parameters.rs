@@ -251,6 +251,11 @@ impl Model {
         self.effects.without(self.own)
     }
 
+    /// Whether some of it each record has for itself, beyond its initial pressure: with many records that fits much.
+    pub fn has_terms_of_records(&self) -> bool {
+        self.initial_temperature || !self.own.is_empty()
+    }
+
     /// Number of terms beyond the paper's model.
     pub fn terms(&self) -> usize {
         self.effects.iter().count() + usize::from(self.initial_temperature)

@@ -52,6 +52,18 @@ fn two_effects_at_once_are_both_named() {
 }
 
 #[test]
+fn three_effects_are_named_where_records_with_drifts_of_their_own_would_fit_most_of_them() {
+    let three = Recipe { repeats: 2, ..Recipe::from_seed(31) };
+    let place = |name: &str| effects::find(name).unwrap().0;
+    let three = ["laminar_leakage", "wall_heating", "sensor_drift"]
+        .into_iter()
+        .fold(three, |recipe, name| recipe.with_strength(place(name), 0.5));
+    let found = traced(&three);
+    let named = names(found.chosen.model.of_rig());
+    assert_eq!((found.verdict, named), (Verdict::Explained, vec!["wall_heating", "sensor_drift", "laminar_leakage"]));
+}
+
+#[test]
 fn a_leak_of_another_critical_ratio_is_still_a_leak() {
     let (leak, _) = effects::find("leakage").unwrap();
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(33) }.with_strength(leak, 1.0);

@@ -9,19 +9,21 @@ mod page;
 mod reliability;
 mod sets;
 
-use identify::fit::{self, Fit};
+use chamber::effects::CARDS;
+use identify::fit::{self, Fit, Linear};
 use identify::judge::misfit;
 use identify::outcome::diagnosis;
 use identify::parameters::names;
-use identify::record::prepare::Data;
+use identify::record::prepare::{Block, Data, Prepared};
 use identify::search::{self, Found, Verdict};
+use identify::synthetic::visibility;
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::time::Instant;
 
 /// Columns of a set's line.
-pub const HEADER: &str = "study,set,rig,truth,strength,verdict,named,alike,balance,signal_over_noise,left_over_noise,delta_bic,squares_deviations,family_probability,rows,seconds,deviations,probabilities,left_out_over_noise";
+pub const HEADER: &str = "study,set,rig,truth,strength,verdict,named,alike,balance,signal_over_noise,left_over_noise,delta_bic,squares_deviations,family_probability,rows,seconds,deviations,probabilities,left_out_over_noise,shows_over_noise";
 
 const UNKNOWN: &str = "studies are clean, effects, pairs, many, outside";
 
@@ -97,6 +99,12 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let (signal, left) = (over(&t.baseline.fit), over(&t.chosen.fit));
     let best = t.tried.first().map_or(f64::NAN, |c| c.delta_bic);
     let left_out = t.chosen.held_out_pa.map_or(f64::NAN, |pa| pa / data.noise.total_pa());
+    // What each effect leaves beside the others.
+    let active = set.recipe.chamber.active();
+    let shows = |e: usize| {
+        format!("{}:{:.3}", CARDS[e].name, visibility::beside_others_pa(&set.recipe, e) / data.noise.total_pa())
+    };
+    let shows = active.iter().map(shows).collect::<Vec<String>>().join(";");
     let rows: usize = data.traces.iter().map(|t| t.time_s.len()).sum();
     let a = t.chosen_adequacy.clone();
     let d = diagnosis::describe(data, t).diagnosis;
@@ -104,7 +112,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let probabilities: Vec<String> = d.probabilities.iter().map(|(name, p)| format!("{name}:{p:.4}")).collect();
     let probabilities = probabilities.join(";");
     format!(
-        "{},{found},{},{},{signal:.4},{left:.4},{best:.1},{:.2},{:.2e},{rows},{seconds:.2},{deviations},{probabilities},{left_out:.3}",
+        "{},{found},{},{},{signal:.4},{left:.4},{best:.1},{:.2},{:.2e},{rows},{seconds:.2},{deviations},{probabilities},{left_out:.3},{shows}",
         d.verdict,
         alike.join("&"),
         d.balance,
@@ -177,26 +185,14 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
 
 /// Where a fit's residual lies.
 fn worst(data: &Data, fit: &Fit) {
-    let mut worst: Vec<(f64, String)> = fit
-        .linear
-        .iter()
-        .enumerate()
-        .flat_map(|(k, l)| l.residual.iter().enumerate().map(move |(b, r)| (k, b, *r)))
-        .map(|(k, b, r)| {
-            let block = &data.traces[k].blocks[b];
-            (
-                r,
-                format!(
-                    "{} {:?} rows {}..{} at {:.3} s",
-                    data.traces[k].path.display(),
-                    block.phase,
-                    block.first,
-                    block.end,
-                    block.middle_s()
-                ),
-            )
-        })
-        .collect();
+    let of_trace = |(t, l): (&Prepared, &Linear)| -> Vec<(f64, String)> {
+        let at = |block: &Block| {
+            let Block { phase, first, end, .. } = block;
+            format!("{} {phase:?} rows {first}..{end} at {:.3} s", t.path.display(), block.middle_s())
+        };
+        l.residual.iter().zip(&t.blocks).map(|(r, block)| (*r, at(block))).collect()
+    };
+    let mut worst: Vec<(f64, String)> = data.traces.iter().zip(&fit.linear).flat_map(of_trace).collect();
     worst.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
     for (r, at) in worst.iter().take(8) {
         println!("   {r:8.2} {at}");

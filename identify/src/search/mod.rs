@@ -1,11 +1,12 @@
 //! From a rig's residual to the terms that explain it, or to the statement that none of the known ones does.
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
-//! better sets with every further term (a beam; those are fitted whose first step promises most) and, where none helps alone, with two of them, until what is left is adequate,
-//! nothing enters, or [`policy::MOST_TERMS`] are in. A term is an effect of the rig, an effect of the recording that each record has for itself, or initial temperatures.
-//! It enters by decisive evidence and a lower error on left-out data; at the end each has to be decisive beside the others
-//! and with the geometry far more uncertain than stated, or it goes out again. Where that leaves more than noise, the missing term
-//! is read off the residual as a curve ([`curve`]).
+//! better sets with every further term (a beam of all sets and one of those without terms of single records; those are fitted
+//! whose first step promises most) and, where none helps alone, with two of them, until what is left is adequate, nothing
+//! enters, or [`policy::MOST_TERMS`] are in. A term is an effect of the rig, an effect of the recording that each record has for
+//! itself, or initial temperatures. It enters by decisive evidence and a lower error on left-out data; at the end each has to be
+//! decisive beside the others and with the geometry far more uncertain than stated, or it goes out again. Where that leaves
+//! more than noise, the missing term is read off the residual as a curve ([`curve`]).
 
 pub mod baseline;
 pub mod curve;
@@ -83,13 +84,13 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     let mut search = Search::new(data, baseline, adequacy);
     progress("one term at a time", 0.1);
     search.first_round();
-    let mut rounds = 1;
-    while search.goes_on(rounds) {
-        rounds += 1;
-        progress("further terms", 0.1 + 0.8 * rounds as f64 / (1 + policy::MOST_IN_ALL) as f64);
-        if !search.round() {
+    let mut level = 1;
+    while search.goes_on(level) {
+        progress("further terms", 0.1 + 0.8 * (level + 1) as f64 / (1 + policy::MOST_IN_ALL) as f64);
+        if !search.round(level) {
             break;
         }
+        level = (level + 1).max(search.chosen.model.terms());
     }
     progress("checking what was found", 0.9);
     let found = search.conclude()?;
@@ -148,60 +149,79 @@ impl Search {
         self.take_best(self.tried.clone());
     }
 
-    /// Whether a further term is worth looking for.
-    fn goes_on(&self, rounds: usize) -> bool {
+    /// Whether a further term than the sets of this many is worth looking for.
+    fn goes_on(&self, level: usize) -> bool {
         let model = &self.chosen.model;
         if self.chosen_adequacy.is_adequate() {
-            // One more round where a term has entered: another one may be hidden behind it.
-            return rounds == 1 && model.terms() == 1;
+            // One more round where a term has entered, as another one may be hidden behind it; and while what single records
+            // have for themselves may stand for effects of the rig.
+            return (level == 1 && model.terms() == 1)
+                || (model.has_terms_of_records() && level <= policy::MOST_IN_ALL);
         }
         let left_pa = self.chosen_adequacy.systematic_pa;
-        if left_pa < self.data.noise.total_pa() && self.chosen_adequacy.settles(&self.baseline_adequacy) {
-            // Next to nothing, and less than noise: how the readings are interpolated counts there.
+        if terms::takes_back_the_stroke(model)
+            && left_pa < self.data.noise.total_pa()
+            && self.chosen_adequacy.settles(&self.baseline_adequacy)
+        {
+            // Next to nothing, and less than noise: there the interpolation of a stroke counts that is taken back from an
+            // average or a low-pass.
             return false;
         }
-        terms::is_small(model, 1)
+        level <= policy::MOST_IN_ALL
     }
 
-    /// The better sets, each with every further term; whether a set entered.
-    fn round(&mut self) -> bool {
-        let mut models: Vec<Model> = Vec::new();
-        let enough = self.chosen_adequacy.is_adequate();
-        let beam = if enough { 1 } else { policy::GO_ON };
-        let size = self.chosen.model.terms();
-        let level = size.max(1);
-        let mut parts: Vec<Model> = Vec::new();
-        if size > 0 {
-            parts.push(self.chosen.model);
-        }
-        let best = self.tried.iter().filter(|c| c.model.terms() == level && c.delta_bic > 0.0).map(|c| c.model);
-        parts.extend(best.filter(|m| *m != self.chosen.model));
-        for part in parts.iter().take(beam) {
-            models.extend(terms::added_to(&self.data, part));
-        }
+    /// The better sets of so many terms, each with every further term; whether that led on: a set entered, or those without
+    /// terms of single records became decisively better.
+    fn round(&mut self, level: usize) -> bool {
+        let chosen = self.chosen.model;
+        let enough = self.chosen_adequacy.is_adequate() && !chosen.has_terms_of_records();
+        let parts = if enough { vec![chosen] } else { self.beam(level) };
+        let mut models: Vec<Model> = parts.iter().flat_map(|part| terms::added_to(&self.data, part)).collect();
         if level == 1 && !enough {
-            models.extend(terms::pairs(&parts[..parts.len().min(policy::PAIRED)], &Model::PAPER));
+            models.extend(terms::pairs(&self.best_of(level, policy::PAIRED, |_| true), &Model::PAPER));
         }
+        let of_rig = self.best_of_rig();
         if self.try_all(models) {
             return true;
         }
-        if enough || size == 0 {
+        if enough || chosen.terms() == 0 {
             return false;
         }
         // None of them helps alone: the better ones two by two.
-        let chosen = self.chosen.model;
-        let more = self.tried.iter().filter(|c| c.model.terms() == size + 1 && terms::is_part(&chosen, &c.model));
-        let more: Vec<Model> = more.map(|c| c.model).take(policy::PAIRED).collect();
-        self.try_all(terms::pairs(&more, &chosen))
+        let more = self.best_of(chosen.terms() + 1, policy::PAIRED, |m| terms::is_part(&chosen, m));
+        self.try_all(terms::pairs(&more, &chosen)) || self.best_of_rig() > of_rig + policy::DECISIVE
     }
 
-    /// Those whose first step promises the best evidence.
+    /// Sets of so many terms that go on: the chosen one and the best, and the best of those without terms of single records,
+    /// which fit much and would crowd the rig's effects out.
+    fn beam(&self, level: usize) -> Vec<Model> {
+        let mut parts = vec![self.chosen.model];
+        parts.retain(|chosen| chosen.terms() == level);
+        parts.extend(self.best_of(level, policy::GO_ON, |_| true));
+        parts.extend(self.best_of(level, policy::GO_ON, |m| !m.has_terms_of_records()));
+        distinct(parts)
+    }
+
+    /// The best sets of so many terms.
+    fn best_of(&self, terms: usize, most: usize, suits: impl Fn(&Model) -> bool) -> Vec<Model> {
+        let sets = self.tried.iter().filter(|c| c.model.terms() == terms && c.delta_bic > 0.0).map(|c| c.model);
+        distinct(sets.filter(suits).collect()).into_iter().take(most).collect()
+    }
+
+    /// Evidence of the best set without terms of single records.
+    fn best_of_rig(&self) -> f64 {
+        self.tried.iter().find(|c| !c.model.has_terms_of_records()).map_or(0.0, |c| c.delta_bic)
+    }
+
+    /// Those whose first step promises the best evidence, with terms of single records and without.
     fn promising(&self, models: Vec<Model>) -> Vec<Model> {
         let promised =
             |model: Model| Some((starts::promised_bic(&self.data, model, self.part_of(&model), &self.sizes)?, model));
         let mut promised: Vec<(f64, Model)> = models.into_par_iter().filter_map(promised).collect();
         promised.sort_by(|a, b| a.0.total_cmp(&b.0));
-        promised.into_iter().take(policy::FITTED).map(|(_, model)| model).collect()
+        let (of_records, of_rig): (Vec<Model>, Vec<Model>) =
+            promised.into_iter().map(|(_, model)| model).partition(Model::has_terms_of_records);
+        [of_records, of_rig].into_iter().flat_map(|models| models.into_iter().take(policy::FITTED)).collect()
     }
 
     /// Fits the promising of those that were not tried yet; whether one of them entered.
@@ -243,8 +263,11 @@ impl Search {
     /// Decisive evidence over the chosen model, and left-out data predicted better by more than nobody minds.
     fn enters(&self, c: &Candidate, among: f64) -> bool {
         let over = &self.chosen;
+        // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
+        let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
+        let least_gain = if in_place { 0.0 } else { self.least_gain() };
         let lower = match (c.held_out_pa, over.held_out_pa) {
-            (Some(a), Some(b)) => b * b - a * a > self.least_gain().powi(2),
+            (Some(a), Some(b)) => b * b - a * a > least_gain.powi(2),
             (Some(_), None) => true,
             _ => false,
         };
@@ -452,6 +475,18 @@ impl Search {
             .map(|c| c.model)
             .collect()
     }
+}
+
+/// The first of the models with the same terms.
+fn distinct(models: Vec<Model>) -> Vec<Model> {
+    let mut out: Vec<Model> = Vec::new();
+    for model in models {
+        let terms = |m: &Model| Model { secondary: EffectSet::NONE, ..*m };
+        if out.iter().all(|other| terms(other) != terms(&model)) {
+            out.push(model);
+        }
+    }
+    out
 }
 
 fn sort(candidates: &mut [Candidate]) {

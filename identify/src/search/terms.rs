@@ -51,6 +51,11 @@ pub fn is_small(model: &Model, more: usize) -> bool {
     of_gas + more <= policy::MOST_TERMS && model.terms() + more <= policy::MOST_IN_ALL
 }
 
+/// Whether a model takes the stroke back from a record of it that lags or averages.
+pub fn takes_back_the_stroke(model: &Model) -> bool {
+    model.effects.iter().any(|e| CARDS[e].acts_on == ActsOn::RecordedStroke)
+}
+
 /// The model with one term less, each way there is.
 pub fn without_one(model: &Model) -> Vec<Model> {
     let mut out: Vec<Model> = model

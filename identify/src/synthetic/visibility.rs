@@ -1,26 +1,74 @@
-//! How far an effect shows, before any noise: what the paper's parameters cannot take up.
+//! How far an effect shows, before any noise: what the other parameters cannot take up.
 //!
-//! The ideal readings with the effect, less those without it whose λ0, dead volume and initial pressures lie closest to
-//! them (least squares by Gauss and Newton): the rms of the rest, Pa. Nothing of the fits is used.
+//! The ideal readings with the effect, less those without it whose other parameters lie closest to them (least squares by
+//! Gauss and Newton): the rms of the rest, Pa. Nothing of the fits is used.
 
 use super::{Faults, Recipe};
+use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use nalgebra::{DMatrix, DVector};
 
 /// Steps to the closest readings; the least rest of them counts.
 const STEPS: usize = 4;
 
-/// Root mean square of what an effect leaves, Pa; `with` is `without` with the effect.
+/// Root mean square of what the paper's parameters do not take up of an effect, Pa; `with` is `without` with the effect.
 pub fn beyond_paper_pa(with: &Recipe, without: &Recipe) -> f64 {
+    beyond_pa(with, without, &paper(without))
+}
+
+/// Root mean square of what an effect leaves beside the rig's others, Pa: beyond the paper's parameters, theirs and the
+/// temperature of the surroundings.
+pub fn beside_others_pa(with: &Recipe, effect: usize) -> f64 {
+    let neutral: Vec<f64> = CARDS[effect].parameters.iter().map(|p| p.neutral).collect();
+    let without = with.clone().with(CARDS[effect].name, &neutral);
+    let mut free = paper(&without);
+    free.push(Parameter::AmbientTemperature);
+    for e in without.chamber.active().iter() {
+        let fitted = CARDS[e].parameters.iter().enumerate().filter(|(_, p)| p.fitted);
+        free.extend(fitted.map(|(i, _)| Parameter::OfEffect(PARAMETER_OFFSETS[e] + i)));
+    }
+    beyond_pa(with, &without, &free)
+}
+
+/// A number of a recipe that may adapt.
+#[derive(Clone, Copy)]
+enum Parameter {
+    Coefficient,
+    DeadVolume,
+    AmbientTemperature,
+    /// Initial pressure of a test.
+    InitialPressure(usize),
+    /// Place among the parameters of all effects.
+    OfEffect(usize),
+}
+
+impl Parameter {
+    fn of(self, recipe: &mut Recipe) -> &mut f64 {
+        match self {
+            Self::Coefficient => &mut recipe.chamber.heat_transfer.coefficient,
+            Self::DeadVolume => &mut recipe.chamber.geometry.dead_volume,
+            Self::AmbientTemperature => &mut recipe.ambient_k,
+            Self::InitialPressure(test) => &mut recipe.tests[test].pressure_pa,
+            Self::OfEffect(place) => &mut recipe.chamber.effects.0[place],
+        }
+    }
+}
+
+fn paper(recipe: &Recipe) -> Vec<Parameter> {
+    let pressures = (0..recipe.tests.len()).map(Parameter::InitialPressure);
+    [Parameter::Coefficient, Parameter::DeadVolume].into_iter().chain(pressures).collect()
+}
+
+fn beyond_pa(with: &Recipe, without: &Recipe, free: &[Parameter]) -> f64 {
     let goal = ideal(with);
     let mut closest = without.clone();
     let mut least_pa = f64::INFINITY;
     for _ in 0..STEPS {
         let base = ideal(&closest);
-        let parameters = 2 + closest.tests.len();
-        let columns: Vec<_> = (0..parameters)
-            .map(|place| {
+        let columns: Vec<_> = free
+            .iter()
+            .map(|parameter| {
                 let mut other = closest.clone();
-                change(&mut other, place, SMALL);
+                *parameter.of(&mut other) *= 1.0 + SMALL;
                 column(&ideal(&other), &base) / SMALL
             })
             .collect();
@@ -30,7 +78,9 @@ pub fn beyond_paper_pa(with: &Recipe, without: &Recipe) -> f64 {
         let rest = &difference - &q * &projected;
         least_pa = least_pa.min(rest.norm() / (rest.len() as f64).sqrt());
         let Some(step) = r.solve_upper_triangular(&projected) else { break };
-        step.iter().enumerate().for_each(|(place, by)| change(&mut closest, place, by.clamp(-MOST, MOST)));
+        for (parameter, by) in free.iter().zip(step.iter()) {
+            *parameter.of(&mut closest) *= 1.0 + by.clamp(-MOST, MOST);
+        }
     }
     least_pa
 }
@@ -39,16 +89,6 @@ pub fn beyond_paper_pa(with: &Recipe, without: &Recipe) -> f64 {
 const SMALL: f64 = 1e-3;
 /// Largest relative change of a parameter in a step.
 const MOST: f64 = 0.3;
-
-/// Changes a parameter of the paper's model by this share of it: λ0, the dead volume, an initial pressure.
-fn change(recipe: &mut Recipe, place: usize, share: f64) {
-    let parameter = match place {
-        0 => &mut recipe.chamber.heat_transfer.coefficient,
-        1 => &mut recipe.chamber.geometry.dead_volume,
-        _ => &mut recipe.tests[place - 2].pressure_pa,
-    };
-    *parameter *= 1.0 + share;
-}
 
 fn column(a: &[f64], b: &[f64]) -> DVector<f64> {
     DVector::from_iterator(a.len(), a.iter().zip(b).map(|(a, b)| a - b))
@@ -71,6 +111,7 @@ fn ideal(recipe: &Recipe) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chamber::effects;
 
     #[test]
     fn what_the_papers_parameters_take_up_does_not_show_and_a_leak_does() {
@@ -81,5 +122,13 @@ mod tests {
         let leaking = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]);
         let (taken_up, leak) = (beyond_paper_pa(&other, &recipe), beyond_paper_pa(&leaking, &recipe));
         assert!(taken_up < 5.0 && leak > 100.0, "{taken_up} {leak}");
+    }
+
+    #[test]
+    fn of_two_effects_each_shows_beside_the_other_and_a_warm_wall_behind_the_surroundings_does_not() {
+        let recipe = Recipe::from_seed(4);
+        let two = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]).with("warm_wall", &[5.0]);
+        let [leak, wall] = ["leakage", "warm_wall"].map(|name| beside_others_pa(&two, effects::find(name).unwrap().0));
+        assert!(leak > 100.0 && wall < 5.0, "{leak} {wall}");
     }
 }
