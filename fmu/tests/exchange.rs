@@ -337,3 +337,34 @@ fn a_saved_state_of_a_host_that_integrates_continues_bit_by_bit() {
     assert_eq!(other.deserialize(&bytes), 3, "of the other kind");
     assert!(other.message().contains("of the other kind"));
 }
+
+#[test]
+fn states_beyond_all_numbers_complete_no_step_and_start_no_record_so_that_what_is_saved_can_be_read() {
+    let host = Host::exchange();
+    host.start(&[], None);
+    let mut x = [0.0; ALL];
+    unsafe {
+        assert_eq!(fmi2GetContinuousStates(host.c, x.as_mut_ptr(), ALL), 0);
+        let gas = x;
+        x[1] = 1e305;
+        assert_eq!(fmi2SetContinuousStates(host.c, x.as_ptr(), ALL), 0);
+        let (delay, both) = (reference("recordDelay.delay"), [reference("recordDelay.delay"), reference("velocity")]);
+        assert_eq!(fmi2SetReal(host.c, both.as_ptr(), 2, [0.01, 0.3].as_ptr()), 2);
+        assert!(host.message().contains("the outputs of this state are too large for a number"));
+        let mut values = [f64::NAN; 2];
+        assert_eq!(fmi2GetReal(host.c, both.as_ptr(), 2, values.as_mut_ptr()), 0);
+        assert_eq!(values, [0.0, 0.0], "a refused batch changes nothing");
+        assert_eq!(fmi2EnterContinuousTimeMode(host.c), 0);
+        let (mut event, mut end) = (7, 7);
+        assert_eq!(fmi2CompletedIntegratorStep(host.c, 1, &mut event, &mut end), 2);
+        assert!(host.message().contains("the outputs of this state are too large for a number"));
+        assert_eq!(fmi2EnterEventMode(host.c), 2);
+        assert_eq!(host.deserialize(&host.serialized()), 0, "{:?}", host.messages());
+        // The solver goes back, and all is well.
+        assert_eq!(fmi2SetContinuousStates(host.c, gas.as_ptr(), ALL), 0);
+        assert_eq!(fmi2CompletedIntegratorStep(host.c, 1, &mut event, &mut end), 0);
+        assert_eq!(fmi2EnterEventMode(host.c), 0);
+        assert_eq!(fmi2SetReal(host.c, &delay, 1, &0.01), 0);
+        assert_eq!(host.deserialize(&host.serialized()), 0, "{:?}", host.messages());
+    }
+}

@@ -189,7 +189,7 @@ impl Simulation {
         self.started = true;
         self.sides = Sides::default();
         if self.kind == Kind::ModelExchange {
-            self.completed = self.now_completed();
+            self.completed = self.now_completed()?;
             self.settle()?;
         }
         Ok(())
@@ -204,17 +204,29 @@ impl Simulation {
         step::reading(&self.plant, &inputs::boundary(&u), &states::of_gas(&self.gas.states))
     }
 
-    /// Takes parameters over between steps. Effects that were off begin in equilibrium with the gas as it is.
-    pub fn tune(&mut self, parameters: Parameters) {
+    /// Takes parameters over between steps. Effects that were off begin in equilibrium with the gas as it is. On refusal
+    /// nothing has changed.
+    ///
+    /// # Errors
+    /// When a host's states make no gas that they could begin with.
+    pub fn tune(&mut self, parameters: Parameters) -> Result<(), Fault> {
         let delayed = self.delay() > 0.0;
-        let old = std::mem::replace(&mut self.parameters, parameters);
+        let (old, states) = (std::mem::replace(&mut self.parameters, parameters), self.gas.states);
         self.rebuild();
         self.start_own_states(&old);
-        match (delayed, self.delay() > 0.0) {
-            (false, true) => self.record = Some(Record::new(self.reading())),
-            (true, false) => self.record = None,
-            _ => {}
+        let is_delayed = self.delay() > 0.0;
+        let first = (is_delayed && !delayed).then(|| self.reading());
+        if !self.gas.states.iter().chain(&first).all(|value| value.is_finite()) {
+            (self.parameters, self.gas.states) = (old, states);
+            self.rebuild();
+            return Err(self.present().err().unwrap_or(Fault::Overflow));
         }
+        match first {
+            Some(reading) => self.record = Some(Record::new(reading)),
+            None if !is_delayed => self.record = None,
+            None => {}
+        }
+        Ok(())
     }
 
     /// An effect is off while its first parameter is neutral; its states start when it is switched on.
@@ -374,7 +386,7 @@ impl Simulation {
         let last = &self.completed.reading;
         if self.kind == Kind::ModelExchange && then > last.time && self.time > last.time {
             // A step longer than the delay: the reading within it, as far as it is known.
-            return Some(Stretch::between(last, &self.now_completed().reading).at(then));
+            return Some(Stretch::between(last, &self.reading_now()).at(then));
         }
         Some(record.at(then))
     }
@@ -417,10 +429,10 @@ impl Simulation {
     /// # Errors
     /// When the present inputs leave the gas no room, or a host's states make no gas.
     pub fn handle_event(&mut self) -> Result<bool, Fault> {
-        let before = (self.leader, self.inputs.clone());
+        let before = (self.leader, self.inputs.clone(), self.gas.states, self.sides);
         let outcome = self.event();
         if outcome.is_err() {
-            (self.leader, self.inputs) = before;
+            (self.leader, self.inputs, self.gas.states, self.sides) = before;
         }
         outcome
     }
@@ -448,7 +460,7 @@ impl Simulation {
             }
         }
         self.settle()?;
-        self.completed = self.now_completed();
+        self.completed = self.now_completed()?;
         Ok(changed)
     }
 
@@ -464,8 +476,13 @@ impl Simulation {
     }
 
     /// Notes where an event begins: what the position does from here on, until it is handled, is a jump.
-    pub fn enter_event(&mut self) {
-        self.completed = self.now_completed();
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    pub fn enter_event(&mut self) -> Result<(), Fault> {
+        self.present()?;
+        self.completed = self.now_completed()?;
+        Ok(())
     }
 
     /// A host that integrates has completed a step: the record takes what the sensor showed within it.
@@ -475,27 +492,37 @@ impl Simulation {
     pub fn complete_step(&mut self) -> Result<(), Fault> {
         let u = self.here();
         self.states_at(&self.moment(&u))?;
-        let now = self.now_completed();
+        let now = self.now_completed()?;
         let (last, delay) = (self.completed.reading, self.delay());
         if let Some(record) = &mut self.record
             && now.reading.time > last.time
         {
-            record.push(Stretch::between(&last, &now.reading), delay);
+            let stretch = Stretch::between(&last, &now.reading);
+            if !stretch.reading.iter().all(|reading| reading.is_finite()) {
+                return Err(Fault::Overflow);
+            }
+            record.push(stretch, delay);
             record.forget(now.reading.time - delay);
         }
         self.completed = now;
         Ok(())
     }
 
-    /// The present moment as that of a completed step.
-    fn now_completed(&self) -> Completed {
-        let u = self.here();
-        let value = self.reading();
+    /// What the sensor shows now before delay and drift, with its rate where a record is kept.
+    fn reading_now(&self) -> Reading {
         let rate = if self.record.is_some() { derivatives::reading_rate(self) } else { 0.0 };
-        Completed {
-            reading: Reading { time: self.time, value, rate },
-            position: u[input::POSITION],
-            velocity: u[input::VELOCITY],
+        Reading { time: self.time, value: self.reading(), rate }
+    }
+
+    /// The present moment as that of a completed step.
+    ///
+    /// # Errors
+    /// When a host's states are such that the sensor shows no number.
+    fn now_completed(&self) -> Result<Completed, Fault> {
+        let (u, reading) = (self.here(), self.reading_now());
+        if !(reading.value.is_finite() && reading.rate.is_finite()) {
+            return Err(Fault::Overflow);
         }
+        Ok(Completed { reading, position: u[input::POSITION], velocity: u[input::VELOCITY] })
     }
 }

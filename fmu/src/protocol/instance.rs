@@ -211,8 +211,7 @@ impl Instance {
         let step = if self.uses_event_mode { Phase::Step } else { Phase::Continuous };
         self.need(&[Phase::Continuous, Phase::Event, step], "enter event mode from continuous-time mode")?;
         if self.phase == Phase::Continuous {
-            self.now.present()?;
-            self.now.enter_event();
+            self.now.enter_event()?;
         }
         self.phase = Phase::Event;
         Ok(())
@@ -413,20 +412,28 @@ impl Instance {
         for (&reference, &value) in references.iter().zip(values) {
             self.settable(real(reference)?, value)?;
         }
-        self.hand_over(self.phase.is_started() && !references.is_empty());
-        let before = (self.now.leader != Leader::Host).then_some(self.now.inputs.value);
         let mut parameters = None;
         for (&reference, &value) in references.iter().zip(values) {
-            match real(reference)?.role {
-                Role::Input(index) => self.now.inputs.set(index, value),
-                Role::Parameter(index) => parameters.get_or_insert(self.now.parameters).real[index] = value,
-                _ => {}
+            if let Role::Parameter(index) = real(reference)?.role {
+                parameters.get_or_insert(self.now.parameters).real[index] = value;
+            }
+        }
+        let kept = parameters.map(|_| (self.now.leader, self.now.inputs.clone()));
+        self.hand_over(self.phase.is_started() && !references.is_empty());
+        let before = (self.now.leader != Leader::Host).then_some(self.now.inputs.value);
+        for (&reference, &value) in references.iter().zip(values) {
+            if let Role::Input(index) = real(reference)?.role {
+                self.now.inputs.set(index, value);
             }
         }
         self.outputs = None;
         self.hand_over(before.is_some_and(|before| before != self.now.inputs.value));
-        if let Some(parameters) = parameters {
-            self.take_over(parameters);
+        if let Some((parameters, (leader, inputs))) = parameters.zip(kept) {
+            let taken = self.take_over(parameters);
+            if taken.is_err() {
+                (self.now.leader, self.now.inputs) = (leader, inputs);
+            }
+            taken?;
         }
         Ok(())
     }
@@ -439,17 +446,18 @@ impl Instance {
         }
     }
 
-    fn take_over(&mut self, parameters: Parameters) {
+    fn take_over(&mut self, parameters: Parameters) -> Result<(), Refusal> {
         if parameters == self.now.parameters {
-            return;
+            return Ok(());
         }
-        self.now.hand_over();
         if self.phase.is_started() {
-            self.now.tune(parameters);
+            self.now.tune(parameters)?;
         } else {
             self.now.parameters = parameters;
             self.now.rebuild();
         }
+        self.now.hand_over();
+        Ok(())
     }
 
     /// Whether the host may set this variable to that value now.
@@ -542,9 +550,9 @@ impl Instance {
                 parameters.choices = choices;
             }
         }
+        self.take_over(parameters)?;
         self.outputs = None;
         self.hand_over(self.phase.is_started() && !references.is_empty());
-        self.take_over(parameters);
         Ok(())
     }
 
