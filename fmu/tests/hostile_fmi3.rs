@@ -442,7 +442,7 @@ fn is_one_call(call: &Call) -> bool {
 }
 
 /// Makes the calls: each is answered, each refusal is explained in the words of FMI 3.0, and a refused one changes nothing.
-/// After all of them a reset makes the instance as new.
+/// What all of them come to can be saved and read, and a reset makes the instance as new.
 fn survives(kind: Kind, equipment: &[(&str, f64)], orderly: bool, calls: &[Call]) -> Result<(), TestCaseError> {
     let mut host = Host::new(kind);
     let fresh = host.serialized();
@@ -473,6 +473,9 @@ fn survives(kind: Kind, equipment: &[(&str, f64)], orderly: bool, calls: &[Call]
             prop_assert_eq!(before, host.serialized(), "{:?} was refused and changed something", call);
         }
     }
+    let (last, whole) = (host.serialized(), Call::Bytes { cut: usize::MAX, flip: usize::MAX });
+    prop_assert_eq!(unsafe { make(&mut host, &whole) }, 0, "a saved state cannot be read: {:?}", host.messages());
+    prop_assert_eq!(host.serialized(), last);
     prop_assert_eq!(unsafe { fmi3Reset(host.c) }, 0);
     prop_assert_eq!(host.serialized(), fresh, "a reset instance is not as a fresh one");
     Ok(())

@@ -18,52 +18,35 @@ fn warnings(host: &Host) -> Vec<String> {
 #[test]
 fn sums_close_the_balances_whatever_the_step() {
     for h in [1e-4, 1e-3, 1e-2, 0.1] {
-        let values = [
+        let host = Host::started(&[
             ("initialPressure", 3e5),
-            ("leakage.conductance", 1e-10),
             ("supplyPortConductance", 3e-9),
             ("supplyPortPressure", 6e5),
             ("exhaustPortConductance", 2e-9),
             ("temperatureIn", 320.0),
-        ];
-        let host = Host::started(&values);
+        ]);
         let (u0, m0) = (host.get("internalEnergy"), host.get("mass"));
-        let (mut by_ports, mut by_flow) = ([0.0; 2], [0.0; 2]);
-        for k in 0..(0.4 / h) as u32 {
+        // What ports and flow bring, from the means that the host sees; the gas loses nothing else.
+        let (mut mass, mut enthalpy) = (0.0, 0.0);
+        for k in 0..(0.4f64 / h).round() as u32 {
             let t = f64::from(k) * h;
             host.set("position", 0.08 + 0.03 * (7.0 * t).sin());
             host.set("velocity", 0.21 * (7.0 * t).cos());
             host.set("massFlowIn", 1e-4);
             host.step(t, h);
             for port in ["supply", "exhaust"] {
-                by_ports[0] += h * host.get(&format!("{port}PortMassFlow"));
-                by_ports[1] += h * host.get(&format!("{port}PortEnthalpyFlow"));
+                mass += h * host.get(&format!("{port}PortMassFlow"));
+                enthalpy += h * host.get(&format!("{port}PortEnthalpyFlow"));
             }
-            by_flow[0] += h * 1e-4;
-            by_flow[1] += h * 1e-4 * CP * 320.0;
+            mass += h * 1e-4;
+            enthalpy += h * 1e-4 * CP * 320.0;
         }
-        let received = host.get("heatReceived") + host.get("enthalpyReceived") - host.get("workDone");
-        assert!((host.get("internalEnergy") - u0 - received).abs() < 1e-8 * u0, "h = {h}");
+        let gained = host.get("internalEnergy") - u0;
+        let (heat, work) = (host.get("heatReceived"), host.get("workDone"));
+        assert!((gained - (heat + enthalpy - work)).abs() < 1e-8 * u0, "h = {h}: {gained} {heat} {enthalpy} {work}");
+        assert!((gained - (heat + host.get("enthalpyReceived") - work)).abs() < 1e-8 * u0, "h = {h}");
+        assert!((host.get("mass") - m0 - mass).abs() < 1e-8 * m0, "h = {h}: {mass}");
         assert!((host.get("mass") - m0 - host.get("massReceived")).abs() < 1e-14 * m0, "h = {h}");
-        // The leak takes what is left; without it, flows and ports make up the enthalpy and the mass.
-        let tight =
-            Host::started(&values.map(|(name, value)| (name, if name.starts_with("leak") { 0.0 } else { value })));
-        let mut sums = [0.0; 2];
-        for k in 0..(0.4 / h) as u32 {
-            tight.set("massFlowIn", 1e-4);
-            tight.step(f64::from(k) * h, h);
-            for port in ["supply", "exhaust"] {
-                sums[0] += h * (tight.get(&format!("{port}PortMassFlow")) + 5e-5);
-                sums[1] += h * (tight.get(&format!("{port}PortEnthalpyFlow")) + 5e-5 * CP * 320.0);
-            }
-        }
-        let (mass, enthalpy) = (tight.get("massReceived"), tight.get("enthalpyReceived"));
-        assert!((sums[0] - mass).abs() < 1e-8 * tight.get("mass"), "h = {h}: {} {mass}", sums[0]);
-        assert!((sums[1] - enthalpy).abs() < 1e-8 * tight.get("internalEnergy"), "h = {h}: {} {enthalpy}", sums[1]);
-        assert!(
-            host.get("massReceived") < by_ports[0] + by_flow[0]
-                && host.get("enthalpyReceived") < by_ports[1] + by_flow[1]
-        );
     }
 }
 
