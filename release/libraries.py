@@ -89,7 +89,7 @@ def zig_libraries():
 
 def exports():
     """A module definition with the functions of FMI: on Windows all else would be exported too."""
-    sources = [(ROOT / "fmu/src" / version / "abi.rs").read_text() for version in ("fmi2", "fmi3")]
+    sources = [path.read_text() for version in ("fmi2", "fmi3") for path in sorted((ROOT / "fmu/src" / version / "abi").glob("*.rs"))]
     functions = [name for source in sources for name in re.findall(r'extern "C" fn (fmi\w+)', source)]
     path = WORK / "exports.def"
     path.write_text("\n".join(["EXPORTS", *functions, ""]))

@@ -5,13 +5,15 @@
 //! | [`plant`] | the chamber between its ports, its wall and its piston: states, rates, inputs, history | numbers by index |
 //! | [`table`] | the one table of variables with its units and dependencies | the plant |
 //! | [`protocol`] | one instance: phases of the life cycle, batches taken whole or not at all, saved states, warnings | both |
-//! | [`boundary`], [`fmi2`], [`fmi3`] | the C boundary, the only `unsafe` of the project, and the descriptions, written with [`xml`] | all of these |
+//! | [`boundary`], [`description`] | what both versions of FMI share: the checks at the C boundary, the description's parts, written with [`xml`] | all of these |
+//! | [`fmi2`], [`fmi3`] | each version's C functions and its words in the description; with [`boundary`], the only `unsafe` of the project | all of these |
 //! | [`package`] | the FMU as a file: start values, signatures, documentation | all of these |
 
 #![warn(clippy::undocumented_unsafe_blocks)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod boundary;
+pub mod description;
 pub mod fmi2;
 pub mod fmi3;
 pub mod package;

@@ -1,24 +1,6 @@
-//! What both versions of the model description are written with, and the guid that is a hash of everything else in one.
+//! XML as the model descriptions are written: tags line by line, attributes escaped, numbers that read back the same.
 
-use sha2::{Digest, Sha256};
 use std::fmt::Write;
-
-/// A description and its guid.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Description {
-    /// The file.
-    pub xml: String,
-    /// Its guid, in braces.
-    pub guid: String,
-}
-
-/// The description that `document` writes, given the guid, which is a hash of what it writes without one.
-pub fn described(document: impl Fn(&str) -> String) -> Description {
-    let hash = Sha256::digest(document("").as_bytes());
-    let hex: String = hash[..16].iter().map(|byte| format!("{byte:02x}")).collect();
-    let guid = format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..]);
-    Description { xml: document(&guid), guid }
-}
 
 /// One opening (or, for a leaf, whole) tag on a line of its own.
 pub fn line(xml: &mut String, indent: usize, tag: &str, attributes: &[(&str, String)], leaf: bool) {

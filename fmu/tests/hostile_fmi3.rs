@@ -22,8 +22,15 @@ use std::sync::LazyLock;
 
 /// The standard's functions, as this library has them.
 static FUNCTIONS: LazyLock<BTreeSet<&str>> = LazyLock::new(|| {
-    let source = include_str!("../src/fmi3/abi.rs");
-    source.split("extern \"C\" fn ").skip(1).filter_map(|rest| rest.split('(').next()).collect()
+    let sources = [
+        include_str!("../src/fmi3/abi/absent.rs"),
+        include_str!("../src/fmi3/abi/life_cycle.rs"),
+        include_str!("../src/fmi3/abi/running.rs"),
+        include_str!("../src/fmi3/abi/saved.rs"),
+        include_str!("../src/fmi3/abi/values.rs"),
+    ];
+    let functions = sources.iter().flat_map(|source| source.split("extern \"C\" fn ").skip(1));
+    functions.filter_map(|rest| rest.split('(').next()).filter(|name| name.starts_with("fmi3")).collect()
 });
 
 type Log = RefCell<Vec<(CEnum, String)>>;

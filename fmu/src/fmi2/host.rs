@@ -54,7 +54,9 @@ impl Host {
 }
 
 impl Listener for Host {
-    const PREFIX: &'static str = "fmi2";
+    fn words(text: &str) -> String {
+        text.to_owned()
+    }
 
     unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
         let Some(logger) = self.callbacks.logger else { return };

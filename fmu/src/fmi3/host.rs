@@ -4,6 +4,7 @@
 
 use crate::boundary::{CEnum, Listener};
 use crate::protocol::message::Status;
+use crate::protocol::refusal::Refusal;
 use std::ffi::{CStr, c_char, c_void};
 
 /// `fmi3LogMessageCallback`.
@@ -19,7 +20,23 @@ pub struct Host {
 }
 
 impl Listener for Host {
-    const PREFIX: &'static str = "fmi3";
+    fn words(text: &str) -> String {
+        text.replace("fmi2", "fmi3").replace("FMUstate", "FMUState")
+    }
+
+    fn terms(refusal: Refusal) -> Refusal {
+        let term = |fmi2: &'static str| match fmi2 {
+            "Real" => "Float64",
+            "Integer" => "Int64",
+            other => other,
+        };
+        match refusal {
+            Refusal::WrongType { name, reference, is, asked } => {
+                Refusal::WrongType { name, reference, is: term(is), asked: term(asked) }
+            }
+            other => other,
+        }
+    }
 
     unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
         let Some(log) = self.log else { return };

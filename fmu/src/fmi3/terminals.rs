@@ -52,7 +52,7 @@ const TERMINALS: [Terminal; 4] = [
     ),
 ];
 
-/// The file.
+/// `terminalsAndIcons.xml`, the same for every model.
 pub fn render() -> String {
     let half = 0.5 * SIDE;
     let mut xml =

@@ -8,11 +8,11 @@ pub mod signatures;
 pub mod start_values;
 pub mod validation;
 
+use crate::description::Description;
 use crate::fmi2;
 use crate::fmi3;
 use crate::plant::values::Starts;
 use crate::table::{settable, table};
-use crate::xml::Description;
 use documentation::About;
 use identity::Identity;
 use signatures::SignatureError;
@@ -34,7 +34,7 @@ pub struct Library<'a> {
     pub bytes: &'a [u8],
 }
 
-/// A version of FMI.
+/// Which version of FMI an FMU is for; one library serves both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
     /// FMI 2.0.
@@ -92,40 +92,40 @@ pub enum PackageError {
     /// A start value that the FMU itself would refuse.
     #[error("{name} = {value} {unit} cannot be a start value: it must lie within {min} to {max} {unit}")]
     StartValue {
-        /// The variable.
+        /// Name of the FMU's variable.
         name: &'static str,
-        /// What was asked for.
+        /// The model's value for it.
         value: f64,
-        /// Its unit.
+        /// SI unit of all three numbers.
         unit: &'static str,
-        /// Smallest value.
+        /// The smallest that `fmi2SetReal` takes.
         min: f64,
-        /// Largest value.
+        /// The largest that it takes.
         max: f64,
     },
-    /// Nothing to run.
+    /// An FMU without a library runs nowhere.
     #[error("no library for any platform is at hand")]
     NoLibrary,
     /// A library that cannot take start values.
     #[error("the library for {platform}: {cause}")]
     Library {
-        /// Its platform.
+        /// Its folder under `binaries/`.
         platform: String,
-        /// Why.
+        /// What is wrong with the block of start values in it.
         cause: BlockError,
     },
     /// A library that cannot be signed anew.
     #[error("the library for {platform}: {cause}")]
     Signature {
-        /// Its platform.
+        /// Its folder under `binaries/`.
         platform: String,
-        /// Why.
+        /// What is wrong with its code signature.
         cause: SignatureError,
     },
-    /// Writing the archive.
+    /// The zip cannot hold an entry.
     #[error("the FMU's archive could not be written: {0}")]
     Archive(#[from] zip::result::ZipError),
-    /// Writing the archive.
+    /// An entry's bytes cannot be written.
     #[error("the FMU's archive could not be written: {0}")]
     Io(#[from] std::io::Error),
 }

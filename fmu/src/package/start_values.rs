@@ -95,7 +95,7 @@ impl Block {
         Self { starts: Starts::default(), guid: REFERENCE_GUID.into() }
     }
 
-    /// Its bytes.
+    /// The block as it stands in the library's file: marks, checksum, guid, values.
     pub fn encode(&self) -> [u8; LENGTH] {
         let mut out = AS_BUILT;
         for (to, from) in out[GUID..VALUES].iter_mut().zip(self.guid.bytes()) {

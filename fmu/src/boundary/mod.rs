@@ -7,6 +7,11 @@
 
 #![allow(unsafe_code)]
 
+mod pointers;
+pub mod saved;
+
+pub use pointers::{elements, elements_mut, place, text};
+
 use crate::package::start_values::{self, Block};
 use crate::plant::simulation::Kind;
 use crate::protocol::instance::Instance;
@@ -15,16 +20,11 @@ use crate::protocol::refusal::Refusal;
 use std::any::Any;
 use std::ffi::{CStr, CString, c_char, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::ptr::NonNull;
-use std::slice;
 
 /// A C enumeration without negative members, such as the status that functions return.
 pub type CEnum = c_uint;
 /// What a call comes to.
 pub type Result<T> = std::result::Result<T, Refusal>;
-
-/// Elements that one call may have: far more than there are variables.
-const LONGEST: usize = 1 << 20;
 
 /// The start values; the packager overwrites them in the library's file.
 static START_VALUES: [u8; start_values::LENGTH] = start_values::AS_BUILT;
@@ -38,8 +38,13 @@ fn of_library() -> Option<Block> {
 
 /// A host's logger, in a version of FMI. A copy of it stays valid when the instance is gone.
 pub trait Listener: Clone {
-    /// What names of functions begin with in that version.
-    const PREFIX: &'static str;
+    /// A message in the words of that version; it is written in those of FMI 2.0.
+    fn words(text: &str) -> String;
+
+    /// A refusal in the terms of that version; it is made in those of FMI 2.0.
+    fn terms(refusal: Refusal) -> Refusal {
+        refusal
+    }
 
     /// Hands a message over.
     ///
@@ -52,7 +57,7 @@ pub trait Listener: Clone {
 pub struct Component<L> {
     listener: L,
     wanted: [bool; Category::ALL.len()],
-    /// The instance.
+    /// What the calls are made on, once their pointers are checked.
     pub instance: Instance,
     broken: bool,
 }
@@ -65,6 +70,7 @@ impl<L: Listener> Component<L> {
         let status = match outcome {
             Ok(Ok(())) => Status::Ok,
             Ok(Err(refusal)) => {
+                let refusal = L::terms(refusal);
                 let (status, category) = (refusal.status(), refusal.category());
                 messages.push(Message { status, category, text: format!("{function} refused: {refusal}") });
                 status
@@ -90,7 +96,7 @@ impl<L: Listener> Component<L> {
     ///
     /// # Errors
     /// Categories that the model description does not declare.
-    pub fn choose(&mut self, logging_on: bool, categories: &[String]) -> Result<()> {
+    fn choose(&mut self, logging_on: bool, categories: &[String]) -> Result<()> {
         let known = |name: &String| name == "logAll" || Category::ALL.iter().any(|(_, known, _)| known == name);
         if !categories.iter().all(known) {
             return Err(Refusal::NotOffered {
@@ -103,6 +109,50 @@ impl<L: Listener> Component<L> {
         }
         self.instance.tells_events = self.wanted[Category::Events as usize];
         Ok(())
+    }
+}
+
+/// Chooses what the host hears of.
+///
+/// # Safety
+/// As for [`guarded`]; `categories` points to `n` texts.
+pub unsafe fn choose<L: Listener>(
+    c: *mut c_void,
+    function: &'static str,
+    logging_on: bool,
+    n: usize,
+    categories: *const *const c_char,
+) -> CEnum {
+    // SAFETY: as the caller promises.
+    unsafe {
+        guarded::<L>(c, function, |component| {
+            let mut chosen = Vec::new();
+            for &category in elements(categories, n, "categories")? {
+                chosen.push(text(category).ok_or(Refusal::Null { argument: "categories[i]" })?);
+            }
+            component.choose(logging_on, &chosen)
+        })
+    }
+}
+
+/// Completes an integrator step; no event follows from its completion, and no end.
+///
+/// # Safety
+/// As for [`guarded`]; the others are NULL or places for a flag.
+pub unsafe fn completed_step<L: Listener, F: Default>(
+    c: *mut c_void,
+    function: &'static str,
+    enter_event_mode: *mut F,
+    terminate: *mut F,
+) -> CEnum {
+    // SAFETY: as the caller promises.
+    unsafe {
+        guarded::<L>(c, function, |component| {
+            let (enter, end) = (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?);
+            component.instance.completed_step()?;
+            (*enter, *end) = (F::default(), F::default());
+            Ok(())
+        })
     }
 }
 
@@ -210,7 +260,7 @@ pub unsafe fn free<L>(c: *mut c_void) {
 
 /// Hands a message to the host, in the words of its version of FMI.
 unsafe fn tell<L: Listener>(listener: &L, message: &Message) {
-    let text = message.text.replace("fmi2", L::PREFIX);
+    let text = L::words(&message.text);
     // SAFETY: as the caller promises.
     unsafe { listener.hear(message.status, &c_string(message.category.name()), &c_string(&text)) };
 }
@@ -218,53 +268,4 @@ unsafe fn tell<L: Listener>(listener: &L, message: &Message) {
 /// Text for C, without what C cannot hold.
 pub fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', "")).unwrap_or_default()
-}
-
-/// The `length` elements at `data`; none when the length is zero, whatever the pointer.
-///
-/// # Safety
-/// A `data` that is neither NULL nor misaligned points to so many elements, which outlive `'a` and are not written to.
-pub unsafe fn elements<'a, T>(data: *const T, length: usize, argument: &'static str) -> Result<&'a [T]> {
-    if length == 0 {
-        return Ok(&[]);
-    }
-    if length > LONGEST {
-        return Err(Refusal::TooLong { argument, length, limit: LONGEST });
-    }
-    if data.is_null() || !data.is_aligned() {
-        return Err(Refusal::Null { argument });
-    }
-    // SAFETY: not NULL, aligned, and as long as the caller says.
-    Ok(unsafe { slice::from_raw_parts(data, length) })
-}
-
-/// As [`elements`], to be written.
-///
-/// # Safety
-/// As for [`elements`], and nothing else refers to them.
-pub unsafe fn elements_mut<'a, T>(data: *mut T, length: usize, argument: &'static str) -> Result<&'a mut [T]> {
-    // SAFETY: as the caller promises.
-    unsafe { elements(data, length, argument)? };
-    let data = NonNull::new(data).filter(|_| length > 0).unwrap_or(NonNull::dangling());
-    // SAFETY: checked above; a slice of no length may dangle.
-    Ok(unsafe { slice::from_raw_parts_mut(data.as_ptr(), length) })
-}
-
-/// Where a function writes one value.
-///
-/// # Safety
-/// As for [`elements_mut`] with one element.
-pub unsafe fn place<'a, T>(data: *mut T, argument: &'static str) -> Result<&'a mut T> {
-    // SAFETY: as the caller promises.
-    let all = unsafe { elements_mut(data, 1, argument)? };
-    all.first_mut().ok_or(Refusal::Null { argument })
-}
-
-/// Text of a C string, `None` where it is NULL.
-///
-/// # Safety
-/// `data` is NULL or ends in a zero byte.
-pub unsafe fn text(data: *const c_char) -> Option<String> {
-    // SAFETY: not NULL, and as the caller promises.
-    if data.is_null() { None } else { Some(unsafe { CStr::from_ptr(data) }.to_string_lossy().into_owned()) }
 }

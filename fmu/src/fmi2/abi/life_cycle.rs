@@ -1,0 +1,119 @@
+//! A component of FMI 2.0 from its making to its end, and its log.
+
+use super::*;
+
+/// `fmi2GetTypesPlatform`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// `fmi2GetVersion`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// `fmi2Instantiate`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    instance_name: *const c_char,
+    fmu_type: CEnum,
+    guid: *const c_char,
+    _resource_location: *const c_char,
+    functions: *const Callbacks,
+    _visible: c_int,
+    logging_on: c_int,
+) -> *mut c_void {
+    // SAFETY: callbacks and texts are the host's, as the standard has it.
+    unsafe {
+        let Some(callbacks) = functions.as_ref() else { return std::ptr::null_mut() };
+        let name = text(instance_name);
+        let host = Host::new(*callbacks, name.as_deref().unwrap_or("(no name)"));
+        let kind = match fmu_type {
+            0 => Ok(Kind::ModelExchange),
+            1 => Ok(Kind::CoSimulation),
+            _ => Err("fmuType is neither fmi2ModelExchange nor fmi2CoSimulation"),
+        };
+        boundary::instantiate(host, logging_on != FALSE, name, text(guid), kind)
+    }
+}
+
+/// `fmi2FreeInstance`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(c: *mut c_void) {
+    // SAFETY: the host's component, freed once.
+    unsafe { boundary::free::<Host>(c) };
+}
+
+/// `fmi2Reset`: allowed always, also after a break-down.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Reset(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { boundary::reset::<Host>(c) }
+}
+
+/// `fmi2SetDebugLogging`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    c: *mut c_void,
+    logging_on: c_int,
+    n_categories: usize,
+    categories: *const *const c_char,
+) -> CEnum {
+    // SAFETY: the host's component and texts, as the standard has them.
+    unsafe { boundary::choose::<Host>(c, "fmi2SetDebugLogging", logging_on != FALSE, n_categories, categories) }
+}
+
+/// `fmi2SetupExperiment`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetupExperiment(
+    c: *mut c_void,
+    tolerance_defined: c_int,
+    tolerance: f64,
+    start_time: f64,
+    stop_time_defined: c_int,
+    stop_time: f64,
+) -> CEnum {
+    let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
+    let stop = (stop_time_defined != FALSE).then_some(stop_time);
+    // SAFETY: the host's component and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi2SetupExperiment", |component| component.instance.setup_experiment(tolerance, start_time, stop))
+    }
+}
+
+/// `fmi2EnterInitializationMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterInitializationMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2EnterInitializationMode", |component| component.instance.enter_initialization()) }
+}
+
+/// `fmi2ExitInitializationMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2ExitInitializationMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2ExitInitializationMode", |component| component.instance.exit_initialization()) }
+}
+
+/// `fmi2EnterEventMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterEventMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2EnterEventMode", |component| component.instance.enter_event()) }
+}
+
+/// `fmi2EnterContinuousTimeMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2EnterContinuousTimeMode", |component| component.instance.enter_continuous_time()) }
+}
+
+/// `fmi2Terminate`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Terminate(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's component.
+    unsafe { guarded(c, "fmi2Terminate", |component| component.instance.terminate()) }
+}

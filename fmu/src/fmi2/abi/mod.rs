@@ -1,0 +1,36 @@
+//! The C functions of FMI 2.0 for Model Exchange and co-simulation: each turns its pointers into slices and hands over to
+//! the [`Instance`](crate::protocol::instance::Instance). Signatures: fmi2FunctionTypes.h of FMI 2.0.5.
+//!
+//! Every function is safe to call as the standard has it: with a component that `fmi2Instantiate` made and
+//! `fmi2FreeInstance` has not freed, from one thread at a time, and with arrays as long as the lengths beside them say.
+
+#![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
+
+mod life_cycle;
+mod running;
+mod saved;
+mod values;
+
+pub use life_cycle::*;
+pub use running::*;
+pub use saved::*;
+pub use values::*;
+
+use super::host::{Callbacks, EventInfo, Host};
+use crate::boundary::{self, CEnum, Component, Result, elements, elements_mut, place, text};
+use crate::plant::simulation::Kind;
+use crate::protocol::refusal::Refusal;
+use std::ffi::{c_char, c_int, c_uint, c_void};
+
+const FALSE: c_int = 0;
+const _: () = assert!(size_of::<c_uint>() == 4 && size_of::<c_int>() == 4);
+
+/// Runs `call` on the component behind `c`.
+unsafe fn guarded(
+    c: *mut c_void,
+    function: &'static str,
+    call: impl FnOnce(&mut Component<Host>) -> Result<()>,
+) -> CEnum {
+    // SAFETY: the host's component, as the standard has it.
+    unsafe { boundary::guarded::<Host>(c, function, call) }
+}

@@ -1,0 +1,169 @@
+//! An instance of FMI 3.0 from its making to its end, and its log.
+
+use super::*;
+
+/// `fmi3GetVersion`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi3GetVersion() -> *const c_char {
+    c"3.0".as_ptr()
+}
+
+/// Makes an instance.
+unsafe fn instantiate(
+    name: *const c_char,
+    token: *const c_char,
+    logging_on: u8,
+    environment: *mut c_void,
+    log: LogMessage,
+    kind: std::result::Result<Kind, &'static str>,
+) -> *mut c_void {
+    // SAFETY: logger and texts are the host's, as the standard has it.
+    unsafe { boundary::instantiate(Host { environment, log }, logging_on != 0, text(name), text(token), kind) }
+}
+
+/// `fmi3InstantiateModelExchange`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+    instance_name: *const c_char,
+    instantiation_token: *const c_char,
+    _resource_path: *const c_char,
+    _visible: u8,
+    logging_on: u8,
+    environment: *mut c_void,
+    log: LogMessage,
+) -> *mut c_void {
+    // SAFETY: the host's texts and logger.
+    unsafe { instantiate(instance_name, instantiation_token, logging_on, environment, log, Ok(Kind::ModelExchange)) }
+}
+
+/// `fmi3InstantiateCoSimulation`: no variable changes within a step, so intermediate update is not used.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
+    instance_name: *const c_char,
+    instantiation_token: *const c_char,
+    _resource_path: *const c_char,
+    _visible: u8,
+    logging_on: u8,
+    event_mode_used: u8,
+    early_return_allowed: u8,
+    _required_intermediate_variables: *const u32,
+    n_required_intermediate_variables: usize,
+    environment: *mut c_void,
+    log: LogMessage,
+    _intermediate_update: *const c_void,
+) -> *mut c_void {
+    let kind = match n_required_intermediate_variables {
+        0 => Ok(Kind::CoSimulation),
+        _ => Err("intermediate variables are not provided"),
+    };
+    // SAFETY: the host's texts and logger; what comes back is a fresh instance or NULL.
+    unsafe {
+        let c = instantiate(instance_name, instantiation_token, logging_on, environment, log, kind);
+        if let Some(component) = c.cast::<Component<Host>>().as_mut() {
+            component.instance.uses_event_mode = event_mode_used != 0;
+            component.instance.returns_early = event_mode_used != 0 && early_return_allowed != 0;
+        }
+        c
+    }
+}
+
+/// `fmi3InstantiateScheduledExecution`: not offered.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
+    instance_name: *const c_char,
+    instantiation_token: *const c_char,
+    _resource_path: *const c_char,
+    _visible: u8,
+    logging_on: u8,
+    environment: *mut c_void,
+    log: LogMessage,
+    _clock_update: *const c_void,
+    _lock_preemption: *const c_void,
+    _unlock_preemption: *const c_void,
+) -> *mut c_void {
+    let kind = Err("scheduled execution is not offered");
+    // SAFETY: the host's texts and logger.
+    unsafe { instantiate(instance_name, instantiation_token, logging_on, environment, log, kind) }
+}
+
+/// `fmi3FreeInstance`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3FreeInstance(c: *mut c_void) {
+    // SAFETY: the host's instance, freed once.
+    unsafe { boundary::free::<Host>(c) };
+}
+
+/// `fmi3Reset`: allowed always, also after a break-down.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3Reset(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's instance.
+    unsafe { boundary::reset::<Host>(c) }
+}
+
+/// `fmi3SetDebugLogging`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetDebugLogging(
+    c: *mut c_void,
+    logging_on: u8,
+    n: usize,
+    categories: *const *const c_char,
+) -> CEnum {
+    // SAFETY: the host's instance and texts, as the standard has them.
+    unsafe { boundary::choose::<Host>(c, "fmi3SetDebugLogging", logging_on != 0, n, categories) }
+}
+
+/// `fmi3EnterInitializationMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterInitializationMode(
+    c: *mut c_void,
+    tolerance_defined: u8,
+    tolerance: f64,
+    start_time: f64,
+    stop_time_defined: u8,
+    stop_time: f64,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3EnterInitializationMode", |component| {
+            let tolerance = (tolerance_defined != 0).then_some(tolerance);
+            let stop = (stop_time_defined != 0).then_some(stop_time);
+            component.instance.setup_experiment(tolerance, start_time, stop)?;
+            component.instance.enter_initialization()
+        })
+    }
+}
+
+/// `fmi3ExitInitializationMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3ExitInitializationMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe { guarded(c, "fmi3ExitInitializationMode", |component| component.instance.exit_initialization()) }
+}
+
+/// `fmi3EnterEventMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterEventMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe { guarded(c, "fmi3EnterEventMode", |component| component.instance.enter_event()) }
+}
+
+/// `fmi3EnterStepMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterStepMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe { guarded(c, "fmi3EnterStepMode", |component| component.instance.enter_step()) }
+}
+
+/// `fmi3EnterContinuousTimeMode`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe { guarded(c, "fmi3EnterContinuousTimeMode", |component| component.instance.enter_continuous_time()) }
+}
+
+/// `fmi3Terminate`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3Terminate(c: *mut c_void) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe { guarded(c, "fmi3Terminate", |component| component.instance.terminate()) }
+}

@@ -1,0 +1,47 @@
+//! The C functions of FMI 3.0 for Model Exchange and co-simulation: each turns its pointers into slices and hands over to
+//! the [`Instance`](crate::protocol::instance::Instance), as those of FMI 2.0 do. Signatures: fmi3FunctionTypes.h of FMI 3.0.2.
+//!
+//! Every function is safe to call as the standard has it: with an instance that was made here and has not been freed, from
+//! one thread at a time, and with arrays as long as the lengths beside them say. Booleans arrive as bytes.
+
+#![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc, clippy::too_many_arguments)]
+
+mod absent;
+mod life_cycle;
+mod running;
+mod saved;
+mod values;
+
+pub use absent::*;
+pub use life_cycle::*;
+pub use running::*;
+pub use saved::*;
+pub use values::*;
+
+use super::host::{Host, LogMessage};
+use super::{indicator_references, time_reference};
+use crate::boundary::{self, CEnum, Component, Result, elements, elements_mut, place, text};
+use crate::plant::corners::CORNERS;
+use crate::plant::simulation::Kind;
+use crate::plant::states::ALL;
+use crate::protocol::instance::Instance;
+use crate::protocol::refusal::Refusal;
+use std::ffi::{c_char, c_void};
+
+/// Runs `call` on the instance behind `c`.
+unsafe fn guarded(
+    c: *mut c_void,
+    function: &'static str,
+    call: impl FnOnce(&mut Component<Host>) -> Result<()>,
+) -> CEnum {
+    // SAFETY: the host's instance, as the standard has it.
+    unsafe { boundary::guarded::<Host>(c, function, call) }
+}
+
+/// The lengths of references and values, equal as every variable is a scalar.
+fn same_length(references: usize, values: usize) -> Result<()> {
+    if references == values {
+        return Ok(());
+    }
+    Err(Refusal::WrongLength { argument: "nValues", length: values, expected: references })
+}

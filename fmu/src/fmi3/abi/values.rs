@@ -1,0 +1,176 @@
+//! Variables of FMI 3.0 that this FMU has, and their derivatives.
+
+use super::*;
+
+/// A value of a Float64 variable, the time and the event indicators included.
+fn float(instance: &mut Instance, reference: u32) -> Result<f64> {
+    if reference == time_reference() {
+        return Ok(instance.time());
+    }
+    if let Some(i) = indicator_references().position(|indicator| indicator == reference) {
+        return instance.indicator(i);
+    }
+    let mut value = [0.0];
+    instance.get_real(&[reference], &mut value)?;
+    Ok(value[0])
+}
+
+/// `fmi3GetFloat64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetFloat64(
+    c: *mut c_void,
+    vr: *const u32,
+    nvr: usize,
+    values: *mut f64,
+    n: usize,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3GetFloat64", |component| {
+            same_length(nvr, n)?;
+            let (references, values) = (elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?);
+            if references.iter().all(|reference| *reference < time_reference()) {
+                return component.instance.get_real(references, values);
+            }
+            let found: Result<Vec<f64>> =
+                references.iter().map(|reference| float(&mut component.instance, *reference)).collect();
+            values.copy_from_slice(&found?);
+            Ok(())
+        })
+    }
+}
+
+/// `fmi3SetFloat64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetFloat64(
+    c: *mut c_void,
+    vr: *const u32,
+    nvr: usize,
+    values: *const f64,
+    n: usize,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3SetFloat64", |component| {
+            same_length(nvr, n)?;
+            component.instance.set_real(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
+        })
+    }
+}
+
+/// `fmi3GetInt64`: enumerations are read as integers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetInt64(c: *mut c_void, vr: *const u32, nvr: usize, values: *mut i64, n: usize) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3GetInt64", |component| {
+            same_length(nvr, n)?;
+            component.instance.get_integer(elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?)
+        })
+    }
+}
+
+/// `fmi3SetInt64`: enumerations are set as integers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetInt64(
+    c: *mut c_void,
+    vr: *const u32,
+    nvr: usize,
+    values: *const i64,
+    n: usize,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3SetInt64", |component| {
+            same_length(nvr, n)?;
+            component.instance.set_integer(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
+        })
+    }
+}
+
+/// `fmi3GetBoolean`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetBoolean(
+    c: *mut c_void,
+    vr: *const u32,
+    nvr: usize,
+    values: *mut u8,
+    n: usize,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3GetBoolean", |component| {
+            same_length(nvr, n)?;
+            component.instance.get_boolean(elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?)
+        })
+    }
+}
+
+/// `fmi3SetBoolean`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetBoolean(
+    c: *mut c_void,
+    vr: *const u32,
+    nvr: usize,
+    values: *const u8,
+    n: usize,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3SetBoolean", |component| {
+            same_length(nvr, n)?;
+            component.instance.set_boolean(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
+        })
+    }
+}
+
+/// `fmi3GetDirectionalDerivative`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
+    c: *mut c_void,
+    unknowns: *const u32,
+    n_unknowns: usize,
+    knowns: *const u32,
+    n_knowns: usize,
+    seed: *const f64,
+    n_seed: usize,
+    sensitivity: *mut f64,
+    n_sensitivity: usize,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3GetDirectionalDerivative", |component| {
+            same_length(n_knowns, n_seed)?;
+            same_length(n_unknowns, n_sensitivity)?;
+            component.instance.directional(
+                elements(unknowns, n_unknowns, "unknowns")?,
+                elements(knowns, n_knowns, "knowns")?,
+                elements(seed, n_seed, "seed")?,
+                elements_mut(sensitivity, n_sensitivity, "sensitivity")?,
+            )
+        })
+    }
+}
+
+/// `fmi3GetOutputDerivatives`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetOutputDerivatives(
+    c: *mut c_void,
+    vr: *const u32,
+    nvr: usize,
+    orders: *const i32,
+    values: *mut f64,
+    n: usize,
+) -> CEnum {
+    // SAFETY: the host's instance and arrays, as the standard has them.
+    unsafe {
+        guarded(c, "fmi3GetOutputDerivatives", |component| {
+            same_length(nvr, n)?;
+            component.instance.output_derivatives(
+                elements(vr, nvr, "valueReferences")?,
+                elements(orders, nvr, "orders")?,
+                elements_mut(values, n, "values")?,
+            )
+        })
+    }
+}

@@ -1,0 +1,170 @@
+//! What belongs to events, and to a host that integrates: modes, time, states, rates and event indicators.
+
+use super::{Event, Instance, warning};
+use crate::plant::corners::CORNERS;
+use crate::plant::simulation::Kind;
+use crate::plant::states::ALL;
+use crate::protocol::phases::Phase;
+use crate::protocol::refusal::Refusal;
+use crate::table::table;
+
+impl Instance {
+    /// `fmi2EnterEventMode`.
+    ///
+    /// # Errors
+    /// Outside Model Exchange under way.
+    pub fn enter_event(&mut self) -> Result<(), Refusal> {
+        let step = if self.uses_event_mode { Phase::Step } else { Phase::Continuous };
+        self.need(&[Phase::Continuous, Phase::Event, step], "enter event mode from continuous-time mode")?;
+        if self.phase == Phase::Continuous {
+            self.now.enter_event()?;
+        }
+        self.phase = Phase::Event;
+        Ok(())
+    }
+
+    /// `fmi2NewDiscreteStates`: one iteration is all that an event needs.
+    ///
+    /// # Errors
+    /// Outside event mode; where inputs leave the gas no room.
+    pub fn new_discrete_states(&mut self) -> Result<Event, Refusal> {
+        self.need(&[Phase::Event], "call fmi2EnterEventMode first")?;
+        let states_changed = self.now.kind == Kind::ModelExchange && self.now.handle_event()?;
+        self.outputs = None;
+        self.warnings.lose_track();
+        let next = self.now.turn().filter(|_| self.now.kind == Kind::ModelExchange);
+        Ok(Event { states_changed, next })
+    }
+
+    /// `fmi2EnterContinuousTimeMode`.
+    ///
+    /// # Errors
+    /// Outside event mode.
+    pub fn enter_continuous_time(&mut self) -> Result<(), Refusal> {
+        self.need_exchange()?;
+        self.need(&[Phase::Event], "enter continuous-time mode from event mode")?;
+        self.phase = Phase::Continuous;
+        Ok(())
+    }
+
+    /// `fmi2CompletedIntegratorStep`.
+    ///
+    /// # Errors
+    /// Outside continuous-time mode; where the states make no gas.
+    pub fn completed_step(&mut self) -> Result<(), Refusal> {
+        self.need(&[Phase::Continuous], "complete integrator steps in continuous-time mode")?;
+        self.now.complete_step()?;
+        let messages = &mut self.messages;
+        self.warnings.at_completed_step(&self.now, &mut |text| messages.push(warning(text)));
+        Ok(())
+    }
+
+    /// `fmi2SetTime`.
+    ///
+    /// # Errors
+    /// Outside Model Exchange under way; a time that is not finite.
+    pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
+        self.need(&[Phase::Event, Phase::Continuous], "the time is set in event mode or continuous-time mode")?;
+        if !time.is_finite() {
+            return Err(Refusal::BadArgument { argument: "time", value: time, expected: "a finite time is expected" });
+        }
+        self.now.time = time;
+        self.now.lead();
+        self.outputs = None;
+        Ok(())
+    }
+
+    /// `fmi2SetContinuousStates`.
+    ///
+    /// # Errors
+    /// Outside Model Exchange under way; another number of states, states that are not finite.
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
+        self.need(
+            &[Phase::Event, Phase::Continuous],
+            "continuous states are set in event mode or continuous-time mode",
+        )?;
+        let wrong = |_| Refusal::WrongLength { argument: "nx", length: states.len(), expected: ALL };
+        let states: [f64; ALL] = states.try_into().map_err(wrong)?;
+        if let Some((value, state)) = states.iter().zip(0..).find(|(value, _)| !value.is_finite()) {
+            let variable = crate::table::place_of_state(state).and_then(|place| table().get(place));
+            let (name, unit) = variable.map_or(("state", ""), |v| (v.name.as_str(), v.quantity.unit));
+            return Err(Refusal::NotFinite { name, value: *value, unit });
+        }
+        self.now.gas.states = states;
+        self.outputs = None;
+        Ok(())
+    }
+
+    /// `fmi2GetContinuousStates`.
+    ///
+    /// # Errors
+    /// Outside Model Exchange; another number of states.
+    pub fn continuous_states(&mut self, states: &mut [f64]) -> Result<(), Refusal> {
+        self.exchange()?;
+        let states: &mut [f64; ALL] = of_length(states, "nx")?;
+        *states = if self.now.started { self.now.gas.states } else { self.now.present()?.states };
+        Ok(())
+    }
+
+    /// `fmi2GetDerivatives`.
+    ///
+    /// # Errors
+    /// Outside Model Exchange; another number of states; states that make no gas.
+    pub fn derivatives(&mut self, rates: &mut [f64]) -> Result<(), Refusal> {
+        self.exchange()?;
+        let rates: &mut [f64; ALL] = of_length(rates, "nx")?;
+        *rates = self.known()?.rates;
+        Ok(())
+    }
+
+    /// `fmi2GetEventIndicators`.
+    ///
+    /// # Errors
+    /// Outside Model Exchange; another number of indicators; states that make no gas.
+    pub fn event_indicators(&mut self, indicators: &mut [f64]) -> Result<(), Refusal> {
+        self.exchange()?;
+        let indicators: &mut [f64; CORNERS] = of_length(indicators, "ni")?;
+        *indicators = self.now.indicators()?;
+        Ok(())
+    }
+
+    /// One event indicator, as a variable of FMI 3.0.
+    ///
+    /// # Errors
+    /// Before initialization mode; states that make no gas.
+    pub fn indicator(&self, index: usize) -> Result<f64, Refusal> {
+        self.need(&Phase::KNOWN, "event indicators are available from initialization mode on")?;
+        Ok(self.now.indicators()?[index])
+    }
+
+    /// `fmi2GetNominalsOfContinuousStates`.
+    ///
+    /// # Errors
+    /// Outside Model Exchange; another number of states.
+    pub fn nominals(&self, nominals: &mut [f64]) -> Result<(), Refusal> {
+        self.need_exchange()?;
+        let nominals: &mut [f64; ALL] = of_length(nominals, "nx")?;
+        *nominals = crate::table::nominals();
+        Ok(())
+    }
+
+    fn need_exchange(&self) -> Result<(), Refusal> {
+        if self.now.kind == Kind::CoSimulation {
+            return Err(Refusal::NotOffered {
+                what: "this instance is for co-simulation: states and indicators belong to Model Exchange",
+            });
+        }
+        Ok(())
+    }
+
+    fn exchange(&self) -> Result<(), Refusal> {
+        self.need_exchange()?;
+        self.need(&Phase::EXCHANGE, "states, derivatives and indicators are available from initialization mode on")
+    }
+}
+
+/// The host's array, which must have as many elements as there are states or indicators.
+fn of_length<'a, const N: usize>(array: &'a mut [f64], argument: &'static str) -> Result<&'a mut [f64; N], Refusal> {
+    let length = array.len();
+    array.try_into().map_err(|_| Refusal::WrongLength { argument, length, expected: N })
+}

@@ -1,0 +1,186 @@
+//! One instance as a host sees it, without C: its life cycle here, what belongs to its phases in files of their own.
+
+mod exchange;
+mod saved;
+mod sensitivities;
+mod steps;
+mod values;
+
+use super::message::{Category, Message, Status};
+use super::phases::Phase;
+use super::refusal::Refusal;
+use super::warning::Warnings;
+use crate::plant::rates::Present;
+use crate::plant::simulation::{DEFAULT_TOLERANCE, Experiment, Kind, Simulation, TOLERANCES};
+use crate::plant::values::Starts;
+use crate::table::{Type, Variable, table};
+use std::collections::BTreeMap;
+
+/// What saved states hold: a simulation and its phase.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// Phase of the life cycle.
+    pub phase: Phase,
+    /// The simulation.
+    pub simulation: Simulation,
+}
+
+/// One instance of the FMU.
+#[derive(Debug)]
+pub struct Instance {
+    starts: Starts,
+    guid: String,
+    phase: Phase,
+    now: Simulation,
+    outputs: Option<Present>,
+    saved: BTreeMap<usize, Box<Snapshot>>,
+    warnings: Warnings,
+    messages: Vec<Message>,
+    /// Whether the host wants to hear of events.
+    pub tells_events: bool,
+    /// Whether co-simulation has an event mode, which it begins in and which follows an early return.
+    pub uses_event_mode: bool,
+    /// Whether a step may end early, at an event.
+    pub returns_early: bool,
+}
+
+/// What an event's iteration has come to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Whether continuous states have new values.
+    pub states_changed: bool,
+    /// When the next event is, s, where that is known.
+    pub next: Option<f64>,
+}
+
+impl Instance {
+    /// A fresh instance of this kind with these start values; `guid` marks its serialized states.
+    pub fn new(starts: &Starts, guid: &str, kind: Kind) -> Self {
+        Self {
+            starts: *starts,
+            guid: guid.into(),
+            phase: Phase::Instantiated,
+            now: Simulation::new(starts, kind),
+            outputs: None,
+            saved: BTreeMap::new(),
+            warnings: Warnings::default(),
+            messages: Vec::new(),
+            tells_events: false,
+            uses_event_mode: false,
+            returns_early: false,
+        }
+    }
+
+    /// Present time, s: for co-simulation, the end of the last successful step.
+    pub fn time(&self) -> f64 {
+        self.now.time
+    }
+
+    /// Phase of the life cycle.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// What accepted calls had to say since the last time this was asked.
+    pub fn messages(&mut self) -> Vec<Message> {
+        std::mem::take(&mut self.messages)
+    }
+
+    fn need(&self, phases: &[Phase], advice: &'static str) -> Result<(), Refusal> {
+        if phases.contains(&self.phase) {
+            return Ok(());
+        }
+        Err(Refusal::OutOfOrder { phase: self.phase.told(), advice })
+    }
+
+    /// `fmi2SetupExperiment`.
+    ///
+    /// # Errors
+    /// After initialization has begun; times or tolerance of no use.
+    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
+        self.need(&[Phase::Instantiated], "set up the experiment before initialization mode")?;
+        let bad = |argument, value, expected| Err(Refusal::BadArgument { argument, value, expected });
+        if !start.is_finite() {
+            return bad("startTime", start, "a finite time is expected");
+        }
+        if let Some(stop) = stop.filter(|stop| !stop.is_finite() || *stop < start) {
+            return bad("stopTime", stop, "a finite time not before startTime is expected");
+        }
+        if let Some(tolerance) = tolerance.filter(|t| !t.is_finite() || *t <= 0.0) {
+            return bad("tolerance", tolerance, "a positive relative tolerance is expected");
+        }
+        let tolerance = tolerance.map_or(DEFAULT_TOLERANCE, |t| t.clamp(*TOLERANCES.start(), *TOLERANCES.end()));
+        self.now.experiment = Experiment { start, stop, tolerance };
+        self.now.time = start;
+        self.now.rebuild();
+        Ok(())
+    }
+
+    /// `fmi2EnterInitializationMode`.
+    ///
+    /// # Errors
+    /// When not freshly instantiated or reset.
+    pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
+        self.need(&[Phase::Instantiated], "an instance is initialized once; call fmi2Reset to do it again")?;
+        self.phase = Phase::Initialization;
+        self.outputs = None;
+        Ok(())
+    }
+
+    /// `fmi2ExitInitializationMode`.
+    ///
+    /// # Errors
+    /// Outside initialization mode; parameters that make no chamber.
+    pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
+        self.need(&[Phase::Initialization], "call fmi2EnterInitializationMode first")?;
+        self.now.begin()?;
+        self.phase = match self.now.kind {
+            Kind::CoSimulation if !self.uses_event_mode => Phase::Step,
+            _ => Phase::Event,
+        };
+        self.outputs = None;
+        Ok(())
+    }
+
+    /// `fmi2Terminate`.
+    ///
+    /// # Errors
+    /// When there is nothing to end.
+    pub fn terminate(&mut self) -> Result<(), Refusal> {
+        self.need(&Phase::RUNNING, "only a running simulation can be terminated")?;
+        self.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// `fmi2Reset`: as freshly instantiated. Saved states stay valid.
+    pub fn reset(&mut self) {
+        self.now = Simulation::new(&self.starts, self.now.kind);
+        self.phase = Phase::Instantiated;
+        self.outputs = None;
+        self.warnings = Warnings::default();
+    }
+}
+
+/// A warning.
+fn warning(text: String) -> Message {
+    Message { status: Status::Warning, category: Category::Warning, text }
+}
+
+fn any(reference: u32) -> Result<&'static Variable, Refusal> {
+    let last = table().len() as u32 - 1;
+    table().get(reference as usize).ok_or(Refusal::UnknownReference { reference, last })
+}
+
+fn real(reference: u32) -> Result<&'static Variable, Refusal> {
+    typed(reference, "Real")
+}
+
+fn typed(reference: u32, asked: &'static str) -> Result<&'static Variable, Refusal> {
+    let variable = any(reference)?;
+    let is = match variable.is {
+        Type::Real => "Real",
+        Type::Enumeration(_) => "Integer",
+        Type::Boolean => "Boolean",
+    };
+    if is == asked { Ok(variable) } else { Err(Refusal::WrongType { name: &variable.name, reference, is, asked }) }
+}
