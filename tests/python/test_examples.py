@@ -61,6 +61,20 @@ def test_the_error_of_the_coupling_falls_with_the_step(fmu, root):
     assert errors[0] < 0.2e-3 and 3.0 < errors[1] / errors[0] < 8.0, errors
 
 
+def test_a_piston_comes_to_rest_by_each_stable_coupling_and_not_by_a_force_that_is_late(fmu, root):
+    sys.path.insert(0, str(root / "examples/fmu"))
+    import couplings
+
+    swings = {}
+    for coupling, late in couplings.COUPLINGS:
+        course = couplings.run(str(fmu), coupling, late=late)
+        first = course[: len(course) // 4]
+        swings[coupling, late] = couplings.swing(course) / (max(first) - min(first))
+    assert len(swings) == 5
+    assert all(swing < 0.1 for (_, late), swing in swings.items() if late == 0), swings
+    assert swings["position and velocity", 1] > 0.2 and swings["position and velocity", 2] > 2.0, swings
+
+
 def test_the_modelica_example_is_modelica(root):
     parser = pytest.importorskip("pymoca.parser", reason="pymoca, which parses Modelica, is not installed")
     text = (root / "examples/fmu/ServoCylinder.mo").read_text()

@@ -1,12 +1,14 @@
 """The FMU in clients that others wrote, and against SciPy. A client that is not here skips its test and says so."""
 
 import ctypes
+import html
 import os
 import platform
 import re
 import shutil
 import subprocess
 import sys
+import time
 import tomllib
 import zipfile
 
@@ -355,6 +357,40 @@ def test_the_documentation_has_this_model_s_values_and_intervals(pneutherm, tmp_
     row = next(line for line in page.splitlines() if "<code>lambda0</code>" in line)
     assert "<td>30<br>2.850e1 to 3.150e1 (95&nbsp;%)</td>" in row, row
     assert "<h1>My cylinder</h1>" in page and "<td>0.025</td>" in page
+
+
+def test_the_program_in_the_documentation_runs(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+    program = html.unescape(re.search(r"<pre>\n(import numpy.*?)</pre>", page, re.S)[1])
+    run = subprocess.run([sys.executable, "-c", program], cwd=fmu.parent, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
+    highest, last = map(float, run.stdout.split()[-2:])
+    assert highest > 1.2 * last > 1e5
+
+
+def test_the_commands_that_readmes_give_for_fmpy_run(fmu, root, tmp_path):
+    pytest.importorskip("plotly", reason="Plotly, which draws FMPy's plots, is not installed")
+    with zipfile.ZipFile(fmu) as archive:
+        inside = "extra/org.fmi-standard.fmi-ls-ref/push_and_hold_in.csv"
+        (tmp_path / "push_and_hold_in.csv").write_bytes(archive.read(inside))
+    shutil.copy(fmu, tmp_path)
+    pages = "".join((root / page).read_text() for page in ("README.md", "examples/fmu/README.md"))
+    commands = re.findall(r"^\$ (fmpy simulate .*)$", pages, re.M)
+    assert len(commands) == 3, commands
+    # The browser in which a plot is shown: it keeps the page.
+    (tmp_path / "browser.py").write_text("import sys, urllib.request as r\nopen('plot.html', 'wb').write(r.urlopen(sys.argv[1]).read())\n")
+    environment = {**os.environ, "PLOTLY_RENDERER": "browser", "BROWSER": f"{sys.executable} browser.py %s &"}
+    for command in commands:
+        run = subprocess.run([sys.executable, "-m", *command.split()], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
+        assert run.returncode == 0, (command, run.stderr)
+        page = tmp_path / "plot.html"
+        end = time.monotonic() + 30
+        while not (page.exists() and "</html>" in page.read_text()):
+            assert time.monotonic() < end, (command, run.stdout, run.stderr)
+            time.sleep(0.05)
+        assert "Plotly.newPlot" in page.read_text() and "pressure" in page.read_text(), command
+        page.unlink()
 
 
 def test_the_notices_of_the_crates_in_the_library_are_inside(fmu, root):

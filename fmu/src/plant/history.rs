@@ -12,6 +12,14 @@ const FINEST: f64 = 1.0 / 32_768.0;
 /// No stretch gets longer than this share of the delay by merging, so that old ones can be forgotten.
 const COARSEST: f64 = 1.0 / 16.0;
 
+/// Readings are below this in size, Pa, so that what is computed from a few of them is a number.
+const LARGEST: f64 = 1e300;
+
+/// Whether a record can keep these readings, Pa.
+pub fn can_keep(readings: &[f64]) -> bool {
+    readings.iter().all(|reading| reading.abs() < LARGEST)
+}
+
 /// What the sensor showed at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
@@ -84,7 +92,7 @@ impl Stretch {
             let t = self.from + length * (2.0 * f64::from(i) + 1.0) / 8.0;
             (both.at(t).0 - reading(t)).abs() <= MERGE_ERROR * reading(t).abs()
         });
-        (serves || self.length < FINEST * delay).then_some(both)
+        ((serves || self.length < FINEST * delay) && can_keep(&both.reading)).then_some(both)
     }
 }
 
@@ -256,6 +264,16 @@ mod tests {
         for t in [0.3, 0.41, 0.55, 0.8] {
             assert!((stretch.at(t).0 - cubic(t)).abs() < 1e-10);
         }
+    }
+
+    #[test]
+    fn what_readings_as_large_as_can_be_kept_are_merged_into_can_be_kept() {
+        let wild = |t: f64| if ((t * 1e10) as u64).is_multiple_of(2) { 0.999 * LARGEST } else { -0.999 * LARGEST };
+        let mut record = Record::new(0.0);
+        for k in 0..20 {
+            record.push(Stretch::of(f64::from(k) * 1e-9, 1e-9, wild), 1.0);
+        }
+        assert!(record.stretches.iter().all(|stretch| can_keep(&stretch.reading)));
     }
 
     #[test]

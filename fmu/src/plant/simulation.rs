@@ -4,7 +4,7 @@
 use super::corners::{self, CORNERS, Piston, Rest, Sides};
 use super::derivatives;
 use super::fault::Fault;
-use super::history::{Reading, Record, Stretch};
+use super::history::{self, Reading, Record, Stretch};
 use super::inputs::{self, Inputs};
 use super::leader::Leader;
 use super::port::Around;
@@ -216,7 +216,7 @@ impl Simulation {
         self.start_own_states(&old);
         let is_delayed = self.delay() > 0.0;
         let first = (is_delayed && !delayed).then(|| self.reading());
-        if !self.gas.states.iter().chain(&first).all(|value| value.is_finite()) {
+        if !self.gas.states.iter().all(|state| state.is_finite()) || !history::can_keep(first.as_slice()) {
             (self.parameters, self.gas.states) = (old, states);
             self.rebuild();
             return Err(self.present().err().unwrap_or(Fault::Overflow));
@@ -498,7 +498,7 @@ impl Simulation {
             && now.reading.time > last.time
         {
             let stretch = Stretch::between(&last, &now.reading);
-            if !stretch.reading.iter().all(|reading| reading.is_finite()) {
+            if !history::can_keep(&stretch.reading) {
                 return Err(Fault::Overflow);
             }
             record.push(stretch, delay);
@@ -520,7 +520,7 @@ impl Simulation {
     /// When a host's states are such that the sensor shows no number.
     fn now_completed(&self) -> Result<Completed, Fault> {
         let (u, reading) = (self.here(), self.reading_now());
-        if !(reading.value.is_finite() && reading.rate.is_finite()) {
+        if !history::can_keep(&[reading.value, reading.rate]) {
             return Err(Fault::Overflow);
         }
         Ok(Completed { reading, position: u[input::POSITION], velocity: u[input::VELOCITY] })

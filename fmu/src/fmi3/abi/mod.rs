@@ -1,5 +1,5 @@
 //! The C functions of FMI 3.0 for Model Exchange and co-simulation: each turns its pointers into slices and hands over to
-//! the [`Instance`](crate::protocol::instance::Instance), as those of FMI 2.0 do. Signatures: fmi3FunctionTypes.h of FMI 3.0.2.
+//! the [`Instance`], as those of FMI 2.0 do. Signatures: fmi3FunctionTypes.h of FMI 3.0.2.
 //!
 //! Every function is safe to call as the standard has it: with an instance that was made here and has not been freed, from
 //! one thread at a time, and with arrays as long as the lengths beside them say. Booleans arrive as bytes.
