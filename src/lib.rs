@@ -3,6 +3,8 @@
 //! A library, so that Python, tests and the guide's reference pages see what the program is made of.
 //! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do.
 
+#[cfg(feature = "object-store")]
+mod bucket;
 mod commands;
 mod diagnosis_page;
 pub mod evaluation;

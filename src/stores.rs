@@ -1,4 +1,5 @@
-//! Where a study's folder may be: a path or `file:///path`.
+//! Where a study's folder may be: a path, `file:///path`, or, in a build with the feature `object-store`,
+//! `s3://bucket/prefix`.
 
 use anyhow::bail;
 use std::path::Path;
@@ -16,6 +17,20 @@ pub fn within<T>(place: &Path, work: impl FnOnce(&dyn Store) -> anyhow::Result<T
     match scheme {
         "file" if rest.starts_with('/') => work(&Local::new(Path::new(rest), RECORDS)),
         "file" => bail!("{}: file:///path with the whole path was expected", place.display()),
-        _ => bail!("{}: a folder or file:///path was expected", place.display()),
+        "s3" => in_bucket(place, work),
+        _ => bail!("{}: a folder, file:///path or s3://bucket/prefix was expected", place.display()),
     }
+}
+
+#[cfg(feature = "object-store")]
+fn in_bucket<T>(place: &Path, work: impl FnOnce(&dyn Store) -> anyhow::Result<T>) -> anyhow::Result<T> {
+    work(&crate::bucket::Bucket::open(place)?)
+}
+
+#[cfg(not(feature = "object-store"))]
+fn in_bucket<T>(place: &Path, _: impl FnOnce(&dyn Store) -> anyhow::Result<T>) -> anyhow::Result<T> {
+    bail!(
+        "{}: this build knows folders only; `cargo install --path . --features object-store` builds one that knows s3://",
+        place.display()
+    )
 }

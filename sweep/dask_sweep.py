@@ -4,8 +4,8 @@
     python dask_sweep.py study.toml -o out --shards 64 --scheduler tcp://head:8786
 
 A shard is `pneutherm sweep --shard I/N`: it may be repeated, interrupted and run twice at once, so a lost worker costs
-only the shards it was at. The study file, its model and the folder have to be where every worker finds them. What is wrong
-with a study is said once, and ends all shards.
+only the shards it was at. The study file, its model and the folder have to be where every worker finds them; a folder may
+also be an address such as s3://bucket/study. What is wrong with a study is said once, and ends all shards.
 """
 
 import argparse

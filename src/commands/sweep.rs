@@ -31,7 +31,8 @@ pub struct Args {
     /// The study file (TOML)
     #[arg(required_unless_present = "verify")]
     study: Option<PathBuf>,
-    /// Folder for the study, with its rows in rows/ and manifest.json; created if it does not exist
+    /// Folder for the study, with its rows in rows/ and manifest.json; created if it does not exist. A build with the feature
+    /// object-store also takes s3://bucket/prefix
     #[arg(short, long, value_name = "DIR", required_unless_present = "verify")]
     output: Option<PathBuf>,
     /// Read the folder of a finished study and compare every part with its SHA-256 in manifest.json

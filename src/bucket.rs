@@ -1,0 +1,174 @@
+//! A study's folder in an object store that speaks S3: parts are made on the disk and sent when they are whole.
+//!
+//! Address, region and keys are those of the environment (`AWS_ENDPOINT_URL`, `AWS_REGION`, `AWS_ACCESS_KEY_ID`, …) or of the
+//! machine, as for Amazon's own programs.
+
+use anyhow::Context;
+use object_store::aws::AmazonS3Builder;
+use object_store::path::Path as Key;
+use object_store::{Error, ObjectStore, ObjectStoreExt, RetryConfig, WriteMultipart};
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+use sweep::store::{LocalFile, Store};
+use tokio::runtime::Runtime;
+
+/// Bytes that are sent or fetched at once.
+const PIECE: usize = 8 << 20;
+/// Pieces of a file that are on their way at once.
+const ON_THE_WAY: usize = 4;
+/// How long a request is tried again: a wrong address is said within seconds.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A folder in a bucket.
+pub struct Bucket {
+    place: PathBuf,
+    prefix: Key,
+    store: Box<dyn ObjectStore>,
+    runtime: Runtime,
+    /// Where files are made, on the disk.
+    workshop: tempfile::TempDir,
+    copies: AtomicU64,
+}
+
+impl Bucket {
+    /// `s3://bucket/prefix`.
+    ///
+    /// # Errors
+    /// It is no such address.
+    pub fn open(place: &Path) -> anyhow::Result<Self> {
+        // Another library of this process may have chosen one already, which serves as well.
+        let _ = rustls::crypto::ring::default_provider().install_default();
+        let url = place.to_str().unwrap_or_default();
+        let path = url.strip_prefix("s3://").and_then(|rest| rest.split_once('/'));
+        let prefix = path.map(|(_, prefix)| prefix).filter(|prefix| !prefix.is_empty());
+        let prefix = prefix.with_context(|| format!("{url}: s3://bucket/prefix was expected"))?;
+        let plain = ["AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT"];
+        let plain =
+            plain.iter().find_map(|name| std::env::var(name).ok()).is_some_and(|url| url.starts_with("http://"));
+        let retry = RetryConfig { max_retries: 5, retry_timeout: PATIENCE, ..RetryConfig::default() };
+        let store = AmazonS3Builder::from_env().with_url(url).with_allow_http(plain).with_retry(retry).build();
+        let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
+        Ok(Self {
+            place: place.to_owned(),
+            prefix: Key::parse(prefix).with_context(|| url.to_owned())?,
+            store: Box::new(store.with_context(|| url.to_owned())?),
+            runtime: runtime.context("threads cannot be started")?,
+            workshop: tempfile::tempdir().context("a temporary folder cannot be made")?,
+            copies: AtomicU64::new(0),
+        })
+    }
+
+    fn key(&self, name: &str) -> Key {
+        name.split('/').filter(|part| !part.is_empty()).fold(self.prefix.clone(), Key::join)
+    }
+
+    async fn send(&self, file: &mut File, name: &str) -> io::Result<()> {
+        let mut piece = Vec::new();
+        let length = file.metadata()?.len();
+        if length <= PIECE as u64 {
+            file.read_to_end(&mut piece)?;
+            self.store.put(&self.key(name), piece.into()).await.map_err(said)?;
+            return Ok(());
+        }
+        let upload = self.store.put_multipart(&self.key(name)).await.map_err(said)?;
+        let mut upload = WriteMultipart::new_with_chunk_size(upload, PIECE);
+        while Read::take(&mut *file, PIECE as u64).read_to_end(&mut piece)? > 0 {
+            upload.wait_for_capacity(ON_THE_WAY).await.map_err(said)?;
+            upload.write(&piece);
+            piece.clear();
+        }
+        upload.finish().await.map(|_| ()).map_err(said)
+    }
+}
+
+/// What the store says, in one line.
+fn said(error: Error) -> io::Error {
+    let kind = match &error {
+        Error::NotFound { .. } => io::ErrorKind::NotFound,
+        Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => io::ErrorKind::PermissionDenied,
+        _ => io::ErrorKind::Other,
+    };
+    io::Error::new(kind, error.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+/// Nothing where nothing is.
+fn some<T>(result: Result<T, Error>) -> io::Result<Option<T>> {
+    match result {
+        Err(Error::NotFound { .. }) => Ok(None),
+        other => other.map(Some).map_err(said),
+    }
+}
+
+impl Store for Bucket {
+    fn place(&self) -> &Path {
+        &self.place
+    }
+
+    fn check(&self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>> {
+        self.runtime.block_on(async {
+            let Some(found) = some(self.store.get(&self.key(name)).await)? else { return Ok(None) };
+            Ok(Some(found.bytes().await.map_err(said)?.to_vec()))
+        })
+    }
+
+    fn length(&self, name: &str) -> io::Result<Option<u64>> {
+        Ok(some(self.runtime.block_on(self.store.head(&self.key(name))))?.map(|found| found.size))
+    }
+
+    fn names(&self, folder: &str) -> io::Result<Vec<String>> {
+        let found = self.runtime.block_on(self.store.list_with_delimiter(Some(&self.key(folder)))).map_err(said)?;
+        let mut names: Vec<String> =
+            found.objects.iter().filter_map(|object| object.location.filename().map(str::to_owned)).collect();
+        names.sort();
+        Ok(names)
+    }
+
+    fn local(&self, name: &str) -> io::Result<LocalFile> {
+        let number = self.copies.fetch_add(1, Ordering::Relaxed);
+        let copy = LocalFile::copy(self.workshop.path().join(format!("copy-{number}")));
+        let mut file = File::create_new(copy.path())?;
+        let length = self.length(name)?.ok_or(io::ErrorKind::NotFound)?;
+        for begin in (0..length).step_by(PIECE) {
+            let range = begin..length.min(begin + PIECE as u64);
+            file.write_all(&self.runtime.block_on(self.store.get_range(&self.key(name), range)).map_err(said)?)?;
+        }
+        Ok(copy)
+    }
+
+    fn guards_its_bytes(&self) -> bool {
+        true
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
+        let sent = self.runtime.block_on(self.store.put(&self.key(name), bytes.to_vec().into()));
+        sent.map(|_| ()).map_err(said)
+    }
+
+    fn publish(&self, _: &File, path: &Path, name: &str) -> io::Result<bool> {
+        let mut file = File::open(path)?;
+        self.runtime.block_on(self.send(&mut file, name)).map(|()| false)
+    }
+
+    fn remove(&self, name: &str) -> io::Result<()> {
+        some(self.runtime.block_on(self.store.delete(&self.key(name)))).map(|_| ())
+    }
+
+    fn prepare(&self, _: &[&str]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn workshop(&self) -> PathBuf {
+        self.workshop.path().to_owned()
+    }
+
+    fn clean(&self, _: &[&str], _: &[String]) -> io::Result<()> {
+        Ok(())
+    }
+}
