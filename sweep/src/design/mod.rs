@@ -2,6 +2,7 @@
 //! shards, threads and interruptions make no difference and no state lives between rows.
 
 pub mod random;
+pub mod saltelli;
 pub mod sobol;
 pub mod table;
 
@@ -10,6 +11,7 @@ use crate::copula::Copula;
 use crate::error::Error;
 use pulp::{Arch, Simd, WithSimd};
 use random::{Permutation, Stream, mix, unit};
+use saltelli::Saltelli;
 use sobol::Sobol;
 use std::ops::Range;
 use table::Table;
@@ -23,18 +25,8 @@ pub enum Design {
     LatinHypercube(LatinHypercube),
     /// A scrambled low-discrepancy sequence.
     Sobol(Axes, u64, Sobol),
-    /// Saltelli's scheme for indices of first and total order: blocks of A, A with one column of B for each axis, B; before
-    /// B, for those of second order, B with one column of A for each axis.
-    Saltelli {
-        /// What varies.
-        axes: Axes,
-        /// Number of blocks.
-        samples: u64,
-        /// A and B, side by side.
-        points: Sobol,
-        /// Whether the blocks have the rows for indices of second order.
-        second_order: bool,
-    },
+    /// Blocks of rows for indices of first, total and second order.
+    Saltelli(Saltelli),
     /// Points of one's own.
     Table(Table),
 }
@@ -111,11 +103,9 @@ impl Design {
         Design::Sobol(axes, samples, points)
     }
 
-    /// Saltelli's scheme on `samples` points of a scrambled Sobol' sequence of twice the dimensions.
+    /// `samples` blocks of Saltelli's scheme.
     pub fn saltelli(axes: impl Into<Axes>, samples: u64, seed: u64, second_order: bool) -> Self {
-        let axes = axes.into();
-        let points = Sobol::scrambled(2 * axes.len(), seed);
-        Design::Saltelli { axes, samples, points, second_order }
+        Design::Saltelli(Saltelli::new(axes.into(), samples, seed, second_order))
     }
 
     /// Its name in study files.
@@ -124,7 +114,7 @@ impl Design {
             Design::Factorial(_) => NAMES[0],
             Design::LatinHypercube(_) => NAMES[1],
             Design::Sobol(..) => NAMES[2],
-            Design::Saltelli { .. } => NAMES[3],
+            Design::Saltelli(_) => NAMES[3],
             Design::Table(_) => NAMES[4],
         }
     }
@@ -132,8 +122,9 @@ impl Design {
     /// The axes; none for a table.
     pub fn axes(&self) -> &[Axis] {
         match self {
-            Design::Factorial(axes) | Design::Sobol(axes, ..) | Design::Saltelli { axes, .. } => axes,
+            Design::Factorial(axes) | Design::Sobol(axes, ..) => axes,
             Design::LatinHypercube(cube) => &cube.axes,
+            Design::Saltelli(saltelli) => saltelli.axes(),
             Design::Table(_) => &[],
         }
     }
@@ -141,8 +132,9 @@ impl Design {
     /// How some of the axes hang together.
     pub fn copula(&self) -> Option<&Copula> {
         match self {
-            Design::Factorial(axes) | Design::Sobol(axes, ..) | Design::Saltelli { axes, .. } => axes.copula(),
+            Design::Factorial(axes) | Design::Sobol(axes, ..) => axes.copula(),
             Design::LatinHypercube(cube) => cube.axes.copula(),
+            Design::Saltelli(saltelli) => saltelli.axes().copula(),
             Design::Table(_) => None,
         }
     }
@@ -153,9 +145,7 @@ impl Design {
             Design::Factorial(axes) => axes.iter().try_fold(1u64, |rows, a| rows.checked_mul(a.levels().unwrap_or(1))),
             Design::LatinHypercube(cube) => Some(cube.samples),
             Design::Sobol(_, samples, _) => Some(*samples),
-            Design::Saltelli { axes, samples, second_order, .. } => {
-                samples.checked_mul(block_length(axes.len(), *second_order))
-            }
+            Design::Saltelli(saltelli) => saltelli.rows(),
             Design::Table(table) => Some(table.rows()),
         }
     }
@@ -185,32 +175,11 @@ impl Design {
                 }
                 axes.place(columns);
             }
-            Design::Saltelli { axes, points, second_order, .. } => {
-                let n = axes.len() as u64;
-                let block = block_length(axes.len(), *second_order);
-                for (dimension, column) in columns.iter_mut().enumerate() {
-                    let share = |row: u64| {
-                        let of_b = match row % block {
-                            0 => false,
-                            place if place == block - 1 => true,
-                            place if place <= n => place - 1 == dimension as u64,
-                            place => place - n - 1 != dimension as u64,
-                        };
-                        points.coordinate(row / block, if of_b { axes.len() + dimension } else { dimension })
-                    };
-                    column.extend(rows.clone().map(share));
-                }
-                axes.place(columns);
-            }
+            Design::Saltelli(saltelli) => saltelli.fill(rows, columns),
             Design::Table(table) => table.fill(rows, columns)?,
         }
         Ok(())
     }
-}
-
-/// Rows of a block of Saltelli's scheme.
-fn block_length(axes: usize, second_order: bool) -> u64 {
-    axes as u64 * if second_order { 2 } else { 1 } + 2
 }
 
 impl LatinHypercube {
@@ -282,39 +251,6 @@ mod tests {
             let mut slices: Vec<u64> = column.iter().map(|u| (u * n as f64) as u64).collect();
             slices.sort_unstable();
             assert!(slices.into_iter().eq(0..n));
-        }
-    }
-
-    #[test]
-    fn a_saltelli_block_changes_one_column_at_a_time() {
-        let design = Design::saltelli(unit_axes(3), 8, 1, false);
-        assert_eq!(design.rows(), Some(40));
-        let columns = points(&design, 0..40, 3);
-        for block in 0..8 {
-            let row = |k: usize| columns.iter().map(|c| c[block * 5 + k]).collect::<Vec<_>>();
-            let (a, b) = (row(0), row(4));
-            for k in 0..3 {
-                let mut expected = a.clone();
-                expected[k] = b[k];
-                assert_eq!(row(k + 1), expected);
-                assert_ne!(a[k], b[k]);
-            }
-        }
-    }
-
-    #[test]
-    fn a_block_for_second_order_changes_all_columns_but_one_too() {
-        let design = Design::saltelli(unit_axes(3), 8, 1, true);
-        assert_eq!(design.rows(), Some(64));
-        let columns = points(&design, 0..64, 3);
-        for block in 0..8 {
-            let row = |k: usize| columns.iter().map(|c| c[block * 8 + k]).collect::<Vec<_>>();
-            let (a, b) = (row(0), row(7));
-            for k in 0..3 {
-                let (mut of_a, mut of_b) = (a.clone(), b.clone());
-                (of_a[k], of_b[k]) = (b[k], a[k]);
-                assert_eq!((row(1 + k), row(4 + k)), (of_a, of_b));
-            }
         }
     }
 

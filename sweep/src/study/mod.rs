@@ -7,6 +7,7 @@ pub(crate) mod vary;
 
 use crate::constraint::Constraint;
 use crate::design::Design;
+use crate::design::saltelli::REPLICATES;
 use crate::error::Error;
 use crate::hash;
 use crate::quantity::{self, Base, Point};
@@ -139,8 +140,11 @@ impl Study {
         if let Some(samples) = self.samples {
             study.insert("samples".into(), json!(samples));
         }
-        if let Design::Saltelli { second_order: true, .. } = &self.design {
-            study.insert("second_order".into(), json!(true));
+        if let Design::Saltelli(saltelli) = &self.design {
+            study.insert("replicates".into(), json!(REPLICATES));
+            if saltelli.scheme().second {
+                study.insert("second_order".into(), json!(true));
+            }
         }
         study.insert("seed".into(), json!(self.seed));
         study.insert("rows".into(), json!(self.rows));

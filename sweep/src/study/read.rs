@@ -205,7 +205,7 @@ const ROWS_LOOKED_AT: u64 = 1 << 14;
 /// The constraints of [vary].
 fn constraints(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Varied]) -> Result<Vec<Constraint>, Error> {
     let Some(entry) = vary.get(CONSTRAINTS) else { return Ok(Vec::new()) };
-    if let Design::Saltelli { .. } = design {
+    if let Design::Saltelli(_) = design {
         return Err(entry.refuse(
             "make quantities depend on each other, but the indices of a \"saltelli\" design are of independent ones: take \"sobol\" or \"latin-hypercube\"",
         ));
