@@ -3,16 +3,16 @@
 //! Address, region and keys are those of the environment (`AWS_ENDPOINT_URL`, `AWS_REGION`, `AWS_ACCESS_KEY_ID`, …) or of the
 //! machine, as for Amazon's own programs.
 
-use anyhow::Context;
-use object_store::aws::AmazonS3Builder;
+use anyhow::{Context, bail};
+use object_store::aws::{AmazonS3, AmazonS3Builder, AmazonS3ConfigKey};
 use object_store::path::Path as Key;
 use object_store::{Error, ObjectStore, ObjectStoreExt, RetryConfig, WriteMultipart};
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use sweep::store::{LocalFile, Store};
+use tempfile::{NamedTempFile, TempDir};
 use tokio::runtime::Runtime;
 
 /// Bytes that are sent or fetched at once.
@@ -26,18 +26,17 @@ const PATIENCE: Duration = Duration::from_secs(20);
 pub struct Bucket {
     place: PathBuf,
     prefix: Key,
-    store: Box<dyn ObjectStore>,
+    store: AmazonS3,
     runtime: Runtime,
     /// Where files are made, on the disk.
-    workshop: tempfile::TempDir,
-    copies: AtomicU64,
+    workshop: TempDir,
 }
 
 impl Bucket {
     /// `s3://bucket/prefix`.
     ///
     /// # Errors
-    /// It is no such address.
+    /// It is no such address, or there are no credentials.
     pub fn open(place: &Path) -> anyhow::Result<Self> {
         // Another library of this process may have chosen one already, which serves as well.
         let _ = rustls::crypto::ring::default_provider().install_default();
@@ -49,16 +48,23 @@ impl Bucket {
         let plain =
             plain.iter().find_map(|name| std::env::var(name).ok()).is_some_and(|url| url.starts_with("http://"));
         let retry = RetryConfig { max_retries: 5, retry_timeout: PATIENCE, ..RetryConfig::default() };
-        let store = AmazonS3Builder::from_env().with_url(url).with_allow_http(plain).with_retry(retry).build();
+        let builder = AmazonS3Builder::from_env().with_url(url).with_allow_http(plain).with_retry(retry);
+        let is_signed = builder.get_config_value(&AmazonS3ConfigKey::SkipSignature).as_deref() != Some("true");
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
-        Ok(Self {
+        let bucket = Self {
             place: place.to_owned(),
             prefix: Key::parse(prefix).with_context(|| url.to_owned())?,
-            store: Box::new(store.with_context(|| url.to_owned())?),
+            store: builder.build().map_err(said).with_context(|| url.to_owned())?,
             runtime: runtime.context("threads cannot be started")?,
             workshop: tempfile::tempdir().context("a temporary folder cannot be made")?,
-            copies: AtomicU64::new(0),
-        })
+        };
+        if is_signed && let Err(error) = bucket.runtime.block_on(bucket.store.credentials().get_credential()) {
+            bail!(
+                "{url}: no credentials were found: set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY (this machine's own role was asked for too: {})",
+                said(error)
+            );
+        }
+        Ok(bucket)
     }
 
     fn key(&self, name: &str) -> Key {
@@ -107,10 +113,6 @@ impl Store for Bucket {
         &self.place
     }
 
-    fn check(&self) -> io::Result<()> {
-        Ok(())
-    }
-
     fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>> {
         self.runtime.block_on(async {
             let Some(found) = some(self.store.get(&self.key(name)).await)? else { return Ok(None) };
@@ -131,19 +133,13 @@ impl Store for Bucket {
     }
 
     fn local(&self, name: &str) -> io::Result<LocalFile> {
-        let number = self.copies.fetch_add(1, Ordering::Relaxed);
-        let copy = LocalFile::copy(self.workshop.path().join(format!("copy-{number}")));
-        let mut file = File::create_new(copy.path())?;
         let length = self.length(name)?.ok_or(io::ErrorKind::NotFound)?;
+        let mut copy = NamedTempFile::new_in(self.workshop.path())?;
         for begin in (0..length).step_by(PIECE) {
             let range = begin..length.min(begin + PIECE as u64);
-            file.write_all(&self.runtime.block_on(self.store.get_range(&self.key(name), range)).map_err(said)?)?;
+            copy.write_all(&self.runtime.block_on(self.store.get_range(&self.key(name), range)).map_err(said)?)?;
         }
-        Ok(copy)
-    }
-
-    fn guards_its_bytes(&self) -> bool {
-        true
+        Ok(LocalFile::Copy(copy.into_temp_path()))
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
@@ -151,24 +147,15 @@ impl Store for Bucket {
         sent.map(|_| ()).map_err(said)
     }
 
-    fn publish(&self, _: &File, path: &Path, name: &str) -> io::Result<bool> {
-        let mut file = File::open(path)?;
-        self.runtime.block_on(self.send(&mut file, name)).map(|()| false)
+    fn publish(&self, _: &File, path: &Path, name: &str) -> io::Result<()> {
+        self.runtime.block_on(self.send(&mut File::open(path)?, name))
     }
 
     fn remove(&self, name: &str) -> io::Result<()> {
         some(self.runtime.block_on(self.store.delete(&self.key(name)))).map(|_| ())
     }
 
-    fn prepare(&self, _: &[&str]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn workshop(&self) -> PathBuf {
-        self.workshop.path().to_owned()
-    }
-
-    fn clean(&self, _: &[&str], _: &[String]) -> io::Result<()> {
-        Ok(())
+    fn workshop(&self) -> io::Result<PathBuf> {
+        Ok(self.workshop.path().to_owned())
     }
 }

@@ -3,32 +3,31 @@
 
 use anyhow::bail;
 use std::path::Path;
-use sweep::folder::RECORDS;
-use sweep::store::{Local, Store};
+use sweep::{Local, Store};
 
-/// Does some work in the folder of a study.
+/// The folder of a study.
 ///
 /// # Errors
-/// The place is none, or what the work says.
-pub fn within<T>(place: &Path, work: impl FnOnce(&dyn Store) -> anyhow::Result<T>) -> anyhow::Result<T> {
+/// The place can be none.
+pub fn open(place: &Path) -> anyhow::Result<Box<dyn Store>> {
     let Some((scheme, rest)) = place.to_str().and_then(|text| text.split_once("://")) else {
-        return work(&Local::new(place, RECORDS));
+        return Ok(Box::new(Local::new(place)));
     };
     match scheme {
-        "file" if rest.starts_with('/') => work(&Local::new(Path::new(rest), RECORDS)),
+        "file" if rest.starts_with('/') => Ok(Box::new(Local::new(Path::new(rest)))),
         "file" => bail!("{}: file:///path with the whole path was expected", place.display()),
-        "s3" => in_bucket(place, work),
+        "s3" => bucket(place),
         _ => bail!("{}: a folder, file:///path or s3://bucket/prefix was expected", place.display()),
     }
 }
 
 #[cfg(feature = "object-store")]
-fn in_bucket<T>(place: &Path, work: impl FnOnce(&dyn Store) -> anyhow::Result<T>) -> anyhow::Result<T> {
-    work(&crate::bucket::Bucket::open(place)?)
+fn bucket(place: &Path) -> anyhow::Result<Box<dyn Store>> {
+    Ok(Box::new(crate::bucket::Bucket::open(place)?))
 }
 
 #[cfg(not(feature = "object-store"))]
-fn in_bucket<T>(place: &Path, _: impl FnOnce(&dyn Store) -> anyhow::Result<T>) -> anyhow::Result<T> {
+fn bucket(place: &Path) -> anyhow::Result<Box<dyn Store>> {
     bail!(
         "{}: this build knows folders only; `cargo install --path . --features object-store` builds one that knows s3://",
         place.display()

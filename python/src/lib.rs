@@ -195,13 +195,12 @@ impl Study {
         let (study, watch) = (self.0.clone(), Arc::new(Watch::default()));
         let teller = watch.clone();
         watched(py, &watch, progress, move || {
-            let earlier = extend.map(|folder| ::sweep::Earlier::open(&study, &folder)).transpose()?;
+            let store = stores::open(&folder)?;
+            let smaller = extend.as_deref().map(stores::open).transpose()?;
+            let earlier = smaller.as_deref().map(|store| ::sweep::Earlier::open(&study, store)).transpose()?;
             let options = ::sweep::Options { shard, rows, earlier: earlier.as_ref() };
-            let done = stores::within(&folder, |store| {
-                let done = ::sweep::run_in(&study, store, options, &*teller)?;
-                study_pictures::write(store, &done.results)?;
-                Ok(done)
-            })?;
+            let done = ::sweep::run(&study, &*store, options, &*teller)?;
+            study_pictures::write(&*store, &done.results)?;
             Ok(serde_json::json!({
                 "rows_written": done.rows_written,
                 "rows_taken": done.rows_taken,

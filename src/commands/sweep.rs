@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
 use sweep::study::SOLVERS;
-use sweep::{Earlier, Options, Report, Shard, Store, Study, traces};
+use sweep::{Earlier, Options, Report, Shard, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///
@@ -98,24 +98,21 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let estimate = pool.install(|| calibrate(&study, folder))?;
         return output::print(estimated(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
     }
-    let earlier = args.extend.as_ref().map(|earlier| pool.install(|| Earlier::open(&study, earlier))).transpose()?;
+    let store = stores::open(folder)?;
+    let smaller = args.extend.as_deref().map(stores::open).transpose()?;
+    let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
     on_interrupt();
     let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
     let begun = Instant::now();
-    let report = stores::within(folder, |store| {
-        let mut report =
-            progress.during(|progress| pool.install(|| sweep::run_in(&study, store, options, progress)))?;
-        report.results.extend(study_pictures::write(store, &report.results)?);
-        Ok(report)
-    })?;
+    let mut report = progress.during(|progress| pool.install(|| sweep::run(&study, &*store, options, progress)))?;
+    report.results.extend(study_pictures::write(&*store, &report.results)?);
     let mut text = told(folder, &study, args.shard, &report, begun.elapsed());
     if let Some(earlier) = &earlier {
         text += &taken(&report, earlier);
     }
     if let Some(rows) = traces {
-        let write = |store: &dyn Store| Ok(pool.install(|| traces::write_in(&study, store, rows, args.trace_rate))?);
-        text += &traced(&stores::within(folder, write)?);
+        text += &traced(&pool.install(|| traces::write(&study, &*store, rows, args.trace_rate))?);
     }
     output::print(text.as_bytes())
 }
@@ -140,7 +137,7 @@ fn on_interrupt() {}
 const NAMED: usize = 5;
 
 fn verify(folder: &Path) -> anyhow::Result<()> {
-    let report = stores::within(folder, |store| Ok(sweep::verify_in(store)?))?;
+    let report = sweep::verify(&*stores::open(folder)?)?;
     if report.wrong.is_empty() {
         let (parts, bytes) = (report.parts, indicatif::BinaryBytes(report.bytes));
         let text =

@@ -11,6 +11,7 @@ use crate::hash;
 use crate::part::OnRows;
 use crate::row::Status;
 use crate::solve::{Rows, Solver};
+use crate::store::{LocalFile, Store};
 use crate::study::{self, Study};
 use arrow::array::{Array, ArrayRef, AsArray};
 use arrow::datatypes::{Float64Type, Int32Type};
@@ -38,7 +39,7 @@ pub struct Earlier {
 /// A part with all its rows.
 #[derive(Debug)]
 struct Part {
-    path: PathBuf,
+    file: LocalFile,
     rows: Range<u64>,
 }
 
@@ -48,10 +49,14 @@ impl Earlier {
     ///
     /// # Errors
     /// Why the study is none that continues this one.
-    pub fn open(study: &Study, folder: &Path) -> Result<Self, Error> {
+    pub fn open(study: &Study, store: &dyn Store) -> Result<Self, Error> {
+        let folder = store.place();
         let refuse = |why: String| Error::NotContinued { folder: folder.to_owned(), why };
-        let path = [Path::new(RECORDS).join(STUDY), PathBuf::from(MANIFEST)].map(|name| folder.join(name));
-        let text = path.iter().find_map(|path| std::fs::read(path).ok());
+        let reading = |source| Error::Read { path: folder.to_owned(), source };
+        let text = match store.read(&format!("{RECORDS}/{STUDY}")).map_err(reading)? {
+            None => store.read(MANIFEST).map_err(reading)?,
+            text => text,
+        };
         let text = text.ok_or_else(|| refuse(format!("it holds no study ({RECORDS}/{STUDY} is missing)")))?;
         let found: Value =
             serde_json::from_slice(&text).map_err(|_| refuse(format!("its {RECORDS}/{STUDY} cannot be read")))?;
@@ -60,19 +65,16 @@ impl Earlier {
         let parts = found["study"]["parts"].as_u64().unwrap_or(0);
         let look = |part: u64| {
             let name = study::part_name(part, parts);
-            let record = std::fs::read(folder.join(RECORDS).join(record_name(&name))).ok();
+            let record = store.read(&format!("{RECORDS}/{}", record_name(&name))).ok().flatten();
             let record: Option<Record> = record.and_then(|text| serde_json::from_slice(&text).ok());
             let record = record.filter(|record| record.study_sha256 == identity);
-            let path = folder.join(ROWS).join(&name);
-            let digest = record.as_ref().and_then(|record| record.file.as_ref());
-            match (&record, digest) {
-                (Some(record), Some(digest)) if path.exists() => {
-                    let same = hash::of_file(&path).is_ok_and(|sha256| sha256 == digest.sha256);
-                    let rows = record.first_row..record.first_row + record.rows;
-                    Some(if same { Ok(Part { path, rows }) } else { Err(()) })
-                }
-                _ => None,
-            }
+            let record = record?;
+            let digest = record.file?;
+            let name = format!("{ROWS}/{name}");
+            store.length(&name).ok().flatten()?;
+            let whole = |file: &LocalFile| hash::of_file(file.path()).is_ok_and(|sha256| sha256 == digest.sha256);
+            let rows = record.first_row..record.first_row + record.rows;
+            Some(store.local(&name).ok().filter(whole).map(|file| Part { file, rows }).ok_or(()))
         };
         let looked: Vec<Result<Part, ()>> = (0..parts).into_par_iter().filter_map(look).collect();
         let damaged = looked.iter().filter(|part| part.is_err()).count() as u64;
@@ -101,8 +103,8 @@ impl Earlier {
         let names: Vec<&str> = study.varied.iter().map(|varied| varied.column.as_str()).collect();
         let mut at = part.rows.start;
         let mut points = vec![Vec::new(); names.len()];
-        for batch in reader(&part.path, 0, Some(&names))? {
-            let batch = batch.map_err(|error| Error::arrow(&part.path, error))?;
+        for batch in reader(part.file.path(), 0, Some(&names))? {
+            let batch = batch.map_err(|error| Error::arrow(part.file.path(), error))?;
             study.design.fill(at..at + batch.num_rows() as u64, &mut points)?;
             for ((name, ours), array) in names.iter().zip(&points).zip(batch.columns()) {
                 let theirs = numbers(array);
@@ -239,7 +241,7 @@ impl<'a> Taker<'a> {
         let mut open = match self.open.take().filter(|open| (open.part, open.next) == (part, rows.start)) {
             Some(open) => open,
             None => {
-                let reader = reader(&place.path, rows.start - place.rows.start, None)?;
+                let reader = reader(place.file.path(), rows.start - place.rows.start, None)?;
                 Open { part, next: rows.start, reader, rest: None }
             }
         };
@@ -250,9 +252,9 @@ impl<'a> Taker<'a> {
             let batch = match open.rest.take() {
                 Some(batch) => batch,
                 None => match open.reader.next() {
-                    Some(batch) => batch.map_err(|error| Error::arrow(&place.path, error))?,
+                    Some(batch) => batch.map_err(|error| Error::arrow(place.file.path(), error))?,
                     None => {
-                        let why = format!("{} ends before its record says", place.path.display());
+                        let why = format!("{} ends before its record says", place.file.path().display());
                         return Err(Error::NotContinued { folder: self.earlier.folder.clone(), why });
                     }
                 },

@@ -20,7 +20,7 @@ use crate::traces;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Name of the file that says that all parts are there.
 pub const MANIFEST: &str = "manifest.json";
@@ -101,7 +101,6 @@ impl<'a> Folder<'a> {
     /// It cannot be read, or is another study's.
     pub fn open(study: &'a Study, store: &'a dyn Store) -> Result<Self, Error> {
         let folder = Self { study, store, identity: study.identity() };
-        store.check().map_err(folder.writing(""))?;
         folder.refuse_another_study()?;
         Ok(folder)
     }
@@ -111,12 +110,11 @@ impl<'a> Folder<'a> {
         self.store
     }
 
-    /// Makes the folder ready to be written.
+    /// Makes the folder the study's.
     ///
     /// # Errors
-    /// It cannot be made.
+    /// It cannot be written.
     pub fn prepare(&self) -> Result<(), Error> {
-        self.store.prepare(&["", ROWS, RECORDS]).map_err(self.writing(""))?;
         let name = format!("{RECORDS}/{STUDY}");
         if self.store.length(&name).map_err(self.reading(&name))?.is_some() {
             return Ok(());
@@ -124,6 +122,14 @@ impl<'a> Folder<'a> {
         let mut study = self.about();
         study["columns"] = self.columns();
         self.store.write(&name, pretty(&study).as_bytes()).map_err(self.writing(&name))
+    }
+
+    /// Where files are made.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn workshop(&self) -> Result<PathBuf, Error> {
+        self.store.workshop().map_err(self.writing(""))
     }
 
     /// A system's reason as an error about a file of this folder.
@@ -158,7 +164,7 @@ impl<'a> Folder<'a> {
 
     /// A part's record in the folder.
     fn record_file(&self, part: u64) -> String {
-        format!("{RECORDS}/{}", record_name(&self.study.part_name(part)).display())
+        format!("{RECORDS}/{}", record_name(&self.study.part_name(part)))
     }
 
     /// A part's record, to be written before the part gets its name.
@@ -252,9 +258,7 @@ impl<'a> Folder<'a> {
             (Some(_), None) => Found::Nothing,
             (Some(digest), Some(length)) => {
                 let same = length == digest.bytes
-                    && (look == Look::Length
-                        || self.store.guards_its_bytes()
-                        || self.store.sha256(&name).is_ok_and(|sha256| sha256 == digest.sha256));
+                    && (look == Look::Length || self.store.sha256(&name).is_ok_and(|sha256| sha256 == digest.sha256));
                 if same { Found::Whole(record) } else { Found::Damaged }
             }
         }
@@ -266,11 +270,11 @@ impl<'a> Folder<'a> {
     /// The folder cannot be read.
     pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
         let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
-        let mut names: Vec<String> = parts.flat_map(|part| [record_name(&part).display().to_string(), part]).collect();
+        let mut names: Vec<String> = parts.flat_map(|part| [record_name(&part), part]).collect();
         if mine(0) {
             names.extend([traces::FILE, STUDY, MANIFEST, statistics::FILE].map(str::to_owned));
         }
-        self.store.clean(&["", RECORDS], &names).map_err(self.reading(""))
+        self.store.clean(&names).map_err(self.reading(""))
     }
 
     /// Removes a manifest that says more than is there.
@@ -345,8 +349,8 @@ impl<'a> Folder<'a> {
 }
 
 /// Name of the record of a part.
-pub fn record_name(part: &str) -> PathBuf {
-    Path::new(part).with_extension("json")
+pub fn record_name(part: &str) -> String {
+    format!("{}.json", part.trim_end_matches(".parquet"))
 }
 
 /// Rows by status of some parts.

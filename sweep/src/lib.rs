@@ -59,7 +59,7 @@ pub mod verify;
 
 pub use earlier::Earlier;
 pub use error::Error;
-pub use run::{Options, Report, Shard, run, run_in, run_in_memory, run_to_file};
-pub use store::Store;
+pub use run::{Options, Report, Shard, run, run_in_memory, run_to_file};
+pub use store::{Local, Store};
 pub use study::Study;
-pub use verify::{verify, verify_in};
+pub use verify::verify;

@@ -5,7 +5,7 @@
 use crate::error::Error;
 use crate::pages::{self, Collector};
 use crate::sink::Sink;
-use crate::store::{Store, put_in_place};
+use crate::store::Store;
 use arrow::datatypes::SchemaRef;
 use arrow::record_batch::RecordBatch;
 use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};
@@ -45,42 +45,29 @@ pub struct NewFile {
     rows_of_a_group: usize,
 }
 
-struct Temporary {
-    path: PathBuf,
-    finished: bool,
-}
+/// A file in a workshop: no longer there when dropped, unless it was moved to its place.
+struct Temporary(PathBuf);
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        if !self.finished {
-            let _ = std::fs::remove_file(&self.path);
-        }
+        let _ = std::fs::remove_file(&self.0);
     }
 }
 
 impl NewFile {
-    /// Begins the file that is to be at `path`; until then it is beside that.
+    /// Begins the file that is to be at `path`; until it is whole it is in the workshop.
     ///
     /// # Errors
-    /// The folder cannot be written.
-    pub fn create(path: &Path, schema: SchemaRef, properties: WriterProperties) -> Result<Self, Error> {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        Self::create_in(folder, path, schema, properties)
-    }
-
-    /// The same in another folder of the same file system until it is whole.
-    ///
-    /// # Errors
-    /// That folder cannot be written.
-    pub fn create_in(
-        folder: &Path,
+    /// The workshop cannot be written.
+    pub fn create(
+        workshop: &Path,
         path: &Path,
         schema: SchemaRef,
         mut properties: WriterProperties,
     ) -> Result<Self, Error> {
         let failed = |source| Error::Write { path: path.to_owned(), source };
-        let temporary = Temporary { path: temporary(folder, path), finished: false };
-        let file = File::create_new(&temporary.path).map_err(failed)?;
+        let temporary = Temporary(temporary(workshop, path));
+        let file = File::create_new(&temporary.0).map_err(failed)?;
         file.lock().map_err(failed)?;
         let writing = |error| Error::writing(path, error);
         let rows_of_a_group = properties.max_row_group_row_count().unwrap_or(usize::MAX);
@@ -178,25 +165,13 @@ impl Ended {
         &self.digest
     }
 
-    /// Makes the file last under its own name. Waits for the disk.
+    /// Makes the file last under its own name in a store. Waits for that.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn publish(mut self) -> Result<(), Error> {
-        put_in_place(&self.file, &self.temporary.path, &self.path)
-            .map_err(|source| Error::Write { path: self.path.clone(), source })?;
-        self.temporary.finished = true;
-        Ok(())
-    }
-
-    /// The same in a store. Waits for that.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn publish_to(mut self, store: &dyn Store, name: &str) -> Result<(), Error> {
-        let moved = store.publish(&self.file, &self.temporary.path, name);
-        self.temporary.finished = moved.map_err(|source| Error::Write { path: self.path.clone(), source })?;
-        Ok(())
+    pub fn publish(self, store: &dyn Store, name: &str) -> Result<(), Error> {
+        let published = store.publish(&self.file, &self.temporary.0, name);
+        published.map_err(|source| Error::Write { path: self.path, source })
     }
 }
 

@@ -88,7 +88,7 @@ pub fn write(
     let schema = columns::schema(study);
     let create = |place: &Place<'_>| {
         let properties = columns::properties(study, &schema, place.extra);
-        NewFile::create_in(place.workshop, place.path, schema.clone(), properties)
+        NewFile::create(place.workshop, place.path, schema.clone(), properties)
     };
     let mut file = place.map(create).transpose()?;
     let mut statuses = Statuses::new(study);

@@ -109,19 +109,6 @@ pub struct Report {
 /// The folder is another study's or cannot be written. Parts finished before stay.
 pub fn run<'a>(
     study: &Study,
-    folder: &Path,
-    options: impl Into<Options<'a>>,
-    on_rows: OnRows<'_>,
-) -> Result<Report, Error> {
-    run_in(study, &Local::new(folder, folder::RECORDS), options, on_rows)
-}
-
-/// The same where the folder is on a disk or elsewhere.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_in<'a>(
-    study: &Study,
     store: &dyn Store,
     options: impl Into<Options<'a>>,
     on_rows: OnRows<'_>,
@@ -233,7 +220,7 @@ fn write(
     keep_memory();
     // Fewer files than threads: the threads share each file's rows.
     let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
-    let workshop = folder.store().workshop();
+    let workshop = folder.workshop()?;
     let one = |part: u64| -> Result<Finished<'_>, Error> {
         let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
         let path = folder.path(&folder.part_file(part));
@@ -278,7 +265,7 @@ impl Finished<'_> {
     fn publish(self) -> Result<(), Error> {
         self.folder.write_record(self.part, &self.record)?;
         let name = self.folder.part_file(self.part);
-        self.file.map_or(Ok(()), |file| file.publish_to(self.folder.store(), &name))
+        self.file.map_or(Ok(()), |file| file.publish(self.folder.store(), &name))
     }
 }
 
@@ -328,9 +315,12 @@ fn publishing<'a>(make: impl FnOnce(&Publisher<'a>) -> Result<(), Stop>) -> Resu
 pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<StatusCounts, Error> {
     let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
     keep_memory();
-    let place = Place { path, workshop: path.parent().unwrap_or(Path::new("")), extra: &extra };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let place = Place { path, workshop: folder, extra: &extra };
     let written = part::write(study, 0..study.rows, Some(&place), None, Workers::All, None, on_rows)?;
-    written.file.map_or(Ok(()), Ended::publish)?;
+    if let Some(file) = written.file {
+        file.publish(&Local::new(folder), &path.file_name().unwrap_or_default().to_string_lossy())?;
+    }
     Ok(written.statuses)
 }
 

@@ -1,22 +1,18 @@
 //! Where a study's folder is: on a disk or, behind the same few operations, in an object store. Files are named relative to
 //! the folder, with `/`.
 
+use crate::folder::RECORDS;
 use crate::hash;
 use crate::new_file::TEMPORARY;
 use std::fs::File;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use tempfile::TempPath;
 
 /// A folder of files that appear whole or not at all.
 pub trait Store: Sync {
     /// Where it is, as people write it.
     fn place(&self) -> &Path;
-
-    /// Says no where the folder can be none.
-    ///
-    /// # Errors
-    /// What stands there, or why it cannot be reached.
-    fn check(&self) -> io::Result<()>;
 
     /// A file's contents, where there is one.
     ///
@@ -30,20 +26,17 @@ pub trait Store: Sync {
     /// It cannot be asked for.
     fn length(&self, name: &str) -> io::Result<Option<u64>>;
 
-    /// Names of what is in a folder of this one, in order; of this folder itself where that is empty.
+    /// Names of the files in a folder of this one, in order; in this folder itself where that is empty.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// It cannot be read, or is none.
     fn names(&self, folder: &str) -> io::Result<Vec<String>>;
 
-    /// A file on the disk: the one itself, or a copy.
+    /// A file on the disk: the one itself, or a copy that is removed when dropped.
     ///
     /// # Errors
     /// It is not there or cannot be read.
     fn local(&self, name: &str) -> io::Result<LocalFile>;
-
-    /// Whether what is stored is guarded against damage by the store itself, so that a file of the right length is whole.
-    fn guards_its_bytes(&self) -> bool;
 
     /// Writes a file, in place of an earlier one.
     ///
@@ -51,11 +44,11 @@ pub trait Store: Sync {
     /// It cannot be written; the earlier one is still there.
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()>;
 
-    /// Gives a whole file of [`Store::workshop`] its name, and makes it last; returns whether it was moved there.
+    /// Makes a whole file of [`Store::workshop`] last under its name; what stays in the workshop may be removed.
     ///
     /// # Errors
     /// It cannot be written.
-    fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<bool>;
+    fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<()>;
 
     /// Removes a file, if it is there.
     ///
@@ -63,20 +56,20 @@ pub trait Store: Sync {
     /// It cannot be removed.
     fn remove(&self, name: &str) -> io::Result<()>;
 
-    /// Makes it ready to be written, some folders in it too.
+    /// The folder on the disk in which files are made.
     ///
     /// # Errors
     /// It cannot be made.
-    fn prepare(&self, folders: &[&str]) -> io::Result<()>;
+    fn workshop(&self) -> io::Result<PathBuf>;
 
-    /// The folder on the disk in which files are made.
-    fn workshop(&self) -> PathBuf;
-
-    /// Removes what killed runs left: temporary files of those names that nobody has locked.
+    /// Removes what killed runs left of files of those names: temporary files that nobody has locked. Nothing is left where
+    /// each run has a workshop of its own.
     ///
     /// # Errors
-    /// It cannot be read.
-    fn clean(&self, folders: &[&str], names: &[String]) -> io::Result<()>;
+    /// The workshop cannot be read.
+    fn clean(&self, _names: &[String]) -> io::Result<()> {
+        Ok(())
+    }
 
     /// SHA-256 of a file.
     ///
@@ -87,46 +80,38 @@ pub trait Store: Sync {
     }
 }
 
-/// A file on the disk; a copy is removed in the end.
+/// A file on the disk.
 #[derive(Debug)]
-pub struct LocalFile {
-    path: PathBuf,
-    is_copy: bool,
+pub enum LocalFile {
+    /// The stored one.
+    Itself(PathBuf),
+    /// A copy, which is removed when dropped.
+    Copy(TempPath),
 }
 
 impl LocalFile {
-    /// A copy.
-    pub fn copy(path: PathBuf) -> Self {
-        Self { path, is_copy: true }
-    }
-
     /// Where it is.
     pub fn path(&self) -> &Path {
-        &self.path
-    }
-}
-
-impl Drop for LocalFile {
-    fn drop(&mut self) {
-        if self.is_copy {
-            let _ = std::fs::remove_file(&self.path);
+        match self {
+            LocalFile::Itself(path) => path,
+            LocalFile::Copy(path) => path,
         }
     }
 }
 
 /// A folder of a file system.
-#[derive(Debug)]
-pub struct Local<'a> {
-    path: &'a Path,
-    workshop: PathBuf,
+#[derive(Clone, Debug)]
+pub struct Local {
+    path: PathBuf,
 }
 
-impl<'a> Local<'a> {
-    /// At that path; files are made in one of its own folders.
-    pub fn new(path: &'a Path, workshop: &str) -> Self {
-        Self { path, workshop: path.join(workshop) }
+impl Local {
+    /// At that path.
+    pub fn new(path: &Path) -> Self {
+        Self { path: path.to_owned() }
     }
 
+    /// Where a file will be, in a folder that exists.
     fn prepared(&self, name: &str) -> io::Result<PathBuf> {
         let path = self.path.join(name);
         if let Some(parent) = path.parent() {
@@ -144,16 +129,9 @@ fn some<T>(result: io::Result<T>) -> io::Result<Option<T>> {
     }
 }
 
-impl Store for Local<'_> {
+impl Store for Local {
     fn place(&self) -> &Path {
-        self.path
-    }
-
-    fn check(&self) -> io::Result<()> {
-        if self.path.exists() && !self.path.is_dir() {
-            return Err(io::Error::new(ErrorKind::NotADirectory, "it is a file, not a folder"));
-        }
-        Ok(())
+        &self.path
     }
 
     fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>> {
@@ -165,7 +143,11 @@ impl Store for Local<'_> {
     }
 
     fn names(&self, folder: &str) -> io::Result<Vec<String>> {
-        let Some(entries) = some(std::fs::read_dir(self.path.join(folder)))? else { return Ok(Vec::new()) };
+        let path = self.path.join(folder);
+        if path.is_file() {
+            return Err(io::Error::new(ErrorKind::NotADirectory, "it is a file, not a folder"));
+        }
+        let Some(entries) = some(std::fs::read_dir(path))? else { return Ok(Vec::new()) };
         let mut names =
             entries.map(|e| e.map(|e| e.file_name().to_string_lossy().into_owned())).collect::<io::Result<Vec<_>>>()?;
         names.sort();
@@ -173,11 +155,7 @@ impl Store for Local<'_> {
     }
 
     fn local(&self, name: &str) -> io::Result<LocalFile> {
-        Ok(LocalFile { path: self.path.join(name), is_copy: false })
-    }
-
-    fn guards_its_bytes(&self) -> bool {
-        false
+        Ok(LocalFile::Itself(self.path.join(name)))
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
@@ -187,25 +165,29 @@ impl Store for Local<'_> {
         })
     }
 
-    fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<bool> {
-        put_in_place(file, path, &self.prepared(name)?).map(|()| true)
+    /// A system whose folders cannot be synced needs no more than the file's own sync.
+    fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<()> {
+        let place = self.prepared(name)?;
+        file.sync_all()?;
+        std::fs::rename(path, &place)?;
+        let folder = place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
     }
 
     fn remove(&self, name: &str) -> io::Result<()> {
         some(std::fs::remove_file(self.path.join(name))).map(|_| ())
     }
 
-    fn prepare(&self, folders: &[&str]) -> io::Result<()> {
-        folders.iter().try_for_each(|folder| std::fs::create_dir_all(self.path.join(folder)))
+    fn workshop(&self) -> io::Result<PathBuf> {
+        let path = self.path.join(RECORDS);
+        std::fs::create_dir_all(&path)?;
+        Ok(path)
     }
 
-    fn workshop(&self) -> PathBuf {
-        self.workshop.clone()
-    }
-
-    fn clean(&self, folders: &[&str], names: &[String]) -> io::Result<()> {
+    fn clean(&self, names: &[String]) -> io::Result<()> {
         let prefixes: Vec<String> = names.iter().map(|name| format!(".{name}.")).collect();
-        for folder in folders {
+        // JSON files are made beside their places.
+        for folder in ["", RECORDS] {
             for name in self.names(folder)? {
                 if name.ends_with(TEMPORARY) && prefixes.iter().any(|prefix| name.starts_with(prefix.as_str())) {
                     let path = self.path.join(folder).join(&name);
@@ -218,13 +200,4 @@ impl Store for Local<'_> {
         }
         Ok(())
     }
-}
-
-/// Makes a file last under another name on the same disk; a system whose folders cannot be synced needs no more than the
-/// file's own sync.
-pub(crate) fn put_in_place(file: &File, from: &Path, to: &Path) -> io::Result<()> {
-    file.sync_all()?;
-    std::fs::rename(from, to)?;
-    let folder = to.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }

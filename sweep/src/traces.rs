@@ -5,10 +5,10 @@
 
 use crate::columns;
 use crate::error::Error;
-use crate::folder::{Folder, RECORDS};
+use crate::folder::Folder;
 use crate::new_file::NewFile;
 use crate::row;
-use crate::store::{Local, Store};
+use crate::store::Store;
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
@@ -21,7 +21,6 @@ use ensemble::{Hold, Scenario};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Folder of the table, apart from that of the rows: readers take each of the two whole.
@@ -140,15 +139,7 @@ pub fn check(study: &Study, rows: &Rows, rate_hz: f64) -> Result<(), Error> {
 ///
 /// # Errors
 /// As [`check`], or a folder that is another study's or cannot be written.
-pub fn write(study: &Study, folder: &Path, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
-    write_in(study, &Local::new(folder, RECORDS), rows, rate_hz)
-}
-
-/// The same where the folder is on a disk or elsewhere.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_in(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
+pub fn write(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
     check(study, rows, rate_hz)?;
     let folder = Folder::open(study, store)?;
     folder.prepare()?;
@@ -157,7 +148,7 @@ pub fn write_in(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> 
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
     let properties = columns::properties(study, &schema, &rate);
-    let mut file = NewFile::create_in(&store.workshop(), &path, schema.clone(), properties)?;
+    let mut file = NewFile::create(&folder.workshop()?, &path, schema.clone(), properties)?;
     let mut report = Report::default();
     let mut wave: Vec<(u64, Scenario, usize)> = Vec::new();
     let mut waiting = 0;
@@ -176,7 +167,7 @@ pub fn write_in(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> 
         }
     }
     flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
-    file.end()?.publish_to(store, &name)?;
+    file.end()?.publish(store, &name)?;
     report.without.sort();
     Ok(report)
 }

@@ -1,13 +1,12 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
 use crate::error::Error;
-use crate::folder::{MANIFEST, RECORDS};
+use crate::folder::MANIFEST;
 use crate::new_file::Digest;
-use crate::store::{Local, Store};
+use crate::store::Store;
 use rayon::prelude::*;
 use serde::Deserialize;
 use std::io;
-use std::path::Path;
 
 /// What was read back.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -40,15 +39,7 @@ struct Part {
 ///
 /// # Errors
 /// The manifest is missing or is none.
-pub fn verify(folder: &Path) -> Result<Report, Error> {
-    verify_in(&Local::new(folder, RECORDS))
-}
-
-/// The same where the folder is on a disk or elsewhere.
-///
-/// # Errors
-/// As [`verify`].
-pub fn verify_in(store: &dyn Store) -> Result<Report, Error> {
+pub fn verify(store: &dyn Store) -> Result<Report, Error> {
     let path = store.place().join(MANIFEST);
     let text = store
         .read(MANIFEST)

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{read, statuses, study, text, values};
+use common::{at, read, statuses, study, text, values};
 use sweep::{Shard, run, run_in_memory, traces};
 
 fn quiet(_: u64) {}
@@ -19,8 +19,8 @@ fn rows_that_break_a_constraint_are_left_out_and_counted_and_the_others_stay() {
     let list = "[\"rod_m <= 0.5 * bore_m\", \"dead_volume_m3 < 0.2 * stroke_volume_m3\"]";
     let (free, bound) = (study(HEAD, VARY), study(HEAD, &constrained(list)));
     let [free_folder, folder] = [(); 2].map(|()| tempfile::tempdir().unwrap());
-    run(&free, free_folder.path(), Shard::WHOLE, &quiet).unwrap();
-    let report = run(&bound, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&free, &at(&free_folder), Shard::WHOLE, &quiet).unwrap();
+    let report = run(&bound, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let all = |folder: &std::path::Path| {
         let tables: Vec<_> =
             (0..bound.parts).map(|part| read(&folder.join("rows").join(bound.part_name(part)))).collect();
@@ -52,7 +52,7 @@ fn rows_that_break_a_constraint_are_left_out_and_counted_and_the_others_stay() {
     assert_eq!(report.statuses["left_out: dead_volume_m3 < 0.2 * stroke_volume_m3"], counts[1]);
     // A row that is left out has no trace.
     let row = found.iter().position(|status| status.starts_with("left_out: rod")).unwrap();
-    let report = traces::write(&bound, folder.path(), &row.to_string().parse().unwrap(), 100.0).unwrap();
+    let report = traces::write(&bound, &at(&folder), &row.to_string().parse().unwrap(), 100.0).unwrap();
     assert_eq!(report.without, [(row as u64, "left_out: rod_m <= 0.5 * bore_m".to_owned())]);
 }
 

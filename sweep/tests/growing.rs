@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{model, read, study, text};
+use common::{at, model, read, study, text};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Earlier, Options, Shard, Study, run};
@@ -52,17 +52,17 @@ fn growing(head: &str, smaller: &str, larger: &str, vary: [&str; 2]) -> [Study; 
 /// Grows the smaller study to the larger one in every way there is, and compares with the larger one made in one go.
 fn grow([smaller, larger]: [Study; 2], solved: u64) {
     let [first, second, whole, shards] = [(); 4].map(|()| tempfile::tempdir().unwrap());
-    run(&smaller, first.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&smaller, &at(&first), Shard::WHOLE, &quiet).unwrap();
     let before = files(first.path());
-    let earlier = Earlier::open(&larger, first.path()).unwrap();
+    let earlier = Earlier::open(&larger, &at(&first)).unwrap();
     let options = |shard| Options { shard, earlier: Some(&earlier), ..Options::default() };
-    let report = run(&larger, second.path(), options(Shard::WHOLE), &quiet).unwrap();
+    let report = run(&larger, &at(&second), options(Shard::WHOLE), &quiet).unwrap();
     assert_eq!((report.rows_written, report.rows_taken), (solved, smaller.rows), "{}", larger.rows);
     assert!(report.complete);
-    run(&larger, whole.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&larger, &at(&whole), Shard::WHOLE, &quiet).unwrap();
     assert_eq!(files(second.path()), files(whole.path()));
     for index in [1, 0] {
-        run(&larger, shards.path(), options(Shard { index, count: 2 }), &quiet).unwrap();
+        run(&larger, &at(&shards), options(Shard { index, count: 2 }), &quiet).unwrap();
     }
     for name in ["manifest.json", "statistics.json"] {
         assert!(files(shards.path()).contains_key(Path::new(name)), "{name}");
@@ -71,7 +71,7 @@ fn grow([smaller, larger]: [Study; 2], solved: u64) {
     assert_eq!(files(first.path()), before, "the smaller study stays as it is");
     // The statistics alone, from the rows that are there.
     let summary = tempfile::tempdir().unwrap();
-    run(&larger, summary.path(), Options { rows: false, ..options(Shard::WHOLE) }, &quiet).unwrap();
+    run(&larger, &at(&summary), Options { rows: false, ..options(Shard::WHOLE) }, &quiet).unwrap();
     let statistics = |folder: &Path| std::fs::read(folder.join("statistics.json")).unwrap();
     assert_eq!(statistics(summary.path()), statistics(whole.path()));
 }
@@ -100,9 +100,9 @@ fn a_study_with_constraints_grows_and_keeps_what_they_leave_out() {
     // Another constraint leaves other rows out.
     let head = "design = \"sobol\"\nfit = false\nsamples = ";
     let folder = tempfile::tempdir().unwrap();
-    run(&study(&format!("{head}600"), &sobol), folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&study(&format!("{head}600"), &sobol), &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let other = study(&format!("{head}900"), &sobol.replace("0.5 *", "0.4 *"));
-    let message = Earlier::open(&other, folder.path()).unwrap_err().to_string();
+    let message = Earlier::open(&other, &at(&folder)).unwrap_err().to_string();
     assert!(message.contains("its constraints is [\"rod_m < 0.5 * bore_m\"]"), "{message}");
 }
 
@@ -132,8 +132,8 @@ fn a_study_on_a_table_grows_by_the_rows_at_its_end() {
         let [few, many, other] = [(); 3].map(|()| tempfile::tempdir().unwrap());
         grow([on_table(few.path(), 18_000, file, 0.02), on_table(many.path(), 18_700, file, 0.02)], 700);
         let folder = tempfile::tempdir().unwrap();
-        run(&on_table(few.path(), 300, file, 0.02), folder.path(), Shard::WHOLE, &quiet).unwrap();
-        let message = Earlier::open(&on_table(other.path(), 400, file, 0.021), folder.path()).unwrap_err().to_string();
+        run(&on_table(few.path(), 300, file, 0.02), &at(&folder), Shard::WHOLE, &quiet).unwrap();
+        let message = Earlier::open(&on_table(other.path(), 400, file, 0.021), &at(&folder)).unwrap_err().to_string();
         assert!(message.contains("its row 0 is at bore_m = 0.02, this study's at 0.021"), "{message}");
     }
 }
@@ -143,18 +143,18 @@ fn a_study_grows_from_an_unfinished_and_damaged_one_as_well() {
     let [smaller, larger] =
         growing("design = \"sobol\"\nseed = 4", "samples = 3000\nparts = 6", "samples = 5000", [MIXED; 2]);
     let [first, second, whole] = [(); 3].map(|()| tempfile::tempdir().unwrap());
-    run(&smaller, first.path(), Shard { index: 1, count: 2 }, &quiet).unwrap();
+    run(&smaller, &at(&first), Shard { index: 1, count: 2 }, &quiet).unwrap();
     let path = first.path().join("rows").join(smaller.part_name(3));
     let mut bytes = std::fs::read(&path).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 4;
     std::fs::write(&path, bytes).unwrap();
-    let earlier = Earlier::open(&larger, first.path()).unwrap();
+    let earlier = Earlier::open(&larger, &at(&first)).unwrap();
     assert_eq!(earlier.damaged, 1);
     let options = Options { earlier: Some(&earlier), ..Options::default() };
-    let report = run(&larger, second.path(), options, &quiet).unwrap();
+    let report = run(&larger, &at(&second), options, &quiet).unwrap();
     assert_eq!((report.rows_written, report.rows_taken), (4000, 1000));
-    run(&larger, whole.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&larger, &at(&whole), Shard::WHOLE, &quiet).unwrap();
     assert_eq!(files(second.path()), files(whole.path()));
 }
 
@@ -164,8 +164,8 @@ fn a_study_that_is_no_beginning_of_another_is_refused_in_a_sentence() {
     let larger = study(&sobol.replace("600", "900"), MIXED);
     let refusal = |smaller: &Study, larger: &Study, rows: bool| {
         let folder = tempfile::tempdir().unwrap();
-        run(smaller, folder.path(), Options { rows, ..Options::default() }, &quiet).unwrap();
-        let message = Earlier::open(larger, folder.path()).unwrap_err().to_string();
+        run(smaller, &at(&folder), Options { rows, ..Options::default() }, &quiet).unwrap();
+        let message = Earlier::open(larger, &at(&folder)).unwrap_err().to_string();
         assert!(message.starts_with(&folder.path().display().to_string()) && !message.contains('\n'), "{message}");
         message
     };
@@ -207,8 +207,8 @@ fn a_study_that_is_no_beginning_of_another_is_refused_in_a_sentence() {
         assert!(message.contains(expected), "{message}");
     }
     let empty = tempfile::tempdir().unwrap();
-    assert!(Earlier::open(&larger, empty.path()).unwrap_err().to_string().contains("it holds no study"));
+    assert!(Earlier::open(&larger, &at(&empty)).unwrap_err().to_string().contains("it holds no study"));
     std::fs::create_dir(empty.path().join("parts")).unwrap();
     std::fs::write(empty.path().join("parts/study.json"), "{").unwrap();
-    assert!(Earlier::open(&larger, empty.path()).unwrap_err().to_string().contains("cannot be read"));
+    assert!(Earlier::open(&larger, &at(&empty)).unwrap_err().to_string().contains("cannot be read"));
 }

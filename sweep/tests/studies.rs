@@ -3,16 +3,19 @@
 mod common;
 
 use arrow::array::Int64Array;
-use common::{model, read, statuses, study, text, values};
+use common::{at, model, read, statuses, study, text, values};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Shard, Study, run, run_in_memory, run_to_file, verify};
 
 fn quiet(_: u64) {}
 
-/// All parts of a folder, their tables by name.
+/// All parts of a folder, their tables by name; none where it has no rows.
 fn parts(folder: &Path) -> BTreeMap<String, arrow::record_batch::RecordBatch> {
     let folder = folder.join("rows");
+    if !folder.exists() {
+        return BTreeMap::new();
+    }
     let names = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
     names.map(|name| (name.clone(), read(&folder.join(&name)))).collect()
 }
@@ -27,10 +30,10 @@ fn the_same_study_gives_the_same_rows_whatever_the_shard_and_the_number_of_threa
     assert_eq!((study.rows, study.parts), (2400, 3));
     let folders: Vec<_> = (0..3).map(|_| tempfile::tempdir().unwrap()).collect();
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    assert!(pool(1).install(|| run(&study, folders[0].path(), Shard::WHOLE, &quiet)).unwrap().complete);
-    assert!(pool(4).install(|| run(&study, folders[1].path(), Shard::WHOLE, &quiet)).unwrap().complete);
+    assert!(pool(1).install(|| run(&study, &at(&folders[0]), Shard::WHOLE, &quiet)).unwrap().complete);
+    assert!(pool(4).install(|| run(&study, &at(&folders[1]), Shard::WHOLE, &quiet)).unwrap().complete);
     for index in [1, 0] {
-        let report = run(&study, folders[2].path(), Shard { index, count: 2 }, &quiet).unwrap();
+        let report = run(&study, &at(&folders[2]), Shard { index, count: 2 }, &quiet).unwrap();
         assert_eq!(report.complete, index == 0);
     }
     let tables: Vec<_> = folders.iter().map(|folder| parts(folder.path())).collect();
@@ -53,7 +56,7 @@ fn one_file_and_memory_hold_the_rows_of_the_folder() {
         &BORES.replace("count = 40, ", ""),
     );
     let folder = tempfile::tempdir().unwrap();
-    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let tables: Vec<_> = parts(folder.path()).into_values().collect();
     let together = arrow::compute::concat_batches(&tables[0].schema(), &tables).unwrap();
     let file = folder.path().join("all.parquet");
@@ -69,7 +72,7 @@ fn one_file_and_memory_hold_the_rows_of_the_folder() {
 fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
     let study = study("design = \"factorial\"", BORES);
     let folder = tempfile::tempdir().unwrap();
-    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let before = parts(folder.path());
     std::fs::remove_file(folder.path().join("rows").join(study.part_name(0))).unwrap();
     let broken = folder.path().join("rows").join(study.part_name(2));
@@ -81,7 +84,7 @@ fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
     for path in [&stale, &stale_record, &stale_manifest] {
         std::fs::write(path, "half").unwrap();
     }
-    let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let report = run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     assert_eq!((report.parts_written, report.parts_found, report.complete), (2, 1, true));
     assert_eq!(report.parts_damaged, 1);
     for path in [&stale, &stale_record, &stale_manifest] {
@@ -98,7 +101,7 @@ fn a_temporary_file_that_a_living_run_writes_stays() {
     let busy = folder.path().join("parts").join(format!(".{}.1-2-3.tmp", study.part_name(0)));
     let file = std::fs::File::create(&busy).unwrap();
     file.lock().unwrap();
-    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     assert!(busy.exists());
 }
 
@@ -106,24 +109,24 @@ fn a_temporary_file_that_a_living_run_writes_stays() {
 fn a_flipped_bit_anywhere_in_a_part_is_found_by_verify_and_by_a_second_run() {
     let study = study("design = \"factorial\"", BORES);
     let folder = tempfile::tempdir().unwrap();
-    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let before = parts(folder.path());
-    assert_eq!(verify(folder.path()).unwrap().wrong, Vec::<String>::new());
+    assert_eq!(verify(&at(&folder)).unwrap().wrong, Vec::<String>::new());
     let length = std::fs::metadata(folder.path().join("rows").join(study.part_name(1))).unwrap().len() as usize;
     for place in [0, 4, length / 3, length / 2, length - 200, length - 12, length - 1] {
         let path = folder.path().join("rows").join(study.part_name(1));
         let mut bytes = std::fs::read(&path).unwrap();
         bytes[place] ^= 1 << (place % 8);
         std::fs::write(&path, bytes).unwrap();
-        let wrong = verify(folder.path()).unwrap().wrong;
+        let wrong = verify(&at(&folder)).unwrap().wrong;
         assert_eq!(wrong, ["rows/part-00001-of-00003.parquet: its SHA-256 differs"]);
-        let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+        let report = run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
         assert_eq!((report.parts_written, report.parts_damaged, report.complete), (1, 1, true));
-        assert_eq!(verify(folder.path()).unwrap().wrong, Vec::<String>::new());
+        assert_eq!(verify(&at(&folder)).unwrap().wrong, Vec::<String>::new());
     }
     assert_eq!(parts(folder.path()), before);
     std::fs::remove_file(folder.path().join("rows").join(study.part_name(2))).unwrap();
-    let wrong = verify(folder.path()).unwrap().wrong;
+    let wrong = verify(&at(&folder)).unwrap().wrong;
     assert!(wrong.len() == 1 && wrong[0].starts_with("rows/part-00002-of-00003.parquet: "), "{wrong:?}");
 }
 
@@ -133,7 +136,7 @@ fn a_finished_study_is_found_finished_in_a_folder_that_cannot_be_written() {
     use std::os::unix::fs::PermissionsExt;
     let study = study("design = \"factorial\"", BORES);
     let folder = tempfile::tempdir().unwrap();
-    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let modified = || {
         let files = ["manifest.json", "parts", "rows", "."];
         files.map(|name| std::fs::metadata(folder.path().join(name)).unwrap().modified().unwrap())
@@ -142,7 +145,7 @@ fn a_finished_study_is_found_finished_in_a_folder_that_cannot_be_written() {
     for name in ["parts", "rows", "."] {
         std::fs::set_permissions(folder.path().join(name), std::fs::Permissions::from_mode(0o555)).unwrap();
     }
-    let report = run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    let report = run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     assert_eq!((report.parts_written, report.parts_found, report.complete), (0, 3, true));
     // The superuser may write anywhere: nothing was written shows there.
     assert_eq!(modified(), before);
@@ -155,11 +158,11 @@ fn a_finished_study_is_found_finished_in_a_folder_that_cannot_be_written() {
 fn a_folder_with_another_study_is_refused_and_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let first = study("design = \"factorial\"", BORES);
-    run(&first, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&first, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     std::fs::remove_file(folder.path().join("manifest.json")).unwrap();
     let before = parts(folder.path());
     let second = study("design = \"factorial\"\ntolerance = 1e-8", BORES);
-    let message = run(&second, folder.path(), Shard::WHOLE, &quiet).unwrap_err().to_string();
+    let message = run(&second, &at(&folder), Shard::WHOLE, &quiet).unwrap_err().to_string();
     assert!(message.contains("holds another study") && message.contains("differs in tolerance"), "{message}");
     assert_eq!(parts(folder.path()), before);
 }
@@ -309,9 +312,9 @@ mass_flow_in_kg_per_s = { from = 0.0, to = 1e-6 }
 \"effect.record_delay.delay_s\" = { from = 0.0, to = 0.03 }",
     );
     let folder = tempfile::tempdir().unwrap();
-    run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let asked = "290-299,0,17".parse().unwrap();
-    let report = sweep::traces::write(&study, folder.path(), &asked, 1000.0).unwrap();
+    let report = sweep::traces::write(&study, &at(&folder), &asked, 1000.0).unwrap();
     assert_eq!((report.rows, report.samples), (12, 12 * 5001));
     let traces = read(&folder.path().join("traces/traces.parquet"));
     let rows = read(&folder.path().join("rows/part-00000-of-00001.parquet"));
@@ -335,9 +338,9 @@ mass_flow_in_kg_per_s = { from = 0.0, to = 1e-6 }
         assert!(mass[last] != mass[first]);
     }
     // The folder is still the study's, and the table of traces is replaced by another one.
-    assert!(run(&study, folder.path(), Shard::WHOLE, &quiet).unwrap().complete);
-    assert_eq!(sweep::traces::write(&study, folder.path(), &"3".parse().unwrap(), 10.0).unwrap().samples, 51);
-    let refused = sweep::traces::write(&study, folder.path(), &"300".parse().unwrap(), 10.0).unwrap_err().to_string();
+    assert!(run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap().complete);
+    assert_eq!(sweep::traces::write(&study, &at(&folder), &"3".parse().unwrap(), 10.0).unwrap().samples, 51);
+    let refused = sweep::traces::write(&study, &at(&folder), &"300".parse().unwrap(), 10.0).unwrap_err().to_string();
     assert!(refused.contains("row 300") && refused.contains("0 to 299"), "{refused}");
 }
 
@@ -356,16 +359,16 @@ fn statistics_are_the_same_whatever_the_shards_with_rows_or_without_and_afterwar
     let study = with(STATISTICS);
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let folders: Vec<_> = (0..4).map(|_| tempfile::tempdir().unwrap()).collect();
-    pool(1).install(|| run(&study, folders[0].path(), Shard::WHOLE, &quiet)).unwrap();
+    pool(1).install(|| run(&study, &at(&folders[0]), Shard::WHOLE, &quiet)).unwrap();
     let no_rows = |shard| sweep::Options { shard, rows: false, earlier: None };
-    pool(4).install(|| run(&study, folders[1].path(), no_rows(Shard::WHOLE), &quiet)).unwrap();
+    pool(4).install(|| run(&study, &at(&folders[1]), no_rows(Shard::WHOLE), &quiet)).unwrap();
     for index in [1, 2, 0] {
-        run(&study, folders[2].path(), no_rows(Shard { index, count: 3 }), &quiet).unwrap();
+        run(&study, &at(&folders[2]), no_rows(Shard { index, count: 3 }), &quiet).unwrap();
     }
     // Asked for when the rows are there already: nothing is solved again.
-    run(&with(""), folders[3].path(), Shard::WHOLE, &quiet).unwrap();
+    run(&with(""), &at(&folders[3]), Shard::WHOLE, &quiet).unwrap();
     assert!(!folders[3].path().join("statistics.json").exists());
-    let report = run(&study, folders[3].path(), Shard::WHOLE, &quiet).unwrap();
+    let report = run(&study, &at(&folders[3]), Shard::WHOLE, &quiet).unwrap();
     assert_eq!((report.rows_written, report.results.as_slice()), (0, ["statistics.json"].as_slice()));
     let found: Vec<_> =
         folders.iter().map(|folder| std::fs::read_to_string(folder.path().join("statistics.json")).unwrap()).collect();

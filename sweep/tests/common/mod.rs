@@ -8,7 +8,8 @@ use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use records::{Model, Provenance};
 use std::path::Path;
-use sweep::Study;
+use sweep::{Local, Study};
+use tempfile::TempDir;
 
 /// The cylinder of the paper's section 3.1.
 pub fn model() -> Model {
@@ -42,6 +43,11 @@ pub fn study(head: &str, vary: &str) -> Study {
 /// The text of that study.
 pub fn text(head: &str, vary: &str) -> String {
     format!("[study]\n{head}\n{TEST}\n[vary]\n{vary}\n")
+}
+
+/// The folder of a study.
+pub fn at(folder: &TempDir) -> Local {
+    Local::new(folder.path())
 }
 
 /// Everything in a Parquet file, as one batch, without the file's metadata (the shard is in it).
