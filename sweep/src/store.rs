@@ -143,11 +143,10 @@ impl Store for Local {
     }
 
     fn names(&self, folder: &str) -> io::Result<Vec<String>> {
-        let path = self.path.join(folder);
-        if path.is_file() {
+        if self.path.is_file() {
             return Err(io::Error::new(ErrorKind::NotADirectory, "it is a file, not a folder"));
         }
-        let Some(entries) = some(std::fs::read_dir(path))? else { return Ok(Vec::new()) };
+        let Some(entries) = some(std::fs::read_dir(self.path.join(folder)))? else { return Ok(Vec::new()) };
         let mut names =
             entries.map(|e| e.map(|e| e.file_name().to_string_lossy().into_owned())).collect::<io::Result<Vec<_>>>()?;
         names.sort();
