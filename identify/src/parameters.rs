@@ -7,8 +7,9 @@
 //! known within its tolerance only: its sensitivities with that prior take part in every evidence, test and interval.
 //! λ0 and wall capacities move on a logarithmic scale, everything else on a linear one within the bounds of its card.
 
+use crate::judge::policy;
 use crate::record::prepare::{Data, Prepared};
-use chamber::card::{Kind, Parameter, Unit};
+use chamber::card::{Kind, Parameter, Prior, Unit};
 use chamber::effects::empirical::{Balance as CurveBalance, Curve, Empirical};
 use chamber::effects::{self, CARDS, Effect, EffectSet, EffectValues, PARAMETER_OFFSETS};
 use chamber::real::Real;
@@ -309,9 +310,15 @@ impl Hypothesis {
                 let (logarithmic, scale, mut bounds) = coordinates_of(parameter, sizes);
                 let known = parameter.prior(&data.gas).filter(|_| !logarithmic);
                 let prior = known.map(|normal| [normal.mean / scale, normal.standard_deviation / scale]);
-                // What tables say of the gas keeps its sign.
-                if known.is_some_and(|normal| normal.mean > 0.0) {
-                    bounds[0] = f64::max(bounds[0], 0.0);
+                match parameter.prior {
+                    // What tables say of the gas keeps its sign.
+                    Prior::OfGas(_) if known.is_some_and(|normal| normal.mean > 0.0) => bounds[0] = bounds[0].max(0.0),
+                    Prior::Normal(normal) => {
+                        let far = policy::DEVIATIONS_BEFOREHAND * normal.standard_deviation / scale;
+                        let mean = normal.mean / scale;
+                        bounds = [bounds[0].max(mean - far), bounds[1].min(mean + far)];
+                    }
+                    _ => {}
                 }
                 if model.own.has(e) {
                     // Two clocks have no order: a record's pressure is late beside its position, or its position is.

@@ -165,6 +165,15 @@ fn what_no_card_describes_is_never_called_explained() {
 }
 
 #[test]
+fn an_offset_beyond_what_gauges_have_is_not_named_as_far_as_it_goes() {
+    let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(41) };
+    recipe.faults.offset_pa = Scattered::common(4e4);
+    let (offset, _) = effects::find("sensor_offset").unwrap();
+    let found = traced(&recipe).chosen.fit.chamber();
+    assert!(found.effects.of(offset)[0] <= 25e3, "{}", found.effects.of(offset)[0]);
+}
+
+#[test]
 fn the_same_rig_gives_the_same_bits_on_one_thread() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
     let data = Data::prepare(&recipe.rig()).unwrap();

@@ -31,6 +31,9 @@ pub const NOISE_MODEL_SHARE: f64 = 0.05;
 pub const GEOMETRY_WIDENED: f64 = 5.0;
 /// So many tolerances a stated number may move before that counts as a contradiction rather than as uncertainty.
 pub const TOLERANCES: f64 = 3.0;
+/// So many standard deviations a fault of the recording may lie from what instruments have: an offset of 25 kPa may be the
+/// altitude, half a bar has another cause, which it imitates.
+pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;
 /// Probability below which the records' own numbers do not scatter by chance with the kind of test...
 pub const KINDS_PROBABILITY: f64 = 1e-4;
 /// ...where the kinds lie apart by more than so many of the numbers' standard deviations.

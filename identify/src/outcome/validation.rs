@@ -8,7 +8,7 @@ use super::diagnosis::{Estimates, as_map};
 use crate::error::Error;
 use crate::fit::covariance;
 use crate::judge::{left_out, misfit};
-use crate::parameters::{Hypothesis, Model, Sizes};
+use crate::parameters::{Hypothesis, Model, Own, Sizes, delays_position};
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
 use crate::search::terms;
@@ -65,13 +65,22 @@ pub struct Validated {
 /// [`Error`]: data that cannot be what it should be, a record that the model cannot follow.
 pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let data = Data::prepare(rig)?;
-    // What grows with time cannot be told from a record's begin: its own only where the model has it.
-    let own =
-        terms::of_record().without(terms::growing_with_time()).union(chamber.active().intersection(terms::of_record()));
+    // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
+    // its own only where the model has it.
+    let has_it_only =
+        terms::growing_with_time().union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
+    let own = terms::of_record().without(has_it_only.without(chamber.active()));
     let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
     let mut hypothesis = Hypothesis::new(&data, model, chamber, &Sizes::of(&data, chamber));
     hypothesis.axes.clear();
     hypothesis.stated.clear();
+    // The records of a rig scatter about what the model has found of its logger and gauges.
+    for axis in &mut hypothesis.own {
+        if let (Own::Effect(e, p), Some([_, sd])) = (axis.slot, axis.prior) {
+            let mean = axis.coordinate(chamber.effects.of(e)[p]);
+            axis.prior = Some([mean, sd]);
+        }
+    }
     let judged_from: Vec<usize> = data.traces.iter().map(|t| if whole_record { 0 } else { begin_of(t) }).collect();
     let until = |k: usize| if whole_record { usize::MAX } else { judged_from[k] };
     let found: Vec<_> = (0..data.traces.len())
