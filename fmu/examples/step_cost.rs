@@ -1,6 +1,7 @@
 //! What `fmi2DoStep` costs at steps of 1 ms, called as C calls it, and whether memory stays flat.
 //!
-//! `cargo run --release -p pneutherm-fmu --example step_cost [MILLIONS]`: a table in Markdown on standard output.
+//! `cargo run --profile fmu -p pneutherm-fmu --example step_cost [MILLIONS]`: a table in Markdown on standard output. The
+//! profile is the library's; `--release` leaves out its optimisation as a whole.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 

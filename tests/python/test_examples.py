@@ -59,6 +59,11 @@ def test_the_error_of_the_coupling_falls_with_the_step(fmu, root):
     fine, *coarse = (servo_cylinder.run(*sides, step) for step in (1e-4, 1e-3, 5e-3))
     errors = [max(abs(a[0] - b[0]) for a, b in zip(course, fine)) for course in coarse]
     assert errors[0] < 0.2e-3 and 3.0 < errors[1] / errors[0] < 8.0, errors
+    # The README's table has them against a step half as long.
+    table = (root / "examples/fmu/README.md").read_text()
+    for step, error in zip((1, 5), errors, strict=True):
+        stated = float(re.search(rf"^\| {step} ms \| ([\d.]+) mm", table, re.M)[1])
+        assert stated == pytest.approx(1e3 * error, rel=0.15), (step, error)
 
 
 def test_a_piston_comes_to_rest_by_each_stable_coupling_and_not_by_a_force_that_is_late(fmu, root):
