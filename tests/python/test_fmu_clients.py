@@ -416,6 +416,8 @@ def test_the_experiment_inside_is_replayed_to_its_own_result(fmu, tmp_path):
     space = "{http://fmi-standard.org/fmi-ls-manifest}"
     assert manifest.tag == "fmiReferences" and manifest.get(space + "fmi-ls-name") == "org.fmi-standard.fmi-ls-ref"
     assert set(names) == {"experiment", "result"} and manifest.get(space + "fmi-ls-version")
+    for related in manifest.iter("Related"):
+        assert all(related.get(attribute) for attribute in ("type", "source", "role", "description")), related.attrib
     expected = np.genfromtxt(tmp_path / folder / names["result"], delimiter=",", names=True)
     command = [sys.executable, "-m", "fmpy", "simulate", fmu, "--interface-type", "CoSimulation", "--stop-time", "2",
                "--output-interval", "0.01", "--input-file", tmp_path / folder / names["experiment"],
