@@ -84,7 +84,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
         || (t.verdict == Verdict::Explained && found == set.truth)
     {
         let h = &settled.fit.hypothesis;
-        let truth = h.coordinates(&set.recipe.chamber);
+        let truth = h.coordinates(&set.recipe.chamber_as_recorded());
         for ((name, e), (axis, x)) in
             diagnosis::parameters(&data, &settled.fit, true).iter().zip(h.axes.iter().zip(truth))
         {

@@ -190,8 +190,7 @@ fn coverage(out: &mut String, lines: &[Line]) {
     }
     out.push_str(
         "\nA leak's conductance is that of a critical pressure ratio of 0.3 unless the data speak decisively for another; on wide rigs the true ratio is \
-         0.1–0.55, which its interval does not know. The dead volume found counts from the recorded zero of the position; the one it is compared with here counts from the \
-         true zero, and the 0.5 mm between them are not in its interval.\n\n",
+         0.1–0.55, which its interval does not know.\n\n",
     );
 }
 

@@ -297,6 +297,14 @@ impl Recipe {
         self
     }
 
+    /// The chamber with the dead volume that counts from the recorded zero of the position.
+    pub fn chamber_as_recorded(&self) -> Chamber {
+        let mut chamber = self.chamber;
+        let stated = &self.faults.stated;
+        chamber.geometry.dead_volume -= chamber.geometry.piston_area * stated.position_offset_m / stated.position_times;
+        chamber
+    }
+
     /// The rig with its simulated traces.
     pub fn rig(&self) -> Rig {
         let jobs: Vec<(usize, usize)> =
@@ -384,8 +392,10 @@ impl Recipe {
         .map(|x| x * stated.position_times + stated.position_offset_m)
         .map(|x| noisy(x, self.position_noise_m, self.position_step_m))
         .collect();
+        // The thermometer of a record is no better than the one that the rig's temperature is stated by.
+        let shown_k = |t: f64| truth.ambient_at(t) + stated.ambient_offset_k;
         let ambient_temperature_k =
-            self.ambient_column.then(|| time_s.iter().map(|t| noisy(truth.ambient_at(*t), 0.02, 0.01)).collect());
+            self.ambient_column.then(|| time_s.iter().map(|t| noisy(shown_k(*t), 0.02, 0.01)).collect());
         faults.spoil(&mut pressure_pa, test + repeat == 0, disturbing);
         faults.slow_readout(self.rate_hz, &mut pressure_pa);
         faults.stamp(&mut time_s, &mut pressure_pa, disturbing);
