@@ -368,3 +368,18 @@ fn states_beyond_all_numbers_complete_no_step_and_start_no_record_so_that_what_i
         assert_eq!(host.deserialize(&host.serialized()), 0, "{:?}", host.messages());
     }
 }
+
+#[test]
+fn an_initialization_that_makes_no_gas_is_refused_and_can_be_mended() {
+    let host = Host::exchange();
+    unsafe { assert_eq!(fmi2EnterInitializationMode(host.c), 0) };
+    // So small that one over the volume is no number.
+    host.set("deadVolume", 0.0);
+    host.set("position", f64::MIN_POSITIVE);
+    let before = host.serialized();
+    unsafe { assert_eq!(fmi2ExitInitializationMode(host.c), 2) };
+    assert!(host.message().contains("too large for a number"));
+    assert_eq!(host.serialized(), before, "a refused call changes nothing");
+    host.set("position", 0.1);
+    unsafe { assert_eq!(fmi2ExitInitializationMode(host.c), 0) };
+}

@@ -171,11 +171,20 @@ impl Simulation {
         self.plant.volume_at(self.here()[input::POSITION]).map(|_| ())
     }
 
-    /// Ends the initialization: the gas is as the parameters and inputs have it.
+    /// Ends the initialization: the gas is as the parameters and inputs have it. On refusal nothing has changed.
     ///
     /// # Errors
-    /// When they make no chamber.
+    /// When they make no chamber, or no gas that numbers can tell.
     pub fn begin(&mut self) -> Result<(), Fault> {
+        let before = self.clone();
+        let outcome = self.begin_with_gas();
+        if outcome.is_err() {
+            *self = before;
+        }
+        outcome
+    }
+
+    fn begin_with_gas(&mut self) -> Result<(), Fault> {
         self.checked()?;
         let u = self.here();
         let states = states::initial(&self.parameters, &self.plant.balance.chamber, &inputs::boundary(&u));
