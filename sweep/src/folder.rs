@@ -237,11 +237,21 @@ impl<'a> Folder<'a> {
         format!("of study {}, which differs in {}", theirs["name"], different.join(", "))
     }
 
+    fn read_record(&self, part: u64) -> Option<Record> {
+        let text = self.store.read(&self.record_file(part)).ok().flatten()?;
+        serde_json::from_slice(&text).ok()
+    }
+
+    /// The statistics in a part's record. [`Folder::find`] leaves them out: those of all parts of a large study are more than
+    /// its memory.
+    pub fn statistics(&self, part: u64) -> Option<State> {
+        self.read_record(part)?.statistics
+    }
+
     /// Looks for a part; with `rows` its file has to be there too.
     pub fn find(&self, part: u64, rows: bool, look: Look) -> Found {
         let rows_of = self.study.rows_of(part);
-        let record = self.store.read(&self.record_file(part)).ok().flatten();
-        let record: Option<Record> = record.and_then(|text| serde_json::from_slice(&text).ok());
+        let record = self.read_record(part).map(|record| Record { statistics: None, ..record });
         let name = self.part_file(part);
         let length = self.store.length(&name).ok().flatten();
         let Some(record) = record else {

@@ -148,7 +148,7 @@ pub fn run<'a>(
             results.push(sensitivity::FILE);
         }
         if let Some(plan) = &plan
-            && let Some(summary) = summary(study, plan, all)?
+            && let Some(summary) = summary(study, plan, &folder, all)?
         {
             folder.write_json(statistics::FILE, &summary)?;
             results.push(statistics::FILE);
@@ -183,7 +183,7 @@ fn add_statistics(
     on_rows: OnRows<'_>,
 ) -> Result<(), Error> {
     let Found::Whole(record) = folder.find(part, rows, Look::Length) else { return Ok(()) };
-    if record.statistics.as_ref().is_some_and(|state| state.plan == plan.identity()) {
+    if folder.statistics(part).is_some_and(|state| state.plan == plan.identity()) {
         return Ok(());
     }
     let state = match &record.file {
@@ -196,12 +196,12 @@ fn add_statistics(
     folder.write_record(part, &Record { statistics: Some(state), ..record })
 }
 
-/// The statistics of all parts, if each has its own.
-fn summary(study: &Study, plan: &Plan, parts: &[Record]) -> Result<Option<Value>, Error> {
+/// The statistics of all parts, if each has its own; one part's are in memory at a time.
+fn summary(study: &Study, plan: &Plan, folder: &Folder<'_>, parts: &[Record]) -> Result<Option<Value>, Error> {
     let mut total = State::new(plan);
-    for part in parts {
-        match &part.statistics {
-            Some(state) if state.plan == total.plan => total.merge(state),
+    for part in 0..study.parts {
+        match folder.statistics(part) {
+            Some(state) if state.plan == total.plan => total.merge(&state),
             _ => return Ok(None),
         }
     }

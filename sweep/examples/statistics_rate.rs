@@ -1,0 +1,37 @@
+//! What statistics cost: rows of a study on one thread, solved only, and with statistics of every column. The two take turns;
+//! the best of each counts, since the machine may have other work.
+//!
+//! cargo run --release --example statistics_rate -- benches/sealed.toml
+
+use std::time::Instant;
+use sweep::Study;
+use sweep::part::{self, CHUNK, Workers};
+use sweep::solve::Solver;
+use sweep::statistics::Plan;
+
+/// Rows of a turn: a few milliseconds, which other work may leave alone.
+const ROWS: u64 = 4 * CHUNK;
+const TURNS: usize = 300;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let path = std::env::args().nth(1).ok_or("usage: statistics_rate STUDY.toml")?;
+    let study = Study::read(path.as_ref())?;
+    let rows = ROWS.min(study.rows);
+    let plan = Plan::all(&study);
+    let mut solver = Solver::new(&study);
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..TURNS {
+        let begun = Instant::now();
+        for first in (0..rows).step_by(CHUNK as usize) {
+            std::hint::black_box(solver.rows(first..rows.min(first + CHUNK))?);
+        }
+        best[0] = best[0].min(begun.elapsed().as_secs_f64());
+        let begun = Instant::now();
+        std::hint::black_box(part::write(&study, 0..rows, None, Some(&plan), Workers::One, None, &|_: u64| {})?);
+        best[1] = best[1].min(begun.elapsed().as_secs_f64());
+    }
+    let [plain, statistics] = best.map(|seconds| rows as f64 / seconds);
+    println!("solved only       {plain:.0} rows/s");
+    println!("with statistics   {statistics:.0} rows/s, {:.1} %", 100.0 * statistics / plain);
+    Ok(())
+}
