@@ -99,12 +99,14 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let (signal, left) = (over(&t.baseline.fit), over(&t.chosen.fit));
     let best = t.tried.first().map_or(f64::NAN, |c| c.delta_bic);
     let left_out = t.chosen.held_out_pa.map_or(f64::NAN, |pa| pa / data.noise.total_pa());
-    // What each effect leaves beside the others.
-    let active = set.recipe.chamber.active();
-    let shows = |e: usize| {
-        format!("{}:{:.3}", CARDS[e].name, visibility::beside_others_pa(&set.recipe, e) / data.noise.total_pa())
+    // What each of several effects leaves beside the others.
+    let active: Vec<usize> = set.recipe.chamber.active().iter().collect();
+    let several = if active.len() > 1 { &active[..] } else { &[] };
+    let shows = |e: &usize| {
+        let over_noise = visibility::beside_others_pa(&set.recipe, *e) / data.noise.total_pa();
+        format!("{}:{over_noise:.3}", CARDS[*e].name)
     };
-    let shows = active.iter().map(shows).collect::<Vec<String>>().join(";");
+    let shows = several.iter().map(shows).collect::<Vec<String>>().join(";");
     let rows: usize = data.traces.iter().map(|t| t.time_s.len()).sum();
     let a = t.chosen_adequacy.clone();
     let d = diagnosis::describe(data, t).diagnosis;
