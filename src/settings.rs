@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// A file, the content of one, or both.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// The file.
+    /// Where the settings were read from; none where there is no file.
     pub path: Option<PathBuf>,
     /// Tables as JSON, with the file's names. They replace what the file says, key by key.
     pub json: Option<String>,

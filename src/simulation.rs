@@ -29,7 +29,7 @@ pub struct Request {
 pub struct Column {
     /// Its name, with the unit.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit of its values.
     pub unit: &'static str,
     /// One line for people.
     pub doc: &'static str,
@@ -67,7 +67,7 @@ pub struct Simulated {
 pub struct Values {
     /// Its name, with the unit.
     pub name: String,
-    /// Its unit.
+    /// Unit of its values.
     pub unit: &'static str,
     /// One line for people.
     pub doc: String,

@@ -15,15 +15,15 @@ pub enum Error {
     /// A trace lacks its pressure.
     #[error("{}: no pressure column; an identification needs the measured pressure", trace.display())]
     NoPressure {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
     },
     /// Too few rows to fit anything.
     #[error("{}: only {rows} rows; at least {least} are needed to see a move and what follows it", trace.display())]
     TooFewSamples {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
-        /// Its rows.
+        /// Number of rows that it has.
         rows: usize,
         /// How many are needed.
         least: usize,
@@ -32,7 +32,7 @@ pub enum Error {
     #[error("{}: half of the pressures are below {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column (Pa, kPa, bar, psi)",
         trace.display())]
     ImplausiblePressure {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// Median of its pressures, Pa.
         median_pa: f64,
@@ -50,7 +50,7 @@ pub enum Error {
     #[error("{}: at the same position the pressure changes by {:.0} % between t = {from_s:.2} s and t = {to_s:.2} s, more than any leak that shows while the piston is held: the port seems to have been open; give each cycle its own part of the file with from_s and to_s",
         trace.display(), 100.0 * change)]
     PortOpened {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// End of the rest before, s.
         from_s: f64,
@@ -63,7 +63,7 @@ pub enum Error {
     #[error("{}: no move: the position stays within {:.3} mm (its noise is {:.4} mm); heat transfer shows only after a move",
         trace.display(), range_m * 1e3, noise_m * 1e3)]
     NoMove {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// Extent of the position, m.
         range_m: f64,
@@ -74,7 +74,7 @@ pub enum Error {
     #[error("{}: the pressure stays within {range_pa:.1} Pa while the piston moves {:.1} mm; is the column the right one, the chamber closed, the sensor alive?",
         trace.display(), stroke_m * 1e3)]
     ConstantPressure {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// Extent of the pressure, Pa.
         range_pa: f64,
@@ -85,7 +85,7 @@ pub enum Error {
     #[error("{}: the pressure sensor is saturated: {rows} rows in a row, from t = {from_s:.3} s on, read exactly {value_pa} Pa, the record's {}",
         trace.display(), if *high { "largest" } else { "smallest" })]
     Saturated {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// Length of the run.
         rows: usize,
@@ -123,7 +123,7 @@ pub enum Error {
     #[error("{}: position {:.3} mm at t = {at_s:.3} s leaves no volume behind the piston; check the position's offset and sign",
         trace.display(), position_m * 1e3)]
     NoVolume {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// When, s.
         at_s: f64,
@@ -134,7 +134,7 @@ pub enum Error {
     #[error("{}: pressure and position rise together (correlation {correlation:.2}): the position seems to count from the other end; give its column `sign = -1` and an offset_m, or choose the other chamber",
         trace.display())]
     WrongSign {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// Their correlation.
         correlation: f64,
@@ -142,7 +142,7 @@ pub enum Error {
     /// The model cannot be integrated at the start values.
     #[error("{}: the model cannot follow the record: {source}", trace.display())]
     Simulation {
-        /// The trace.
+        /// File of the trace.
         trace: PathBuf,
         /// Why.
         source: chamber::integrate::IntegrationError,

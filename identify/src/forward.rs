@@ -18,7 +18,7 @@ use std::cell::Cell;
 /// What the surroundings do along a record.
 #[derive(Clone, Debug)]
 pub struct Course {
-    /// The stroke.
+    /// Stroke of the piston over time.
     pub motion: Motion,
     /// Temperature of the surroundings over time, K.
     pub ambient_temperature: Spline,

@@ -223,7 +223,7 @@ fn fastest(t: &Prepared) -> f64 {
 /// Which model is to be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Model {
-    /// The effects.
+    /// Effects beyond the paper's model.
     pub effects: EffectSet,
     /// Those of them whose parameters each record has for itself.
     pub own: EffectSet,
@@ -266,7 +266,7 @@ impl Model {
 /// A model to be fitted: which numbers are free.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
-    /// The model.
+    /// Effects that are in it and the scope of each.
     pub model: Model,
     /// The rig's free numbers.
     pub axes: Vec<Axis>,

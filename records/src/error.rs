@@ -12,7 +12,7 @@ pub enum Error {
     /// The file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file, as it was given.
         path: PathBuf,
         /// The system's reason.
         source: io::Error,
@@ -20,7 +20,7 @@ pub enum Error {
     /// The file cannot be written; what stood there before still stands.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
-        /// The file.
+        /// Path of the file, as it was given.
         path: PathBuf,
         /// The system's reason.
         source: io::Error,
@@ -28,7 +28,7 @@ pub enum Error {
     /// The file is not TOML.
     #[error("{}: line {line}, column {column}: not valid TOML: {message}", path.display())]
     Syntax {
-        /// The file.
+        /// Path of the file, as it was given.
         path: PathBuf,
         /// Counted from 1.
         line: usize,
@@ -40,7 +40,7 @@ pub enum Error {
     /// Something is wrong with a key of a TOML file.
     #[error("{}: {}{key}: {problem}", path.display(), place(*line))]
     Key {
-        /// The file.
+        /// Path of the file, as it was given.
         path: PathBuf,
         /// The key's line, or that of the table where it is missing; counted from 1, 0 where the content comes from no file.
         line: usize,
@@ -52,7 +52,7 @@ pub enum Error {
     /// Something is wrong with a trace.
     #[error("{}: {problem}", path.display())]
     Trace {
-        /// The file.
+        /// Path of the file, as it was given.
         path: PathBuf,
         /// What is wrong, and where in the file.
         problem: Box<TraceProblem>,

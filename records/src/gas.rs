@@ -10,7 +10,7 @@ use chamber::Gas;
 pub struct NamedGas {
     /// As in the file: one of [`Gas::NAMED`], or a label beside the gas's constants.
     pub name: Option<String>,
-    /// Its constants.
+    /// Gas constant and heat capacity ratio.
     pub gas: Gas,
 }
 

@@ -40,7 +40,7 @@ pub enum KeyProblem {
     /// A number that cannot be.
     #[error("{value:?} is out of range; expected {expected}")]
     OutOfBounds {
-        /// The number.
+        /// What the file says, in the unit of the key.
         value: f64,
         /// What it may be.
         expected: String,
@@ -48,7 +48,7 @@ pub enum KeyProblem {
     /// A word that is none of those known.
     #[error("unknown value `{value}`; {}", offer(near, known))]
     UnknownName {
-        /// The word.
+        /// What the file says.
         value: String,
         /// The known word most like it.
         near: Option<String>,

@@ -29,9 +29,9 @@ pub struct Rig {
     pub cylinder: Cylinder,
     /// The dead volume as far as it is known beforehand.
     pub dead_volume: Option<DeadVolume>,
-    /// The surroundings.
+    /// Temperature and pressure of the surroundings.
     pub ambient: Ambient,
-    /// The gas.
+    /// Gas in the chamber.
     pub gas: NamedGas,
     /// The pressure sensor.
     pub sensor: Sensor,
@@ -65,7 +65,7 @@ pub struct DeadVolume {
     pub known: bool,
 }
 
-/// The surroundings.
+/// Temperature and pressure of the surroundings, as the rig file states them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
     /// Temperature, K; absent where it is not stated.
@@ -77,7 +77,7 @@ pub struct Ambient {
 /// One kind of test and its repeats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
-    /// Its name.
+    /// Name of the experiment.
     pub name: String,
     /// One trace for each repeat; at least one.
     pub traces: Vec<Trace>,
@@ -92,14 +92,14 @@ pub struct RigFile {
     pub stated_tolerance: StatedTolerance,
     /// How its trace files are laid out.
     pub layout: Layout,
-    /// Its experiments.
+    /// Experiments with their traces still to be read.
     pub plan: Vec<PlannedExperiment>,
 }
 
 /// One experiment as the rig file has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedExperiment {
-    /// Its name.
+    /// Name of the experiment.
     pub name: String,
     /// Its traces' files.
     pub traces: Vec<PathBuf>,

@@ -15,7 +15,7 @@ pub enum Error {
     /// A file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file, as it was given.
         path: PathBuf,
         /// The system's reason.
         source: io::Error,
@@ -59,7 +59,7 @@ pub enum Error {
         path: PathBuf,
         /// The table it should stand in.
         section: String,
-        /// The key.
+        /// Name of the key within the section.
         key: String,
         /// What it should hold.
         expected: String,
@@ -79,7 +79,7 @@ pub enum Error {
     /// A table of points that cannot be used.
     #[error("{}: {message}", path.display())]
     Table {
-        /// The table.
+        /// Path of the table, as the study gives it.
         path: PathBuf,
         /// What is wrong with it and what was expected.
         message: String,
@@ -106,7 +106,7 @@ pub enum Error {
     /// Parquet that cannot be written or read.
     #[error("{}: {source}", path.display())]
     Parquet {
-        /// The file.
+        /// Path of the file, as it was given.
         path: PathBuf,
         /// The library's reason.
         source: ParquetError,

@@ -13,11 +13,11 @@ use serde::Serialize;
 /// A number with its 95 % interval.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The value.
+    /// Best value, in the unit below.
     pub value: f64,
     /// Its 95 % interval.
     pub ci95: [f64; 2],
-    /// Its unit.
+    /// Unit of value and interval.
     pub unit: String,
 }
 

@@ -31,7 +31,7 @@ pub struct Place {
     pub variance: f64,
     /// Deviations that the means of one segment have in common.
     pub common_sd_pa: [f64; 3],
-    /// The segment.
+    /// Rest, move or hold that the block belongs to, by its place in the record.
     pub segment: usize,
     /// Deviation by rounding, where the readings stick.
     pub rounding_sd_pa: f64,

@@ -9,11 +9,12 @@ pub const INDISTINGUISHABLE: f64 = 6.0;
 pub const MOST_TERMS: usize = 4;
 /// The same with those of the recording, of which a rig's logger may well have two of its own.
 pub const MOST_IN_ALL: usize = 6;
-/// Sets that go on to the next term.
+/// Sets that go on to the next term: the best of all, and as many of those without terms of single records.
 pub const GO_ON: usize = 3;
 /// Single terms that are joined in pairs where none of them is enough alone.
 pub const PAIRED: usize = 6;
-/// Larger sets of a round that are fitted: those whose first step promises most.
+/// Larger sets of a round that are fitted: those whose first step promises most, with terms of single records and as many
+/// without.
 pub const FITTED: usize = 8;
 /// Better sets of each round whose error on left-out data is judged.
 pub const JUDGED: usize = 4;

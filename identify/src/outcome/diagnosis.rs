@@ -33,9 +33,9 @@ pub struct Rmse {
 /// A model and how far it is off.
 #[derive(Clone, Debug, Serialize)]
 pub struct Side {
-    /// Its errors.
+    /// Errors on fitted and on left-out data, Pa rms.
     pub rmse_pa: Rmse,
-    /// Its parameters.
+    /// Parameters with their 95 % intervals, by name.
     #[serde(serialize_with = "as_map")]
     pub parameters: Estimates,
 }
@@ -43,9 +43,9 @@ pub struct Side {
 /// One step of the search: a model with one term more than the step before it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
-    /// Its effects.
+    /// Names of the effects in the model of this step.
     pub effects: Vec<&'static str>,
-    /// Its errors.
+    /// Errors on fitted and on left-out data, Pa rms.
     pub rmse_pa: Rmse,
 }
 
@@ -155,7 +155,7 @@ impl Diagnosis {
 
 /// A diagnosis with what a report draws.
 pub struct Diagnosed {
-    /// The result.
+    /// What was found.
     pub diagnosis: Diagnosis,
     /// The prepared data.
     pub data: Data,

@@ -43,7 +43,7 @@ impl Method {
 /// One kind of test: means over its repeats.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExperimentResult {
-    /// Its name.
+    /// Name of the experiment in the rig file.
     pub name: String,
     /// Pf of P = Pf + ΔP e^(−t/τ), Pa; absent where a trace is not a push and a hold.
     pub final_pressure_pa: Option<f64>,

@@ -52,7 +52,7 @@ impl NoiseFound {
 /// What one record has for itself.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordFound {
-    /// Its file.
+    /// File of the trace.
     pub trace: String,
     /// Its own numbers.
     #[serde(serialize_with = "as_map")]

@@ -21,7 +21,7 @@ use serde::Serialize;
 /// One record against the model.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordError {
-    /// Its file.
+    /// File of the trace.
     pub trace: String,
     /// The record's own numbers.
     #[serde(serialize_with = "as_map")]
@@ -51,7 +51,7 @@ pub struct Validation {
 
 /// A validation with what a report draws.
 pub struct Validated {
-    /// The result.
+    /// Errors of the model on these records.
     pub validation: Validation,
     /// The prepared records.
     pub data: Data,

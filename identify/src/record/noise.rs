@@ -146,7 +146,7 @@ pub struct Quiet<'a> {
     pub time_s: &'a [f64],
     /// Pressures, Pa.
     pub pressure_pa: &'a [f64],
-    /// The stroke.
+    /// Stroke, whose rests and holds are the quiet parts.
     pub motion: &'a Motion,
     /// Which rows are data.
     pub readout: &'a Readout,

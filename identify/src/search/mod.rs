@@ -31,9 +31,9 @@ use starts::fit_model;
 /// A model that was fitted.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The model.
+    /// Terms that it has beyond the paper's model.
     pub model: Model,
-    /// Its fit.
+    /// Best parameters and the linearised problem there.
     pub fit: Fit,
     /// BIC of the paper's model less its own.
     pub delta_bic: f64,

@@ -34,7 +34,7 @@ pub fn simulated() -> Vec<usize> {
 /// One push-and-hold experiment: from rest at a pressure, moves with a hold after each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
-    /// Its name.
+    /// Name of the experiment in the rig file.
     pub name: String,
     /// Pressure of the rest, Pa.
     pub pressure_pa: f64,
@@ -72,7 +72,7 @@ pub struct Recipe {
     pub ambient_pa: f64,
     /// What no card describes.
     pub outside: Option<Outside>,
-    /// The experiments.
+    /// Push-and-hold experiments, each with its repeats.
     pub tests: Vec<Test>,
     /// Time before each first move, s.
     pub rest_s: f64,

@@ -31,7 +31,7 @@ pub struct Guessed {
     pub place: usize,
     /// Its name, or its number where the name is not its own.
     pub name: String,
-    /// Its unit.
+    /// Unit that its name or the line of units states.
     pub unit: &'static Unit,
     /// Whether the unit was taken from the values.
     pub unit_guessed: bool,

@@ -19,7 +19,7 @@ const MOST_EARLY: f64 = 0.6;
 /// A part of a record in which the piston rests, or moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phase {
-    /// Its rows.
+    /// Rows of the trace that belong to it.
     pub rows: Range<usize>,
     /// Whether the piston moves.
     pub moving: bool,

@@ -18,7 +18,7 @@ pub enum TraceProblem {
     /// Not a text file.
     #[error("line {line}: {what}; expected a text table")]
     NotText {
-        /// The line.
+        /// Number of the line, counted from 1.
         line: usize,
         /// What stands there instead.
         what: &'static str,
@@ -42,7 +42,7 @@ pub enum TraceProblem {
     DoubleColumn {
         /// The header's line.
         line: usize,
-        /// The name.
+        /// Name of the column, as the header has it.
         column: String,
         /// The second one's number, from 1.
         second: usize,
@@ -54,7 +54,7 @@ pub enum TraceProblem {
     OtherUnit {
         /// The units line.
         line: usize,
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The unit in the file.
         found: &'static str,
@@ -95,9 +95,9 @@ pub enum TraceProblem {
          its own"
     )]
     TimeRestarts {
-        /// The line.
+        /// Number of the line, counted from 1.
         line: usize,
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The time, s.
         value: f64,
@@ -128,7 +128,7 @@ pub enum RowProblem {
     /// A row with other fields than the header has names.
     #[error("{found} fields where the header names {expected} columns{hint}")]
     FieldCount {
-        /// Its fields.
+        /// Number of fields that the line has.
         found: usize,
         /// The header's.
         expected: usize,
@@ -138,7 +138,7 @@ pub enum RowProblem {
     /// Something else than a number.
     #[error("column `{column}`: `{value}` is not a {kind}{hint}")]
     NotANumber {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// What stands there, shortened.
         value: String,
@@ -150,7 +150,7 @@ pub enum RowProblem {
     /// Not-a-number or infinity.
     #[error("column `{column}`: `{value}` is not a finite number")]
     NotFinite {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// What stands there.
         value: String,
@@ -158,7 +158,7 @@ pub enum RowProblem {
     /// A time that another row has already.
     #[error("column `{column}`: time does not increase, {value:?} s occurs twice")]
     TimeRepeats {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The time, s.
         value: f64,
@@ -166,7 +166,7 @@ pub enum RowProblem {
     /// A time out of order.
     #[error("column `{column}`: time does not increase, {value:?} s after {before:?} s")]
     TimeOutOfOrder {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The time, s.
         value: f64,
@@ -176,7 +176,7 @@ pub enum RowProblem {
     /// A pressure at or below vacuum.
     #[error("column `{column}`: {value:?} Pa cannot be an absolute pressure{hint}")]
     NotAbsolute {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The pressure, Pa.
         value: f64,
@@ -186,7 +186,7 @@ pub enum RowProblem {
     /// A temperature that no chamber has.
     #[error("column `{column}`: a temperature of {value:?} K is not plausible{hint}")]
     Temperature {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The temperature, K.
         value: f64,
@@ -196,7 +196,7 @@ pub enum RowProblem {
     /// A piston beyond the cylinder's end.
     #[error("column `{column}`: position {value:?} m is beyond the stroke of {stroke:?} m")]
     BeyondStroke {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The position, m.
         value: f64,
@@ -209,7 +209,7 @@ pub enum RowProblem {
          offset_m of position in the [columns] of the rig file"
     )]
     NegativePosition {
-        /// The column.
+        /// Name of the column, as the header has it.
         column: String,
         /// The position, m.
         value: f64,

@@ -51,7 +51,7 @@ impl Outcome {
 /// An answer as far as it is judged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// The verdict.
+    /// Verdict of the diagnosis; refused where there is none.
     pub verdict: String,
     /// Names of the effects.
     pub effects: Vec<String>,
