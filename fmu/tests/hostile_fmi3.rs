@@ -488,6 +488,13 @@ fn survives(kind: Kind, equipment: &[(&str, f64)], orderly: bool, calls: &[Call]
     Ok(())
 }
 
+#[test]
+fn a_co_simulation_in_event_mode_takes_no_time_from_the_host() {
+    let kind = Kind::CoSimulation { event_mode: true, early_return: false };
+    let calls = [Call::Step { offset: 0.0, h: 1.0, null: false }, Call::EnterEvent, Call::Time(0.0)];
+    survives(kind, &[("recordDelay.delay", 0.02)], true, &calls).unwrap();
+}
+
 fn cases() -> u32 {
     if std::env::var_os("CI").is_some() { 2_000 } else { 20_000 }
 }

@@ -64,6 +64,7 @@ impl Instance {
     /// # Errors
     /// Outside Model Exchange under way; a time that is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
+        self.need_exchange()?;
         self.need(&[Phase::Event, Phase::Continuous], "the time is set in event mode or continuous-time mode")?;
         if !time.is_finite() {
             return Err(Refusal::BadArgument { argument: "time", value: time, expected: "a finite time is expected" });
@@ -79,6 +80,7 @@ impl Instance {
     /// # Errors
     /// Outside Model Exchange under way; another number of states, states that are not finite.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
+        self.need_exchange()?;
         self.need(
             &[Phase::Event, Phase::Continuous],
             "continuous states are set in event mode or continuous-time mode",
@@ -151,7 +153,7 @@ impl Instance {
     fn need_exchange(&self) -> Result<(), Refusal> {
         if self.now.kind == Kind::CoSimulation {
             return Err(Refusal::NotOffered {
-                what: "this instance is for co-simulation: states and indicators belong to Model Exchange",
+                what: "this instance is for co-simulation: its time, states and indicators are set and read in Model Exchange only",
             });
         }
         Ok(())
