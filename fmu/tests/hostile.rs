@@ -222,6 +222,13 @@ unsafe fn make(host: &Host, held: &mut Held, call: &Call) -> CEnum {
     }
 }
 
+#[test]
+fn a_state_after_the_shortest_step_there_is_can_be_read() {
+    let host = Host::new();
+    host.start(&[("recordDelay.delay", 0.02)], None);
+    survives(&host, &Host::new(), &[Call::Step { offset: 0.0, h: 5e-324 }]).unwrap();
+}
+
 fn cases() -> u32 {
     if std::env::var_os("CI").is_some() { 5_000 } else { 100_000 }
 }

@@ -146,7 +146,9 @@ impl Record {
     /// Appends a stretch. The host's clock may lie a rounding before the last one's end: what adds no time is left out,
     /// what it covers anew goes, so that stretches stay in time order.
     pub fn push(&mut self, stretch: Stretch, delay: f64) {
-        if self.end().is_some_and(|end| stretch.end() <= end) {
+        // A subnormal length is too short to divide by: readings along it are no numbers.
+        let adds_time = stretch.length.is_normal() && self.end().is_none_or(|end| stretch.end() > end);
+        if !adds_time {
             return;
         }
         while self.stretches.back().is_some_and(|last| last.from >= stretch.from) {
