@@ -6,9 +6,11 @@ use crate::package::identity::Identity;
 use crate::plant::simulation::DEFAULT_TOLERANCE;
 use crate::plant::values::Starts;
 use crate::protocol::message::Category;
+use crate::table::choices::{ENUMERATIONS, Enumeration};
+use crate::table::states::place_of_state;
 use crate::table::structure::{self, Unknown};
 use crate::table::units::{QUANTITIES, Quantity, UNITS};
-use crate::table::{ENUMERATIONS, Enumeration, Role, STEP_S, Variability, Variable, place_of_state, settable, table};
+use crate::table::{Role, STEP_S, Variability, Variable, settable, table};
 use crate::xml::{line, number};
 use sha2::{Digest, Sha256};
 
@@ -18,15 +20,15 @@ pub type Attributes = Vec<(&'static str, String)>;
 /// A description and its guid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
-    /// The file.
+    /// `modelDescription.xml`, whole.
     pub xml: String,
-    /// Its guid, in braces.
+    /// Hash of all the rest of it, in braces: the guid, or the instantiation token of FMI 3.0.
     pub guid: String,
 }
 
 /// What a version of FMI says in its own words.
 pub trait Dialect {
-    /// The version's number.
+    /// `fmiVersion`.
     const VERSION: &'static str;
     /// Name of the attribute with the guid.
     const GUID: &'static str;

@@ -12,7 +12,8 @@ use fmu::fmi2::abi::*;
 use fmu::fmi2::host::EventInfo;
 use fmu::plant::corners::CORNERS;
 use fmu::plant::states::ALL;
-use fmu::table::parameter_name;
+use fmu::table::effects::{effects_here, parameter_name};
+use fmu::table::states::place_of_state;
 
 /// A host that integrates: Dormand and Prince's pair, with inputs as functions of time.
 struct Exchange<F> {
@@ -129,7 +130,7 @@ fn push(t: f64) -> (f64, f64) {
 
 #[test]
 fn a_host_that_integrates_finds_what_co_simulation_finds_with_every_effect() {
-    let all: Vec<usize> = fmu::table::effects_here().map(|(index, _)| index).collect();
+    let all: Vec<usize> = effects_here().map(|(index, _)| index).collect();
     let sets = all.iter().map(|i| vec![*i]).chain([Vec::new(), all.clone()]);
     for set in sets {
         let mut starts = vec![("initialPressure".to_owned(), 3e5), ("initialTemperature".to_owned(), 300.0)];
@@ -259,7 +260,7 @@ fn rates_and_outputs_have_the_derivatives_of_their_differences_by_states_and_inp
     let names: Vec<String> = fmu::table::table().iter().map(|v| v.name.clone()).collect();
     let unknowns = ["der(internalEnergy)", "der(mass)", "pressure", "temperature", "heatFlow", "force", "workDone"];
     for state in 0..ALL {
-        let known = &names[fmu::table::place_of_state(state).unwrap()];
+        let known = &names[place_of_state(state).unwrap()];
         let d = 1e-6 * base[state].abs().max(1e-6);
         for unknown in unknowns {
             let exact = host.directional(unknown, known);

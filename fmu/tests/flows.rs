@@ -11,7 +11,7 @@ use chamber::signals::Signals;
 use chamber::simulate::{Start, simulate};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use common::Host;
-use fmu::table::parameter_name;
+use fmu::table::effects::{effects_here, parameter_name};
 
 fn reference() -> Chamber {
     Chamber::new(Gas::AIR, Geometry::new(0.02, 0.0, 2e-6, AreaLaw::Total), HeatTransfer::at_paper_reference(26.5))
@@ -150,8 +150,7 @@ fn every_effect_runs_in_the_fmu_as_in_a_simulation() {
     let motion = [(0.0, 0.1), (0.1, 0.1), (0.3, 0.05), (1.0, 0.05)];
     let times: Vec<f64> = (0..=100).map(|k| f64::from(k) * 0.01).collect();
     let signals = Signals::closed(&motion, 293.15, 101_325.0);
-    for (index, card) in fmu::table::effects_here().filter(|(_, card)| card.parameters.iter().all(|p| p.is_variable()))
-    {
+    for (index, card) in effects_here().filter(|(_, card)| card.parameters.iter().all(|p| p.is_variable())) {
         let mut chamber = reference();
         let mut values = EffectValues::NEUTRAL;
         for (value, parameter) in values.of_mut(index).iter_mut().zip(card.parameters) {

@@ -9,7 +9,7 @@ use fmu::package::{Contents, Library, Version};
 use fmu::plant::values::{
     BASE, CRITICAL_RATIO, Choices, Parameters, REALS, Starts, StrokeInput, parameter, start_inputs,
 };
-use fmu::table::parameter_name;
+use fmu::table::effects::parameter_name;
 use records::{Model, Rig, Verdict};
 use std::path::PathBuf;
 
@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut model = Model::read(&args.model)?;
     let left_out = model.leave_out_recorded_stroke();
     for (place, card) in chamber::effects::all() {
-        fmu::table::exported(card, model.chamber.effects.of(place))
+        fmu::table::effects::exported(card, model.chamber.effects.of(place))
             .map_err(|reason| anyhow::anyhow!("{}: the FMU cannot be made: {reason}", args.model.display()))?;
     }
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());

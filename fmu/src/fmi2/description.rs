@@ -4,9 +4,10 @@ use crate::description::{self, Attributes, Description, Dialect, dependencies, i
 use crate::package::identity::Identity;
 use crate::plant::corners::CORNERS;
 use crate::plant::values::Starts;
+use crate::table::choices::Enumeration;
 use crate::table::structure::Unknown;
 use crate::table::units::Quantity;
-use crate::table::{Enumeration, Type, Variable, settable};
+use crate::table::{Type, Variable, settable};
 use crate::xml::{line, number};
 use std::fmt::Write;
 

@@ -7,18 +7,18 @@ use crate::protocol::message::Status;
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Arc;
 
-/// `fmi2CallbackLogger`.
+/// `fmi2CallbackLogger`: environment, instance name, status, category, format and its arguments.
 pub type Logger = Option<unsafe extern "C" fn(*mut c_void, *const c_char, CEnum, *const c_char, *const c_char, ...)>;
 
 /// `fmi2CallbackFunctions`. Only the logger is used (`canNotUseMemoryManagementFunctions`).
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct Callbacks {
-    /// May be NULL.
+    /// Gets refusals, warnings and events; where it is NULL nobody does.
     pub logger: Logger,
-    /// Not used.
+    /// The FMU uses memory of its own.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
-    /// Not used.
+    /// The FMU uses memory of its own.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
     /// Not used: steps are done when fmi2DoStep returns.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, CEnum)>,
@@ -26,7 +26,7 @@ pub struct Callbacks {
     pub component_environment: *mut c_void,
 }
 
-/// `fmi2EventInfo`.
+/// `fmi2EventInfo`: what an event changed and, s, when the next one is.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 #[allow(missing_docs, reason = "the standard's names")]

@@ -2,12 +2,13 @@
 
 #![allow(unsafe_code)]
 
+use super::{further_variable, indicator_references};
 use crate::boundary::{CEnum, Listener};
 use crate::protocol::message::Status;
 use crate::protocol::refusal::Refusal;
 use std::ffi::{CStr, c_char, c_void};
 
-/// `fmi3LogMessageCallback`.
+/// `fmi3LogMessageCallback`: environment, status, category and text.
 pub type LogMessage = Option<unsafe extern "C" fn(*mut c_void, CEnum, *const c_char, *const c_char)>;
 
 /// The host of one instance.
@@ -15,7 +16,7 @@ pub type LogMessage = Option<unsafe extern "C" fn(*mut c_void, CEnum, *const c_c
 pub struct Host {
     /// Handed to the logger.
     pub environment: *mut c_void,
-    /// May be NULL.
+    /// Gets refusals, warnings and events; where it is NULL nobody does.
     pub log: LogMessage,
 }
 
@@ -34,6 +35,10 @@ impl Listener for Host {
             Refusal::WrongType { name, reference, is, asked } => {
                 Refusal::WrongType { name, reference, is: term(is), asked: term(asked) }
             }
+            Refusal::UnknownReference { reference, .. } => match further_variable(reference) {
+                Some(name) => Refusal::OnlyRead { name, reference, getter: "fmi3GetFloat64" },
+                None => Refusal::UnknownReference { reference, last: indicator_references().end - 1 },
+            },
             other => other,
         }
     }
@@ -42,5 +47,24 @@ impl Listener for Host {
         let Some(log) = self.log else { return };
         // SAFETY: the host's function, with pointers that live until it returns.
         unsafe { log(self.environment, status as CEnum, category.as_ptr(), text.as_ptr()) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi3::time_reference;
+
+    #[test]
+    fn a_reference_that_fmi_3_alone_has_is_refused_by_name_and_one_beyond_all_with_the_range_of_all() {
+        let told = |reference| Host::terms(Refusal::UnknownReference { reference, last: 0 }).to_string();
+        let end = indicator_references().end;
+        let time = time_reference();
+        assert_eq!(
+            told(time),
+            format!("time (value reference {time}) can be read with fmi3GetFloat64 and used in nothing else")
+        );
+        assert!(told(end - 1).starts_with("eventIndicator"));
+        assert!(told(end).ends_with(&format!("the model description lists 0 to {}", end - 1)));
     }
 }

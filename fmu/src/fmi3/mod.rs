@@ -21,3 +21,12 @@ pub fn indicator_references() -> std::ops::Range<u32> {
     let first = time_reference() + 1;
     first..first + CORNERS as u32
 }
+
+/// Name of a variable behind those of the table, which only FMI 3.0 has.
+pub fn further_variable(reference: u32) -> Option<&'static str> {
+    if reference == time_reference() {
+        Some("time")
+    } else {
+        indicator_references().contains(&reference).then_some("eventIndicator")
+    }
+}

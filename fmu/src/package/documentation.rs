@@ -4,7 +4,8 @@ use super::Contents;
 use super::identity::Identity;
 use super::validation::Validation;
 use crate::plant::values::Starts;
-use crate::table::{Role, Variable, camel, effects_here, settable, table};
+use crate::table::effects::{camel, effects_here};
+use crate::table::{Role, Variable, settable, table};
 use crate::xml::{escaped, number};
 use std::fmt::Write;
 

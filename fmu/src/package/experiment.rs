@@ -21,13 +21,13 @@ pub const DURATION_S: f64 = PUSH_S * STEPS as f64 / PUSH_STEPS as f64;
 
 /// A file of an experiment.
 pub struct Related {
-    /// Media type.
+    /// Media type of the file, such as [`CSV`].
     pub media: &'static str,
     /// Name within [`FOLDER`].
     pub name: String,
     /// What it is to the experiment, as FMI-LS-REF names it.
     pub role: &'static str,
-    /// For people.
+    /// What the file holds, in a sentence for people.
     pub description: String,
     /// Its content: XML, or a table with a header line.
     pub text: String,

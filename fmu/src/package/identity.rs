@@ -3,7 +3,7 @@
 /// Name and identifier of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// `modelName`.
+    /// `modelName`: the FMU's file name without its ending.
     pub name: String,
     /// `modelIdentifier`: the name of the library, an identifier of C.
     pub identifier: String,

@@ -30,16 +30,16 @@ pub struct Library<'a> {
     pub platform: &'a str,
     /// File name extension without the dot.
     pub extension: &'a str,
-    /// The file.
+    /// The library, whole, with its block of start values as built.
     pub bytes: &'a [u8],
 }
 
 /// Which version of FMI an FMU is for; one library serves both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
-    /// FMI 2.0.
+    /// FMI 2.0.5, which most tools import.
     Two,
-    /// FMI 3.0.
+    /// FMI 3.0.2, with terminals and early return at events.
     Three,
 }
 
@@ -74,7 +74,7 @@ pub struct Contents<'a> {
     pub identity: &'a Identity,
     /// What its documentation says of where the numbers come from.
     pub about: &'a About,
-    /// Start values.
+    /// Start values of inputs and parameters, SI units.
     pub starts: &'a Starts,
     /// Measured records that go with the model, as reference experiments.
     pub validations: &'a [Validation],

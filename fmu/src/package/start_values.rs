@@ -56,7 +56,7 @@ const fn fingerprint() -> u64 {
     hash
 }
 
-/// FNV-1a.
+/// Carries an FNV-1a hash on over more bytes.
 const fn mix(mut hash: u64, bytes: &[u8]) -> u64 {
     let mut i = 0;
     while i < bytes.len() {
@@ -83,7 +83,7 @@ pub enum BlockError {
 /// Start values and guid of a library.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
-    /// Start values.
+    /// Start values of inputs and parameters, SI units.
     pub starts: Starts,
     /// The description's guid.
     pub guid: String,

@@ -58,7 +58,7 @@ pub struct Piston {
     pub position: f64,
     /// Speed that the host gives, m/s.
     pub velocity: f64,
-    /// Its limits.
+    /// Ends of the stroke that stop it.
     pub limits: Limits,
 }
 

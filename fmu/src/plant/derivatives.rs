@@ -32,7 +32,7 @@ pub struct Seed {
 }
 
 impl Seed {
-    /// No direction.
+    /// The direction in which nothing changes, to set components of.
     pub const ZERO: Seed =
         Seed { parameters: [0.0; REALS], inputs: [0.0; INPUTS], states: [0.0; ALL], elapsed: 0.0, delayed: 0.0 };
 

@@ -9,9 +9,9 @@ pub enum Fault {
     /// Parameters that contradict each other.
     #[error("rodDiameter = {rod} m leaves no piston area in bore = {bore} m")]
     NoPistonArea {
-        /// m.
+        /// Diameter of the rod, m.
         rod: f64,
-        /// m.
+        /// Bore of the cylinder, m.
         bore: f64,
     },
     /// No room for the gas.
@@ -19,11 +19,11 @@ pub enum Fault {
         "position = {position} m leaves the gas a volume of {volume} m3; it must lie between 0 and 1e9 m3 (deadVolume = {dead_volume} m3)"
     )]
     NoVolume {
-        /// m.
+        /// Position of the piston, m.
         position: f64,
-        /// m³.
+        /// Volume that it leaves the gas, m³.
         volume: f64,
-        /// m³.
+        /// Volume at position zero, m³.
         dead_volume: f64,
     },
     /// More gas leaves than there is.
@@ -31,11 +31,11 @@ pub enum Fault {
         "a step of {step} s would empty the chamber: {mass} kg of gas, {outflow} kg/s leave; take a shorter step or a smaller massFlowOut"
     )]
     Emptied {
-        /// s.
+        /// Length of the step, s.
         step: f64,
-        /// kg.
+        /// Mass of the gas, kg.
         mass: f64,
-        /// Net, kg/s.
+        /// Net mass flow out of the chamber, kg/s.
         outflow: f64,
     },
     /// No accurate step exists.
@@ -43,11 +43,11 @@ pub enum Fault {
         "a step of {step} s from t = {time} s cannot be computed accurately ({cause}); the instance keeps the state of t = {time} s"
     )]
     NoStep {
-        /// s.
+        /// Length of the step, s.
         step: f64,
-        /// s.
+        /// Time at its begin, s.
         time: f64,
-        /// What the integrator says.
+        /// Why the integration failed, as a clause.
         cause: String,
     },
     /// States that a host set, of which no gas can be made.
@@ -55,9 +55,9 @@ pub enum Fault {
         "mass = {mass} kg and internalEnergy = {energy} J make no gas: both must be positive and all states finite"
     )]
     NoGas {
-        /// kg.
+        /// Mass of the gas, kg.
         mass: f64,
-        /// J.
+        /// Internal energy of the gas, J.
         energy: f64,
     },
     /// A state that is finite but whose outputs are not, such as a sensor far beyond any number.

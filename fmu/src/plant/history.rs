@@ -23,20 +23,20 @@ pub fn can_keep(readings: &[f64]) -> bool {
 /// What the sensor showed at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// s.
+    /// Time of the reading, s.
     pub time: f64,
-    /// Pa.
+    /// Reading, Pa.
     pub value: f64,
-    /// Pa/s.
+    /// Its time derivative, Pa/s.
     pub rate: f64,
 }
 
 /// A stretch of the reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Begin, s.
+    /// Time at which it begins, s.
     pub from: f64,
-    /// Length, s.
+    /// Duration, s; positive.
     pub length: f64,
     /// Readings at 0, ¼, ½, ¾ and 1 of the length, Pa.
     pub reading: [f64; 5],

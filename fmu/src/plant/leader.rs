@@ -17,12 +17,12 @@ pub enum Leader {
     Push = 0,
     /// The default experiment, in its hold.
     Hold = 1,
-    /// The host.
+    /// The host: its position and velocity count.
     Host = 2,
 }
 
 impl Leader {
-    /// Every leader.
+    /// All leaders, for saved states.
     pub const ALL: [Leader; 3] = [Leader::Push, Leader::Hold, Leader::Host];
 
     /// Position and speed that the default experiment gives a piston that began at `from`, `elapsed` seconds ago. The push has

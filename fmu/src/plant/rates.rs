@@ -11,16 +11,16 @@ use chamber::real::Scalar;
 /// Outputs, states and rates of states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Present<R = f64> {
-    /// Outputs, see [`output`].
+    /// Outputs, SI units, see [`output`].
     pub outputs: [R; OUTPUTS],
-    /// States at the present position.
+    /// States at the present position, SI units.
     pub states: [R; ALL],
-    /// Their rates.
+    /// Time derivatives of the states, SI units per s.
     pub rates: [R; ALL],
 }
 
 impl Present {
-    /// All zero.
+    /// Zero everywhere: no derivative.
     pub const ZERO: Present = Present { outputs: [0.0; OUTPUTS], states: [0.0; ALL], rates: [0.0; ALL] };
 
     /// Whether all of it are numbers that a host can go on with.
@@ -41,13 +41,13 @@ pub struct Sensor<R = f64> {
 /// A chamber at one moment, before its states are known.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a, R = f64> {
-    /// The chamber.
+    /// Gas, geometry, heat transfer and effects, with what follows from them once.
     pub balance: &'a Balance<R>,
     /// Effects that take part.
     pub set: EffectSet,
     /// Piston, flows and surroundings.
     pub boundary: Boundary<R>,
-    /// Wall and ports.
+    /// What others hold: the wall's temperature, the ports' far sides.
     pub around: Around<R>,
 }
 

@@ -22,7 +22,7 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-8;
 /// Tolerances that the integration can keep; the host's is brought into these bounds.
 pub const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-2;
 
-/// Who integrates.
+/// Who integrates over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
@@ -35,11 +35,11 @@ pub enum Kind {
 /// What the host announced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Experiment {
-    /// s.
+    /// Start time, s.
     pub start: f64,
-    /// s.
+    /// Stop time, s; `None` where the host announces none.
     pub stop: Option<f64>,
-    /// Relative.
+    /// Relative tolerance of the inner integration, within [`TOLERANCES`].
     pub tolerance: f64,
 }
 
@@ -57,19 +57,19 @@ pub struct Completed {
 /// The whole state of a simulation.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    /// Who integrates.
+    /// Model Exchange or co-simulation; fixed for an instance's life.
     pub kind: Kind,
     /// Whether initialization is over.
     pub started: bool,
-    /// Announced experiment.
+    /// Start, stop and tolerance as the host announced them.
     pub experiment: Experiment,
     /// Present time, s.
     pub time: f64,
-    /// Parameters as set.
+    /// Parameters as the host set them, SI units.
     pub parameters: Parameters,
     /// Who moves the piston.
     pub leader: Leader,
-    /// Inputs as set.
+    /// Inputs as the host set them, SI units, with their derivatives.
     pub inputs: Inputs,
     /// The gas; of no meaning before the end of initialization.
     pub gas: Gas,
@@ -81,9 +81,9 @@ pub struct Simulation {
     pub record: Option<Record>,
     /// Sides of the corners as of the last event.
     pub sides: Sides,
-    /// The host's last completed step.
+    /// Where the host's last completed step of Model Exchange ended.
     pub completed: Completed,
-    /// Follows from the parameters.
+    /// The chamber that follows from parameters and tolerance; see [`Simulation::rebuild`].
     pub plant: Plant,
 }
 

@@ -46,7 +46,7 @@ pub struct Gas {
 /// A chamber with what takes part.
 #[derive(Clone, Debug)]
 pub struct Plant {
-    /// Its constants.
+    /// Gas, geometry, heat transfer and effects, with what follows from them once.
     pub balance: Balance,
     /// Effects that are not neutral.
     pub set: EffectSet,

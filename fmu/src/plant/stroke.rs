@@ -14,7 +14,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// No limits.
+    /// A piston that no end stops.
     pub const NONE: Limits = Limits { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
     /// Between the ends of a cylinder with that stroke, m; zero means no limits.

@@ -101,7 +101,7 @@ pub enum Choice {
 }
 
 impl Choice {
-    /// Every one.
+    /// All three, in the order of their variables.
     pub const ALL: [Choice; 3] = [Choice::AreaLaw, Choice::StrokeInput, Choice::ExternalWall];
 }
 
@@ -139,9 +139,9 @@ impl Choices {
 /// Everything that a host sets once or between steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<R = f64> {
-    /// Real parameters, see [`parameter`].
+    /// Real parameters, SI units, see [`parameter`].
     pub real: [R; REALS],
-    /// The others.
+    /// Parameters that are enumerations or Booleans.
     pub choices: Choices,
 }
 
@@ -190,9 +190,9 @@ impl Parameters {
 /// Start values of all that a host can set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Starts {
-    /// Parameters.
+    /// Start values of the parameters, SI units.
     pub parameters: Parameters,
-    /// Inputs.
+    /// Start values of the inputs, SI units, see [`input`].
     pub inputs: [f64; INPUTS],
 }
 

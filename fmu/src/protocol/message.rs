@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Status {
-    /// All well.
+    /// The call was done.
     Ok = 0,
     /// Done, but something is to be looked at.
     Warning = 1,
@@ -19,11 +19,11 @@ pub enum Status {
 pub enum Category {
     /// What happens inside an accepted call.
     Events,
-    /// Warnings.
+    /// Calls that were done, though numbers in them are implausible.
     Warning,
-    /// Refused numbers.
+    /// Numbers that were refused: the instance is as before and can be used on.
     Discard,
-    /// Refused calls.
+    /// Calls that were refused as a breach of the protocol.
     Error,
 }
 
@@ -48,19 +48,19 @@ impl Category {
         ),
     ];
 
-    /// Its name.
+    /// Name of the category, as the model description declares it and the host's logger gets it.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].1
     }
 }
 
-/// One message.
+/// A sentence for the host's log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// How grave it is.
+    /// Status that the host's logger gets with it.
     pub status: Status,
-    /// What it belongs to.
+    /// Log category, by which a host chooses what it hears of.
     pub category: Category,
-    /// In a sentence.
+    /// What happened, at which value and time, and what to do; in the words of FMI 2.0.
     pub text: String,
 }

@@ -10,7 +10,7 @@ pub enum Phase {
     Initialization = 1,
     /// Between steps of co-simulation.
     Step = 2,
-    /// After termination.
+    /// After termination: values can be read, nothing goes on.
     Terminated = 3,
     /// In event mode.
     Event = 4,
@@ -19,11 +19,11 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// Every phase.
+    /// All phases, for saved states and tests.
     pub const ALL: [Phase; 6] =
         [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Terminated, Phase::Event, Phase::Continuous];
 
-    /// Before the end of initialization.
+    /// Phases before the end of initialization, where fixed parameters can be set.
     pub const BEFORE: [Phase; 2] = [Phase::Instantiated, Phase::Initialization];
     /// Once initialization is over, while there is something to simulate.
     pub const RUNNING: [Phase; 3] = [Phase::Step, Phase::Event, Phase::Continuous];

@@ -13,135 +13,145 @@ pub enum Refusal {
     /// Not in this phase of the life cycle.
     #[error("not allowed {phase}; {advice}")]
     OutOfOrder {
-        /// "before initialization" and the like.
+        /// Where in its life the instance is: "before initialization mode" and the like.
         phase: &'static str,
-        /// What to do instead.
+        /// Call that comes first, or that helps.
         advice: &'static str,
     },
     /// A pointer is NULL that must not be.
     #[error("{argument} is NULL")]
     Null {
-        /// Its name in the standard.
+        /// Name of the argument in the standard.
         argument: &'static str,
     },
     /// An array length that no host means.
     #[error("{argument} = {length} is too long: this FMU takes at most {limit} elements at once")]
     TooLong {
-        /// Its name in the standard.
+        /// Name of the argument in the standard.
         argument: &'static str,
-        /// What the host said.
+        /// Number of elements that the host announced.
         length: usize,
-        /// What is possible.
+        /// Most elements that one call may have.
         limit: usize,
     },
     /// Another number of states or indicators than there are.
     #[error("{argument} = {length} does not match: this FMU has {expected}")]
     WrongLength {
-        /// Its name in the standard.
+        /// Name of the argument in the standard.
         argument: &'static str,
-        /// What the host said.
+        /// Number of elements that the host announced.
         length: usize,
-        /// What there are.
+        /// Number of elements that the function takes.
         expected: usize,
     },
     /// No variable has this reference.
     #[error("value reference {reference} belongs to no variable; the model description lists 0 to {last}")]
     UnknownReference {
-        /// What the host said.
+        /// Value reference that the host gave.
         reference: u32,
-        /// The largest there is.
+        /// The largest value reference of a variable.
         last: u32,
+    },
+    /// A variable that a host can read and use in nothing else.
+    #[error("{name} (value reference {reference}) can be read with {getter} and used in nothing else")]
+    OnlyRead {
+        /// Name of the variable in the model description.
+        name: &'static str,
+        /// Its value reference.
+        reference: u32,
+        /// Function that reads it.
+        getter: &'static str,
     },
     /// The variable is of another type.
     #[error("{name} (value reference {reference}) is of type {is}, not {asked}")]
     WrongType {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
-        /// Its reference.
+        /// Its value reference.
         reference: u32,
-        /// Its type.
+        /// Type that the variable has in FMI 2.0.
         is: &'static str,
-        /// The function's type.
+        /// Type that the called function is for.
         asked: &'static str,
     },
     /// A variable that cannot be set now, or ever.
     #[error("{name} = {value} cannot be set: {why}; nothing was set")]
     NotSettable {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
-        /// What the host wanted.
+        /// Value that the host wanted to set, in the variable's unit.
         value: f64,
-        /// Why not.
+        /// The rule that forbids it, as a clause, with what to do instead.
         why: &'static str,
     },
     /// A variable whose value is not known yet.
     #[error("{name} has no value before initialization mode is entered")]
     NotYetKnown {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
     },
     /// NaN or infinite.
     #[error("{name} = {value} {unit} is not a finite number; nothing was set")]
     NotFinite {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
-        /// What the host wanted.
+        /// Value that the host wanted to set, in the variable's unit.
         value: f64,
-        /// Unit of the variable.
+        /// SI unit of the value and its bounds.
         unit: &'static str,
     },
     /// Outside the variable's bounds.
     #[error("{name} = {value} {unit} lies outside {min} to {max} {unit}; nothing was set")]
     OutOfRange {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
-        /// What the host wanted.
+        /// Value that the host wanted to set, in the variable's unit.
         value: f64,
-        /// Unit of the variable.
+        /// SI unit of the value and its bounds.
         unit: &'static str,
-        /// Smallest value.
+        /// Smallest value that the variable takes.
         min: f64,
-        /// Largest value.
+        /// Largest value that the variable takes.
         max: f64,
     },
     /// Derivatives of a variable that has none for the host.
     #[error("{name} is not an {wanted}: it has no derivatives to {action}")]
     NoDerivative {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
-        /// "input" or "output".
+        /// Kind of variable that the function is for: "input" or "output".
         wanted: &'static str,
-        /// "set" or "get".
+        /// What the host wanted to do: "set" or "get".
         action: &'static str,
     },
     /// An order that is not supported.
     #[error("{name} has no derivative of order {order}: this FMU supports orders 1 to {highest}")]
     DerivativeOrder {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
-        /// What the host said.
+        /// Order of the derivative that the host asked for.
         order: i32,
-        /// The highest order.
+        /// Highest order that this FMU has.
         highest: i32,
     },
     /// A directional derivative with a variable in the wrong place.
     #[error("{name} cannot be {place} of a directional derivative; {advice}")]
     NoDirection {
-        /// The variable.
+        /// Name of the variable in the model description.
         name: &'static str,
-        /// "an unknown" or "a known".
+        /// Where the host put the variable: "an unknown" or "a known".
         place: &'static str,
-        /// What can.
+        /// Which variables can stand there.
         advice: &'static str,
     },
     /// A number of the experiment or the step is of no use.
     #[error("{argument} = {value}: {expected}")]
     BadArgument {
-        /// Its name in the standard.
+        /// Name of the argument in the standard.
         argument: &'static str,
-        /// What the host said.
+        /// Value that the host gave, in the argument's SI unit.
         value: f64,
-        /// What was expected.
+        /// Values that can be used, as a clause.
         expected: &'static str,
     },
     /// The step does not begin where the last one ended.
@@ -149,9 +159,9 @@ pub enum Refusal {
         "the step begins at t = {asked} s, but the last one ended at t = {reached} s; restore a saved state to go back"
     )]
     WrongPoint {
-        /// What the host said, s.
+        /// Begin of the step that the host gave, s.
         asked: f64,
-        /// Where the instance is, s.
+        /// End of the last step, s.
         reached: f64,
     },
     /// Beyond the experiment's end.
@@ -159,7 +169,7 @@ pub enum Refusal {
     BeyondStop {
         /// End of the step, s.
         end: f64,
-        /// Announced stop, s.
+        /// Stop time that the host announced, s.
         stop: f64,
     },
     /// The plant cannot go on.
@@ -168,19 +178,19 @@ pub enum Refusal {
     /// Saved state that is none.
     #[error("{why}")]
     BadState {
-        /// In a sentence.
+        /// What is wrong with the handle, as a sentence.
         why: &'static str,
     },
     /// Bytes that are no state of this FMU.
     #[error("the serialized state cannot be used: {why}")]
     BadBytes {
-        /// In a clause.
+        /// What is wrong with the bytes, as a clause.
         why: &'static str,
     },
     /// What is asked for does not exist in this FMU.
     #[error("{what}")]
     NotOffered {
-        /// In a sentence.
+        /// What there is none of, and what to use instead, as a sentence.
         what: &'static str,
     },
     /// The instance broke down before.

@@ -29,7 +29,7 @@ pub struct Unknown {
 
 /// Dependencies of the unknowns with these roles once initialization is over: on inputs and continuous states.
 pub fn between_steps(unknowns: impl Fn(Role) -> bool) -> Vec<Unknown> {
-    let known = |v: &Variable| matches!(v.role, Role::Input(_)) || super::state_of_role(v.role).is_some();
+    let known = |v: &Variable| matches!(v.role, Role::Input(_)) || super::states::state_of_role(v.role).is_some();
     dependencies(&probes(true), unknowns, known)
 }
 
@@ -41,7 +41,7 @@ pub fn in_initialization() -> Vec<Unknown> {
 
 /// The direction of one variable; `None` where it is no known. States are knowns once initialization is over.
 pub fn seed(seed: &mut Seed, role: Role, started: bool, value: f64) -> bool {
-    match (role, super::state_of_role(role)) {
+    match (role, super::states::state_of_role(role)) {
         (Role::Input(i), _) => seed.inputs[i] += value,
         (Role::Parameter(i), _) => seed.parameters[i] += value,
         (_, Some(state)) if started => seed.states[state] += value,
@@ -155,7 +155,7 @@ fn values(card: &'static Card) -> impl Iterator<Item = Vec<f64>> {
             }
         }
     }
-    let exported = |values: &Vec<f64>| (card.check)(values).is_ok() && super::exported(card, values).is_ok();
+    let exported = |values: &Vec<f64>| (card.check)(values).is_ok() && super::effects::exported(card, values).is_ok();
     all.into_iter().filter(exported).collect::<Vec<_>>().into_iter()
 }
 

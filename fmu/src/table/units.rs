@@ -14,7 +14,7 @@ pub struct Unit {
 
 /// A unit to show values in.
 pub struct Display {
-    /// Name.
+    /// Name, as people write the unit.
     pub name: &'static str,
     /// Factor of the value in the unit it belongs to.
     pub factor: f64,

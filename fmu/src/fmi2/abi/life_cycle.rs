@@ -2,19 +2,20 @@
 
 use super::*;
 
-/// `fmi2GetTypesPlatform`.
+/// Always "default": the standard's own C types.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
     c"default".as_ptr()
 }
 
-/// `fmi2GetVersion`.
+/// Always "2.0".
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// `fmi2Instantiate`.
+/// A new instance for Model Exchange (type 0) or co-simulation (type 1); NULL, with a sentence in the log, where the name
+/// is empty or the guid another.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     instance_name: *const c_char,
@@ -39,7 +40,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     }
 }
 
-/// `fmi2FreeInstance`.
+/// Frees an instance; NULL is ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: *mut c_void) {
     // SAFETY: the host's component, freed once.
@@ -53,7 +54,7 @@ pub unsafe extern "C" fn fmi2Reset(c: *mut c_void) -> CEnum {
     unsafe { boundary::reset::<Host>(c) }
 }
 
-/// `fmi2SetDebugLogging`.
+/// Chooses the log categories that the host hears of; none given means all of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetDebugLogging(
     c: *mut c_void,
@@ -65,7 +66,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     unsafe { boundary::choose::<Host>(c, "fmi2SetDebugLogging", logging_on != FALSE, n_categories, categories) }
 }
 
-/// `fmi2SetupExperiment`.
+/// Announces start and stop time, s, and the relative tolerance of the inner integration.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetupExperiment(
     c: *mut c_void,
@@ -83,35 +84,35 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     }
 }
 
-/// `fmi2EnterInitializationMode`.
+/// From here on outputs are calculated from parameters and inputs as they are set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2EnterInitializationMode", |component| component.instance.enter_initialization()) }
 }
 
-/// `fmi2ExitInitializationMode`.
+/// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2ExitInitializationMode", |component| component.instance.exit_initialization()) }
 }
 
-/// `fmi2EnterEventMode`.
+/// Stops continuous time for an event: parameters can be tuned, a jump of position is taken up adiabatically.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterEventMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2EnterEventMode", |component| component.instance.enter_event()) }
 }
 
-/// `fmi2EnterContinuousTimeMode`.
+/// Goes from event mode on to integration by the host.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2EnterContinuousTimeMode", |component| component.instance.enter_continuous_time()) }
 }
 
-/// `fmi2Terminate`.
+/// Ends the simulation; its last values can still be read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Terminate(c: *mut c_void) -> CEnum {
     // SAFETY: the host's component.

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// `fmi2DoStep`.
+/// One communication step, s; where no accurate step exists, fmi2Discard and the instance as it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DoStep(
     c: *mut c_void,
@@ -33,7 +33,7 @@ unsafe fn no_status(c: *mut c_void, function: &'static str) -> CEnum {
     unsafe { guarded(c, function, |_| Err(Refusal::NotOffered { what })) }
 }
 
-/// `fmi2GetStatus`.
+/// Always refused: a step is never pending.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStatus(c: *mut c_void, _kind: CEnum, _value: *mut CEnum) -> CEnum {
     // SAFETY: the host's component.
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: CEnum, value: *
     }
 }
 
-/// `fmi2GetIntegerStatus`.
+/// Always refused: no status is an Integer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetIntegerStatus(c: *mut c_void, _kind: CEnum, _value: *mut c_int) -> CEnum {
     // SAFETY: the host's component.
@@ -81,14 +81,14 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: CEnum, value
     }
 }
 
-/// `fmi2GetStringStatus`.
+/// Always refused: a step is never pending.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStringStatus(c: *mut c_void, _kind: CEnum, _value: *mut *const c_char) -> CEnum {
     // SAFETY: the host's component.
     unsafe { no_status(c, "fmi2GetStringStatus") }
 }
 
-/// `fmi2NewDiscreteStates`.
+/// Handles an event; one iteration is all that it needs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2NewDiscreteStates(c: *mut c_void, info: *mut EventInfo) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -122,14 +122,14 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     }
 }
 
-/// `fmi2SetTime`.
+/// Sets the time of a host that integrates, s.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetTime(c: *mut c_void, time: f64) -> CEnum {
     // SAFETY: the host's component.
     unsafe { guarded(c, "fmi2SetTime", |component| component.instance.set_time(time)) }
 }
 
-/// `fmi2SetContinuousStates`.
+/// Sets the states of a host that integrates, in their order in the model description; all finite, or none is taken.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetContinuousStates(c: *mut c_void, x: *const f64, nx: usize) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -140,7 +140,7 @@ pub unsafe extern "C" fn fmi2SetContinuousStates(c: *mut c_void, x: *const f64, 
     }
 }
 
-/// `fmi2GetContinuousStates`.
+/// The continuous states, in their order in the model description.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetContinuousStates(c: *mut c_void, x: *mut f64, nx: usize) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -151,7 +151,7 @@ pub unsafe extern "C" fn fmi2GetContinuousStates(c: *mut c_void, x: *mut f64, nx
     }
 }
 
-/// `fmi2GetDerivatives`.
+/// Time derivatives of the continuous states, SI units per s.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDerivatives(c: *mut c_void, derivatives: *mut f64, nx: usize) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -162,7 +162,7 @@ pub unsafe extern "C" fn fmi2GetDerivatives(c: *mut c_void, derivatives: *mut f6
     }
 }
 
-/// `fmi2GetEventIndicators`.
+/// Functions that change their sign at the corners of the equations.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetEventIndicators(c: *mut c_void, indicators: *mut f64, ni: usize) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -173,7 +173,7 @@ pub unsafe extern "C" fn fmi2GetEventIndicators(c: *mut c_void, indicators: *mut
     }
 }
 
-/// `fmi2GetNominalsOfContinuousStates`.
+/// Orders of magnitude of the continuous states, constant, SI units.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(c: *mut c_void, x_nominal: *mut f64, nx: usize) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.

@@ -3,14 +3,14 @@
 use super::*;
 use crate::boundary::saved;
 
-/// `fmi2GetFMUstate`.
+/// Copies the whole instance behind a handle, a new one or one that is filled anew.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
     // SAFETY: the host's component and places, as the standard has them.
     unsafe { saved::save::<Host>(c, "fmi2GetFMUstate", state) }
 }
 
-/// `fmi2SetFMUstate`.
+/// Takes the instance back to a copy; refused for a handle that this instance did not give.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetFMUstate(c: *mut c_void, state: *mut c_void) -> CEnum {
     // SAFETY: the host's component.
@@ -24,14 +24,14 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_voi
     unsafe { saved::free::<Host>(c, "fmi2FreeFMUstate", state) }
 }
 
-/// `fmi2SerializedFMUstateSize`.
+/// Bytes that a copy takes; it grows with the history of a delayed record.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: *mut c_void, state: *mut c_void, size: *mut usize) -> CEnum {
     // SAFETY: the host's component and places, as the standard has them.
     unsafe { saved::size::<Host>(c, "fmi2SerializedFMUstateSize", state, size) }
 }
 
-/// `fmi2SerializeFMUstate`.
+/// Writes a copy as bytes that another process can read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializeFMUstate(
     c: *mut c_void,
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     unsafe { saved::serialize::<Host>(c, "fmi2SerializeFMUstate", state, bytes.cast(), size) }
 }
 
-/// `fmi2DeSerializeFMUstate`.
+/// Reads a copy from bytes; refused where they are damaged or of another FMU.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     c: *mut c_void,

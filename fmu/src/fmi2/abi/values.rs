@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// `fmi2GetReal`.
+/// Values of real variables in SI units: all of them, or none where one is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut f64) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -13,7 +13,7 @@ pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, nvr: usi
     }
 }
 
-/// `fmi2SetReal`.
+/// Sets real inputs and parameters in SI units: all of them, or none where one is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const f64) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -24,7 +24,7 @@ pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, nvr: usi
     }
 }
 
-/// `fmi2GetInteger`.
+/// Values of the enumerations areaLaw and strokeInput.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut c_int) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -35,7 +35,7 @@ pub unsafe extern "C" fn fmi2GetInteger(c: *mut c_void, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2SetInteger`.
+/// Sets the enumerations areaLaw and strokeInput, before the end of initialization.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *const c_int) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2GetBoolean`.
+/// Value of externalWall.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBoolean(c: *mut c_void, vr: *const c_uint, nvr: usize, value: *mut c_int) -> CEnum {
     // SAFETY: the host's component and arrays, as the standard has them.
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn fmi2SetString(
     }
 }
 
-/// `fmi2GetDirectionalDerivative`.
+/// Exact derivatives of outputs, states and rates along a direction of inputs, states and parameters.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     c: *mut c_void,
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     }
 }
 
-/// `fmi2SetRealInputDerivatives`.
+/// Sets derivatives of inputs, orders 1 to 3, for the next step; SI units per s to that order.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     c: *mut c_void,
@@ -141,7 +141,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     }
 }
 
-/// `fmi2GetRealOutputDerivatives`.
+/// First time derivatives of outputs at the end of the last step, SI units per s.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     c: *mut c_void,

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// `fmi3GetVersion`.
+/// Always "3.0".
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
@@ -21,7 +21,7 @@ unsafe fn instantiate(
     unsafe { boundary::instantiate(Host { environment, log }, logging_on != 0, text(name), text(token), kind) }
 }
 
-/// `fmi3InstantiateModelExchange`.
+/// A new instance for Model Exchange; NULL, with a sentence in the log, where the name is empty or the token another.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     instance_name: *const c_char,
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     unsafe { instantiate(instance_name, instantiation_token, logging_on, environment, log, kind) }
 }
 
-/// `fmi3FreeInstance`.
+/// Frees an instance; NULL is ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(c: *mut c_void) {
     // SAFETY: the host's instance, freed once.
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn fmi3Reset(c: *mut c_void) -> CEnum {
     unsafe { boundary::reset::<Host>(c) }
 }
 
-/// `fmi3SetDebugLogging`.
+/// Chooses the log categories that the host hears of; none given means all of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetDebugLogging(
     c: *mut c_void,
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     unsafe { boundary::choose::<Host>(c, "fmi3SetDebugLogging", logging_on != 0, n, categories) }
 }
 
-/// `fmi3EnterInitializationMode`.
+/// Announces tolerance, start and stop time, s; from here on outputs are calculated from parameters and inputs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterInitializationMode(
     c: *mut c_void,
@@ -133,35 +133,35 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     }
 }
 
-/// `fmi3ExitInitializationMode`.
+/// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3ExitInitializationMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
     unsafe { guarded(c, "fmi3ExitInitializationMode", |component| component.instance.exit_initialization()) }
 }
 
-/// `fmi3EnterEventMode`.
+/// Stops continuous time or stepping for an event: parameters can be tuned, a jump of position is taken up.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterEventMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
     unsafe { guarded(c, "fmi3EnterEventMode", |component| component.instance.enter_event()) }
 }
 
-/// `fmi3EnterStepMode`.
+/// Goes from event mode on to steps of co-simulation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterStepMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
     unsafe { guarded(c, "fmi3EnterStepMode", |component| component.instance.enter_step()) }
 }
 
-/// `fmi3EnterContinuousTimeMode`.
+/// Goes from event mode on to integration by the host.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(c: *mut c_void) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
     unsafe { guarded(c, "fmi3EnterContinuousTimeMode", |component| component.instance.enter_continuous_time()) }
 }
 
-/// `fmi3Terminate`.
+/// Ends the simulation; its last values can still be read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Terminate(c: *mut c_void) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.

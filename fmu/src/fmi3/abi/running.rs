@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// `fmi3DoStep`.
+/// One communication step, s, which ends at the first event where the host allows an early return; where no accurate step
+/// exists, fmi3Discard and the instance as it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DoStep(
     c: *mut c_void,
@@ -38,7 +39,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     }
 }
 
-/// `fmi3UpdateDiscreteStates`.
+/// Handles an event; one iteration is all that it needs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     c: *mut c_void,
@@ -81,14 +82,14 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     unsafe { boundary::completed_step::<Host, _>(c, "fmi3CompletedIntegratorStep", enter_event_mode, terminate) }
 }
 
-/// `fmi3SetTime`.
+/// Sets the time of a host that integrates, s.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetTime(c: *mut c_void, time: f64) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
     unsafe { guarded(c, "fmi3SetTime", |component| component.instance.set_time(time)) }
 }
 
-/// `fmi3SetContinuousStates`.
+/// Sets the states of a host that integrates, in their order in the model description; all finite, or none is taken.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetContinuousStates(c: *mut c_void, values: *const f64, n: usize) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
@@ -99,7 +100,7 @@ pub unsafe extern "C" fn fmi3SetContinuousStates(c: *mut c_void, values: *const 
     }
 }
 
-/// `fmi3GetContinuousStates`.
+/// The continuous states, in their order in the model description.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetContinuousStates(c: *mut c_void, values: *mut f64, n: usize) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
@@ -110,7 +111,7 @@ pub unsafe extern "C" fn fmi3GetContinuousStates(c: *mut c_void, values: *mut f6
     }
 }
 
-/// `fmi3GetContinuousStateDerivatives`.
+/// Time derivatives of the continuous states, SI units per s.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetContinuousStateDerivatives(c: *mut c_void, values: *mut f64, n: usize) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
@@ -121,7 +122,7 @@ pub unsafe extern "C" fn fmi3GetContinuousStateDerivatives(c: *mut c_void, value
     }
 }
 
-/// `fmi3GetEventIndicators`.
+/// Functions that change their sign at the corners of the equations.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetEventIndicators(c: *mut c_void, values: *mut f64, n: usize) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
@@ -132,7 +133,7 @@ pub unsafe extern "C" fn fmi3GetEventIndicators(c: *mut c_void, values: *mut f64
     }
 }
 
-/// `fmi3GetNominalsOfContinuousStates`.
+/// Orders of magnitude of the continuous states, constant, SI units.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNominalsOfContinuousStates(c: *mut c_void, values: *mut f64, n: usize) -> CEnum {
     // SAFETY: the host's instance and arrays, as the standard has them.
@@ -143,7 +144,7 @@ pub unsafe extern "C" fn fmi3GetNominalsOfContinuousStates(c: *mut c_void, value
     }
 }
 
-/// `fmi3GetNumberOfEventIndicators`.
+/// Number of event indicators, constant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(c: *mut c_void, n: *mut usize) -> CEnum {
     // SAFETY: the host's instance and place.
@@ -155,7 +156,7 @@ pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(c: *mut c_void, n: *mut 
     }
 }
 
-/// `fmi3GetNumberOfContinuousStates`.
+/// Number of continuous states, constant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfContinuousStates(c: *mut c_void, n: *mut usize) -> CEnum {
     // SAFETY: the host's instance and place.

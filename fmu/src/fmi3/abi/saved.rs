@@ -3,14 +3,14 @@
 use super::*;
 use crate::boundary::saved;
 
-/// `fmi3GetFMUState`.
+/// Copies the whole instance behind a handle, a new one or one that is filled anew.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFMUState(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
     // SAFETY: the host's instance and places, as the standard has them.
     unsafe { saved::save::<Host>(c, "fmi3GetFMUState", state) }
 }
 
-/// `fmi3SetFMUState`.
+/// Takes the instance back to a copy; refused for a handle that this instance did not give.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFMUState(c: *mut c_void, state: *mut c_void) -> CEnum {
     // SAFETY: the host's instance.
@@ -24,14 +24,14 @@ pub unsafe extern "C" fn fmi3FreeFMUState(c: *mut c_void, state: *mut *mut c_voi
     unsafe { saved::free::<Host>(c, "fmi3FreeFMUState", state) }
 }
 
-/// `fmi3SerializedFMUStateSize`.
+/// Bytes that a copy takes; it grows with the history of a delayed record.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SerializedFMUStateSize(c: *mut c_void, state: *mut c_void, size: *mut usize) -> CEnum {
     // SAFETY: the host's instance and places, as the standard has them.
     unsafe { saved::size::<Host>(c, "fmi3SerializedFMUStateSize", state, size) }
 }
 
-/// `fmi3SerializeFMUState`.
+/// Writes a copy as bytes that another process can read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SerializeFMUState(
     c: *mut c_void,
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     unsafe { saved::serialize::<Host>(c, "fmi3SerializeFMUState", state, bytes, size) }
 }
 
-/// `fmi3DeserializeFMUState`.
+/// Reads a copy from bytes; refused where they are damaged or of another FMU.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DeserializeFMUState(
     c: *mut c_void,

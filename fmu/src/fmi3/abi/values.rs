@@ -15,7 +15,7 @@ fn float(instance: &mut Instance, reference: u32) -> Result<f64> {
     Ok(value[0])
 }
 
-/// `fmi3GetFloat64`.
+/// Values of real variables in SI units, the time and the event indicators included: all of them, or none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFloat64(
     c: *mut c_void,
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     }
 }
 
-/// `fmi3SetFloat64`.
+/// Sets real inputs and parameters in SI units: all of them, or none where one is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFloat64(
     c: *mut c_void,
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn fmi3SetInt64(
     }
 }
 
-/// `fmi3GetBoolean`.
+/// Value of externalWall.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetBoolean(
     c: *mut c_void,
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn fmi3GetBoolean(
     }
 }
 
-/// `fmi3SetBoolean`.
+/// Sets externalWall, before the end of initialization; any number but zero is true.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetBoolean(
     c: *mut c_void,
@@ -124,7 +124,7 @@ pub unsafe extern "C" fn fmi3SetBoolean(
     }
 }
 
-/// `fmi3GetDirectionalDerivative`.
+/// Exact derivatives of outputs, states and rates along a direction of inputs, states and parameters.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     c: *mut c_void,
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     }
 }
 
-/// `fmi3GetOutputDerivatives`.
+/// First time derivatives of outputs at the end of the last step, SI units per s.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     c: *mut c_void,

@@ -6,10 +6,10 @@ use crate::plant::simulation::Kind;
 use crate::plant::states::ALL;
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
-use crate::table::table;
+use crate::table::{states, table};
 
 impl Instance {
-    /// `fmi2EnterEventMode`.
+    /// Stops continuous time, or steps that use event mode, for an event (`fmi2EnterEventMode`).
     ///
     /// # Errors
     /// Outside Model Exchange under way.
@@ -36,7 +36,7 @@ impl Instance {
         Ok(Event { states_changed, next })
     }
 
-    /// `fmi2EnterContinuousTimeMode`.
+    /// Goes from event mode on to integration by the host (`fmi2EnterContinuousTimeMode`).
     ///
     /// # Errors
     /// Outside event mode.
@@ -47,7 +47,8 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2CompletedIntegratorStep`.
+    /// Notes that the host's integrator accepted a step: a delayed record takes what the sensor showed within it
+    /// (`fmi2CompletedIntegratorStep`).
     ///
     /// # Errors
     /// Outside continuous-time mode; where the states make no gas.
@@ -59,7 +60,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2SetTime`.
+    /// Sets the time of a host that integrates, s (`fmi2SetTime`).
     ///
     /// # Errors
     /// Outside Model Exchange under way; a time that is not finite.
@@ -75,7 +76,8 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2SetContinuousStates`.
+    /// Sets the states of a host that integrates, SI units, in the order of [`crate::plant::states`]
+    /// (`fmi2SetContinuousStates`).
     ///
     /// # Errors
     /// Outside Model Exchange under way; another number of states, states that are not finite.
@@ -88,7 +90,7 @@ impl Instance {
         let wrong = |_| Refusal::WrongLength { argument: "nx", length: states.len(), expected: ALL };
         let states: [f64; ALL] = states.try_into().map_err(wrong)?;
         if let Some((value, state)) = states.iter().zip(0..).find(|(value, _)| !value.is_finite()) {
-            let variable = crate::table::place_of_state(state).and_then(|place| table().get(place));
+            let variable = states::place_of_state(state).and_then(|place| table().get(place));
             let (name, unit) = variable.map_or(("state", ""), |v| (v.name.as_str(), v.quantity.unit));
             return Err(Refusal::NotFinite { name, value: *value, unit });
         }
@@ -97,7 +99,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetContinuousStates`.
+    /// The states, SI units; in initialization mode those that parameters and inputs make (`fmi2GetContinuousStates`).
     ///
     /// # Errors
     /// Outside Model Exchange; another number of states.
@@ -108,7 +110,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetDerivatives`.
+    /// Time derivatives of the states, SI units per s (`fmi2GetDerivatives`).
     ///
     /// # Errors
     /// Outside Model Exchange; another number of states; states that make no gas.
@@ -119,7 +121,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetEventIndicators`.
+    /// Functions that change their sign at the corners of the equations, of order one (`fmi2GetEventIndicators`).
     ///
     /// # Errors
     /// Outside Model Exchange; another number of indicators; states that make no gas.
@@ -139,14 +141,14 @@ impl Instance {
         Ok(self.now.indicators()?[index])
     }
 
-    /// `fmi2GetNominalsOfContinuousStates`.
+    /// Orders of magnitude of the states, SI units (`fmi2GetNominalsOfContinuousStates`).
     ///
     /// # Errors
     /// Outside Model Exchange; another number of states.
     pub fn nominals(&self, nominals: &mut [f64]) -> Result<(), Refusal> {
         self.need_exchange()?;
         let nominals: &mut [f64; ALL] = of_length(nominals, "nx")?;
-        *nominals = crate::table::nominals();
+        *nominals = states::nominals();
         Ok(())
     }
 

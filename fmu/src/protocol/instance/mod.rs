@@ -19,9 +19,9 @@ use std::collections::BTreeMap;
 /// What saved states hold: a simulation and its phase.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// Phase of the life cycle.
+    /// Where in its life cycle the instance was.
     pub phase: Phase,
-    /// The simulation.
+    /// Time, states, inputs and parameters, with the history of a delayed record.
     pub simulation: Simulation,
 }
 
@@ -93,7 +93,7 @@ impl Instance {
         Err(Refusal::OutOfOrder { phase: self.phase.told(), advice })
     }
 
-    /// `fmi2SetupExperiment`.
+    /// Takes the relative tolerance, start and stop time, s, that the host announces (`fmi2SetupExperiment`).
     ///
     /// # Errors
     /// After initialization has begun; times or tolerance of no use.
@@ -116,7 +116,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2EnterInitializationMode`.
+    /// From here on outputs are calculated from parameters and inputs (`fmi2EnterInitializationMode`).
     ///
     /// # Errors
     /// When not freshly instantiated or reset.
@@ -127,7 +127,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2ExitInitializationMode`.
+    /// Fills the chamber at its initial state and begins the simulation (`fmi2ExitInitializationMode`).
     ///
     /// # Errors
     /// Outside initialization mode; parameters that make no chamber.
@@ -142,7 +142,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2Terminate`.
+    /// Ends the simulation; its last values stay readable (`fmi2Terminate`).
     ///
     /// # Errors
     /// When there is nothing to end.
@@ -161,7 +161,7 @@ impl Instance {
     }
 }
 
-/// A warning.
+/// A message to look at an accepted call.
 fn warning(text: String) -> Message {
     Message { status: Status::Warning, category: Category::Warning, text }
 }

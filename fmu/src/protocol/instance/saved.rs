@@ -27,7 +27,7 @@ impl Instance {
         self.saved.get(&handle).map(|boxed| &**boxed).ok_or(Refusal::BadState { why })
     }
 
-    /// `fmi2SetFMUstate`.
+    /// Takes the instance back to the copy behind a handle (`fmi2SetFMUstate`).
     ///
     /// # Errors
     /// A handle that is none.
@@ -39,7 +39,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2FreeFMUstate`.
+    /// Drops the copy behind a handle (`fmi2FreeFMUstate`).
     ///
     /// # Errors
     /// A handle that is none.
@@ -49,7 +49,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2SerializeFMUstate`.
+    /// The copy behind a handle as bytes (`fmi2SerializeFMUstate`).
     ///
     /// # Errors
     /// A handle that is none.
@@ -57,7 +57,7 @@ impl Instance {
         Ok(state_bytes::encode(self.saved(handle)?, &self.guid))
     }
 
-    /// `fmi2DeSerializeFMUstate`.
+    /// A handle to the copy that these bytes hold (`fmi2DeSerializeFMUstate`).
     ///
     /// # Errors
     /// Bytes that are no state of this FMU.

@@ -9,7 +9,8 @@ use crate::protocol::refusal::Refusal;
 use crate::table::{Role, structure};
 
 impl Instance {
-    /// `fmi2SetRealInputDerivatives`.
+    /// Sets derivatives of inputs for the next step, SI units per s to the order, 1 to 3: all, or none
+    /// (`fmi2SetRealInputDerivatives`).
     ///
     /// # Errors
     /// Variables that are no inputs, orders that are not supported, values that are not finite.
@@ -47,7 +48,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetRealOutputDerivatives`.
+    /// First time derivatives of outputs at the present time, SI units per s (`fmi2GetRealOutputDerivatives`).
     ///
     /// # Errors
     /// Variables that are no outputs, orders above the first.
@@ -71,7 +72,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetDirectionalDerivative`.
+    /// Derivatives of unknowns along a direction of knowns, exact (`fmi2GetDirectionalDerivative`).
     ///
     /// # Errors
     /// Unknowns that are not calculated, knowns that are.

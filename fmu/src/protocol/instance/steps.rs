@@ -1,18 +1,50 @@
 //! Steps of co-simulation: to the next communication point, or no further than to the first event.
 
 use super::{Instance, warning};
-use crate::plant::simulation::Kind;
+use crate::plant::corners::CORNERS;
+use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
 use crate::protocol::message::{Category, Message, Status};
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
 
 impl Instance {
-    /// `fmi2DoStep`.
+    /// One step of `h` seconds from `point`, s, the host's time; a refused one changes nothing (`fmi2DoStep`).
     ///
     /// # Errors
     /// Out of order; a step of no use, beyond the stop time, from another point than the last one's end; no accurate step.
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
+        self.check_step(point, h)?;
+        let stroke = self.advance(point, h)?;
+        self.tell_of(point, stroke);
+        Ok(())
+    }
+
+    /// As [`Instance::do_step`], but no further than to the first event; whether there was one. An event is located to a
+    /// billionth of the step, on its far side. Two that undo each other within a step are not seen.
+    ///
+    /// # Errors
+    /// As for a step.
+    pub fn do_step_to_event(&mut self, point: f64, h: f64) -> Result<bool, Refusal> {
+        self.check_step(point, h)?;
+        let mut before = self.now.clone();
+        before.time = point;
+        let sides = self.now.signs();
+        let stroke = self.advance(point, h)?;
+        let event = match (sides, self.now.signs()) {
+            (Ok(sides), Ok(after)) if sides != after => first_event(before, h, &sides),
+            _ => None,
+        };
+        let is_early = event.is_some();
+        if let Some(event) = event {
+            self.now = event;
+        }
+        self.tell_of(point, stroke);
+        Ok(is_early)
+    }
+
+    /// Whether a step can be asked for now, and this one.
+    fn check_step(&self, point: f64, h: f64) -> Result<(), Refusal> {
         self.need(&[Phase::Step], "call fmi2ExitInitializationMode first; only a co-simulation instance makes steps")?;
         let bad = |argument, value, expected| Err(Refusal::BadArgument { argument, value, expected });
         if !point.is_finite() {
@@ -29,17 +61,26 @@ impl Instance {
         if let Some(stop) = self.now.experiment.stop.filter(|stop| end > stop + 1e-6 * h + 1e-9 * stop.abs().max(1.0)) {
             return Err(Refusal::BeyondStop { end, stop });
         }
-        let by_velocity = self.now.is_moved_by_velocity();
+        Ok(())
+    }
+
+    /// Makes the step; where the piston was, and where the host has it begin, m.
+    fn advance(&mut self, point: f64, h: f64) -> Result<[f64; 2], Refusal> {
         let reached = self.now.gas.position;
-        let said = if by_velocity { reached } else { self.now.inputs.value[input::POSITION] };
+        let said = if self.now.is_moved_by_velocity() { reached } else { self.now.inputs.value[input::POSITION] };
         let (begin, _) = self.now.plant.limits.apply(said, 0.0);
         // The host's clock counts: rounding in its communication points cannot add up.
-        self.now.time = point;
+        let time = std::mem::replace(&mut self.now.time, point);
         if let Err(fault) = self.now.step(h) {
             self.now.time = time;
             return Err(fault.into());
         }
         self.outputs = None;
+        Ok([reached, begin])
+    }
+
+    /// What the host should know of a step from `point`, s, that took the piston up from `reached` to `begin`, m.
+    fn tell_of(&mut self, point: f64, [reached, begin]: [f64; 2]) {
         let messages = &mut self.messages;
         if self.tells_events && begin != reached {
             let text = format!(
@@ -48,41 +89,9 @@ impl Instance {
             messages.push(Message { status: Status::Ok, category: Category::Events, text });
         }
         self.warnings.after_step(&self.now, reached, begin, &mut |text| messages.push(warning(text)));
-        Ok(())
     }
 
-    /// As [`Instance::do_step`], but no further than to the first event; whether there was one. An event is located to a
-    /// billionth of the step, on its far side.
-    ///
-    /// # Errors
-    /// As for a step.
-    pub fn do_step_to_event(&mut self, point: f64, h: f64) -> Result<bool, Refusal> {
-        let mut before = self.now.clone();
-        before.time = point;
-        let sides = self.now.signs();
-        self.do_step(point, h)?;
-        let (Ok(sides), Ok(after)) = (sides, self.now.signs()) else { return Ok(false) };
-        if sides == after {
-            return Ok(false);
-        }
-        let (mut low, mut high) = (0.0, h);
-        while high - low > 1e-9 * h {
-            let middle = 0.5 * (low + high);
-            let mut trial = before.clone();
-            let passed = trial.step(middle).is_err() || trial.signs().is_ok_and(|there| there != sides);
-            if passed { high = middle } else { low = middle }
-        }
-        // The whole step was possible, and so is its part, but for rounding: then the step ends where it was to end.
-        if before.step(high).is_err() {
-            return Ok(false);
-        }
-        self.now = before;
-        self.outputs = None;
-        self.warnings.lose_track();
-        Ok(true)
-    }
-
-    /// `fmi3EnterStepMode`.
+    /// Goes from event mode on to steps of co-simulation (`fmi3EnterStepMode`).
     ///
     /// # Errors
     /// Outside event mode of co-simulation.
@@ -93,5 +102,42 @@ impl Instance {
         self.need(&[Phase::Event], "enter step mode from event mode")?;
         self.phase = Phase::Step;
         Ok(())
+    }
+}
+
+/// A step of `h` seconds from `before`, which has its corners on these sides, up to the first that changes its side; `None`
+/// where rounding lets no such part of the step be made.
+fn first_event(mut before: Simulation, h: f64, sides: &[bool; CORNERS]) -> Option<Simulation> {
+    let (mut low, mut high) = (0.0, h);
+    while high - low > 1e-9 * h {
+        let middle = 0.5 * (low + high);
+        let mut trial = before.clone();
+        let passed = trial.step(middle).is_err() || trial.signs().is_ok_and(|there| there != *sides);
+        if passed { high = middle } else { low = middle }
+    }
+    before.step(high).ok().map(|()| before)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::values::{Starts, StrokeInput, parameter};
+
+    #[test]
+    fn what_lies_beyond_an_event_that_ends_a_step_is_not_warned_of() {
+        let mut starts = Starts::default();
+        starts.parameters.choices.stroke_input = StrokeInput::Velocity;
+        starts.parameters.real[parameter::STROKE] = 0.11;
+        starts.inputs[input::VELOCITY] = 1.0;
+        let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
+        instance.enter_initialization().unwrap();
+        let velocity = crate::table::place(crate::table::Role::Input(input::VELOCITY)).unwrap() as u32;
+        instance.exit_initialization().unwrap();
+        instance.set_real(&[velocity], &[1.0]).unwrap();
+        assert_eq!(instance.do_step_to_event(0.0, 0.1), Ok(true));
+        let texts: Vec<String> = instance.messages().into_iter().map(|message| message.text).collect();
+        let told = format!("t = {} s: the piston is pushed beyond its stroke", instance.time());
+        assert!((instance.time() - 0.01).abs() < 1e-9, "{}", instance.time());
+        assert!(texts.len() == 1 && texts[0].starts_with(&told), "{texts:?}");
     }
 }

@@ -163,7 +163,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetInteger`.
+    /// Numbers of the enumerations (`fmi2GetInteger`).
     ///
     /// # Errors
     /// As for reals.
@@ -171,7 +171,7 @@ impl Instance {
         self.chosen(references, values, "Integer", T::from)
     }
 
-    /// `fmi2GetBoolean`.
+    /// Whether externalWall is on (`fmi2GetBoolean`).
     ///
     /// # Errors
     /// As for reals.

@@ -1,0 +1,94 @@
+//! The continuous states among the variables: outputs for the gas and the sums, variables of their own for the effects'
+//! states and the piston's travel; and the rate of each.
+
+use super::effects::camel;
+use super::units::{self, Quantity};
+use super::{Role, Type, Variability, Variable, place, table};
+use crate::plant::states::{ALL, HEAT, TRAVEL, WORK};
+use crate::plant::values::output;
+use chamber::balance::{ENERGY, MASS, STATES};
+use chamber::effects;
+
+/// What the continuous state of that index is among the variables: an output for the gas's and the sums.
+pub fn role_of_state(state: usize) -> Role {
+    match state {
+        MASS => Role::Output(output::MASS),
+        ENERGY => Role::Output(output::INTERNAL_ENERGY),
+        HEAT => Role::Output(output::HEAT_RECEIVED),
+        WORK => Role::Output(output::WORK_DONE),
+        other => Role::State(other),
+    }
+}
+
+/// The continuous state that a variable is, if it is one.
+pub fn state_of_role(role: Role) -> Option<usize> {
+    (0..ALL).find(|&state| role_of_state(state) == role)
+}
+
+/// Place of the variable that is the continuous state of that index.
+pub fn place_of_state(state: usize) -> Option<usize> {
+    place(role_of_state(state))
+}
+
+/// Orders of magnitude of the continuous states.
+pub fn nominals() -> [f64; ALL] {
+    core::array::from_fn(|state| place_of_state(state).map_or(1.0, |place| table()[place].nominal))
+}
+
+/// The states that are no outputs, and the rates of all.
+pub(super) fn variables(table: &mut Vec<Variable>) {
+    let mut own: Vec<(String, String, &'static Quantity, f64)> = Vec::new();
+    for (_, card) in effects::all() {
+        for s in card.states {
+            let name = format!("{}.{}", camel(card.name), camel(s.name));
+            own.push((name, s.doc.into(), units::of_card(s.unit), s.nominal));
+        }
+    }
+    let travel = "Travel of the piston since the start: the integral of its velocity";
+    own.push(("travel".into(), travel.into(), &units::LENGTH, 0.1));
+    let mut continuous = |name: String, description: String, role, quantity: &'static Quantity, nominal| {
+        table.push(Variable {
+            name,
+            description,
+            role,
+            is: Type::Real,
+            quantity,
+            variability: Variability::Continuous,
+            min: None,
+            max: None,
+            nominal,
+        });
+    };
+    for (state, (name, description, quantity, nominal)) in (ENERGY + 1..STATES).chain([TRAVEL]).zip(own) {
+        continuous(name, description, Role::State(state), quantity, nominal);
+    }
+    for state in 0..ALL {
+        let role = role_of_state(state);
+        let Some(of) = table.iter().find(|v| v.role == role) else { continue };
+        let (name, quantity) = (of.name.clone(), units::rate_of(of.quantity));
+        table.push(Variable {
+            name: format!("der({name})"),
+            description: format!("Rate of {name}"),
+            role: Role::Rate(state),
+            is: Type::Real,
+            quantity,
+            variability: Variability::Continuous,
+            min: None,
+            max: None,
+            nominal: quantity.nominal,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_state_is_a_variable_with_a_rate() {
+        for state in 0..ALL {
+            assert!(place_of_state(state).is_some() && place(Role::Rate(state)).is_some(), "{state}");
+            assert_eq!(state_of_role(role_of_state(state)), Some(state));
+        }
+    }
+}
