@@ -1,4 +1,4 @@
-//! What a rig, model or motion's layout is, as Python gives it: a file, its content, or a file with some of it replaced.
+//! What a rig, model, study or motion's layout is, as Python gives it: a file, its content, or a file with some of it replaced.
 
 use anyhow::{Context, bail};
 use records::{Document, RigFile};
@@ -29,6 +29,14 @@ impl Settings {
     /// As [`Settings::model`].
     pub fn rig(&self) -> anyhow::Result<Option<Document>> {
         self.document("rig", RigFile::document)
+    }
+
+    /// The content of a study file; `None` where nothing is given.
+    ///
+    /// # Errors
+    /// As [`Settings::model`].
+    pub fn study(&self) -> anyhow::Result<Option<Document>> {
+        self.document("study", Document::read)
     }
 
     fn document(

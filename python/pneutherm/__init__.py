@@ -370,8 +370,8 @@ def statistics(
 
 def _study(study: Union[Path, Mapping[str, Any]]) -> _native.Study:
     if isinstance(study, Mapping):
-        return _native.Study("study", as_json(study))
-    return _native.Study(study)
+        return _native.Study((None, as_json(study)))
+    return _native.Study((study, None))
 
 
 def _telling(progress: Optional[Callable[[int, int], object]], rows: int) -> Optional[Callable[[int], object]]:

@@ -125,20 +125,12 @@ struct Study(Arc<::sweep::Study>);
 
 #[pymethods]
 impl Study {
-    /// From a file, or from a text as JSON that says what the file would.
+    /// From a file, or from JSON that says what the file would.
     #[new]
-    #[pyo3(signature = (path, json = None))]
-    fn new(py: Python<'_>, path: PathBuf, json: Option<String>) -> PyResult<Self> {
+    fn new(py: Python<'_>, study: Given) -> PyResult<Self> {
         interruptible(py, move || {
-            let study = match json {
-                None => ::sweep::Study::read(&path)?,
-                Some(json) => {
-                    let value: serde_json::Value = serde_json::from_str(&json)?;
-                    let text = toml::to_string(&value).context("the study cannot be written as TOML")?;
-                    ::sweep::Study::from_toml(&text, &path)?
-                }
-            };
-            Ok(Self(Arc::new(study)))
+            let document = settings(study).study()?.context("study: no study file and no content of one is given")?;
+            Ok(Self(Arc::new(::sweep::Study::from_document(&document)?)))
         })
     }
 

@@ -27,6 +27,8 @@ pub struct Document {
 #[derive(Clone, Debug)]
 pub(crate) struct Entry {
     pub key: String,
+    /// The key with its tables, dotted.
+    pub name: String,
     /// Counted from 1; 0 in a document that has no lines.
     pub line: usize,
     pub value: Value,
@@ -70,14 +72,14 @@ impl Document {
             }
             Error::Syntax { path: path.to_owned(), line, column, message }
         })?;
-        let root = entries(parsed.get_ref(), &lines);
+        let root = entries(parsed.get_ref(), "", &lines);
         Ok(Self { path: path.to_owned(), text, root })
     }
 
     /// A document that is no file's text: a program gives its content, and no complaint about it names a line. `path` stands
     /// for it in complaints; paths in it are relative to the folder of `path`.
     pub fn from_table(path: &Path, table: &toml::Table) -> Self {
-        let root = table.iter().map(|(key, value)| Entry::of_value(key, value)).collect();
+        let root = values(table, "");
         Self { path: path.to_owned(), text: table.to_string(), root }
     }
 
@@ -94,7 +96,7 @@ impl Document {
     /// The outermost table.
     pub fn root(&self) -> Table<'_> {
         let first = self.root.first().map_or(1, |entry| entry.line.min(1));
-        Table::new(&self.path, String::new(), first, &self.root)
+        Table::new(&self.path, "", first, &self.root)
     }
 }
 
@@ -119,45 +121,53 @@ pub fn read_text(path: &Path) -> io::Result<String> {
     })
 }
 
-impl Entry {
-    fn of_value(key: &str, value: &toml::Value) -> Self {
-        Self { key: key.to_owned(), line: 0, value: Value::of(value) }
-    }
+/// A key with the tables it stands in.
+fn dotted(prefix: &str, key: &str) -> String {
+    if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") }
+}
+
+/// The entries of a table that is no file's text.
+fn values(table: &toml::Table, prefix: &str) -> Vec<Entry> {
+    let entry = |(key, value): (&String, &toml::Value)| {
+        let name = dotted(prefix, key);
+        let value = Value::of(value, &name);
+        Entry { key: key.clone(), name, line: 0, value }
+    };
+    table.iter().map(entry).collect()
 }
 
 impl Value {
-    fn of(value: &toml::Value) -> Self {
+    fn of(value: &toml::Value, name: &str) -> Self {
         match value {
             toml::Value::String(text) => Self::Text(text.clone()),
             toml::Value::Integer(number) => Self::Integer(*number),
             toml::Value::Float(number) => Self::Number(*number),
             toml::Value::Boolean(flag) => Self::Flag(*flag),
             toml::Value::Datetime(date) => Self::Date(date.to_string()),
-            toml::Value::Array(items) => Self::List(items.iter().map(|item| (0, Self::of(item))).collect()),
-            toml::Value::Table(table) => {
-                Self::Table(table.iter().map(|(key, value)| Entry::of_value(key, value)).collect())
-            }
+            toml::Value::Array(items) => Self::List(items.iter().map(|item| (0, Self::of(item, name))).collect()),
+            toml::Value::Table(table) => Self::Table(values(table, name)),
         }
     }
 }
 
 /// A parsed table's entries, in the order of the file.
-fn entries(table: &DeTable<'_>, lines: &Lines) -> Vec<Entry> {
+fn entries(table: &DeTable<'_>, prefix: &str, lines: &Lines) -> Vec<Entry> {
     let mut pairs: Vec<(&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)> = table.iter().collect();
     pairs.sort_by_key(|(key, _)| key.span().start);
-    let entry = |(key, value): (&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)| Entry {
-        key: key.get_ref().clone().into_owned(),
-        line: lines.line(key.span().start),
-        value: convert(value.get_ref(), lines),
+    let entry = |(key, value): (&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)| {
+        let name = dotted(prefix, key.get_ref());
+        let value = convert(value.get_ref(), &name, lines);
+        Entry { key: key.get_ref().clone().into_owned(), name, line: lines.line(key.span().start), value }
     };
     pairs.into_iter().map(entry).collect()
 }
 
-fn list(array: &DeArray<'_>, lines: &Lines) -> Vec<(usize, Value)> {
-    array.iter().map(|item| (lines.line(item.span().start), convert(item.get_ref(), lines))).collect()
+fn list(array: &DeArray<'_>, name: &str, lines: &Lines) -> Vec<(usize, Value)> {
+    array.iter().map(|item| (lines.line(item.span().start), convert(item.get_ref(), name, lines))).collect()
 }
 
-fn convert(value: &DeValue<'_>, lines: &Lines) -> Value {
+/// The value of the key with that dotted name.
+fn convert(value: &DeValue<'_>, name: &str, lines: &Lines) -> Value {
     match value {
         DeValue::String(text) => Value::Text(text.clone().into_owned()),
         DeValue::Integer(number) => match i64::from_str_radix(number.as_str(), number.radix()) {
@@ -169,8 +179,8 @@ fn convert(value: &DeValue<'_>, lines: &Lines) -> Value {
         DeValue::Float(number) => Value::Number(number.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(flag) => Value::Flag(*flag),
         DeValue::Datetime(date) => Value::Date(date.to_string()),
-        DeValue::Array(array) => Value::List(list(array, lines)),
-        DeValue::Table(table) => Value::Table(entries(table, lines)),
+        DeValue::Array(array) => Value::List(list(array, name, lines)),
+        DeValue::Table(table) => Value::Table(entries(table, name, lines)),
     }
 }
 

@@ -9,7 +9,7 @@
 //! | [`uncertainty`], [`provenance`] | how well its parameters are known, where they come from |
 //! | [`layout`], [`units`], [`mod@format`] | which column of a trace is what, in which unit, and how its text is written |
 //! | [`look`] | what a trace holds, found without a rig file |
-//! | [`document`], [`table`], [`key`] | TOML files, each complaint with file, line and key |
+//! | [`document`], [`table`], [`field`], [`key`] | TOML files, each complaint with file, line and key |
 //! | [`error`] | what can be wrong with a file, in sentences |
 //!
 //! Whatever cannot be right is refused with file, line and key or column; nothing is guessed silently.
@@ -18,6 +18,7 @@ pub mod atomic;
 pub mod document;
 mod effect;
 pub mod error;
+pub mod field;
 pub mod format;
 pub mod gas;
 pub mod key;
@@ -37,6 +38,7 @@ pub mod units;
 pub use atomic::write_atomically;
 pub use document::Document;
 pub use error::Error;
+pub use field::Field;
 pub use gas::NamedGas;
 pub use layout::Layout;
 pub use measurement::{Sensor, Tolerance};

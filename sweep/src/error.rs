@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The study's model or another record was refused.
+    /// The study file, its model or another record was refused.
     #[error(transparent)]
     Record(records::Error),
     /// A file cannot be opened or read.
@@ -27,54 +27,6 @@ pub enum Error {
         path: PathBuf,
         /// The system's reason.
         source: io::Error,
-    },
-    /// The study file is not TOML.
-    #[error("{}: line {line}: {message}", path.display())]
-    Syntax {
-        /// The study file.
-        path: PathBuf,
-        /// Counted from one.
-        line: usize,
-        /// What the parser says.
-        message: String,
-    },
-    /// A key that means nothing.
-    #[error("{}: line {line}: `{key}` is not known in {}{}", path.display(), place(section), hint(nearest, key, section))]
-    UnknownKey {
-        /// The study file.
-        path: PathBuf,
-        /// Counted from one.
-        line: usize,
-        /// The table it stands in.
-        section: String,
-        /// The key as written.
-        key: String,
-        /// The nearest known one.
-        nearest: Option<String>,
-    },
-    /// A key that has to be there.
-    #[error("{}: {} has no `{key}`: {expected}", path.display(), place(section))]
-    MissingKey {
-        /// The study file.
-        path: PathBuf,
-        /// The table it should stand in.
-        section: String,
-        /// Name of the key within the section.
-        key: String,
-        /// What it should hold.
-        expected: String,
-    },
-    /// A value that cannot be.
-    #[error("{}: line {line}: `{key}` {message}", path.display())]
-    Value {
-        /// The study file.
-        path: PathBuf,
-        /// Counted from one.
-        line: usize,
-        /// The key as written.
-        key: String,
-        /// What is wrong with it and what was expected.
-        message: String,
     },
     /// A table of points that cannot be used.
     #[error("{}: {message}", path.display())]
@@ -121,21 +73,6 @@ fn advice(source: &io::Error) -> &'static str {
         }
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "; choose a folder you may write to",
         _ => "",
-    }
-}
-
-/// The outermost table's name in errors.
-pub(crate) const OUTERMOST: &str = "a study file";
-
-fn place(section: &str) -> String {
-    if section == OUTERMOST { section.to_owned() } else { format!("[{section}]") }
-}
-
-fn hint(nearest: &Option<String>, key: &str, section: &str) -> String {
-    match (nearest, records::key::kind_of_file(key)) {
-        (_, Some(kind)) if section == OUTERMOST => format!("; it belongs to a {kind}"),
-        (Some(name), _) => format!("; did you mean `{name}`?"),
-        _ => String::new(),
     }
 }
 

@@ -76,8 +76,8 @@ fn a_constraint_that_cannot_be_is_refused_with_its_line() {
         sweep::Study::about(&common::model(), &text).unwrap_err().to_string()
     };
     for (list, expected) in [
-        ("\"rod_m < bore_m\"", "has to be a list of texts"),
-        ("[1]", "has to be a list of texts"),
+        ("\"rod_m < bore_m\"", "expected a list of texts"),
+        ("[1]", "expected a list of texts"),
         (
             "[\"rod_m < boer_m\"]",
             "which names `boer_m`, which is no number of the model or of the test; did you mean `bore_m`?",
@@ -90,7 +90,7 @@ fn a_constraint_that_cannot_be_is_refused_with_its_line() {
     ] {
         let message = refusal(HEAD, list);
         assert!(
-            message.contains(expected) && message.contains("`constraints`") && message.contains("line 1"),
+            message.contains(expected) && message.contains("vary.constraints: ") && message.contains("line 1"),
             "{message}"
         );
     }

@@ -116,8 +116,8 @@ push_time_s = { distribution = \"triangular\", from = 0.03, mode = 0.04, to = 0.
 #[test]
 fn a_distribution_that_cannot_be_is_refused_before_any_row() {
     for (vary, expected) in [
-        ("bore_m = { distribution = \"gauss\", mean = 1, sd = 1 }", "one of \"normal\", \"log-normal\""),
-        ("bore_m = { distribution = \"normal\", mean = 0.02 }", "no `sd`: the standard deviation was expected"),
+        ("bore_m = { distribution = \"gauss\", mean = 1, sd = 1 }", "expected one of: normal, log-normal"),
+        ("bore_m = { distribution = \"normal\", mean = 0.02 }", "bore_m.sd: missing; the standard deviation is needed"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.0 }", "has an `sd` of 0"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.01 }", "reaches -"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.01, from = -1.0 }", "`from` and `to` truncate"),
@@ -129,7 +129,7 @@ fn a_distribution_that_cannot_be_is_refused_before_any_row() {
             "bore_m = { distribution = \"normal\", mean = 0.02, sd = 1e-4, from = 0.03, to = 0.01 }",
             "`from` has to be below `to`",
         ),
-        ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 1e-4, var = 1 }", "`var` is not known"),
+        ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 1e-4, var = 1 }", "bore_m.var: unknown key"),
         (
             "bore_m = { distribution = \"log-normal\", median = 0.02 }",
             "either `median` and `sd_log` or `mean` and `sd`",
@@ -140,13 +140,13 @@ fn a_distribution_that_cannot_be_is_refused_before_any_row() {
         ("bore_m = { distribution = \"triangular\", from = 0.01, mode = 0.03, to = 0.02 }", "in this order"),
         ("bore_m = { distribution = \"empirical\", values = [0.02, 0.02] }", "at least two different values"),
         ("bore_m = { distribution = \"empirical\", values = [0.02, -0.02] }", "has to be above 0"),
-        ("bore_m = { from = \"modle\" }", "one of \"model\" was expected"),
+        ("bore_m = { from = \"modle\" }", "did you mean `model`?"),
         (
             "bore_m = { from = \"model\" }",
             "has no variance in the model's [uncertainty], which knows that of heat_transfer",
         ),
-        ("bore_m = { from = \"model\", to = 1 }", "`to` is not known"),
-        ("from = \"elsewhere\"", "one of \"model\" was expected"),
+        ("bore_m = { from = \"model\", to = 1 }", "bore_m.to: unknown key"),
+        ("from = \"elsewhere\"", "expected one of: model"),
         ("from = \"model\"\ndead_volume_m3 = { values = [1e-6] }", "is chamber.dead_volume_m3 once more: line"),
     ] {
         let message = refusal(&uncertain(), "sobol", vary);

@@ -63,7 +63,7 @@ fn a_file_of_another_kind_is_told_as_such() {
         (&["fmu", "rig.toml"], "rig.toml: line 1: cylinder: belongs to a rig file"),
         (&["identify", "model.toml"], "model.toml: line 1: chamber: belongs to a model file"),
         (&["identify", "study.toml"], "study.toml: line 1: study: belongs to a study file"),
-        (&["sweep", "rig.toml", "-o", "out"], "`cylinder` is not known in a study file; it belongs to a rig file"),
+        (&["sweep", "rig.toml", "-o", "out"], "rig.toml: line 1: cylinder: belongs to a rig file"),
         (&["identify", "motion.csv"], "a trace is named in a rig file (TOML), which is expected here"),
     ];
     for (call, says) in calls {

@@ -1,29 +1,28 @@
 //! Study files. Unknown keys and values out of range are refused with file, line and key.
 
 use super::check::{self, Bounds};
-use super::section::{Entry, File, Section};
+use super::section::{Entry, Section};
 use super::vary::{self, CONSTRAINTS, Found, not_found, varied};
 use super::{MOST_PARTS, MOST_ROWS, SOLVERS, Study, TOLERANCES, Varied};
 use crate::axis::Axis;
 use crate::constraint::Constraint;
 use crate::design::table::Table;
 use crate::design::{Axes, Design, NAMES, sobol};
-use crate::error::{Error, OUTERMOST};
+use crate::error::Error;
 use crate::hash;
 use crate::quantity::{self, Base, Point};
 use crate::solve;
 use crate::statistics::{Bins, Goals, Plan};
 use crate::uncertain::Uncertain;
 use ensemble::{Options, Solver};
-use records::Model;
+use records::{Document, Field, Model};
 use std::path::{Path, PathBuf};
-use toml::de::DeTable;
 
 /// The points, what varies in them, where the study says so, and the hash of a table's file.
 struct Points<'a> {
     design: Design,
     varied: Vec<Varied>,
-    entries: Vec<Entry<'a>>,
+    entries: Vec<Field<'a>>,
     table_sha256: Option<String>,
 }
 
@@ -33,9 +32,15 @@ impl Study {
     /// # Errors
     /// Whatever is wrong with either file, with its line and key.
     pub fn read(path: &Path) -> Result<Study, Error> {
-        let text =
-            records::document::read_text(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        Study::parse(&text, path, None)
+        Study::from_document(&Document::read(path)?)
+    }
+
+    /// A study from the content of a file; paths in it are relative to the document's folder.
+    ///
+    /// # Errors
+    /// As [`Study::read`].
+    pub fn from_document(document: &Document) -> Result<Study, Error> {
+        Study::parse(document, None)
     }
 
     /// A study from its text; paths in it are relative to the folder of `path`, which also names it in errors.
@@ -43,7 +48,7 @@ impl Study {
     /// # Errors
     /// As [`Study::read`].
     pub fn from_toml(text: &str, path: &Path) -> Result<Study, Error> {
-        Study::parse(text, path, None)
+        Study::from_document(&Document::parse(path, text.to_owned())?)
     }
 
     /// A study from its text about a model at hand: the text names no model.
@@ -51,13 +56,12 @@ impl Study {
     /// # Errors
     /// As [`Study::read`].
     pub fn about(model: &Model, text: &str) -> Result<Study, Error> {
-        Study::parse(text, Path::new("study"), Some(model))
+        Study::parse(&Document::parse(Path::new("study"), text.to_owned())?, Some(model))
     }
 
-    fn parse(text: &str, path: &Path, model: Option<&Model>) -> Result<Study, Error> {
-        let file = File { path, text };
-        let table = DeTable::parse(text).map_err(|error| file.syntax(&error))?;
-        let top = Section::new(file, OUTERMOST, Some(table.get_ref()));
+    fn parse(document: &Document, model: Option<&Model>) -> Result<Study, Error> {
+        let path = document.path();
+        let top = Section::new(document.root());
         let (study, test, vary) = (top.section("study")?, top.section("test")?, top.section("vary")?);
         let statistics = top.get("statistics").map(|entry| entry.section()).transpose()?;
         top.finish()?;
@@ -65,7 +69,7 @@ impl Study {
         let mut model = match model {
             Some(model) => model.clone(),
             None => {
-                let entry = study.require("model", "the model file to begin from was expected")?;
+                let entry = study.require("model", "the model file to begin from")?;
                 Model::read(&beside(path, entry.text()?))?
             }
         };
@@ -73,8 +77,8 @@ impl Study {
         let left_out = model.leave_out_recorded_stroke();
         let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
-        let fit = study.get("fit").map(|e| e.boolean()).transpose()?.unwrap_or(true);
-        let solver = study.get("solver").map(|e| e.one_of(&SOLVERS)).transpose()?.unwrap_or(Solver::Auto);
+        let fit = study.get("fit").map(|e| e.flag()).transpose()?.unwrap_or(true);
+        let solver = study.get("solver").map(|e| e.choice(&SOLVERS)).transpose()?.unwrap_or(Solver::Auto);
         let tolerance = study.get("tolerance").map(tolerance).transpose()?.unwrap_or(Options::RELATIVE_TOLERANCE);
         let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
         let parts = study.get("parts").map(|e| Ok::<_, Error>((e, e.whole(1)?))).transpose()?;
@@ -82,17 +86,17 @@ impl Study {
         let Points { mut design, varied, entries, table_sha256 } = design(&study, &vary, &uncertain, path, seed)?;
         study.finish()?;
         let base = base(&model, &test, &varied)?;
-        possible(&model, &base, &mut design, &varied, &entries, &test, file)?;
+        possible(&model, &base, &mut design, &varied, &entries, &test, path)?;
         let rows = design.rows().filter(|&rows| rows <= MOST_ROWS).ok_or_else(|| {
             let path = path.display();
             Error::Option(format!("{path}: the design has more rows than a study may have ({MOST_ROWS}); coarsen it"))
         })?;
         let parts = match parts {
             Some((entry, parts)) if parts > MOST_PARTS => {
-                return Err(entry.refuse(format!("is {parts}: {MOST_PARTS} files at most were expected")));
+                return Err(entry.because(format!("is {parts}; {MOST_PARTS} files at most are allowed")));
             }
             Some((entry, parts)) if parts > rows => {
-                return Err(entry.refuse(format!("is {parts}, but the design has only {rows} rows")));
+                return Err(entry.because(format!("is {parts}, but the design has only {rows} rows")));
             }
             Some((_, parts)) => parts,
             None => Study::default_parts(rows),
@@ -109,7 +113,7 @@ impl Study {
             && study.rows <= ROWS_LOOKED_AT
             && solve::nothing_is_left(&study)?
         {
-            return Err(entry.refuse("leave no row to solve"));
+            return Err(entry.because("leave no row to solve"));
         }
         let plan = statistics.map(|section| plan(&study, &section)).transpose()?;
         Ok(Study { statistics: plan, ..study })
@@ -125,12 +129,12 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned())
 }
 
-fn tolerance(entry: Entry<'_>) -> Result<f64, Error> {
-    let value = entry.number()?;
+fn tolerance(entry: Field<'_>) -> Result<f64, Error> {
+    let value = entry.finite()?;
     if TOLERANCES.contains(&value) {
         Ok(value)
     } else {
-        Err(entry.refuse(format!("is {value}: from 1e-13 to 1e-2 was expected")))
+        Err(entry.because(format!("is {value}; expected a number from 1e-13 to 1e-2")))
     }
 }
 
@@ -144,22 +148,22 @@ fn design<'a>(
 ) -> Result<Points<'a>, Error> {
     let names = NAMES.map(|name| (name, name));
     let list = NAMES.map(|name| format!("\"{name}\"")).join(", ");
-    let entry = study.require("design", &format!("one of {list} was expected"))?;
-    let name = entry.one_of(&names)?;
+    let entry = study.require("design", &format!("one of {list}"))?;
+    let name = entry.choice(&names)?;
     if name == "table" {
         return table(study, vary, path);
     }
     if let Some(unused) = study.get("table") {
-        return Err(unused.refuse(format!("belongs to design = \"table\"; this study's is \"{name}\"")));
+        return Err(unused.because(format!("belongs to design = \"table\"; this study's is \"{name}\"")));
     }
     let (found, copula) = vary::axes(vary, model)?;
     if found.is_empty() {
-        return Err(vary.missing("…", "at least one quantity to vary was expected"));
+        return Err(vary.missing("…", "at least one quantity to vary"));
     }
     if name == "factorial"
         && let Some(Found { entry, axis, .. }) = found.iter().find(|found| found.axis.levels().is_none())
     {
-        return Err(entry.refuse(match axis {
+        return Err(entry.because(match axis {
             Axis::Drawn(_) => {
                 "is a distribution, which has no levels: design = \"sobol\", \"latin-hypercube\" or \"saltelli\" draws from it"
             }
@@ -167,24 +171,24 @@ fn design<'a>(
         }));
     }
     if name == "saltelli" && copula.as_ref().is_some_and(|copula| copula.is_correlated()) {
-        return Err(entry.refuse(
+        return Err(entry.because(
             "is \"saltelli\", whose indices are of independent quantities; those that the model draws are correlated: take \"sobol\" or \"latin-hypercube\"",
         ));
     }
     let limit = if name == "saltelli" { sobol::DIMENSIONS / 2 } else { sobol::DIMENSIONS };
     if found.len() > limit {
-        return Err(entry.refuse(format!("\"{name}\" varies {limit} quantities at most")));
+        return Err(entry.because(format!("\"{name}\" varies {limit} quantities at most")));
     }
     let samples = || {
-        let entry = study.require("samples", &format!("a \"{name}\" design needs their number"))?;
+        let entry = study.require("samples", &format!("the number of samples of a \"{name}\" design"))?;
         let samples = entry.whole(1)?;
-        if samples > 1 << 52 { Err(entry.refuse("is more than 2^52")) } else { Ok(samples) }
+        if samples > 1 << 52 { Err(entry.because("is more than 2^52")) } else { Ok(samples) }
     };
     let second_order = match study.get("second_order") {
         Some(entry) if name != "saltelli" => {
-            return Err(entry.refuse(format!("belongs to design = \"saltelli\"; this study's is \"{name}\"")));
+            return Err(entry.because(format!("belongs to design = \"saltelli\"; this study's is \"{name}\"")));
         }
-        Some(entry) => entry.boolean()?,
+        Some(entry) => entry.flag()?,
         None => false,
     };
     let varied = found.iter().map(|found| found.varied.clone()).collect();
@@ -206,7 +210,7 @@ const ROWS_LOOKED_AT: u64 = 1 << 14;
 fn constraints(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Varied]) -> Result<Vec<Constraint>, Error> {
     let Some(entry) = vary.get(CONSTRAINTS) else { return Ok(Vec::new()) };
     if let Design::Saltelli(_) = design {
-        return Err(entry.refuse(
+        return Err(entry.because(
             "make quantities depend on each other, but the indices of a \"saltelli\" design are of independent ones: take \"sobol\" or \"latin-hypercube\"",
         ));
     }
@@ -215,7 +219,7 @@ fn constraints(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Vari
     let follows =
         |place: &usize| FOLLOWING.iter().find(|(base, _)| *base as usize == *place).map_or(&[][..], |(_, from)| *from);
     let parsed = |text: &&str| {
-        let refuse = |why: String| entry.refuse(format!("has \"{text}\", which {why}"));
+        let refuse = |why: String| entry.because(format!("has \"{text}\", which {why}"));
         let constraint = Constraint::parse(text).map_err(refuse)?;
         let quantities = constraint.quantities();
         if !quantities.iter().any(|place| varies(place) || follows(place).iter().any(|base| varies(&(*base as usize))))
@@ -228,11 +232,9 @@ fn constraints(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Vari
             None => Ok(constraint),
         }
     };
-    let list = entry.value.as_array().and_then(|array| array.iter().map(|item| item.get_ref().as_str()).collect());
-    let texts: Vec<&str> =
-        list.ok_or_else(|| entry.refuse("has to be a list of texts such as \"rod_m < 0.5 * bore_m\""))?;
+    let texts = entry.texts()?;
     if texts.len() > MOST_CONSTRAINTS {
-        return Err(entry.refuse(format!("are {}: {MOST_CONSTRAINTS} at most were expected", texts.len())));
+        return Err(entry.because(format!("are {}; {MOST_CONSTRAINTS} at most are allowed", texts.len())));
     }
     texts.iter().map(parsed).collect()
 }
@@ -258,15 +260,15 @@ fn possible(
     base: &Point,
     design: &mut Design,
     varied: &[Varied],
-    entries: &[Entry<'_>],
+    entries: &[Field<'_>],
     test: &Section<'_>,
-    file: File<'_>,
+    path: &Path,
 ) -> Result<(), Error> {
     if let Some(place) = varied.iter().position(|v| quantity::is_beyond_table(v.quantity, &model.chamber.effects)) {
         let message = "is no entry of the model's table: there has to be one in its place";
         return Err(match entries.get(place) {
-            Some(entry) => entry.refuse(message),
-            None => Error::Option(format!("{}: column `{}` {message}", file.path.display(), varied[place].column)),
+            Some(entry) => entry.because(message),
+            None => Error::Option(format!("{}: column `{}` {message}", path.display(), varied[place].column)),
         });
     }
     if let Design::Table(table) = design {
@@ -288,24 +290,24 @@ fn possible(
         let varies = varied.iter().zip(entries).find(|(v, _)| v.quantity == refused.quantity).map(|(_, entry)| *entry);
         let given = || name.strip_prefix("test.").and_then(|key| test.get(key));
         match varies.or_else(given) {
-            Some(entry) => entry.refuse(refused.message),
-            None => Error::Option(format!("{}: {name} {}", file.path.display(), refused.message)),
+            Some(entry) => entry.because(refused.message),
+            None => Error::Option(format!("{}: {name} {}", path.display(), refused.message)),
         }
     })
 }
 
 /// A design that is read from a file: each of its columns is a quantity; `columns` picks some of them.
 fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Points<'a>, Error> {
-    if let Some(entry) = vary.entries().iter().find(|entry| entry.key != CONSTRAINTS) {
-        return Err(entry.refuse("is varied beside a table; make it a column of the table"));
+    if let Some(entry) = vary.entries().find(|entry| entry.key() != CONSTRAINTS) {
+        return Err(entry.because("is varied beside a table; make it a column of the table"));
     }
-    let entry = study.require("table", "a Parquet or CSV file with a column for each quantity was expected")?;
+    let entry = study.require("table", "a Parquet or CSV file with a column for each quantity")?;
     let file = beside(path, entry.text()?);
     let mut table = Table::open(&file)?;
     if let Some(entry) = study.get("columns") {
-        let wanted = texts(entry)?;
+        let wanted = entry.texts()?;
         if let Some(absent) = wanted.iter().find(|name| !table.names().contains(name)) {
-            return Err(entry.refuse(format!("names `{absent}`, which {} does not have", file.display())));
+            return Err(entry.because(format!("names `{absent}`, which {} does not have", file.display())));
         }
         table.retain(|name| wanted.contains(&name));
     } else {
@@ -344,61 +346,56 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
     Ok(Points { design: Design::Table(table), varied: list, entries: Vec::new(), table_sha256 })
 }
 
-fn texts<'a>(entry: Entry<'a>) -> Result<Vec<&'a str>, Error> {
-    let list = entry.value.as_array().map(|array| array.iter().map(|item| item.get_ref().as_str()).collect());
-    list.and_then(|texts: Option<Vec<&str>>| texts).ok_or_else(|| entry.refuse("has to be a list of column names"))
-}
-
 /// What [statistics] asks for.
 fn plan(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
     let mut plan = Plan::all(study);
     let every = plan.columns.clone();
-    let known = |entry: &Entry<'_>, name: &str| {
+    let known = |entry: &Field<'_>, name: &str| {
         if every.iter().any(|column| column == name) {
             return Ok(());
         }
         let hint = records::nearest(name, every.iter().map(String::as_str));
         let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
-        Err(entry.refuse(format!("names `{name}`, which is no result of this study{hint}")))
+        Err(entry.because(format!("names `{name}`, which is no result of this study{hint}")))
     };
     if let Some(entry) = section.get("columns") {
-        let wanted = texts(entry)?;
+        let wanted = entry.texts()?;
         wanted.iter().try_for_each(|name| known(&entry, name))?;
         plan.columns.retain(|column| wanted.contains(&column.as_str()));
         if plan.columns.is_empty() {
-            return Err(entry.refuse("is empty: at least one column was expected"));
+            return Err(entry.because("is empty; at least one column is needed"));
         }
     }
     if let Some(entry) = section.get("quantiles") {
-        plan.quantiles = entry.numbers()?;
+        plan.quantiles = entry.some_numbers()?;
         if let Some(wrong) = plan.quantiles.iter().find(|p| !(0.0..=1.0).contains(*p)) {
-            return Err(entry.refuse(format!("takes {wrong}: probabilities from 0 to 1 were expected")));
+            return Err(entry.because(format!("takes {wrong}; probabilities from 0 to 1 are expected")));
         }
     }
     for entry in section.section("histograms")?.entries() {
-        known(&entry, entry.key)?;
-        if !plan.columns.iter().any(|column| column == entry.key) {
-            return Err(entry.refuse("is none of the `columns` of [statistics]"));
+        known(&entry, entry.key())?;
+        if !plan.columns.iter().any(|column| column == entry.key()) {
+            return Err(entry.because("is none of the `columns` of [statistics]"));
         }
         let bins = entry.section()?;
-        let from = bins.require("from", "the lower edge was expected")?.number()?;
-        let to = bins.require("to", "the upper edge was expected")?.number()?;
-        let count = bins.require("bins", "their number was expected")?;
+        let from = bins.require("from", "the lower edge")?.finite()?;
+        let to = bins.require("to", "the upper edge")?.finite()?;
+        let count = bins.require("bins", "the number of bins")?;
         let number = count.whole(1)?;
         bins.finish()?;
         if from >= to {
-            return Err(entry.refuse(format!("runs from {from} to {to}: `from` has to be below `to`")));
+            return Err(entry.because(format!("runs from {from} to {to}: `from` has to be below `to`")));
         }
         if number > MOST_BINS {
-            return Err(count.refuse(format!("is {number}: {MOST_BINS} at most were expected")));
+            return Err(count.because(format!("is {number}; {MOST_BINS} at most are allowed")));
         }
-        plan.histograms.push((entry.key.to_owned(), Bins { from, to, bins: number }));
+        plan.histograms.push((entry.key().to_owned(), Bins { from, to, bins: number }));
     }
     if let Some(entry) = section.get("pareto") {
         let goals = entry.section()?;
         let list = |key: &str| {
             goals.get(key).map_or(Ok(Vec::new()), |entry| {
-                let names = texts(entry)?;
+                let names = entry.texts()?;
                 names.iter().try_for_each(|name| known(&entry, name))?;
                 Ok::<_, Error>(names.into_iter().map(str::to_owned).collect())
             })
@@ -409,14 +406,14 @@ fn plan(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
         if !(2..=4).contains(&names.len()) {
             let count = names.len();
             return Err(
-                entry.refuse(format!("names {count} columns in `minimise` and `maximise`: 2 to 4 were expected"))
+                entry.because(format!("names {count} columns in `minimise` and `maximise`: 2 to 4 are expected"))
             );
         }
         if let Some((_, twice)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
-            return Err(entry.refuse(format!("names `{twice}` twice")));
+            return Err(entry.because(format!("names `{twice}` twice")));
         }
         if let Some(absent) = names.iter().find(|name| !plan.columns.iter().any(|column| column == *name)) {
-            return Err(entry.refuse(format!("names `{absent}`, which is none of the `columns` of [statistics]")));
+            return Err(entry.because(format!("names `{absent}`, which is none of the `columns` of [statistics]")));
         }
         plan.pareto = Some(found);
     }
@@ -442,9 +439,9 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
         let q = &quantity::all()[quantity as usize];
         let key = q.name.trim_start_matches("test.");
         let Some(entry) = test.get(key) else { return Ok(varies(quantity)) };
-        let value = entry.number()?;
+        let value = entry.finite()?;
         if !q.allowed.contains(value) {
-            return Err(entry.refuse(format!("is {value}, but has to be {}", q.allowed)));
+            return Err(entry.because(format!("is {value}, but has to be {}", q.allowed)));
         }
         base.set(quantity, value);
         Ok(true)
@@ -453,7 +450,7 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
         if !take(&mut base, quantity)? {
             let q = &quantity::all()[quantity as usize];
             let key = q.name.trim_start_matches("test.");
-            return Err(test.missing(key, &format!("{} in {} was expected, here or in [vary]", q.doc, q.unit)));
+            return Err(test.missing(key, &format!("{} in {}, here or in [vary]", q.doc, q.unit)));
         }
     }
     for flow in [Base::MassFlowIn, Base::MassFlowOut] {
@@ -466,12 +463,11 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
     match (take(&mut base, Base::Duration)?, take(&mut base, Base::HoldTimeConstants)?) {
         (true, true) => {
             let entry = test.get("hold_time_constants").or_else(|| test.get("duration_s"));
-            let message =
-                "and its counterpart both set the length of the test: keep one of duration_s and hold_time_constants";
-            return Err(entry.map_or_else(|| test.missing("duration_s", message), |entry| entry.refuse(message)));
+            let message = "duration_s and hold_time_constants both set the length of the test: keep one of the two";
+            return Err(entry.map_or_else(|| test.missing("duration_s", message), |entry| entry.because(message)));
         }
         (false, false) => {
-            return Err(test.missing("duration_s", "duration_s or hold_time_constants was expected, here or in [vary]"));
+            return Err(test.missing("duration_s", "duration_s or hold_time_constants, here or in [vary]"));
         }
         _ => {}
     }

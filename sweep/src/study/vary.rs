@@ -9,6 +9,7 @@ use crate::distribution::{Distribution, Limits};
 use crate::error::Error;
 use crate::quantity::{self, Base, NotFound};
 use crate::uncertain::{Parameter, Uncertain};
+use records::Field;
 
 /// The key of [vary] that is no quantity.
 pub const CONSTRAINTS: &str = "constraints";
@@ -34,7 +35,7 @@ enum Kind {
 /// One quantity that varies, and where the study says so.
 pub struct Found<'a> {
     /// Its entry.
-    pub entry: Entry<'a>,
+    pub entry: Field<'a>,
     /// The quantity and its column.
     pub varied: Varied,
     /// Its values.
@@ -52,8 +53,8 @@ pub fn axes<'a>(
     let mut add = |new: Found<'a>| {
         let place = new.varied.quantity;
         if let Some(other) = found.iter().find(|other| other.varied.quantity == place) {
-            let (line, name) = (other.entry.line, &quantity::all()[place].name);
-            return Err(new.entry.refuse(format!("is {name} once more: line {line} varies it already")));
+            let (line, name) = (other.entry.line(), &quantity::all()[place].name);
+            return Err(new.entry.because(format!("is {name} once more: line {line} varies it already")));
         }
         found.push(new);
         Ok(())
@@ -67,7 +68,7 @@ pub fn axes<'a>(
             }
             continue;
         }
-        let place = quantity::find(&name).map_err(|reason| entry.refuse(not_found(&name, &reason)))?;
+        let place = quantity::find(&name).map_err(|reason| entry.because(not_found(&name, &reason)))?;
         let (axis, of_model) = axis(entry, place, model)?;
         add(Found { entry, varied: varied(&name, place), axis, of_model })?;
     }
@@ -77,17 +78,17 @@ pub fn axes<'a>(
 }
 
 /// The parameters that `from = "model"` of [vary] stands for.
-fn all_of_model(entry: Entry<'_>, model: &Result<Uncertain, String>) -> Result<Uncertain, Error> {
-    entry.one_of(&[("model", ())])?;
+fn all_of_model(entry: Field<'_>, model: &Result<Uncertain, String>) -> Result<Uncertain, Error> {
+    entry.choice(&[("model", ())])?;
     let known = known(entry, model)?.marginal(|parameter| !quantity::is_of_recorded_stroke(parameter.quantity));
     if known.parameters.is_empty() {
-        return Err(entry.refuse("draws nothing: no parameter in the model's [uncertainty] has a variance"));
+        return Err(entry.because("draws nothing: no parameter in the model's [uncertainty] has a variance"));
     }
     Ok(known)
 }
 
-fn known<'m>(entry: Entry<'_>, model: &'m Result<Uncertain, String>) -> Result<&'m Uncertain, Error> {
-    model.as_ref().map_err(|why| entry.refuse(format!("cannot be drawn from the model, which {why}")))
+fn known<'m>(entry: Field<'_>, model: &'m Result<Uncertain, String>) -> Result<&'m Uncertain, Error> {
+    model.as_ref().map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
 }
 
 /// How the axes that are drawn from the model hang together.
@@ -100,7 +101,7 @@ fn copula(found: &[Found<'_>], model: &Result<Uncertain, String>) -> Result<Opti
     let places: Vec<usize> = columns.iter().filter_map(place).collect();
     let correlation = model.correlation.select_rows(&places).select_columns(&places);
     let copula = Uncertain { parameters: Vec::new(), correlation }.copula(columns);
-    copula.map(Some).map_err(|why| entry.refuse(format!("cannot be drawn from the model, which {why}")))
+    copula.map(Some).map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
 }
 
 /// Refuses quantities that set the same thing twice.
@@ -110,18 +111,20 @@ fn refuse_contradictions(found: &[Found<'_>]) -> Result<(), Error> {
         Some((at(a)?, at(b)?))
     };
     if let Some((entry, _)) = conflict(Base::VolumeToArea, Base::Bore) {
-        return Err(entry.refuse("is what the bore is solved from: vary one of the two"));
+        return Err(entry.because("is what the bore is solved from; vary one of the two"));
     }
     if let Some((entry, _)) = conflict(Base::VolumeToAreaByLength, Base::VolumeToArea) {
-        return Err(entry.refuse("and volume_to_area_m are one quantity, solved for in two ways: vary one of the two"));
+        return Err(entry.because("volume_to_area_by_length_m and volume_to_area_m are one quantity, solved for in two ways; vary one of the two"));
     }
     for stroke in [Base::InitialStroke, Base::FinalStroke] {
         if let Some((entry, _)) = conflict(Base::VolumeToAreaByLength, stroke) {
-            return Err(entry.refuse("is what both strokes are solved from: give them in [test]"));
+            return Err(entry.because("is what both strokes are solved from: give them in [test]"));
         }
     }
     if let Some((entry, _)) = conflict(Base::HoldTimeConstants, Base::Duration) {
-        return Err(entry.refuse("and duration_s both set the length of the test: vary one of the two"));
+        return Err(
+            entry.because("hold_time_constants and duration_s both set the length of the test; vary one of the two")
+        );
     }
     Ok(())
 }
@@ -152,14 +155,13 @@ pub fn not_found(name: &str, reason: &NotFound) -> String {
 }
 
 /// The entries that describe an axis, with their dotted names: `a.b_m = {…}` without quotes is a table in a table.
-fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Entry<'a>, String)>, Error> {
+fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Field<'a>, String)>, Error> {
     let mut found = Vec::new();
     for entry in section.entries() {
-        let name = if prefix.is_empty() { entry.key.to_owned() } else { format!("{prefix}.{}", entry.key) };
+        let name = if prefix.is_empty() { entry.key().to_owned() } else { format!("{prefix}.{}", entry.key()) };
         let nested = entry
-            .value
-            .as_table()
-            .is_some_and(|table| !table.is_empty() && table.iter().all(|(_, value)| value.get_ref().is_table()));
+            .table()
+            .is_ok_and(|table| table.fields().next().is_some() && table.fields().all(|field| field.table().is_ok()));
         if nested {
             found.extend(leaves(&entry.section()?, &name)?);
         } else {
@@ -170,23 +172,20 @@ fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Entry<'a>, Str
 }
 
 /// The values that an entry stands for, and whether they are drawn from what the model knows.
-fn axis(entry: Entry<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<(Axis, bool), Error> {
+fn axis(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<(Axis, bool), Error> {
     const FORMS: &str = "{ values = [...] }, { from = ..., to = ..., count = ..., scale = \"linear\" }, \
-        { distribution = \"normal\", mean = ..., sd = ... } or { from = \"model\" } was expected";
-    if entry.value.as_table().is_none() {
-        return Err(entry.refuse(format!("is {}: {FORMS}", entry.value.type_str())));
-    }
-    let section = entry.section()?;
+        { distribution = \"normal\", mean = ..., sd = ... } or { from = \"model\" }";
+    let section = Section::new(entry.table().map_err(|_| entry.not(FORMS))?);
     // Looked at without taking it: a list of values has no `from`.
-    if let Some(from) = section.entries().iter().find(|entry| entry.key == "from" && entry.value.is_str()) {
+    if let Some(from) = section.entries().find(|entry| entry.key() == "from" && entry.is_text()) {
         section.get("from");
-        from.one_of(&[("model", ())])?;
+        from.choice(&[("model", ())])?;
         section.finish()?;
         return of_model(entry, place, model).map(|axis| (axis, true));
     }
     let allowed = &quantity::all()[place].allowed;
     let axis = match section.get("distribution") {
-        Some(name) => drawn(entry, name.one_of(&DISTRIBUTIONS)?, &section)?,
+        Some(name) => drawn(entry, name.choice(&DISTRIBUTIONS)?, &section)?,
         None => listed(entry, &section, FORMS)?,
     };
     section.finish()?;
@@ -195,66 +194,65 @@ fn axis(entry: Entry<'_>, place: usize, model: &Result<Uncertain, String>) -> Re
     match [*bounds.start(), *bounds.end()].into_iter().find(|value| !allowed.contains(*value)) {
         None => Ok((axis, false)),
         Some(value) if drawn => Err(entry
-            .refuse(format!("reaches {value:.6e}, but has to be {allowed}: `from` and `to` truncate a distribution"))),
-        Some(value) => Err(entry.refuse(format!("takes {value}, but has to be {allowed}"))),
+            .because(format!("reaches {value:.6e}, but has to be {allowed}: `from` and `to` truncate a distribution"))),
+        Some(value) => Err(entry.because(format!("takes {value}, but has to be {allowed}"))),
     }
 }
 
 /// What the model knows of a quantity.
-fn of_model(entry: Entry<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<Axis, Error> {
+fn of_model(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<Axis, Error> {
     let known = known(entry, model)?;
     let parameter = known.parameters.iter().find(|parameter| parameter.quantity == place).ok_or_else(|| {
         let names: Vec<_> = known.parameters.iter().map(|p| quantity::all()[p.quantity].name.as_str()).collect();
         let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
-        entry.refuse(format!("has no variance in the model's [uncertainty], which knows that of {names}"))
+        entry.because(format!("has no variance in the model's [uncertainty], which knows that of {names}"))
     })?;
     Ok(Axis::Drawn(parameter.distribution.clone()))
 }
 
 /// A list of values or a range.
-fn listed(entry: Entry<'_>, section: &Section<'_>, forms: &str) -> Result<Axis, Error> {
+fn listed(entry: Field<'_>, section: &Section<'_>, forms: &str) -> Result<Axis, Error> {
     if let Some(values) = section.get("values") {
-        return Ok(Axis::Values { values: values.numbers()? });
+        return Ok(Axis::Values { values: values.some_numbers()? });
     }
     let (Some(from), Some(to)) = (section.get("from"), section.get("to")) else {
         section.get("count");
         section.get("scale");
         section.finish()?;
-        return Err(entry.refuse(format!("says too little: {forms}")));
+        return Err(entry.because(format!("says too little; expected {forms}")));
     };
-    let (from, to) = (from.number()?, to.number()?);
+    let (from, to) = (from.finite()?, to.finite()?);
     let scale =
-        section.get("scale").map(|e| e.one_of(&[("linear", Scale::Linear), ("log", Scale::Log)])).transpose()?;
+        section.get("scale").map(|e| e.choice(&[("linear", Scale::Linear), ("log", Scale::Log)])).transpose()?;
     let scale = scale.unwrap_or(Scale::Linear);
     let count = section.get("count").map(|e| e.whole(2)).transpose()?;
     section.finish()?;
     range(entry, from, to, count, scale)
 }
 
-fn range(entry: Entry<'_>, from: f64, to: f64, count: Option<u64>, scale: Scale) -> Result<Axis, Error> {
+fn range(entry: Field<'_>, from: f64, to: f64, count: Option<u64>, scale: Scale) -> Result<Axis, Error> {
     if from >= to {
-        return Err(entry.refuse(format!("runs from {from} to {to}: `from` has to be below `to`")));
+        return Err(entry.because(format!("runs from {from} to {to}: `from` has to be below `to`")));
     }
     if scale == Scale::Log && from <= 0.0 {
-        return Err(entry.refuse(format!("runs from {from}: a logarithmic scale needs a value above 0")));
+        return Err(entry.because(format!("runs from {from}: a logarithmic scale needs a value above 0")));
     }
     Ok(Axis::Range { from, to, count, scale })
 }
 
 /// A distribution by its name and its parameters.
-fn drawn(entry: Entry<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Error> {
-    let optional = |key: &str| section.get(key).map(|entry| entry.number()).transpose();
-    let number = |key: &str, expected: &str| section.require(key, expected)?.number();
+fn drawn(entry: Field<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Error> {
+    let optional = |key: &str| section.get(key).map(|entry| entry.finite()).transpose();
+    let number = |key: &str, expected: &str| section.require(key, expected)?.finite();
     let limits = || Ok::<_, Error>(Limits { from: optional("from")?, to: optional("to")? });
     let distribution = match kind {
         Kind::Uniform => {
-            let (from, to) =
-                (number("from", "the least value was expected")?, number("to", "the greatest value was expected")?);
+            let (from, to) = (number("from", "the least value")?, number("to", "the greatest value")?);
             return range(entry, from, to, None, Scale::Linear);
         }
         Kind::Normal => {
-            let mean = number("mean", "the mean was expected")?;
-            let sd = number("sd", "the standard deviation was expected")?;
+            let mean = number("mean", "the mean")?;
+            let sd = number("sd", "the standard deviation")?;
             Distribution::Normal { mean, sd, limits: limits()? }
         }
         Kind::LogNormal => {
@@ -262,26 +260,26 @@ fn drawn(entry: Entry<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Er
             Distribution::LogNormal { median, sd_log, limits: limits()? }
         }
         Kind::Triangular => Distribution::Triangular {
-            from: number("from", "the least value was expected")?,
-            mode: number("mode", "the most probable value was expected")?,
-            to: number("to", "the greatest value was expected")?,
+            from: number("from", "the least value")?,
+            mode: number("mode", "the most probable value")?,
+            to: number("to", "the greatest value")?,
         },
         Kind::Empirical => {
-            let mut values = section.require("values", "the measured values were expected")?.numbers()?;
+            let mut values = section.require("values", "the measured values")?.some_numbers()?;
             values.sort_by(f64::total_cmp);
             Distribution::Empirical { values }
         }
     };
     section.finish()?;
     match distribution.problem() {
-        Some(problem) => Err(entry.refuse(problem)),
+        Some(problem) => Err(entry.because(problem)),
         None => Ok(Axis::Drawn(distribution)),
     }
 }
 
 /// Median and logarithmic standard deviation, given as such or by mean and standard deviation of the quantity itself.
-fn log_normal(entry: Entry<'_>, section: &Section<'_>) -> Result<(f64, f64), Error> {
-    let optional = |key: &str| section.get(key).map(|entry| entry.number()).transpose();
+fn log_normal(entry: Field<'_>, section: &Section<'_>) -> Result<(f64, f64), Error> {
+    let optional = |key: &str| section.get(key).map(|entry| entry.finite()).transpose();
     match (optional("median")?, optional("sd_log")?, optional("mean")?, optional("sd")?) {
         (Some(median), Some(sd_log), None, None) => Ok((median, sd_log)),
         (None, None, Some(mean), Some(sd)) if mean > 0.0 && sd > 0.0 => {
@@ -289,8 +287,8 @@ fn log_normal(entry: Entry<'_>, section: &Section<'_>) -> Result<(f64, f64), Err
             Ok((mean * (-0.5 * variance_log).exp(), variance_log.sqrt()))
         }
         (None, None, Some(mean), Some(sd)) => {
-            Err(entry.refuse(format!("has a mean of {mean} and an `sd` of {sd}: both have to be above 0")))
+            Err(entry.because(format!("has a mean of {mean} and an `sd` of {sd}: both have to be above 0")))
         }
-        _ => Err(entry.refuse("takes either `median` and `sd_log` or `mean` and `sd`")),
+        _ => Err(entry.because("takes either `median` and `sd_log` or `mean` and `sd`")),
     }
 }

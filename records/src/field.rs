@@ -1,0 +1,194 @@
+//! One key of a TOML file with its value, asked for by type and [`Bounds`]; every complaint names file, line and key.
+
+use crate::document::{Entry, Value};
+use crate::error::Error;
+use crate::key::{Bounds, KeyProblem};
+use crate::table::Table;
+use std::path::Path;
+
+/// A view on one key of a [`Document`](crate::document::Document).
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'d> {
+    path: &'d Path,
+    entry: &'d Entry,
+}
+
+impl<'d> Field<'d> {
+    pub(crate) fn new(path: &'d Path, entry: &'d Entry) -> Self {
+        Self { path, entry }
+    }
+
+    /// The key, without the tables it stands in.
+    pub fn key(&self) -> &'d str {
+        &self.entry.key
+    }
+
+    /// Line of the key, counted from 1; 0 where the content comes from no file.
+    pub fn line(&self) -> usize {
+        self.entry.line
+    }
+
+    /// A complaint about the key, at its line.
+    pub fn refuse(&self, problem: KeyProblem) -> Error {
+        let (path, line, key) = (self.path.to_owned(), self.entry.line, self.entry.name.clone());
+        Error::Key { path, line, key, problem: Box::new(problem) }
+    }
+
+    /// A number, an integer included.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
+    pub fn number(&self, bounds: &Bounds) -> Result<f64, Error> {
+        self.checked(&self.entry.value, bounds)
+    }
+
+    /// A whole number of `least` or above.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
+    pub fn whole(&self, least: u64) -> Result<u64, Error> {
+        let expected = match least {
+            0 => "a whole number, zero or above".to_owned(),
+            _ => format!("a whole number, {least} or above"),
+        };
+        match &self.entry.value {
+            Value::Integer(value) => u64::try_from(*value)
+                .ok()
+                .filter(|whole| *whole >= least)
+                .ok_or_else(|| self.refuse(KeyProblem::OutOfBounds { value: *value as f64, expected })),
+            other => Err(self.wrong_type(&expected, other)),
+        }
+    }
+
+    /// A list of numbers.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
+    pub fn numbers(&self, bounds: &Bounds) -> Result<Vec<f64>, Error> {
+        self.list("a list of numbers")?.iter().map(|(_, item)| self.checked(item, bounds)).collect()
+    }
+
+    /// A list of lists of numbers.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
+    pub fn rows_of_numbers(&self, bounds: &Bounds) -> Result<Vec<Vec<f64>>, Error> {
+        let expected = "a list of lists of numbers";
+        let row = |(_, row): &(usize, Value)| match row {
+            Value::List(items) => items.iter().map(|(_, item)| self.checked(item, bounds)).collect(),
+            other => Err(self.wrong_type(expected, other)),
+        };
+        self.list(expected)?.iter().map(row).collect()
+    }
+
+    /// A text.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`].
+    pub fn text(&self) -> Result<&'d str, Error> {
+        match &self.entry.value {
+            Value::Text(text) => Ok(text),
+            other => Err(self.wrong_type("a text in quotes", other)),
+        }
+    }
+
+    /// Whether the value is a text.
+    pub fn is_text(&self) -> bool {
+        matches!(self.entry.value, Value::Text(_))
+    }
+
+    /// A list of texts.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`].
+    pub fn texts(&self) -> Result<Vec<&'d str>, Error> {
+        let expected = "a list of texts in quotes";
+        let text = |(_, item): &'d (usize, Value)| match item {
+            Value::Text(text) => Ok(text.as_str()),
+            other => Err(self.wrong_type(expected, other)),
+        };
+        self.list(expected)?.iter().map(text).collect()
+    }
+
+    /// One of several words.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`], or [`KeyProblem::UnknownName`] with the nearest word.
+    pub fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Result<T, Error> {
+        let text = self.text()?;
+        let found = choices.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
+        found.ok_or_else(|| self.refuse(KeyProblem::unknown_name(text, choices.iter().map(|(word, _)| *word))))
+    }
+
+    /// `true` or `false`.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`].
+    pub fn flag(&self) -> Result<bool, Error> {
+        match &self.entry.value {
+            Value::Flag(flag) => Ok(*flag),
+            other => Err(self.wrong_type("true or false", other)),
+        }
+    }
+
+    /// A table.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`].
+    pub fn table(&self) -> Result<Table<'d>, Error> {
+        match &self.entry.value {
+            Value::Table(entries) => Ok(Table::new(self.path, &self.entry.name, self.entry.line, entries)),
+            other => Err(self.wrong_type("a table", other)),
+        }
+    }
+
+    /// A list of tables (`[[key]]`).
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`].
+    pub fn tables(&self) -> Result<Vec<Table<'d>>, Error> {
+        let expected = format!("a list of tables [[{}]]", self.entry.name);
+        let table = |(line, item): &'d (usize, Value)| match item {
+            Value::Table(entries) => Ok(Table::new(self.path, &self.entry.name, *line, entries)),
+            other => Err(self.wrong_type(&expected, other)),
+        };
+        self.list(&expected)?.iter().map(table).collect()
+    }
+
+    /// A complaint that the value is not what is `expected`.
+    pub fn not(&self, expected: &str) -> Error {
+        self.wrong_type(expected, &self.entry.value)
+    }
+
+    fn list(&self, expected: &str) -> Result<&'d [(usize, Value)], Error> {
+        match &self.entry.value {
+            Value::List(items) => Ok(items),
+            other => Err(self.wrong_type(expected, other)),
+        }
+    }
+
+    fn checked(&self, value: &Value, bounds: &Bounds) -> Result<f64, Error> {
+        let number = match value {
+            Value::Integer(integer) => *integer as f64,
+            Value::Number(number) => *number,
+            other => return Err(self.wrong_type(&bounds.words(), other)),
+        };
+        if bounds.allow(number) {
+            return Ok(number);
+        }
+        Err(self.refuse(KeyProblem::OutOfBounds { value: number, expected: bounds.words() }))
+    }
+
+    fn wrong_type(&self, expected: &str, found: &Value) -> Error {
+        let found = match found {
+            Value::Text(text) => format!("the text \"{text}\""),
+            Value::Integer(value) => format!("the number {value}"),
+            Value::Number(value) => format!("the number {value:?}"),
+            Value::Flag(flag) => format!("{flag}"),
+            Value::Date(date) => format!("the date {date}"),
+            Value::List(_) => "a list".to_owned(),
+            Value::Table(_) => "a table".to_owned(),
+        };
+        self.refuse(KeyProblem::WrongType { expected: expected.to_owned(), found })
+    }
+}
