@@ -1,5 +1,6 @@
 """Runs the tutorial's commands verbatim, page after page, in a copy of the examples' folder."""
 
+import itertools
 import os
 import re
 import shutil
@@ -7,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from pyarrow import parquet
 
 from conftest import PROGRAM
 
@@ -69,6 +71,17 @@ def test_the_diagnosed_model_predicts_the_validation_record_better(root, folder,
     ).stdout
     before, after = (float(value) for value in re.findall(r": (\d+) Pa rms", output))
     assert after < before and after < 1.2 * 150.0, output
+
+
+def test_lambda0_falls_and_rises_in_the_tutorial_s_two_studies_of_volume_over_area(folder):
+    """What the page says of them; runs after the tutorial's pages. Every row has its result."""
+    if not (folder / "both_ways.py").exists():
+        pytest.skip("the tutorial's pages did not run")
+    for name, sign in [("by_length", -1), ("by_bore", 1)]:
+        rows = parquet.read_table(folder / name / "rows").sort_by("volume_to_area_m").to_pydict()
+        assert set(rows["status"]) == {"ok"} and len(rows["status"]) == 5, rows["status"]
+        change = [sign * (b - a) for a, b in itertools.pairwise(rows["lambda0_w_per_m2_k"])]
+        assert min(change) > 0, rows
 
 
 def test_the_commands_of_the_readme_work_as_written(root, environment, tmp_path):
