@@ -15,6 +15,7 @@
 //! Whatever cannot be right is refused with file, line and key or column; nothing is guessed silently.
 
 pub mod atomic;
+mod correlation;
 pub mod document;
 mod effect;
 pub mod error;
@@ -36,6 +37,7 @@ pub mod uncertainty;
 pub mod units;
 
 pub use atomic::write_atomically;
+pub use correlation::correlation;
 pub use document::Document;
 pub use error::Error;
 pub use field::Field;

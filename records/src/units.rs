@@ -3,7 +3,7 @@
 /// What a column of a trace can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Time.
+    /// Time since any moment, or a clock time.
     Time,
     /// Pressure in the chamber.
     Pressure,
@@ -176,6 +176,12 @@ pub fn says_gauge(spelling: &str) -> bool {
     ["psig", "barg", "mbarg", "kpag", "psi(g)", "bar(g)", "bar_g", "bar rel", "barrel"].contains(&text.as_str())
 }
 
+/// Whether a unit's spelling says that a pressure counts from vacuum (`psia`, `bara`).
+pub fn says_absolute(spelling: &str) -> bool {
+    let text = unbracketed(spelling).to_lowercase();
+    ["psia", "bara", "mbara", "kpaa", "psi(a)", "bar(a)", "bar_a", "bar abs", "barabs"].contains(&text.as_str())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -191,6 +197,7 @@ mod tests {
         // Case tells these two apart.
         assert_eq!((name(Quantity::Pressure, "MPa"), name(Quantity::Pressure, "mbar")), (Some("MPa"), Some("mbar")));
         assert_eq!(name(Quantity::Position, "kPa"), None);
+        assert!(says_absolute("(psia)") && says_absolute("bar abs") && !says_absolute("psig") && !says_absolute("bar"));
         assert!(says_gauge("(psig)") && says_gauge("[bar(g)]") && !says_gauge("psia") && !says_gauge("bar"));
     }
 

@@ -148,6 +148,20 @@ fn positions_from_the_other_end_and_below_zero_are_turned_and_said() {
 }
 
 #[test]
+fn a_pressure_of_unknown_reference_is_marked_and_a_stated_one_is_not() {
+    for (header, marked) in
+        [("p [bar]", true), ("p [bar(g)]", false), ("p [bara]", false), ("p_abs [bar]", false), ("pressure_pa", false)]
+    {
+        let offset = if header.contains("(g)") { 101_325.0 } else { 0.0 };
+        let unit = if header == "pressure_pa" { 1.0 } else { 1e-5 };
+        let text = table(&format!("time_s,{header},position_m"), |t, p, x| format!("{t},{},{x}", (p - offset) * unit));
+        let (_folder, _, look, _) = looked_at("p.csv", text.as_bytes());
+        let rig = rig_file(&look, &Stated::default());
+        assert_eq!(rig.contains("CHECK: absolute or gauge?"), marked, "{header}: {rig}");
+    }
+}
+
+#[test]
 fn a_voltage_is_left_to_the_user() {
     let text = table("t (s);U1 pressure [V];U2 position [V]", |t, p, x| format!("{t};{:.6};{:.6}", p / 1e5, x * 10.0));
     let folder = TempDir::new().unwrap();

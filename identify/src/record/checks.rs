@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::record::line::Line;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, extent};
-use records::Trace;
+use records::{Trace, correlation};
 
 /// Fewest rows of a trace.
 pub const FEWEST_ROWS: usize = 20;
@@ -137,16 +137,4 @@ fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
         }
     }
     &rows[best]
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len() as f64;
-    let (ma, mb) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        ab += (x - ma) * (y - mb);
-        aa += (x - ma).powi(2);
-        bb += (y - mb).powi(2);
-    }
-    ab / (aa * bb).sqrt().max(f64::MIN_POSITIVE)
 }

@@ -2,11 +2,12 @@
 //!
 //! What the names leave open is taken from the values and said to be a guess.
 
+use crate::correlation;
 use crate::error::Error;
 use crate::layout::{Column, Layout};
 use crate::limits::STANDARD_ATMOSPHERE_PA;
 use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem};
-use crate::units::{CLOCK, Quantity, Unit, VOLT, says_gauge};
+use crate::units::{CLOCK, Quantity, Unit, VOLT, says_absolute, says_gauge};
 
 /// Positions that count from anywhere are first read with so much added, m.
 const FAR_M: f64 = 1e3;
@@ -37,6 +38,8 @@ pub struct Guessed {
     pub unit_guessed: bool,
     /// Whether pressures count from the surroundings'.
     pub gauge: bool,
+    /// Whether a pressure's header leaves open from where it counts.
+    pub reference_guessed: bool,
     /// 1 or -1: which way positions count.
     pub sign: f64,
     /// What is added to positions, m.
@@ -126,6 +129,7 @@ impl Guess {
             (RowProblem::NotAbsolute { .. }, guess) => match guess.of_mut(Quantity::Pressure) {
                 Some(pressure) if !pressure.gauge => {
                     pressure.gauge = true;
+                    pressure.reference_guessed = false;
                     true
                 }
                 _ => false,
@@ -162,18 +166,6 @@ impl Guess {
         position.offset_m = if position.sign < 0.0 { high + low.max(0.0) } else { -low.min(0.0) };
         true
     }
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len().max(1) as f64;
-    let (ma, mb) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        ab += (x - ma) * (y - mb);
-        aa += (x - ma).powi(2);
-        bb += (y - mb).powi(2);
-    }
-    ab / (aa * bb).sqrt().max(f64::MIN_POSITIVE)
 }
 
 /// What a column is called and what its first values are.
@@ -256,8 +248,12 @@ impl Described {
         let known = clock().or(stated).or_else(default);
         let own_name = dialect.names.iter().filter(|name| **name == self.name).count() == 1 && !self.name.is_empty();
         let gauge_word = ["gauge", "rel", "relative", "ueberdruck", "überdruck"];
-        let gauge = self.unit.as_deref().is_some_and(says_gauge)
-            || self.words.iter().any(|word| gauge_word.contains(&word.as_str()));
+        let absolute_word = ["abs", "absolute", "absolut", "absolutdruck"];
+        let says = |unit: fn(&str) -> bool, words: &[&str]| {
+            self.unit.as_deref().is_some_and(unit) || self.words.iter().any(|word| words.contains(&word.as_str()))
+        };
+        let gauge = says(says_gauge, &gauge_word);
+        let absolute = says(says_absolute, &absolute_word) || self.name == quantity.default_name();
         Guessed {
             quantity,
             place: self.place,
@@ -265,6 +261,7 @@ impl Described {
             unit: known.unwrap_or_else(by_value),
             unit_guessed: known.is_none(),
             gauge: quantity == Quantity::Pressure && gauge,
+            reference_guessed: quantity == Quantity::Pressure && !gauge && !absolute,
             sign: 1.0,
             offset_m: 0.0,
         }

@@ -12,7 +12,7 @@ use std::fmt::Write;
 /// What the user says beside the trace.
 #[derive(Clone, Debug, Default)]
 pub struct Stated {
-    /// Bore, m.
+    /// Bore of the cylinder, m; `None` leaves it to be filled in.
     pub bore_m: Option<f64>,
     /// The trace as the rig file is to name it.
     pub trace: String,
@@ -88,6 +88,9 @@ fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
     }
     if column.quantity == Quantity::Pressure {
         keys += if column.gauge { ", reference = \"gauge\"" } else { ", reference = \"absolute\"" };
+        if column.reference_guessed {
+            remarks.push("CHECK: absolute or gauge? the file does not say");
+        }
     }
     if column.quantity == Quantity::Position && (column.sign, column.offset_m) != (1.0, 0.0) {
         write!(keys, ", sign = {}, offset_m = {:?}", column.sign, column.offset_m)?;
