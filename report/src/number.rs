@@ -12,6 +12,16 @@ pub fn digits(value: f64, significant: usize) -> String {
     format!("{value:.*}", (significant as i32 - 1 - exponent).max(0) as usize)
 }
 
+/// The number nearest to the value that has so many significant digits.
+pub fn rounded(value: f64, significant: usize) -> f64 {
+    format!("{value:.*e}", significant.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// A number in as few digits as tell it: `3e-12`, `0.25`, `1000`.
+pub fn shortest(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
+}
+
 /// A ratio as a percentage with that many decimals and its sign.
 pub fn signed_percent(ratio: f64, decimals: usize) -> String {
     format!("{:+.decimals$}\u{a0}%", 100.0 * ratio)
@@ -33,6 +43,8 @@ mod tests {
         {
             assert_eq!(digits(value, 4), text);
         }
+        assert_eq!(rounded(-0.012_345_67, 4), -0.012_35);
+        assert_eq!([3e-12, 0.25, 1e4, 0.0].map(shortest), ["3e-12", "0.25", "1e4", "0"]);
         assert_eq!(signed_percent(0.0667, 1), "+6.7\u{a0}%");
     }
 }

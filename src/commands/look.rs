@@ -6,6 +6,7 @@ use records::look::columns::Names;
 use records::look::motion::{self, Cycle, Phase};
 use records::look::proposal::{self, Stated};
 use records::look::{Found, Look};
+use report::number::rounded;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -172,13 +173,9 @@ fn record(out: &mut String, found: &Found, cycles: &[Cycle], open: usize) {
     }
 }
 
-/// Four digits.
+/// The value to four significant digits.
 fn digits(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value;
-    }
-    let scale = 10.0_f64.powf(3.0 - value.abs().log10().floor());
-    (value * scale).round() / scale
+    rounded(value, 4)
 }
 
 fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {

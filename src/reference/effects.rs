@@ -1,8 +1,9 @@
 //! The page of effects, from their cards.
 
-use super::{MADE, number, table};
+use super::{MADE, table};
 use chamber::card::{Card, ClosedForm, Kind, Prior, Unit};
 use chamber::{Gas, effects};
+use report::number::shortest;
 use std::fmt::Write;
 
 fn page() -> String {
@@ -67,16 +68,16 @@ fn section(card: &Card) -> String {
             [
                 format!("`{name}`"),
                 unit(p.unit),
-                number(p.neutral),
-                number(p.typical),
-                format!("{} to {}", number(*p.bounds.start()), number(*p.bounds.end())),
+                shortest(p.neutral),
+                shortest(p.typical),
+                format!("{} to {}", shortest(*p.bounds.start()), shortest(*p.bounds.end())),
                 format!("{}{fitted}", p.doc),
             ]
         }),
     );
     for (p, prior) in card.parameters.iter().filter_map(|p| Some((p, p.prior(&Gas::AIR)?))) {
         let gas = if matches!(p.prior, Prior::OfGas(_)) { " for air" } else { "" };
-        let (mean, deviation) = (number(prior.mean), number(prior.standard_deviation));
+        let (mean, deviation) = (shortest(prior.mean), shortest(prior.standard_deviation));
         writeln!(text, "\nPrior{gas}: `{}` is {mean} with a standard deviation of {deviation}.", p.key())
             .expect("a String takes all");
     }

@@ -1,7 +1,8 @@
 //! The page of the FMU's variables.
 
-use super::{MADE, number, table};
+use super::{MADE, table};
 use fmu::table::{Role, Variability, Variable};
+use report::number::shortest;
 
 const HEAD: &str = "\
 # FMU variables
@@ -32,7 +33,6 @@ fn page() -> String {
 }
 
 fn section<'a>(title: &str, variables: impl Iterator<Item = &'a Variable>) -> String {
-    let bound = |bound: Option<f64>| bound.map_or("—".to_owned(), number);
     let rows = variables.map(|v| {
         let when = match v.variability {
             Variability::Fixed => "fixed",
@@ -41,7 +41,9 @@ fn section<'a>(title: &str, variables: impl Iterator<Item = &'a Variable>) -> St
         };
         let bounds = match (v.min, v.max) {
             (None, None) => "—".to_owned(),
-            (min, max) => format!("{} to {}", bound(min), bound(max)),
+            (Some(min), None) => format!("at least {}", shortest(min)),
+            (None, Some(max)) => format!("at most {}", shortest(max)),
+            (Some(min), Some(max)) => format!("{} to {}", shortest(min), shortest(max)),
         };
         [format!("`{}`", v.name), v.quantity.unit.to_owned(), bounds, when.to_owned(), v.description.clone()]
     });

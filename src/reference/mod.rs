@@ -21,8 +21,3 @@ fn table<const N: usize>(heading: [&str; N], rows: impl IntoIterator<Item = [Str
     }
     text
 }
-
-/// A number as people write it: `3e-12`, `0.25`, `1000`.
-fn number(value: f64) -> String {
-    if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
-}

@@ -15,13 +15,14 @@ use paper::geometry_effect::REFERENCE_LENGTH_M;
 use paper::measured::{Measured, Row};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use records::{Model, Provenance};
+use report::number::rounded;
 use std::fs::File;
 use std::path::Path;
 
 /// A row of a study as the trend's figure needs it. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrendPoint {
-    /// Bore, m.
+    /// Bore of the cylinder, m.
     pub bore_m: f64,
     /// Length of the gas column at the final stroke, dead volume included, m.
     pub column_m: f64,
@@ -93,8 +94,8 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
     let of_a: Vec<&Row> = measured.rows.iter().filter(|r| r.test.actuator == "A").collect();
     let first = of_a.first().context("the paper's tables hold no test of actuator A")?;
     let dead_volume = of_a.iter().map(|r| r.steps.dead_volume_m3.value).sum::<f64>() / of_a.len() as f64;
-    let geometry = Geometry::new(first.setup.bore_m, 0.0, rounded(dead_volume), AreaLaw::Total);
-    let heat_transfer = HeatTransfer::at_paper_reference(rounded(law.coefficient(measured)));
+    let geometry = Geometry::new(first.setup.bore_m, 0.0, rounded(dead_volume, DIGITS), AreaLaw::Total);
+    let heat_transfer = HeatTransfer::at_paper_reference(rounded(law.coefficient(measured), DIGITS));
     let mut chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
     if law == Law::Column {
         let (place, _) = effects::find("gas_column_length").context("no effect `gas_column_length`")?;
@@ -104,7 +105,7 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
         gas_name: Some("air".to_owned()),
         chamber,
         rod_m: 0.0,
-        ambient_temperature_k: rounded(measured.ambient.temperature_k.value),
+        ambient_temperature_k: rounded(measured.ambient.temperature_k.value, DIGITS),
         ambient_pressure_pa: AMBIENT_PRESSURE_PA,
         uncertainty: None,
         provenance: Provenance { program: Some(PROGRAM.to_owned()), ..Provenance::default() },
@@ -113,10 +114,8 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
 
 const PROGRAM: &str = concat!("pneutherm ", env!("CARGO_PKG_VERSION"));
 
-/// Five significant digits: what the paper's tables can carry, and a file that a person can read.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.4e}").parse().unwrap_or(value)
-}
+/// Significant digits of a study's numbers: what the paper's tables can carry, and a file that a person can read.
+const DIGITS: usize = 5;
 
 /// The study's points as CSV: one row for each bore, stroke and pressure.
 fn points(model: &Model, law: Law) -> String {
@@ -126,12 +125,12 @@ fn points(model: &Model, law: Law) -> String {
     for bore in BORES_M {
         for i in 0..count {
             let share = i as f64 / (count - 1) as f64;
-            let initial = rounded(shortest * (longest / shortest).powf(share));
+            let initial = rounded(shortest * (longest / shortest).powf(share), DIGITS);
             let last = initial * FINAL_STROKE;
             let piston = Geometry::new(bore, 0.0, 0.0, AreaLaw::Total).piston_area;
-            let dead_volume = rounded(DEAD_VOLUME * last * piston);
+            let dead_volume = rounded(DEAD_VOLUME * last * piston, DIGITS);
             for pressure in PRESSURES_PA {
-                let push = rounded(time_constant(model, law, bore, dead_volume, [initial, last], pressure));
+                let push = rounded(time_constant(model, law, bore, dead_volume, [initial, last], pressure), DIGITS);
                 out.push_str(&format!("{bore},{initial},{last},{dead_volume:e},{pressure},{push}\n"));
             }
         }
