@@ -1,26 +1,15 @@
 //! Laws that the balances obey whatever the state, the flows and the effects: conservation, the paper's own form of the
 //! equations, and effects that change nothing at their neutral values.
 
+#[path = "common/any.rs"]
+mod any;
+
+use any::{any_boundary, any_chamber};
 use chamber::balance::{self, Boundary, ENERGY, MASS, OWN, STATES};
 use chamber::effects;
 use chamber::integrate::{Integrator, Tolerance};
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
-
-prop_compose! {
-    fn any_chamber()(bore in 0.01..0.2f64, dead_share in 0.0..0.5f64, lambda in 1.0..200.0f64, total in any::<bool>()) -> Chamber {
-        let law = if total { AreaLaw::Total } else { AreaLaw::Swept };
-        let dead_volume = dead_share * bore * bore * 0.05;
-        Chamber::new(Gas::AIR, Geometry::new(bore, 0.0, dead_volume, law), HeatTransfer::at_paper_reference(lambda))
-    }
-}
-
-prop_compose! {
-    fn any_boundary()(position in 0.02..0.3f64, velocity in -1.0..1.0f64, mass_flow_in in 0.0..1e-4f64, temperature_in in 260.0..350.0f64,
-        mass_flow_out in 0.0..1e-4f64, ambient_temperature in 260.0..320.0f64) -> Boundary {
-        Boundary { position, velocity, mass_flow_in, temperature_in, mass_flow_out, ambient_temperature, ambient_pressure: 1.013e5 }
-    }
-}
 
 proptest! {
     #[test]

@@ -4,24 +4,19 @@
 #![cfg_attr(miri, feature(c_variadic))]
 
 mod common;
+#[path = "common/memory.rs"]
+mod memory;
 
 use common::Host;
 use fmu::fmi2::abi::*;
+use memory::MEMORY;
 use proptest::prelude::*;
 use std::process::Command;
 use std::ptr::null_mut;
 
 /// A chamber under way with memory of every kind: own states, delayed record, derivatives set for the next step.
 fn under_way() -> Host {
-    let host = Host::started(&[
-        ("initialPressure", 2.5e5),
-        ("wallHeating.capacity", 3.0),
-        ("gasZones.massFraction", 0.2),
-        ("gasZones.conductance", 0.03),
-        ("sensorLag.timeConstant", 0.01),
-        ("recordDelay.delay", 0.05),
-        ("leakage.conductance", 1e-12),
-    ]);
+    let host = Host::started(&MEMORY);
     for k in 0..50 {
         host.set("velocity", -0.3 + 0.01 * f64::from(k));
         host.step(f64::from(k) * 2e-3, 2e-3);

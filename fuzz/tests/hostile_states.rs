@@ -2,6 +2,9 @@
 //!
 //! Mutated bytes get their checksum mended in three cases of four, so that what lies behind it is reached.
 
+#[path = "../../fmu/tests/common/memory.rs"]
+mod memory;
+
 use fmu::plant::corners::CORNERS;
 use fmu::plant::simulation::Kind;
 use fmu::plant::states::ALL;
@@ -10,6 +13,7 @@ use fmu::protocol::instance::Instance;
 use fmu::protocol::phases::Phase;
 use fmu::protocol::refusal::Refusal;
 use fmu::table::{Type, Variable, table};
+use memory::MEMORY;
 use std::cell::Cell;
 
 const GUID: &str = "{00000000-0000-0000-0000-000000000000}";
@@ -113,18 +117,9 @@ fn go_on(instance: &mut Instance) {
 
 #[test]
 fn a_serialized_state_is_refused_or_goes_on() {
-    let all = [
-        ("initialPressure", 2.5e5),
-        ("wallHeating.capacity", 3.0),
-        ("gasZones.massFraction", 0.2),
-        ("gasZones.conductance", 0.03),
-        ("sensorLag.timeConstant", 0.01),
-        ("recordDelay.delay", 0.05),
-        ("leakage.conductance", 1e-12),
-    ];
     let kinds = [Kind::CoSimulation, Kind::ModelExchange];
     let made: Vec<Vec<u8>> =
-        kinds.into_iter().flat_map(|kind| [states(kind, &all), states(kind, &all[..1])].concat()).collect();
+        kinds.into_iter().flat_map(|kind| [states(kind, &MEMORY), states(kind, &MEMORY[..1])].concat()).collect();
     let whole = made.len() as u32;
     let (accepted, behind_the_checksum) = (Cell::new(0_u32), Cell::new(0_u32));
     let reference = mended(&made[0]);
