@@ -8,7 +8,7 @@ use std::path::Path;
 
 const WIDTH: u32 = 440;
 
-/// The page.
+/// How well a model predicts other records, as one self-contained HTML page.
 ///
 /// # Errors
 /// A drawing that failed.

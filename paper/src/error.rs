@@ -22,7 +22,7 @@ pub enum Error {
     NotFinite {
         /// Row, counted from 1.
         row: usize,
-        /// Which column.
+        /// Column of the recording: time, pressure or position.
         quantity: &'static str,
     },
     /// Time stands still or falls.
@@ -44,9 +44,9 @@ pub enum Error {
     /// Too few rows to fit three parameters and say how well.
     #[error("the hold has {found} rows; at least {needed} are needed to fit a decay of three parameters")]
     TooFewRows {
-        /// Rows there.
+        /// Rows that the hold has.
         found: usize,
-        /// Rows needed.
+        /// Rows that the fit needs.
         needed: usize,
     },
     /// The piston does not move.
@@ -99,13 +99,13 @@ pub enum Error {
     NotPositive {
         /// Which number, with its unit.
         quantity: &'static str,
-        /// Its value.
+        /// The number, in the unit that `quantity` names.
         value: f64,
     },
     /// An embedded table of the paper is not as expected.
     #[error("{table}: line {line}: {reason}")]
     Table {
-        /// File name.
+        /// File name of the table.
         table: &'static str,
         /// Line, counted from 1.
         line: usize,

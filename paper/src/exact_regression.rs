@@ -16,13 +16,13 @@ use serde::Serialize;
 /// What follows from Pf and k. SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quantities<R = f64> {
-    /// m, kg.
+    /// Mass m of the gas, kg.
     pub mass_kg: R,
-    /// Vd, m³.
+    /// Dead volume Vd, m³.
     pub dead_volume_m3: R,
     /// Vf, dead volume included, m³.
     pub final_volume_m3: R,
-    /// Aq, m².
+    /// Heat transfer area Aq, m².
     pub area_m2: R,
     /// τ_f = 1/k, s: the decay's time constant when nearly settled.
     pub final_time_constant_s: R,
@@ -59,11 +59,11 @@ pub fn quantities<R: Real>(
 pub struct ExactRegression {
     /// Push and hold as found in it.
     pub relaxation: Relaxation,
-    /// Pf, Pa.
+    /// Final pressure Pf, Pa.
     pub final_pressure_pa: Estimate,
     /// a = 1 − Tamb/T at the first fitted row.
     pub amplitude: Estimate,
-    /// k, 1/s.
+    /// Decay rate k, 1/s.
     pub rate_per_s: Estimate,
     /// What follows, with intervals.
     pub quantities: Quantities<Estimate>,

@@ -17,7 +17,7 @@ use serde::Serialize;
 /// The inferred ambient temperature of the experiments.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AmbientTemperature {
-    /// Tamb, K.
+    /// Ambient temperature Tamb, K.
     pub temperature_k: Estimate,
     /// Its standard error, K.
     #[serde(skip)]
@@ -33,7 +33,7 @@ pub struct AmbientTemperature {
 /// A measured test and what the steps make of it.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The test.
+    /// What the paper measured.
     pub test: MeasuredTest,
     /// What is known of cylinder and surroundings.
     pub setup: Setup,

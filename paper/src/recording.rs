@@ -16,7 +16,7 @@ const TRAVEL_OVER_DEVIATION: f64 = 20.0;
 pub struct Recording<'a> {
     /// Time, s, increasing.
     pub time_s: &'a [f64],
-    /// Pressure, Pa.
+    /// Absolute pressure of the gas, Pa.
     pub pressure_pa: &'a [f64],
     /// Distance of the piston face from the chamber's end, m.
     pub position_m: &'a [f64],

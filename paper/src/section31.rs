@@ -41,7 +41,7 @@ pub struct Description {
     pub ambient_pressure_pa: f64,
     /// Temperature of wall and surroundings, K.
     pub ambient_temperature_k: f64,
-    /// Bore, m.
+    /// Bore of the cylinder, m.
     pub bore_m: f64,
     /// Stroke before the push, m.
     pub initial_stroke_m: f64,
@@ -49,9 +49,9 @@ pub struct Description {
     pub final_stroke_m: f64,
     /// Dead volume, m³.
     pub dead_volume_m3: f64,
-    /// P0, Pa.
+    /// Reference pressure P0, Pa.
     pub reference_pressure_pa: f64,
-    /// T0, K.
+    /// Reference temperature T0, K.
     pub reference_temperature_k: f64,
     /// The true λ0, W/(m² K).
     pub coefficient_w_per_m2_k: f64,
@@ -136,11 +136,11 @@ impl Description {
 /// A recording that owns its columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Columns {
-    /// Time, s.
+    /// Time since the start of the recording, s.
     pub time_s: Vec<f64>,
-    /// Pressure, Pa.
+    /// Absolute pressure of the gas, Pa.
     pub pressure_pa: Vec<f64>,
-    /// Position, m.
+    /// Position of the piston, m.
     pub position_m: Vec<f64>,
 }
 
@@ -169,11 +169,11 @@ pub struct Line {
 /// Section 3.1, reproduced.
 #[derive(Clone, Debug)]
 pub struct Section31 {
-    /// The test.
+    /// Cylinder and test as the paper states them.
     pub description: Description,
-    /// Its timing.
+    /// Durations of push and hold, and the rate of the recording.
     pub timing: Timing,
-    /// Its recording.
+    /// What the sensors recorded.
     pub columns: Columns,
     /// The published steps with the paper's choice of areas.
     pub published: TimeConstant,

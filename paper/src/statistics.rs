@@ -11,7 +11,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// A number and its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The estimate.
+    /// Most probable value, in the unit of its field.
     pub value: f64,
     /// Its 95 % interval, low and high.
     pub ci95: [f64; 2],

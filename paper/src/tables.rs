@@ -5,9 +5,9 @@ use super::Error;
 /// An embedded table as printed: a header and rows of text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// File name.
+    /// File name of the table.
     pub name: &'static str,
-    /// Column names.
+    /// Names of the columns, with units.
     pub columns: Vec<String>,
     /// Cells, row by row.
     pub rows: Vec<Vec<String>>,

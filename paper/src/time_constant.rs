@@ -26,7 +26,7 @@ use serde::Serialize;
 /// What is known of cylinder, gas and surroundings. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
-    /// The gas.
+    /// Gas constant and heat capacities of the gas.
     pub gas: Gas,
     /// Bore φ, m.
     pub bore_m: f64,
@@ -36,9 +36,9 @@ pub struct Setup {
     pub area_law: AreaLaw,
     /// Temperature of wall and surroundings, K.
     pub ambient_temperature_k: f64,
-    /// P0, Pa.
+    /// Reference pressure P0, Pa.
     pub reference_pressure_pa: f64,
-    /// T0, K.
+    /// Reference temperature T0, K.
     pub reference_temperature_k: f64,
 }
 
@@ -97,40 +97,40 @@ pub struct Push<R = f64> {
 /// Step 1: P = Pf + ΔP e^(−t/τ).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regression<R = f64> {
-    /// Pf, Pa.
+    /// Final pressure Pf, Pa.
     pub final_pressure_pa: R,
-    /// ΔP, Pa.
+    /// Pressure rise ΔP above the final pressure, Pa.
     pub pressure_rise_pa: R,
-    /// τ, s.
+    /// Time constant τ, s.
     pub time_constant_s: R,
 }
 
 /// Steps 2 to 7.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Steps<R = f64> {
-    /// m, kg.
+    /// Mass m of the gas, kg.
     pub mass_kg: R,
-    /// Vd, m³.
+    /// Dead volume Vd, m³.
     pub dead_volume_m3: R,
     /// Vf, dead volume included, m³.
     pub final_volume_m3: R,
-    /// k_av, W/K.
+    /// Mean thermal conductance k_av, W/K.
     pub conductance_av_w_per_k: R,
-    /// Aq, m².
+    /// Heat transfer area Aq, m².
     pub area_m2: R,
     /// λ_av, W/(m² K).
     pub coefficient_av_w_per_m2_k: R,
-    /// t_ss, s.
+    /// Settling time t_ss to 1 %, s.
     pub settling_time_s: R,
-    /// Pav, Pa.
+    /// Mean pressure Pav over the settling time, Pa.
     pub pressure_av_pa: R,
-    /// Tav, K.
+    /// Mean temperature Tav over the settling time, K.
     pub temperature_av_k: R,
     /// Tf = Vf Pf/(m R), K.
     pub final_temperature_k: R,
     /// λ0, W/(m² K).
     pub coefficient_0_w_per_m2_k: R,
-    /// k0, W/K.
+    /// Thermal conductance k0 at the reference state, W/K.
     pub conductance_0_w_per_k: R,
 }
 

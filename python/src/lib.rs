@@ -139,7 +139,7 @@ impl Study {
         self.0.rows as usize
     }
 
-    /// All rows.
+    /// Solves all rows; they are one table in memory.
     fn table(&self, py: Python<'_>) -> PyResult<Table> {
         let study = self.0.clone();
         interruptible(py, move || {

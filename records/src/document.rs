@@ -83,7 +83,7 @@ impl Document {
         Self { path: path.to_owned(), text: table.to_string(), root }
     }
 
-    /// The file.
+    /// Path of the file, as it was given; for content without a file, a name that stands for it.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -81,7 +81,7 @@ impl<'d> Field<'d> {
         self.list(expected)?.iter().map(row).collect()
     }
 
-    /// A text.
+    /// The value as a text.
     ///
     /// # Errors
     /// [`KeyProblem::WrongType`].
@@ -131,7 +131,7 @@ impl<'d> Field<'d> {
         }
     }
 
-    /// A table.
+    /// The value as a table.
     ///
     /// # Errors
     /// [`KeyProblem::WrongType`].

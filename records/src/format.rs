@@ -7,7 +7,7 @@ use crate::table::Table;
 /// What stands between the columns of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Separator {
-    /// That byte.
+    /// This byte between two fields: a comma, a semicolon, a tab.
     Byte(u8),
     /// Any number of blanks and tabs. A header that has commas is split at those.
     Whitespace,

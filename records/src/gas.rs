@@ -15,7 +15,7 @@ pub struct NamedGas {
 }
 
 impl Default for NamedGas {
-    /// Air.
+    /// Dry air, which a file without `[gas]` means.
     fn default() -> Self {
         Self { name: Some("air".to_owned()), gas: Gas::AIR }
     }

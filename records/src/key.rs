@@ -95,7 +95,7 @@ impl KeyProblem {
 pub enum Bounds {
     /// Any finite number.
     Finite,
-    /// Above zero.
+    /// Above zero; zero itself is refused.
     Positive,
     /// Zero or above.
     NotNegative,

@@ -3,13 +3,13 @@
 
 use crate::key::Bounds;
 
-/// Bore, m.
+/// Bores that a cylinder can have, m.
 pub const BORE_M: Bounds = Bounds::Within(1e-4..=5.0, "in m");
 /// Rod diameter, m.
 pub const ROD_M: Bounds = Bounds::Within(0.0..=5.0, "in m");
 /// Piston area, m².
 pub const AREA_M2: Bounds = Bounds::Within(1e-8..=20.0, "in m2");
-/// Stroke, m.
+/// Strokes that a cylinder can have, m.
 pub const STROKE_M: Bounds = Bounds::Within(1e-4..=100.0, "in m");
 /// Dead volume, m³.
 pub const DEAD_VOLUME_M3: Bounds = Bounds::Within(0.0..=100.0, "in m3");

@@ -46,7 +46,7 @@ pub struct Rig {
 /// The cylinder as seen from the measured chamber.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    /// Bore, m.
+    /// Bore of the cylinder, m.
     pub bore_m: f64,
     /// Diameter of the rod that runs through the measured chamber, m: zero on the cap side.
     pub rod_through_m: f64,
@@ -70,7 +70,7 @@ pub struct DeadVolume {
 pub struct Ambient {
     /// Temperature, K; absent where it is not stated.
     pub temperature_k: Option<f64>,
-    /// Pressure, Pa.
+    /// Absolute pressure of the surroundings, Pa.
     pub pressure_pa: f64,
 }
 

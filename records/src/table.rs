@@ -118,7 +118,7 @@ impl<'d> Table<'d> {
         self.field(key).map(|field| field.rows_of_numbers(bounds)).transpose()
     }
 
-    /// A text.
+    /// The text under that key; `None` where the table does not have it.
     ///
     /// # Errors
     /// [`KeyProblem::WrongType`].
@@ -150,7 +150,7 @@ impl<'d> Table<'d> {
         self.field(key).map(|field| field.texts()).transpose()
     }
 
-    /// A table.
+    /// The table under that key; `None` where it is missing.
     ///
     /// # Errors
     /// [`KeyProblem::WrongType`].

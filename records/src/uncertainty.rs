@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-6;
 /// Intervals and covariance of a model's parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// Their names.
+    /// Names of the parameters, as in results.
     pub parameters: Vec<String>,
     /// The 95 % interval of each, SI units.
     pub ci95: Vec<[f64; 2]>,

@@ -1,6 +1,6 @@
 //! An axis of a chart: its name with unit, its range, its ticks.
 
-/// An axis.
+/// One axis of a chart: what it shows, over which range.
 #[derive(Clone, Debug, Default)]
 pub struct Axis<'a> {
     /// What it shows, and after a comma the unit.
@@ -52,7 +52,7 @@ pub(crate) struct Ticks {
     pub range: [f64; 2],
     /// The ticks' places.
     pub at: Vec<f64>,
-    /// Their texts.
+    /// What is written at each of them.
     pub texts: Vec<String>,
     /// The power of ten, in threes, that keeps the texts short.
     power: i32,

@@ -50,7 +50,7 @@ pub enum Mark {
     Dots(f64),
     /// Rings of that radius.
     Rings(f64),
-    /// Triangles.
+    /// Triangles of that size.
     Triangles(f64),
     /// Squares; hollow where not filled.
     Squares(f64, bool),
@@ -63,9 +63,9 @@ pub enum Mark {
 /// Points with one look.
 #[derive(Clone, Debug)]
 pub struct Series<'a> {
-    /// The points.
+    /// The points (x, y), in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Their colour.
+    /// Colour of marks and lines.
     pub colour: Colour,
     /// What they are, in the legend; empty: not in it.
     pub label: &'a str,
@@ -73,10 +73,10 @@ pub struct Series<'a> {
     pub mark: Mark,
 }
 
-/// A chart.
+/// A chart of series over one pair of axes.
 #[derive(Clone, Debug, Default)]
 pub struct Chart<'a> {
-    /// Above it.
+    /// Title above the chart.
     pub title: &'a str,
     /// The horizontal axis.
     pub x: Axis<'a>,

@@ -4,7 +4,7 @@
 
 /// A titled part.
 pub struct Section {
-    /// Its heading.
+    /// Heading of the section.
     pub title: String,
     /// What follows it.
     pub blocks: Vec<Block>,
@@ -12,7 +12,7 @@ pub struct Section {
 
 /// A part of a section.
 pub enum Block {
-    /// A paragraph.
+    /// A paragraph of plain text.
     Text(String),
     /// A paragraph in small print.
     Note(String),

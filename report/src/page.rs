@@ -2,7 +2,7 @@
 
 use crate::document::{Block, Drawing, Section, Table};
 
-/// The page.
+/// A self-contained HTML page: its title, a paragraph below it, and its sections.
 pub fn page(title: &str, lead: &str, sections: &[Section]) -> String {
     let body: String = sections.iter().map(section).collect();
     format!(

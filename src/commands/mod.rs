@@ -33,7 +33,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// Does it.
+    /// Runs the command and prints its results.
     pub fn run(&self) -> anyhow::Result<()> {
         match self {
             Command::Reproduce(args) => reproduce::run(args),

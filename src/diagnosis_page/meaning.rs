@@ -89,7 +89,7 @@ impl<'a> Curve<'a> {
         Self(m)
     }
 
-    /// Weighted slope.
+    /// Slope of the straight line through the curve, each point weighted by its uncertainty.
     fn slope(&self) -> f64 {
         let m = self.0;
         let weights: Vec<f64> = m.sd.iter().map(|sd| 1.0 / sd.max(f64::MIN_POSITIVE).powi(2)).collect();

@@ -18,7 +18,7 @@ use report::{digits, page};
 /// Rows of the evidence that the page shows.
 const SHOWN: usize = 16;
 
-/// The page.
+/// What a diagnosis found, as one self-contained HTML page with its drawings.
 ///
 /// # Errors
 /// A drawing that failed.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 /// What a contender was asked for.
 pub struct Options {
-    /// Which contender.
+    /// Name of the contender that is run.
     pub name: String,
     /// File of the scenarios.
     pub scenarios: String,
@@ -37,7 +37,7 @@ impl Options {
         self.values.get(key).is_some_and(|v| v == "true")
     }
 
-    /// Relative tolerance.
+    /// Relative tolerance of the integration.
     pub fn tolerance(&self) -> f64 {
         self.number("tolerance", 1e-8)
     }

@@ -54,7 +54,7 @@ pub(super) type Powers = &'static [(Quantity, f64)];
 /// A form of λ: a coefficient, fixed powers, and products of powers whose common exponent is fitted.
 #[derive(Clone, Copy, Debug)]
 pub struct Form {
-    /// Short name.
+    /// Name of the form in tables and figures.
     pub name: &'static str,
     /// λ as a formula.
     pub equation: &'static str,

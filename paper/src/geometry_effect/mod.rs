@@ -32,7 +32,7 @@ pub struct Point {
     pub volume_m3: f64,
     /// Heat transfer area, m².
     pub area_m2: f64,
-    /// Bore, m.
+    /// Bore of the actuator, m.
     pub bore_m: f64,
     /// Length of the gas column, V/(piston area), m.
     pub column_m: f64,
@@ -54,7 +54,7 @@ pub struct Value {
 /// A form, fitted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Short name.
+    /// Name of the form in tables and figures.
     pub name: String,
     /// λ as a formula.
     pub equation: String,
@@ -64,7 +64,7 @@ pub struct Outcome {
     pub rms_fitted: f64,
     /// The same for each actuator's tests, predicted from the other two actuators; `null` where those do not determine it.
     pub rms_left_out: Option<f64>,
-    /// Fitted values.
+    /// The fitted values with their units.
     pub values: Vec<Value>,
     /// Predicted τ, s, in the points' order.
     pub time_constants_s: Vec<f64>,
@@ -75,7 +75,7 @@ pub struct Outcome {
 /// The loop on the six points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GeometryEffect {
-    /// The tests.
+    /// The paper's measured points, in its order.
     pub points: Vec<Point>,
     /// Every form tried, in [`FORMS`]' order.
     pub outcomes: Vec<Outcome>,

@@ -26,7 +26,7 @@ const HEAD_BYTES: usize = 1 << 18;
 pub enum Stop {
     /// The system's reason.
     Io(io::Error),
-    /// The file's.
+    /// Something in the file that cannot be text of a trace.
     Problem(TraceProblem),
 }
 

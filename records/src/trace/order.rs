@@ -3,7 +3,7 @@
 /// What the times of a file need.
 #[derive(Debug, PartialEq)]
 pub enum Order {
-    /// They increase.
+    /// Each time is greater than the one before.
     Increasing,
     /// They increase but for these rows, which can be left out.
     But(Vec<usize>),

@@ -130,7 +130,7 @@ pub enum RowProblem {
     FieldCount {
         /// Number of fields that the line has.
         found: usize,
-        /// The header's.
+        /// Number of fields that the header has.
         expected: usize,
         /// What may help.
         hint: &'static str,

@@ -43,13 +43,13 @@ impl Window {
 /// How a trace is to be read.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
-    /// Its columns.
+    /// Which column holds what, in which unit.
     pub layout: &'a Layout,
     /// The cylinder's stroke, m: a position beyond it is refused.
     pub stroke_m: Option<f64>,
     /// The part that counts.
     pub window: Window,
-    /// What for.
+    /// What the rows are for: which columns must be there.
     pub need: Need,
 }
 

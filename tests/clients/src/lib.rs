@@ -10,7 +10,7 @@ pub const STEP: f64 = 0.01;
 
 /// One step by FMPy.
 pub struct Row {
-    /// Begin, s.
+    /// Time at which the step begins, s.
     pub time: f64,
     /// Position and velocity.
     pub inputs: [f64; 2],
