@@ -4,6 +4,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`policy`] | every threshold, with its reason |
 //! | [`record`] | from rows to blocks: moves, holds, noise, bad input |
 //! | [`parameters`], [`forward`] | what is free; the model's pressure along a record, with exact sensitivities |
 //! | [`fit`] | least squares over all records, intervals |
@@ -20,6 +21,7 @@ pub mod forward;
 pub mod judge;
 pub mod outcome;
 pub mod parameters;
+pub mod policy;
 pub mod record;
 pub mod search;
 pub mod synthetic;

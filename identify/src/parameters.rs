@@ -7,7 +7,7 @@
 //! known within its tolerance only: its sensitivities with that prior take part in every evidence, test and interval.
 //! λ0 and wall capacities move on a logarithmic scale, everything else on a linear one within the bounds of its card.
 
-use crate::judge::policy;
+use crate::policy;
 use crate::record::prepare::{Data, Prepared};
 use chamber::card::{Kind, Parameter, Prior, Unit};
 use chamber::effects::empirical::{Balance as CurveBalance, Curve, Empirical};

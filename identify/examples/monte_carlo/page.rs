@@ -3,6 +3,7 @@
 use crate::sets::STRENGTHS;
 use crate::{figure, reliability};
 use chamber::effects::CARDS;
+use identify::policy::ACCURACY_OF_NOISE;
 use identify::synthetic::simulated;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -27,9 +28,6 @@ struct Line {
     shows: Vec<(String, f64)>,
 }
 
-/// What an effect has to leave beside the others, over the noise, to be named: less than the accuracy of a rig that states none.
-const SHOWS: f64 = 0.25;
-
 impl Line {
     /// In whatever order the file has the two halves of a pair.
     fn is_named(&self) -> bool {
@@ -41,31 +39,28 @@ impl Line {
         self.verdict == "explained" && parts(&self.named) == parts(&self.truth)
     }
 
+    /// Effects that the data cannot tell apart, group by group.
+    fn groups(&self) -> Vec<Vec<&str>> {
+        self.alike.split('&').map(|group| group.split('|').collect()).collect()
+    }
+
     /// Named something else, but with the truth among what the data cannot tell apart from it.
     fn is_alike(&self) -> bool {
-        let groups: Vec<Vec<&str>> = self.alike.split('&').map(|g| g.split('|').collect()).collect();
-        self.verdict == "explained"
-            && !self.is_named()
-            && self
-                .truth
-                .split('+')
-                .all(|e| self.named.split('+').any(|n| n == e) || groups.iter().flatten().any(|g| *g == e))
+        self.verdict == "explained" && !self.is_named() && self.truth.split('+').all(|effect| self.has(effect))
     }
-}
 
-impl Line {
     /// Whether an effect was named, or stands in a group that the data cannot tell apart.
     fn has(&self, effect: &str) -> bool {
-        let groups = self.alike.split('&').flat_map(|group| group.split('|'));
-        self.verdict == "explained" && self.named.split('+').chain(groups).any(|name| name == effect)
+        let alike = self.groups().into_iter().flatten();
+        self.verdict == "explained" && self.named.split('+').chain(alike).any(|name| name == effect)
     }
 
     /// Whether all that it names is there and all that shows is named, or in a group with what was.
     fn is_named_as_far_as_it_shows(&self) -> bool {
         let is_true = |name: &str| self.truth.split('+').any(|e| e == name);
-        let groups: Vec<Vec<&str>> = self.alike.split('&').map(|g| g.split('|').collect()).collect();
+        let groups = self.groups();
         let has_truth = |name: &str| groups.iter().any(|g| g.contains(&name) && g.iter().any(|other| is_true(other)));
-        let shown = self.shows.iter().filter(|(_, over_noise)| *over_noise >= SHOWS);
+        let shown = self.shows.iter().filter(|(_, over_noise)| *over_noise >= ACCURACY_OF_NOISE);
         self.verdict == "explained"
             && self.named.split('+').all(|name| is_true(name) || has_truth(name))
             && shown.into_iter().all(|(effect, _)| self.has(effect))
@@ -274,12 +269,12 @@ fn together(out: &mut String, title: &str, drawn: &str, lines: &[Line]) {
     let shown = lines.iter().filter(|l| l.is_named_as_far_as_it_shows()).count();
     let _ = write!(
         out,
-        "An effect that leaves less than {SHOWS} of the noise beside the others, whose parameters adapt, has no name: nobody minds it (`[accuracy]`). \
+        "An effect that leaves less than {ACCURACY_OF_NOISE} of the noise beside the others, whose parameters adapt, has no name: nobody minds it (`[accuracy]`). \
          All that leave more are named, in groups or alone, and nothing else, in **{shown} ({})**.\n\n\
          | an effect leaves beside the others, over the noise | effects | named, or in a group with what was |\n|---|---|---|\n",
         percent(shown, lines.len())
     );
-    const LEAVES: [f64; 6] = [0.0, SHOWS, 0.5, 1.0, 3.0, f64::INFINITY];
+    const LEAVES: [f64; 6] = [0.0, ACCURACY_OF_NOISE, 0.5, 1.0, 3.0, f64::INFINITY];
     for part in LEAVES.windows(2) {
         let within = |over_noise: f64| part[0] <= over_noise && over_noise < part[1];
         let effects = lines.iter().flat_map(|l| l.shows.iter().map(move |(effect, x)| (l, effect, *x)));

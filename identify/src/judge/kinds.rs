@@ -7,7 +7,7 @@
 
 use crate::fit::Fit;
 use crate::fit::covariance;
-use crate::judge::policy;
+use crate::policy;
 use crate::record::prepare::Data;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 

@@ -5,5 +5,4 @@ pub mod evidence;
 pub mod kinds;
 pub mod left_out;
 pub mod misfit;
-pub mod policy;
 pub mod sanity;

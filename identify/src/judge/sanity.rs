@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::fit::covariance::covariance;
 use crate::fit::{self, Fit};
-use crate::judge::policy;
 use crate::parameters::Sizes;
+use crate::policy;
 use crate::record::prepare::Data;
 
 /// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume.

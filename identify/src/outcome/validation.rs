@@ -67,9 +67,9 @@ pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Vali
     let data = Data::prepare(rig)?;
     // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
     // its own only where the model has it.
-    let has_it_only =
+    let only_of_model =
         terms::growing_with_time().union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
-    let own = terms::of_record().without(has_it_only.without(chamber.active()));
+    let own = terms::of_record().without(only_of_model.without(chamber.active()));
     let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
     let mut hypothesis = Hypothesis::new(&data, model, chamber, &Sizes::of(&data, chamber));
     hypothesis.axes.clear();

@@ -90,37 +90,35 @@ fn saturation(
     Ok(())
 }
 
-/// Where the piston comes back to a place, the pressure does too: a change by more than what the holds' own slopes make of it is
-/// gas that came or went.
+/// Where the piston comes back to a place, the pressure does too: a change by more than what the holds' own slopes make of it,
+/// once the gas has settled, is gas that came or went.
 fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion) -> Result<(), Error> {
-    /// Rows at a hold's end that are looked at.
-    const ROWS: std::ops::RangeInclusive<usize> = 5..=50;
+    /// Fewest rows of a rest or hold that is looked at.
+    const FEWEST: usize = 10;
     /// Places within this share of the position are the same.
     const SAME_PLACE: f64 = 0.01;
     /// A change beyond this share, with nothing to be seen in between, is an open port.
     const OPENED: f64 = 0.05;
-    // Position, and the line through the pressure, at the end of each rest and hold.
-    let ends: Vec<(f64, Line)> = motion
+    // End, position, and the line that the pressure tends to, of each rest and hold.
+    let ends: Vec<(f64, f64, Line)> = motion
         .segments
         .iter()
-        .filter(|s| s.phase != Phase::Move && s.end - s.first >= 2 * ROWS.start())
+        .filter(|s| s.phase != Phase::Move && s.end - s.first >= FEWEST)
         .map(|s| {
-            let rows = s.end - ((s.end - s.first) / 2).clamp(*ROWS.start(), *ROWS.end())..s.end;
-            let line = Line::through(&trace.time_s[rows.clone()], &pressure_pa[rows.clone()]);
+            let rows = s.first..s.end;
             let place = trace.position_m[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
-            (place, line)
+            let line = Line::towards(&trace.time_s[rows.clone()], &pressure_pa[rows]);
+            (trace.time_s[s.end - 1], place, line)
         })
         .collect();
     let relative = |line: &Line| (line.slope.abs() + 2.0 * line.slope_error) / line.mean;
-    for (i, (place, before)) in ends.iter().enumerate() {
+    for (i, (from_s, place, before)) in ends.iter().enumerate() {
         let mut drift = relative(before);
-        for (other, after) in &ends[i + 1..] {
+        for (to_s, other, after) in &ends[i + 1..] {
             drift = drift.max(relative(after));
-            let change = after.mean / before.mean - 1.0;
-            let between_s = after.middle_s - before.middle_s;
-            if (other / place - 1.0).abs() < SAME_PLACE && change.abs() > OPENED.max(drift * between_s) {
-                let [from_s, to_s] = [before, after].map(|line| line.middle_s);
-                return Err(Error::PortOpened { trace: trace.path.clone(), from_s, to_s, change });
+            let change = after.at(*to_s) / before.at(*from_s) - 1.0;
+            if (other / place - 1.0).abs() < SAME_PLACE && change.abs() > OPENED.max(drift * (to_s - from_s)) {
+                return Err(Error::PortOpened { trace: trace.path.clone(), from_s: *from_s, to_s: *to_s, change });
             }
         }
     }

@@ -8,7 +8,7 @@
 //! Stat. Assoc. 72 (1977) 320 (restricted likelihood).
 
 use crate::fit::whiten::{Place, Whitener};
-use crate::judge::policy::DECISIVE;
+use crate::policy::DECISIVE;
 use crate::record::noise::{Colour, Hum, Noise};
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
@@ -32,6 +32,9 @@ const FEWEST_POINTS: usize = 120;
 
 /// Periods of a slow hum that the longest hold has at least: fewer may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
+
+/// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
+const CHOSEN_AMONG_MANY: f64 = 8.0;
 
 /// Noise of a rig in one window, Pa, at equal distances.
 struct Window {
@@ -63,23 +66,7 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
         true => data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max),
         false => windows.iter().map(|w| w.distance_s * w.values.len() as f64).fold(0.0, f64::max),
     };
-    let mut best = likelihood.scaled(&start);
-    let more = |parameters: f64| parameters * (likelihood.points() as f64).ln() + 8.0;
-    for count in 1..=2 {
-        let trial = likelihood.with_another_colour(&best.1, longest_s);
-        if trial.0 + more(2.0) < best.0 {
-            best = trial;
-        } else if count == 1 {
-            break;
-        }
-    }
-    if let Some(hum) = likelihood.line(&best.1) {
-        let trial = likelihood.scaled(&Noise { hum: Some(hum), ..best.1.clone() });
-        if trial.0 + more(2.0) < best.0 {
-            best = trial;
-        }
-    }
-    let mut noise = best.1;
+    let mut noise = likelihood.best(&start, longest_s);
     if !pure && noise.hum.is_none() {
         noise.hum = slow_hum(data, residuals, &start);
     }
@@ -251,6 +238,43 @@ impl Likelihood<'_> {
         (freedom * (1.0 + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
     }
 
+    /// White noise with the processes that pay.
+    fn best(&self, start: &Noise, longest_s: f64) -> Noise {
+        let white = self.scaled(start);
+        let coloured = self.coloured(white.clone(), longest_s);
+        let mut best = coloured.clone();
+        if let Some(humming) = self.humming(&coloured.1) {
+            best = self.better(best, humming);
+        }
+        // A colour whitens a slow hum away that alone is the better account.
+        if let Some(humming) = self.humming(&white.1).filter(|_| !coloured.1.colours.is_empty()) {
+            best = self.better(best, self.coloured(humming, longest_s));
+        }
+        best.1
+    }
+
+    /// The better of two: each process beyond white noise has to pay for its two numbers.
+    fn better(&self, a: (f64, Noise), b: (f64, Noise)) -> (f64, Noise) {
+        let processes = |noise: &Noise| (noise.colours.len() + usize::from(noise.hum.is_some())) as f64;
+        let criterion = |(deviance, noise): &(f64, Noise)| {
+            deviance + processes(noise) * (2.0 * (self.points() as f64).ln() + CHOSEN_AMONG_MANY)
+        };
+        if criterion(&b) < criterion(&a) { b } else { a }
+    }
+
+    /// With up to two coloured processes, as many as pay.
+    fn coloured(&self, noise: (f64, Noise), longest_s: f64) -> (f64, Noise) {
+        let one = self.with_another_colour(&noise.1, longest_s);
+        let best = self.better(noise, one.clone());
+        if best.1 == one.1 { self.better(best, self.with_another_colour(&one.1, longest_s)) } else { best }
+    }
+
+    /// With the line that stands out of what this noise leaves, if there is one.
+    fn humming(&self, noise: &Noise) -> Option<(f64, Noise)> {
+        let hum = self.line(noise)?;
+        Some(self.scaled(&Noise { hum: Some(hum), ..noise.clone() }))
+    }
+
     /// The best noise with one more coloured process.
     fn with_another_colour(&self, noise: &Noise, longest_s: f64) -> (f64, Noise) {
         let shortest_s = 2.0 * self.windows.iter().map(|w| w.distance_s).fold(f64::INFINITY, f64::min);
@@ -400,6 +424,27 @@ mod tests {
         assert!((found.white_pa / 40.0 - 1.0).abs() < 0.1, "{found:?}");
         assert!((found.colours[0].sd_pa / 100.0 - 1.0).abs() < 0.15, "{found:?}");
         assert!((found.colours[0].time_s / 0.2 - 1.0).abs() < 0.3, "{found:?}");
+    }
+
+    #[test]
+    fn a_slow_hum_of_less_than_two_periods_in_a_window_is_no_colour() {
+        let mut random = Random::new(4);
+        let phases: Vec<f64> = (0..20).map(|_| TAU * random.uniform()).collect();
+        let windows: Vec<Window> = phases
+            .iter()
+            .map(|phase| {
+                let hum = |i: usize| 120.0 * (TAU * 0.2 * ROW_S * i as f64 + phase).sin();
+                let values = (0..570).map(|i| hum(i) + 60.0 * random.normal()).collect();
+                Window { values, distance_s: ROW_S, averaged: 1 }
+            })
+            .collect();
+        let likelihood = Likelihood { windows: &windows, free: FREE_IN_CONTRAST };
+        let coloured = likelihood.coloured(likelihood.scaled(&Noise::white(1.0)), 10.0);
+        assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
+        let found = likelihood.best(&Noise::white(1.0), 10.0);
+        assert!(found.colours.is_empty(), "{found:?}");
+        assert!(found.hum.is_some_and(|hum| (hum.frequency_hz - 0.2).abs() < 0.1), "{found:?}");
+        assert!((found.white_pa / 60.0 - 1.0).abs() < 0.1, "{found:?}");
     }
 
     #[test]

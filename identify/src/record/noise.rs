@@ -49,8 +49,11 @@ pub struct Noise {
 
 /// Rows of a window.
 const WINDOW: usize = 40;
-/// Coefficients of the polynomial about which a window's readings scatter.
-const COEFFICIENTS: usize = 5;
+/// Fewest rows of a window and coefficients of the polynomial about which its readings scatter: the second where a slow
+/// readout leaves too few rows for the first.
+const LEAST: [(usize, usize); 2] = [(16, 5), (5, 3)];
+/// Degrees of freedom that show a variance within a third.
+const ENOUGH_FREEDOM: f64 = 20.0;
 const LARGEST_LAG: usize = 12;
 /// Readings stick where at least this share of neighbours is equal.
 const STUCK_SHARE: f64 = 0.6;
@@ -95,26 +98,34 @@ impl Noise {
 
     /// White noise and step from the quiet parts of all records of a rig: late windows of rests and holds.
     ///
-    /// The scatter is that about a polynomial of the fourth degree, since a fast relaxation still bends within a window.
+    /// The scatter is that about a polynomial of the fourth degree, since a fast relaxation still bends within a window; about
+    /// a parabola where windows are short.
     pub fn from_quiet_parts<'a>(records: &[Quiet<'a>], stated_pa: Option<f64>, stated_step_pa: Option<f64>) -> Self {
+        let [long, short] = LEAST.map(|(rows, coefficients)| -> (Vec<_>, usize) {
+            let windows = records.iter().flat_map(|quiet| quiet.windows(rows).into_iter().map(move |w| (quiet, w)));
+            (windows.collect(), coefficients)
+        });
+        let freedom = |(windows, coefficients): &(Vec<(_, Vec<usize>)>, usize)| -> f64 {
+            windows.iter().map(|(_, rows)| (rows.len() - coefficients) as f64).sum()
+        };
+        let is_enough = freedom(&long) >= ENOUGH_FREEDOM || freedom(&short) < ENOUGH_FREEDOM;
+        let (windows, coefficients) = if is_enough { long } else { short };
         let mut variances = Vec::new();
         let mut products = [0.0; LARGEST_LAG + 1];
         let mut differences = Vec::new();
         let (mut equal, mut neighbours) = (0usize, 0usize);
-        for quiet in records {
-            for rows in quiet.windows() {
-                let values: Vec<f64> = rows.iter().map(|&i| quiet.pressure_pa[i]).collect();
-                let times: Vec<f64> = rows.iter().map(|&i| quiet.time_s[i]).collect();
-                let rest = polynomial_residual::<COEFFICIENTS>(&times, &values);
-                let freedom = (rows.len() - COEFFICIENTS) as f64;
-                variances.push((rest.iter().map(|r| r * r).sum::<f64>() / freedom, freedom));
-                for (lag, product) in products.iter_mut().enumerate().take(rows.len()) {
-                    *product += rest.iter().zip(&rest[lag..]).map(|(a, b)| a * b).sum::<f64>();
-                }
-                equal += values.windows(2).filter(|w| w[0] == w[1]).count();
-                neighbours += values.len() - 1;
-                differences.extend(values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9));
+        for (quiet, rows) in windows {
+            let values: Vec<f64> = rows.iter().map(|&i| quiet.pressure_pa[i]).collect();
+            let times: Vec<f64> = rows.iter().map(|&i| quiet.time_s[i]).collect();
+            let rest = polynomial_residual(&times, &values, coefficients);
+            let freedom = (rows.len() - coefficients) as f64;
+            variances.push((rest.iter().map(|r| r * r).sum::<f64>() / freedom, freedom));
+            for (lag, product) in products.iter_mut().enumerate().take(rows.len()) {
+                *product += rest.iter().zip(&rest[lag..]).map(|(a, b)| a * b).sum::<f64>();
             }
+            equal += values.windows(2).filter(|w| w[0] == w[1]).count();
+            neighbours += values.len() - 1;
+            differences.extend(values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9));
         }
         let step_pa = stated_step_pa.unwrap_or_else(|| match lattice(&mut differences) {
             step if step > 0.0 => step,
@@ -122,7 +133,7 @@ impl Noise {
         });
         let sticks = step_pa > 0.0 && neighbours > 0 && equal as f64 > STUCK_SHARE * neighbours as f64;
         let freedom: f64 = variances.iter().map(|(_, f)| f).sum();
-        let variance = robust_mean(&mut variances) * correlation_rows(&products, freedom);
+        let variance = robust_mean(&mut variances) * correlation_rows(&products, freedom, coefficients);
         let floor = step_pa / 12.0f64.sqrt();
         let mut white_pa = if variances.is_empty() { stated_pa.unwrap_or(0.0) } else { variance.sqrt() };
         if !sticks {
@@ -153,15 +164,15 @@ pub struct Quiet<'a> {
 }
 
 impl Quiet<'_> {
-    /// Windows of rows that are data, in the quiet parts.
-    fn windows(&self) -> Vec<Vec<usize>> {
+    /// Windows of rows that are data, in the quiet parts; of so many rows at the least.
+    fn windows(&self, least: usize) -> Vec<Vec<usize>> {
         let mut out = Vec::new();
         for s in self.motion.segments.iter().filter(|s| s.phase != Phase::Move) {
             // A rest is quiet throughout, a hold in its later half.
             let from = if s.phase == Phase::Rest { s.first } else { s.first + (s.end - s.first) / 2 };
             let rows: Vec<usize> = (from..s.end).filter(|&i| self.readout.is_data(i)).collect();
             let size = WINDOW.min(rows.len());
-            if size >= 16 {
+            if size >= least {
                 out.extend(rows.chunks_exact(size).map(<[usize]>::to_vec));
             }
         }
@@ -196,13 +207,13 @@ fn plateau_lattice(pressure_pa: &[f64]) -> f64 {
 }
 
 /// Over how many rows a reading is correlated with its neighbours: 1 + 2 Σ ρ_k; white noise: 1.
-fn correlation_rows(products: &[f64], freedom: f64) -> f64 {
+fn correlation_rows(products: &[f64], freedom: f64, coefficients: usize) -> f64 {
     let mut rows = 1.0;
     if products[0] > 0.0 {
         let significant = 3.0 / freedom.sqrt();
         for product in &products[1..] {
             // Fitting the polynomial takes some of a window's degrees of freedom, spread over the lags.
-            let rho = product / products[0] + COEFFICIENTS as f64 / WINDOW as f64 * 0.5;
+            let rho = product / products[0] + coefficients as f64 / WINDOW as f64 * 0.5;
             if rho < significant + 0.05 {
                 break;
             }
@@ -226,14 +237,14 @@ fn robust_mean(variances: &mut [(f64, f64)]) -> f64 {
     if mean > 1.15 * median && median > 0.0 { median } else { mean }
 }
 
-/// Residual about a polynomial of K coefficients, by Gram–Schmidt on the powers of centred time.
-fn polynomial_residual<const K: usize>(t: &[f64], y: &[f64]) -> Vec<f64> {
+/// Residual about a polynomial of so many coefficients, by Gram–Schmidt on the powers of centred time.
+fn polynomial_residual(t: &[f64], y: &[f64], coefficients: usize) -> Vec<f64> {
     let n = t.len();
     let centre = t.iter().sum::<f64>() / n as f64;
     let scale = t.iter().map(|t| (t - centre).abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let mut rest = y.to_vec();
-    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(K);
-    for k in 0..K {
+    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(coefficients);
+    for k in 0..coefficients {
         let mut b: Vec<f64> = t.iter().map(|t| ((t - centre) / scale).powi(k as i32)).collect();
         for other in &basis {
             let share: f64 = b.iter().zip(other).map(|(x, o)| x * o).sum();
@@ -261,8 +272,8 @@ mod tests {
         let t: Vec<f64> = (0..40).map(|k| 5.0 + f64::from(k) * 0.01).collect();
         let parabola: Vec<f64> = t.iter().map(|t| 3e5 - 2e3 * t + 50.0 * t * t).collect();
         let cubic: Vec<f64> = t.iter().map(|t| 1e6 * (t - 5.2).powi(3)).collect();
-        assert!(polynomial_residual::<3>(&t, &parabola).iter().all(|r| r.abs() < 1e-6));
-        assert!(polynomial_residual::<3>(&t, &cubic).iter().any(|r| r.abs() > 100.0));
+        assert!(polynomial_residual(&t, &parabola, 3).iter().all(|r| r.abs() < 1e-6));
+        assert!(polynomial_residual(&t, &cubic, 3).iter().any(|r| r.abs() > 100.0));
     }
 
     #[test]

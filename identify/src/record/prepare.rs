@@ -6,6 +6,7 @@
 use crate::error::Error;
 use crate::fit::whiten::{Place, Whitener};
 use crate::forward::Course;
+use crate::policy;
 use crate::record::line::Line;
 use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
@@ -190,9 +191,20 @@ impl Data {
                 (e, r, trace, left_out)
             })
             .collect();
+        let mut pressures = Vec::with_capacity(mended.len());
+        for (_, _, trace, _) in &mended {
+            checks::rows(trace)?;
+            let pressure_pa = trace.pressure_pa.as_deref();
+            let pressure_pa = pressure_pa.ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
+            let rows = trace.time_s.len();
+            pressures.push((pressure_pa, (trace.time_s[rows - 1] - trace.time_s[0]) / (rows - 1) as f64));
+        }
+        let readouts = Readout::of_logger(&pressures, rig.sensor.readout_hz);
         let mut columns = Vec::with_capacity(mended.len());
-        for (experiment, repeat, trace, left_out) in &mended {
-            columns.push(Columns::of(trace, *experiment, *repeat, *left_out, rig.sensor.readout_hz)?);
+        for (((experiment, repeat, trace, left_out), (pressure_pa, _)), readout) in
+            mended.iter().zip(pressures).zip(readouts)
+        {
+            columns.push(Columns::of(trace, pressure_pa, readout, (*experiment, *repeat), *left_out)?);
         }
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
@@ -259,7 +271,7 @@ impl Data {
 
     /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise.
     pub fn accuracy_pa(&self) -> f64 {
-        self.accuracy_pa.unwrap_or(0.25 * self.noise.total_pa())
+        self.accuracy_pa.unwrap_or(policy::ACCURACY_OF_NOISE * self.noise.total_pa())
     }
 
     /// Rows left out as outliers.
@@ -293,19 +305,13 @@ struct Columns<'a> {
 impl<'a> Columns<'a> {
     fn of(
         trace: &'a Trace,
-        experiment: usize,
-        repeat: usize,
+        pressure_pa: &'a [f64],
+        readout: Readout,
+        (experiment, repeat): (usize, usize),
         backward_rows: usize,
-        readout_hz: Option<f64>,
     ) -> Result<Self, Error> {
-        let pressure_pa =
-            trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
-        checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = Motion::detect(&time_s, &trace.position_m);
-        let row_s = time_s[time_s.len() - 1] / (time_s.len() - 1) as f64;
-        let readout =
-            readout_hz.map_or_else(|| Readout::detect(pressure_pa), |hz| Readout::stated(pressure_pa, row_s, hz));
         checks::trace(trace, pressure_pa, &motion, &readout)?;
         Ok(Self { trace, experiment, repeat, backward_rows, pressure_pa, time_s, motion, readout })
     }

@@ -32,13 +32,32 @@ pub struct Readout {
 
 /// Longest period that is looked for, rows.
 const LONGEST: usize = 60;
-/// At least so many readings must be in a record for a period to be believed.
+/// At least so many readings must be in a record for a period to be believed that its bends show.
 const FEWEST_READINGS: usize = 20;
 
 impl Readout {
     /// Every row is a reading.
     pub fn every_row() -> Self {
         Self { between: Between::Nothing, period: 1, first: 0, outliers: Vec::new() }
+    }
+
+    /// Readouts of the records of one logger, of which each has its pressure and the time from row to row, s: at the stated rate,
+    /// Hz, or as each record shows it. One with too few readings to show anything was read like that which shows most.
+    pub fn of_logger(records: &[(&[f64], f64)], stated_hz: Option<f64>) -> Vec<Self> {
+        if let Some(hz) = stated_hz {
+            return records.iter().map(|(pressure_pa, row_s)| Self::stated(pressure_pa, *row_s, hz)).collect();
+        }
+        let shown: Vec<Self> = records.iter().map(|(pressure_pa, _)| Self::detect(pressure_pa)).collect();
+        let readings = |(r, (pressure_pa, _)): &(&Self, &(&[f64], f64))| pressure_pa.len() / r.period;
+        let rates = shown.iter().zip(records).filter(|(r, _)| r.period > 1);
+        let Some(rate_hz) = rates.max_by_key(readings).and_then(|(r, (_, row_s))| r.rate_hz(*row_s)) else {
+            return shown;
+        };
+        let of_record = |(r, (pressure_pa, row_s)): (Self, &(&[f64], f64))| {
+            let is_short = pressure_pa.len() as f64 * rate_hz * row_s < FEWEST_READINGS as f64;
+            if r.period == 1 && is_short { Self::stated(pressure_pa, *row_s, rate_hz) } else { r }
+        };
+        shown.into_iter().zip(records).map(of_record).collect()
     }
 
     /// Looks for a slower readout in a pressure's rows.
@@ -96,13 +115,15 @@ impl Readout {
 
 /// Changes fall on every k-th row only, although nearly every reading differs from the one before it.
 fn held(pressure_pa: &[f64]) -> Option<Readout> {
+    /// Natural logarithm of the probability with which changes on any rows all fall on a grid: surely no chance.
+    const BY_CHANCE: f64 = -16.0;
     let changes: Vec<usize> = (1..pressure_pa.len()).filter(|&i| pressure_pa[i] != pressure_pa[i - 1]).collect();
-    if changes.len() < FEWEST_READINGS || 2 * changes.len() > pressure_pa.len() {
+    if 2 * changes.len() > pressure_pa.len() {
         return None;
     }
     // The most frequent distance between changes, and nothing shorter.
     let period = changes.windows(2).map(|w| w[1] - w[0]).min()?;
-    if !(2..=LONGEST).contains(&period) {
+    if !(2..=LONGEST).contains(&period) || -((changes.len() - 1) as f64) * (period as f64).ln() > BY_CHANCE {
         return None;
     }
     let first = changes[0] % period;
@@ -197,7 +218,7 @@ mod tests {
     fn a_stated_readout_is_taken_where_the_rows_alone_do_not_show_it() {
         // Too few readings for a period to be believed.
         let slow = readings(12);
-        let held: Vec<f64> = (0..110).map(|i| slow[(i + 7) / 10]).collect();
+        let held: Vec<f64> = (0..70).map(|i| slow[(i + 7) / 10]).collect();
         let straight: Vec<f64> =
             (0..100).map(|i| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0).collect();
         for rows in [&held, &straight] {
@@ -209,6 +230,20 @@ mod tests {
         assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 10, 0));
         assert_eq!(Readout::stated(&held, 0.01, 200.0), Readout::every_row());
         assert_eq!(Readout::stated(&held, 0.01, 30.0), Readout::detect(&held));
+    }
+
+    #[test]
+    fn a_record_with_few_readings_was_read_like_the_others_of_its_logger() {
+        let slow = readings(101);
+        let straight: Vec<f64> =
+            (0..1000).map(|i| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0).collect();
+        let short = &straight[3..150];
+        assert_eq!(Readout::of_logger(&[(short, 0.01)], None), [Readout::every_row()]);
+        let both = Readout::of_logger(&[(short, 0.01), (&straight, 0.01)], None);
+        assert_eq!(both.iter().map(|r| (r.period, r.first)).collect::<Vec<_>>(), [(10, 7), (10, 0)]);
+        // Read by another logger, and long enough to show it.
+        let every_row = readings(1000);
+        assert_eq!(Readout::of_logger(&[(&every_row, 0.01), (&straight, 0.01)], None)[0], Readout::every_row());
     }
 
     #[test]

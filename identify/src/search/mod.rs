@@ -18,8 +18,9 @@ use crate::fit::{self, Fit};
 use crate::judge::adequacy::{self, Adequacy};
 use crate::judge::evidence::{bic, bic_widened};
 use crate::judge::left_out::{self, Fold};
-use crate::judge::{kinds, misfit, policy, sanity};
+use crate::judge::{kinds, misfit, sanity};
 use crate::parameters::{Model, Sizes};
+use crate::policy;
 use crate::record::colour;
 use crate::record::prepare::Data;
 use chamber::effects::{CARDS, EffectSet};
@@ -152,22 +153,19 @@ impl Search {
     /// Whether a further term than the sets of this many is worth looking for.
     fn goes_on(&self, level: usize) -> bool {
         let model = &self.chosen.model;
+        if level > policy::MOST_IN_ALL {
+            return false;
+        }
         if self.chosen_adequacy.is_adequate() {
             // One more round where a term has entered, as another one may be hidden behind it; and while what single records
             // have for themselves may stand for effects of the rig.
-            return (level == 1 && model.terms() == 1)
-                || (model.has_terms_of_records() && level <= policy::MOST_IN_ALL);
+            return (level == 1 && model.terms() == 1) || model.has_terms_of_records();
         }
-        let left_pa = self.chosen_adequacy.systematic_pa;
-        if terms::takes_back_the_stroke(model)
-            && left_pa < self.data.noise.total_pa()
-            && self.chosen_adequacy.settles(&self.baseline_adequacy)
-        {
-            // Next to nothing, and less than noise: there the interpolation of a stroke counts that is taken back from an
-            // average or a low-pass.
-            return false;
-        }
-        level <= policy::MOST_IN_ALL
+        // Next to nothing, and less than noise: there the interpolation of a stroke counts that is taken back from an average or
+        // a low-pass.
+        let is_next_to_nothing = self.chosen_adequacy.systematic_pa < self.data.noise.total_pa()
+            && self.chosen_adequacy.settles(&self.baseline_adequacy);
+        !(terms::takes_back_the_stroke(model) && is_next_to_nothing)
     }
 
     /// The better sets of so many terms, each with every further term; whether that led on: a set entered, or those without

@@ -1,8 +1,8 @@
 //! What a model can gain or lose in one step: an effect of the rig, an effect of the recording that each record has for itself,
 //! the records' initial temperatures.
 
-use crate::judge::policy;
 use crate::parameters::{self, Model};
+use crate::policy;
 use crate::record::prepare::Data;
 use chamber::card::{ActsOn, Card, Scope, Unit};
 use chamber::effects::{self, CARDS, EffectSet};

@@ -39,6 +39,8 @@ pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;
 pub const KINDS_PROBABILITY: f64 = 1e-4;
 /// ...where the kinds lie apart by more than so many of the numbers' standard deviations.
 pub const KINDS_DEVIATIONS: f64 = 4.0;
+/// The misfit that nobody minds, of the noise, where a rig states none.
+pub const ACCURACY_OF_NOISE: f64 = 0.25;
 /// Systematic error on left-out data, of that without a term, below which the term predicts decisively better although more
 /// than noise remains.
 pub const PREDICTS_BETTER: f64 = 0.5;
