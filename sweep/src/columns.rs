@@ -145,20 +145,27 @@ impl<'a> Statuses<'a> {
         Self { study, met: Vec::new() }
     }
 
-    /// Counts a row, and tells the place of its status.
-    pub fn count(&mut self, row: Status) -> usize {
+    /// Counts rows that ended alike, and tells the place of their status.
+    fn count(&mut self, row: Status, rows: usize) -> usize {
         let met = &mut self.met;
         let place = met.iter().position(|(status, _)| *status == row).unwrap_or_else(|| {
             met.push((row, 0));
             met.len() - 1
         });
-        met[place].1 += 1;
+        met[place].1 += rows as u64;
         place
+    }
+
+    /// Counts some rows: neighbours mostly end alike.
+    pub fn count_all(&mut self, rows: &[Status]) {
+        rows.chunk_by(|a, b| a == b).for_each(|run| {
+            self.count(run[0], run.len());
+        });
     }
 
     /// Counts some rows, and makes their status column.
     pub fn column(&mut self, rows: &[Status]) -> DictionaryArray<Int32Type> {
-        let keys = Int32Array::from(rows.iter().map(|row| self.count(*row) as i32).collect::<Vec<i32>>());
+        let keys = Int32Array::from(rows.iter().map(|row| self.count(*row, 1) as i32).collect::<Vec<i32>>());
         let texts = StringArray::from_iter_values(self.met.iter().map(|(status, _)| status.text(self.study)));
         DictionaryArray::new(keys, Arc::new(texts))
     }

@@ -115,9 +115,7 @@ pub fn write(
             }
             match &mut file {
                 Some(file) => file.write(&columns::batch(study, &schema, rows, &mut statuses)?)?,
-                None => rows.statuses.iter().for_each(|status| {
-                    statuses.count(*status);
-                }),
+                None => statuses.count_all(&rows.statuses),
             }
         }
     }

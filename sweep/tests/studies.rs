@@ -190,6 +190,23 @@ bore_m = { values = [0.02, 0.04] }",
 }
 
 #[test]
+fn a_leaky_row_is_not_ok_and_has_no_coefficient() {
+    let vary = "\"effect.leakage.conductance_m3_per_s_pa\" = { values = [0.0, 3e-12, 1e-11, 3e-11] }";
+    let long = text("design = \"factorial\"", vary).replace("duration_s = 5.0", "duration_s = 60.0");
+    let batches = run_in_memory(&Study::about(&model(), &long).unwrap()).unwrap();
+    let found = statuses(&batches[0]);
+    assert_eq!(found[0], "ok");
+    assert!(found[1..].iter().all(|status| *status == "no_time_constant" || *status == "not_settled"), "{found:?}");
+    assert!(found.contains(&"no_time_constant".into()), "{found:?}");
+    for (row, status) in found.iter().enumerate().filter(|(_, status)| status.as_str() == "no_time_constant") {
+        for column in ["time_constant_s", "lambda_av_w_per_m2_k", "lambda0_w_per_m2_k"] {
+            assert!(values(&batches[0], column)[row].is_nan(), "{column}, {status}");
+        }
+        assert!(values(&batches[0], "pressure_peak_pa")[row] > 1.01e5);
+    }
+}
+
+#[test]
 fn the_bore_is_solved_for_a_volume_to_area_ratio() {
     for dead_volume in [0.0, 1.57e-6, 2e-5] {
         let vary = format!(

@@ -4,6 +4,7 @@ shards nor threads nor kills make a difference."""
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -647,6 +648,23 @@ def test_statistics_without_rows_are_numpys(tmp_path, pneutherm):
         pneutherm("sweep", study, "-o", tmp_path / "shards", "--no-rows", "--shard", f"{index}/3")
     expected = (tmp_path / "none" / "statistics.json").read_bytes()
     assert all((tmp_path / name / "statistics.json").read_bytes() == expected for name in ("rows", "shards"))
+
+
+def test_quantiles_of_ten_million_rows_are_numpys_within_their_bound(tmp_path, pneutherm):
+    study = write(tmp_path, 'design = "sobol"\nsamples = 10_000_000\nfit = false', COMMON)
+    study.write_text(study.read_text() + "\n[statistics]\nquantiles = [0.0, 1e-6, 0.01, 0.25, 0.5, 0.9, 0.999999, 1.0]\n")
+    pneutherm("sweep", study, "-o", tmp_path / "out")
+    found = json.loads((tmp_path / "out" / "statistics.json").read_text())["columns"]
+    assert set(found) > {"pressure_peak_pa", "temperature_final_k", "settling_time_s", "volume_m3"}
+    for name, column in found.items():
+        values = pq.read_table(tmp_path / "out" / "rows", columns=[name])[name].drop_null().to_numpy()
+        assert len(values) == column["count"] and column["count"] + column["nulls"] == 10_000_000
+        exact = np.quantile(values, [quantile["probability"] for quantile in column["quantiles"]])
+        for quantile, exact in zip(column["quantiles"], exact, strict=True):
+            # The bound is relative to the exact quantile, `error_bound` to the one found: by 5e-4 apart at most.
+            assert abs(quantile["value"] - exact) <= quantile["error_bound"] * (1 + 5e-4), (name, quantile, exact)
+        assert column["mean"] == pytest.approx(values.mean(), rel=1e-12)
+    shutil.rmtree(tmp_path / "out")
 
 
 def test_drawn_quantities_have_the_quantiles_moments_and_correlations_of_scipy(tmp_path, pneutherm):

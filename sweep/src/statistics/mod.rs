@@ -3,7 +3,9 @@
 //! Each part has its [`State`]; those of all parts, merged in the parts' order, are the study's, so that shards and threads make
 //! no difference to a bit of it. Memory does not grow with the rows.
 
+mod column;
 mod front;
+mod moments;
 mod sketch;
 
 pub use front::{Front, Goals};
@@ -16,6 +18,7 @@ use crate::part::{CHUNK, StatusCounts};
 use crate::study::Study;
 use arrow::array::{Array, AsArray};
 use arrow::datatypes::Float64Type;
+use column::Column;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde::{Deserialize, Serialize};
@@ -107,35 +110,10 @@ pub struct State {
     front: Option<Front>,
 }
 
-/// What is known of one column.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Column {
-    count: u64,
-    nulls: u64,
-    mean: f64,
-    /// Sum of squared deviations from the mean.
-    squares: f64,
-    minimum: Option<Extreme>,
-    maximum: Option<Extreme>,
-    sketch: Sketch,
-    /// Counts of a histogram, those below and above at its ends.
-    bins: Vec<u64>,
-}
-
-/// A value and the first row that has it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Extreme {
-    value: f64,
-    row: u64,
-}
-
 impl State {
     /// Of no rows.
     pub fn new(plan: &Plan) -> Self {
-        let column = |name: &String| {
-            let bins = plan.bins(name).map_or(Vec::new(), |bins| vec![0; bins.bins as usize + 2]);
-            Column { bins, ..Column::default() }
-        };
+        let column = |name: &String| Column::new(plan.bins(name));
         let front = plan.pareto.as_ref().map(|_| Front::default());
         Self { plan: plan.identity(), columns: plan.columns.iter().map(column).collect(), front }
     }
@@ -216,131 +194,11 @@ fn described_front(study: &Study, goals: &Goals, front: &Front) -> Result<Value,
     }))
 }
 
-impl Column {
-    fn add(&mut self, bins: Option<Bins>, first_row: u64, values: &[f64]) {
-        if values.iter().all(|value| value.is_finite()) {
-            self.add_finite(bins, values, |place| first_row + place as u64);
-        } else {
-            let rows: Vec<u64> = (first_row..).zip(values).filter(|(_, v)| v.is_finite()).map(|(row, _)| row).collect();
-            let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-            self.nulls += (values.len() - finite.len()) as u64;
-            self.add_finite(bins, &finite, |place| rows[place]);
-        }
-    }
-
-    fn add_finite(&mut self, bins: Option<Bins>, values: &[f64], row: impl Fn(usize) -> u64) {
-        if values.is_empty() {
-            return;
-        }
-        let (least, most) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
-        let first = |wanted: f64| {
-            let place = values.iter().position(|value| *value == wanted).unwrap_or(0);
-            Extreme { value: wanted, row: row(place) }
-        };
-        if self.minimum.is_none_or(|so_far| least < so_far.value) {
-            self.minimum = Some(first(least));
-        }
-        if self.maximum.is_none_or(|so_far| most > so_far.value) {
-            self.maximum = Some(first(most));
-        }
-        self.sketch.add(values, least, most);
-        if let Some(Bins { from, to, bins }) = bins {
-            for &value in values {
-                let place = if value < from {
-                    0
-                } else if value > to {
-                    bins + 1
-                } else {
-                    1 + (((value - from) / (to - from) * bins as f64) as u64).min(bins - 1)
-                };
-                self.bins[place as usize] += 1;
-            }
-        }
-        // From the piece's own mean, so that nothing cancels; in eight sums, which a processor adds at once.
-        let count = values.len() as f64;
-        let mean = values[0] + sum(values, |value| value - values[0]) / count;
-        let squares = sum(values, |value| (value - mean) * (value - mean));
-        self.merge_moments(values.len() as u64, mean, squares);
-    }
-
-    /// T. Chan, G. Golub and R. LeVeque, "Algorithms for computing the sample variance" (1983).
-    fn merge_moments(&mut self, count: u64, mean: f64, squares: f64) {
-        if count == 0 {
-            return;
-        }
-        let (a, b) = (self.count as f64, count as f64);
-        let difference = mean - self.mean;
-        self.mean += difference * (b / (a + b));
-        self.squares += squares + difference * difference * (a * b / (a + b));
-        self.count += count;
-    }
-
-    fn merge(&mut self, later: &Self) {
-        self.nulls += later.nulls;
-        if let Some(minimum) = later.minimum.filter(|l| self.minimum.is_none_or(|s| l.value < s.value)) {
-            self.minimum = Some(minimum);
-        }
-        if let Some(maximum) = later.maximum.filter(|l| self.maximum.is_none_or(|s| l.value > s.value)) {
-            self.maximum = Some(maximum);
-        }
-        self.sketch.merge(&later.sketch);
-        for (count, later) in self.bins.iter_mut().zip(&later.bins) {
-            *count += later;
-        }
-        self.merge_moments(later.count, later.mean, later.squares);
-    }
-
-    fn summary(&self, study: &Study, plan: &Plan, bins: Option<Bins>, unit: Option<&String>) -> Result<Value, Error> {
-        let some = |value: f64| (self.count > 0 && value.is_finite()).then_some(value);
-        let variance = self.squares / (self.count as f64 - 1.0);
-        let quantiles = plan.quantiles.iter().map(|&probability| {
-            let (least, most) =
-                (self.minimum.map_or(f64::NAN, |e| e.value), self.maximum.map_or(f64::NAN, |e| e.value));
-            let value = self.sketch.quantile(probability).max(least).min(most);
-            json!({ "probability": probability, "value": some(value), "error_bound": some(ERROR * value.abs()) })
-        });
-        let mut summary = json!({
-            "unit": unit,
-            "count": self.count,
-            "nulls": self.nulls,
-            "mean": some(self.mean),
-            "variance": some(variance),
-            "standard_deviation": some(variance.sqrt()),
-            "minimum": described(study, self.minimum)?,
-            "maximum": described(study, self.maximum)?,
-            "quantiles": quantiles.collect::<Vec<_>>(),
-        });
-        if let (Some(Bins { from, to, bins }), [below, counts @ .., above]) = (bins, &self.bins[..]) {
-            let edges: Vec<f64> = (0..=bins).map(|i| from + (to - from) * i as f64 / bins as f64).collect();
-            summary["histogram"] = json!({ "edges": edges, "counts": counts, "below": below, "above": above });
-        }
-        Ok(summary)
-    }
-}
-
-/// An extreme with its row and the point of the design that it stands for.
-fn described(study: &Study, extreme: Option<Extreme>) -> Result<Value, Error> {
-    let Some(Extreme { value, row }) = extreme else { return Ok(Value::Null) };
-    Ok(json!({ "value": value, "row": row, "at": point_of(study, row)? }))
-}
-
 /// The varied quantities of a row by name.
 fn point_of(study: &Study, row: u64) -> Result<Map<String, Value>, Error> {
     let mut point = vec![Vec::with_capacity(1); study.varied.len()];
     study.design.fill(row..row + 1, &mut point)?;
     Ok(study.varied.iter().zip(&point).map(|(varied, value)| (varied.column.clone(), json!(value[0]))).collect())
-}
-
-/// A sum in eight lanes, the same whatever the processor.
-fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
-    let (whole, rest) = values.as_chunks::<8>();
-    let mut lanes = [0.0; 8];
-    for chunk in whole {
-        for (lane, value) in lanes.iter_mut().zip(chunk) {
-            *lane += term(*value);
-        }
-    }
-    lanes.iter().sum::<f64>() + rest.iter().map(|value| term(*value)).sum::<f64>()
 }
 
 /// The state of a part from its stored rows.

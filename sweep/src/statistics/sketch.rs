@@ -12,6 +12,9 @@ use serde::{Deserialize, Serialize};
 const DIGITS: u32 = 10;
 /// Digits of a double below those.
 const SHIFT: u32 = f64::MANTISSA_DIGITS - 1 - DIGITS;
+/// Buckets over which numbers count as close together, and tables that they are then counted in.
+const NARROW: usize = 256;
+const TABLES: usize = 4;
 /// Largest relative error of a quantile: half a bucket's width.
 pub const ERROR: f64 = 1.0 / (1u64 << (DIGITS + 1)) as f64;
 
@@ -27,20 +30,15 @@ impl Sketch {
     /// Counts finite numbers whose least and largest are known.
     pub fn add(&mut self, values: &[f64], least: f64, most: f64) {
         if least > 0.0 {
-            self.positive.reach(least, most);
-            values.iter().for_each(|value| self.positive.count(*value));
-            return;
-        }
-        for &value in values {
-            match value {
-                0.0 => self.zeros += 1,
-                value if value > 0.0 => {
-                    self.positive.reach(value, value);
-                    self.positive.count(value);
-                }
-                value => {
-                    self.negative.reach(-value, -value);
-                    self.negative.count(-value);
+            self.positive.add(values, least, most);
+        } else if least == 0.0 && most == 0.0 {
+            self.zeros += values.len() as u64;
+        } else {
+            for &value in values {
+                match value {
+                    0.0 => self.zeros += 1,
+                    value if value > 0.0 => self.positive.add(&[value], value, value),
+                    value => self.negative.add(&[-value], -value, -value),
                 }
             }
         }
@@ -123,9 +121,28 @@ fn bucket(value: f64) -> usize {
 }
 
 impl Buckets {
-    /// Makes room for the numbers between two.
-    fn reach(&mut self, least: f64, most: f64) {
-        self.grow(bucket(least), bucket(most));
+    /// Counts numbers whose least and largest are known.
+    fn add(&mut self, values: &[f64], least: f64, most: f64) {
+        let (first, last) = (bucket(least), bucket(most));
+        self.grow(first, last);
+        let counts = &mut self.counts[first - self.first..];
+        if first == last {
+            counts[0] += values.len() as u64;
+        } else if last - first < NARROW {
+            // Neighbours often fall into one bucket, and a count waits for the one before: in turn into several tables.
+            let mut tables = [[0; NARROW]; TABLES];
+            let (groups, rest) = values.as_chunks::<TABLES>();
+            for group in groups.iter().map(|group| group.as_slice()).chain([rest]) {
+                for (table, value) in tables.iter_mut().zip(group) {
+                    table[(bucket(*value) - first) % NARROW] += 1;
+                }
+            }
+            for table in tables {
+                counts.iter_mut().zip(table).for_each(|(count, more)| *count += more);
+            }
+        } else {
+            values.iter().for_each(|value| counts[bucket(*value) - first] += 1);
+        }
     }
 
     fn grow(&mut self, first: usize, last: usize) {
@@ -141,10 +158,6 @@ impl Buckets {
         if length > self.counts.len() {
             self.counts.resize(length, 0);
         }
-    }
-
-    fn count(&mut self, value: f64) {
-        self.counts[bucket(value) - self.first] += 1;
     }
 
     fn len(&self) -> u64 {
@@ -187,10 +200,11 @@ mod tests {
         sketch
     }
 
-    /// Magnitudes as results have them; a quantile between numbers of both signs has no relative bound.
+    /// Magnitudes as results have them, or numbers close to each other; a quantile between numbers of both signs has no
+    /// relative bound.
     fn values() -> impl Strategy<Value = Vec<f64>> {
-        let one = prop_oneof![Just(0.0), (-12.0..12.0f64).prop_map(|e| 10f64.powf(e))];
-        prop::collection::vec(one, 1..300)
+        let wide = prop_oneof![Just(0.0), (-12.0..12.0f64).prop_map(|e| 10f64.powf(e))];
+        prop_oneof![prop::collection::vec(wide, 1..300), prop::collection::vec(293.0..300.0, 1..300)]
     }
 
     proptest! {

@@ -1,0 +1,131 @@
+//! Mean, sum of squared deviations, least and largest of some numbers: eight at a time by the machine's widest instructions.
+//!
+//! The eight sums are added in one order and nothing is fused, so that the results are the same bits on every machine.
+
+use pulp::{Arch, Simd, WithSimd};
+
+const LANES: usize = 8;
+
+/// What is known of some numbers. Nothing of it counts where one of them is not finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    /// How many there are.
+    pub count: u64,
+    /// Their mean.
+    pub mean: f64,
+    /// Sum of squared deviations from the mean.
+    pub squares: f64,
+    /// The smallest.
+    pub least: f64,
+    /// The largest.
+    pub most: f64,
+}
+
+impl Moments {
+    /// Of some numbers; none where there are none.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let first = *values.first()?;
+        let arch = Arch::new();
+        let Totals { sum, least, most } = arch.dispatch(Total { values, first });
+        let count = values.len() as f64;
+        // From the numbers' own mean, so that nothing cancels.
+        let mean = first + sum / count;
+        let squares = if least == most { 0.0 } else { arch.dispatch(Squares { values, mean }) };
+        Some(Self { count: values.len() as u64, mean, squares, least, most })
+    }
+
+    /// Whether all numbers, and their mean, are finite.
+    pub fn is_finite(&self) -> bool {
+        self.mean.is_finite()
+    }
+}
+
+struct Totals {
+    /// Of the differences from the first.
+    sum: f64,
+    least: f64,
+    most: f64,
+}
+
+struct Total<'a> {
+    values: &'a [f64],
+    first: f64,
+}
+
+impl WithSimd for Total<'_> {
+    type Output = Totals;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Totals {
+        let Self { values, first } = self;
+        let (whole, rest) = values.as_chunks::<LANES>();
+        let (mut sums, mut least, mut most) = ([0.0; LANES], [first; LANES], [first; LANES]);
+        for chunk in whole {
+            for lane in 0..LANES {
+                let value = chunk[lane];
+                sums[lane] += value - first;
+                least[lane] = if value < least[lane] { value } else { least[lane] };
+                most[lane] = if value > most[lane] { value } else { most[lane] };
+            }
+        }
+        let all = || rest.iter().copied();
+        Totals {
+            sum: sums.iter().sum::<f64>() + all().map(|value| value - first).sum::<f64>(),
+            least: least.into_iter().chain(all()).fold(first, f64::min),
+            most: most.into_iter().chain(all()).fold(first, f64::max),
+        }
+    }
+}
+
+struct Squares<'a> {
+    values: &'a [f64],
+    mean: f64,
+}
+
+impl WithSimd for Squares<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Self { values, mean } = self;
+        let (whole, rest) = values.as_chunks::<LANES>();
+        let mut sums = [0.0; LANES];
+        for chunk in whole {
+            for lane in 0..LANES {
+                let deviation = chunk[lane] - mean;
+                sums[lane] += deviation * deviation;
+            }
+        }
+        sums.iter().sum::<f64>() + rest.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn moments_are_those_of_the_definition(values in prop::collection::vec(-1e6..1e6f64, 1..100)) {
+            let count = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / count;
+            let squares = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+            let found = Moments::of(&values).unwrap();
+            prop_assert!((found.mean - mean).abs() <= 1e-9 * 1e6);
+            prop_assert!((found.squares - squares).abs() <= 1e-9 * squares.max(1.0));
+            prop_assert_eq!(found.least, values.iter().copied().fold(f64::INFINITY, f64::min));
+            prop_assert_eq!(found.most, values.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        }
+
+        #[test]
+        fn a_number_that_is_none_is_found_wherever_it_stands(
+            mut values in prop::collection::vec(-1e6..1e6f64, 1..100), place in 0..100usize,
+            wrong in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY]),
+        ) {
+            let place = place % values.len();
+            values[place] = wrong;
+            prop_assert!(!Moments::of(&values).unwrap().is_finite());
+        }
+    }
+}
