@@ -191,7 +191,7 @@ impl Reader<'_> {
     }
 
     fn found(&self) -> String {
-        self.rest.chars().next().map_or("its end".into(), |next| format!("`{next}`"))
+        self.rest.chars().next().map_or("ends".into(), |next| format!("has `{next}`"))
     }
 
     fn relation(&mut self) -> Result<Relation, String> {
@@ -200,7 +200,7 @@ impl Reader<'_> {
         let (sign, relation) = all
             .into_iter()
             .find(|(sign, _)| self.rest.starts_with(sign))
-            .ok_or_else(|| format!("has {} where an operator, <, <=, > or >= was expected", self.found()))?;
+            .ok_or_else(|| format!("{} where an operator, <, <=, > or >= was expected", self.found()))?;
         self.take(sign.len());
         Ok(relation)
     }
@@ -240,7 +240,7 @@ impl Reader<'_> {
             let inner = self.sum()?;
             return match self.one_of(")") {
                 Some(_) => Ok(inner),
-                None => Err(format!("has {} where `)` was expected", self.found())),
+                None => Err(format!("{} where `)` was expected", self.found())),
             };
         }
         let rest = self.rest;
@@ -264,7 +264,7 @@ impl Reader<'_> {
                 self.take(name);
                 Ok(term)
             }
-            _ => Err(format!("has {} where a number or a quantity was expected", self.found())),
+            _ => Err(format!("{} where a number or a quantity was expected", self.found())),
         }
     }
 }
@@ -333,10 +333,10 @@ mod tests {
     #[test]
     fn what_is_no_constraint_is_said() {
         for (text, expected) in [
-            ("", "has its end where a number or a quantity"),
+            ("", "ends where a number or a quantity"),
             ("1", "compares nothing"),
             ("bore_m = 0.02", "has `=` where an operator, <, <=, > or >="),
-            ("bore_m < ", "has its end where a number"),
+            ("bore_m < ", "ends where a number"),
             ("(1 < 2", "has `<` where `)`"),
             ("1 < 2)", "has `)` where an operator"),
             ("1.2.3 < 2", "`1.2.3`, which is no number"),

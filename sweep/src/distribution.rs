@@ -86,7 +86,7 @@ impl Distribution {
                 (mass(ends) < LEAST_MASS).then(|| "has next to no probability between `from` and `to`".to_owned())
             }
             Distribution::Triangular { from, mode, to } if from >= to || !(from..=to).contains(&mode) => {
-                Some(format!("runs from {from} by its mode {mode} to {to}: they have to be in this order"))
+                Some(format!("has `from` {from}, `mode` {mode} and `to` {to}: they have to be in ascending order"))
             }
             Distribution::Triangular { .. } => None,
             Distribution::Empirical { values } => {

@@ -183,14 +183,15 @@ fn continues(study: &Study, found: &Value) -> Result<u64, String> {
 
 /// In which of its entries a key of the study differs.
 fn difference(key: &str, theirs: &Value, ours: &Value) -> String {
+    let said = |value: &Value| if value.is_null() { "nothing".to_owned() } else { value.to_string() };
     if let (Some(a), Some(b)) = (theirs.as_object(), ours.as_object()) {
         let names = b.keys().chain(a.keys());
         if let Some(name) = names.into_iter().find(|name| a.get(*name) != b.get(*name)) {
-            let said = |value: Option<&Value>| value.map_or("nothing".to_owned(), Value::to_string);
-            return format!("its {name} is {}, this study's {}", said(a.get(name)), said(b.get(name)));
+            let [theirs, ours] = [a, b].map(|all| said(all.get(name).unwrap_or(&Value::Null)));
+            return format!("its {name} is {theirs}, this study's {ours}");
         }
     }
-    format!("its {key} is {theirs}, this study's {ours}")
+    format!("its {key} is {}, this study's {}", said(theirs), said(ours))
 }
 
 /// Rows of a study, taken from the earlier folder as far as they are there, in ascending order.

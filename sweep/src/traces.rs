@@ -55,7 +55,7 @@ impl std::str::FromStr for Rows {
 
     /// `0,17,100-119`: numbers and ranges, both ends included.
     fn from_str(text: &str) -> Result<Self, String> {
-        let refused = || format!("`{text}` are no rows: numbers and ranges such as 0,17,100-119 were expected");
+        let refused = || format!("`{text}` is no list of rows: numbers and ranges such as 0,17,100-119 were expected");
         let mut ranges = Vec::new();
         for piece in text.split(',') {
             let (first, last) = piece.split_once('-').unwrap_or((piece, piece));

@@ -83,7 +83,7 @@ fn a_constraint_that_cannot_be_is_refused_with_its_line() {
             "which names `boer_m`, which is no number of the model or of the test; did you mean `bore_m`?",
         ),
         ("[\"rod_m\"]", "compares nothing"),
-        ("[\"initial_pressure_pa > 1e4\"]", "which rests on nothing that varies"),
+        ("[\"initial_pressure_pa > 1e4\"]", "which depends on nothing that varies"),
         ("[\"rod_m < hold_time_constants\"]", "this study does not set it"),
         ("[\"rod_m < settling_time_s\"]", "is not known before the row is solved"),
         ("[\"rod_m < 0.001\"]", "leave no row to solve"),

@@ -137,7 +137,7 @@ fn a_distribution_that_cannot_be_is_refused_before_any_row() {
         ("bore_m = { distribution = \"log-normal\", median = -0.02, sd_log = 0.1 }", "is above 0"),
         ("bore_m = { distribution = \"log-normal\", mean = 0.02, sd = -0.1 }", "both have to be above 0"),
         ("bore_m = { distribution = \"uniform\", from = 0.02, to = 0.01 }", "`from` has to be below `to`"),
-        ("bore_m = { distribution = \"triangular\", from = 0.01, mode = 0.03, to = 0.02 }", "in this order"),
+        ("bore_m = { distribution = \"triangular\", from = 0.01, mode = 0.03, to = 0.02 }", "in ascending order"),
         ("bore_m = { distribution = \"empirical\", values = [0.02, 0.02] }", "at least two different values"),
         ("bore_m = { distribution = \"empirical\", values = [0.02, -0.02] }", "has to be above 0"),
         ("bore_m = { from = \"modle\" }", "did you mean `model`?"),
@@ -147,7 +147,7 @@ fn a_distribution_that_cannot_be_is_refused_before_any_row() {
         ),
         ("bore_m = { from = \"model\", to = 1 }", "bore_m.to: unknown key"),
         ("from = \"elsewhere\"", "expected one of: model"),
-        ("from = \"model\"\ndead_volume_m3 = { values = [1e-6] }", "is chamber.dead_volume_m3 once more: line"),
+        ("from = \"model\"\ndead_volume_m3 = { values = [1e-6] }", "repeats chamber.dead_volume_m3, which line"),
     ] {
         let message = refusal(&uncertain(), "sobol", vary);
         assert!(message.contains(expected) && message.starts_with("study: "), "{vary}: {message}");

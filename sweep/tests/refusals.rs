@@ -47,13 +47,13 @@ fn a_range_that_cannot_be_is_named() {
         ("bore_m = { from = 0.01, to = 0.02, count = 2.5 }", "expected a whole number, 2 or above"),
         ("rod_m = { from = 0.0, to = 0.02, count = 3, scale = \"log\" }", "a logarithmic scale needs a value above 0"),
         ("bore_m = { from = 0.01, to = 0.02, count = 3, scale = \"cubic\" }", "expected one of: linear, log"),
-        ("bore_m = { from = 0.01, count = 3 }", "says too little"),
+        ("bore_m = { from = 0.01, count = 3 }", "is incomplete"),
         ("bore_m = { values = [] }", "is empty"),
         ("bore_m = { values = [nan] }", "expected a finite number"),
         ("bore_m = 0.02", "is the number 0.02, expected { values = [...] }"),
         (
             "bore_m = { values = [0.02] }\n\"chamber.bore_m\" = { values = [0.02] }",
-            "is chamber.bore_m once more: line 12",
+            "repeats chamber.bore_m, which line 12 varies already",
         ),
         ("bore_m = { values = [0.02] }\nvolume_to_area_m = { values = [0.004] }", "vary one of the two"),
         (

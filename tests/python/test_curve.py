@@ -88,9 +88,9 @@ def test_a_study_of_a_curve_has_the_pressures_of_an_independent_implementation(d
 @pytest.mark.parametrize(
     "line, problem",
     [
-        ('"effect.empirical.knots[1]" = { values = [1.0] }', "says what the model's table is of"),
+        ('"effect.empirical.knots[1]" = { values = [1.0] }', "is a fixed part of the model's table"),
         ('"effect.empirical.values[9]" = { values = [1.0] }', "did you mean"),
-        ('"effect.empirical.values[8]" = { values = [1.0] }', "is no entry of the model's table"),
+        ('"effect.empirical.values[8]" = { values = [1.0] }', "is beyond the entries of the model's table"),
     ],
 )
 def test_what_a_curve_is_of_is_not_varied(line, problem, diagnosed, pneutherm):

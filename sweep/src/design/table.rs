@@ -139,7 +139,7 @@ impl Table {
             self.append(&batch, at, columns)?;
             at += batch.num_rows() as u64;
         }
-        if at == rows.end { Ok(()) } else { Err(refuse(&self.path, "it holds fewer rows than it says")) }
+        if at == rows.end { Ok(()) } else { Err(refuse(&self.path, "it holds fewer rows than its header says")) }
     }
 
     fn append(&self, batch: &RecordBatch, first_row: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {

@@ -224,7 +224,7 @@ fn constraints(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Vari
         let quantities = constraint.quantities();
         if !quantities.iter().any(|place| varies(place) || follows(place).iter().any(|base| varies(&(*base as usize))))
         {
-            return Err(refuse("rests on nothing that varies".into()));
+            return Err(refuse("depends on nothing that varies".into()));
         }
         let given = |place: &usize| !base.0[*place].is_nan() || varies(place) || !follows(place).is_empty();
         match quantities.iter().find(|place| !given(place)) {
@@ -265,7 +265,7 @@ fn possible(
     path: &Path,
 ) -> Result<(), Error> {
     if let Some(place) = varied.iter().position(|v| quantity::is_beyond_table(v.quantity, &model.chamber.effects)) {
-        let message = "is no entry of the model's table: there has to be one in its place";
+        let message = "is beyond the entries of the model's table: add an entry to the model to vary it";
         return Err(match entries.get(place) {
             Some(entry) => entry.because(message),
             None => Error::Option(format!("{}: column `{}` {message}", path.display(), varied[place].column)),

@@ -54,7 +54,7 @@ pub fn axes<'a>(
         let place = new.varied.quantity;
         if let Some(other) = found.iter().find(|other| other.varied.quantity == place) {
             let (line, name) = (other.entry.line(), &quantity::all()[place].name);
-            return Err(new.entry.because(format!("is {name} once more: line {line} varies it already")));
+            return Err(new.entry.because(format!("repeats {name}, which line {line} varies already")));
         }
         found.push(new);
         Ok(())
@@ -143,7 +143,7 @@ pub fn not_found(name: &str, reason: &NotFound) -> String {
             "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
                 .into()
         }
-        NotFound::OfTable => "says what the model's table is of; only its values can be varied".into(),
+        NotFound::OfTable => "is a fixed part of the model's table, of which only the values can be varied".into(),
         NotFound::Unknown(None) => "is no number of the model or of the test".into(),
         NotFound::Unknown(Some(nearest)) => {
             format!("is no number of the model or of the test; did you mean `{nearest}`?")
@@ -219,7 +219,7 @@ fn listed(entry: Field<'_>, section: &Section<'_>, forms: &str) -> Result<Axis, 
         section.get("count");
         section.get("scale");
         section.finish()?;
-        return Err(entry.because(format!("says too little; expected {forms}")));
+        return Err(entry.because(format!("is incomplete; expected {forms}")));
     };
     let (from, to) = (from.finite()?, to.finite()?);
     let scale =
