@@ -33,6 +33,7 @@ mod instructions;
 mod interpolant;
 mod kept;
 pub mod lanes;
+mod look;
 mod math;
 mod outcome;
 #[cfg(test)]

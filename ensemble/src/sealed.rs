@@ -60,7 +60,7 @@ impl Test {
 
 /// How a sealed test has ended.
 pub struct Ending<'a> {
-    /// The test.
+    /// What was pushed and held, and how.
     pub scenario: &'a Scenario,
     /// Its length, s.
     pub duration: f64,

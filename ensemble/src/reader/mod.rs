@@ -1,20 +1,23 @@
-//! What is asked of the records of traced rows: peaks, settling, samples for the regression.
+//! What is asked of the records of traced rows: peaks and settling here, samples for the regression in [`regressions`].
 //!
 //! A record is monotone between the knots of its trace and the places in between where it turns round; with those at
 //! hand, all else is a matter of comparing. Only intervals that turn, the one in which the record settles, and with the
 //! regression those that hold samples are looked into, as many at once as there are lanes.
 
-use crate::filter::{CUTS, Lagged, Sensor, TERMS, ToPowers};
+mod curves;
+mod regressions;
+
+use crate::filter::{CUTS, Sensor, TERMS, ToPowers};
 use crate::finish::SETTLED;
 use crate::history::Knot;
-use crate::interpolant::{Interpolant, Stencil, Stencils};
 use crate::lanes::{Lanes, WIDTH};
+use crate::look::{Look, Question};
 use crate::plan::{Plan, Stretch};
-use crate::regression::{Part, Records, Regression};
-use crate::root::{Curve, root};
-use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::regression::Records;
+use crate::samples::POINTS;
 use chamber::real::Real;
-use pulp::{Arch, Simd, WithSimd};
+use curves::Prompt;
+use pulp::Arch;
 use std::ops::Range;
 
 /// Index of the pressure and of the temperature where both are shown.
@@ -22,8 +25,6 @@ const PRESSURE: usize = 0;
 const TEMPERATURE: usize = 1;
 /// Share of its pressure by which a record that stands may tremble.
 pub const ROUNDING: f64 = 1e-12;
-/// Share of a piece to both sides of a place, to tell there whether the record rises.
-const BESIDE: f64 = 1e-5;
 
 /// The answers about one row. Pressures of the record, temperatures of the gas.
 #[derive(Clone, Copy, Debug, Default)]
@@ -219,100 +220,6 @@ impl<'a> Traces<'a> {
         self.memory.begins[row]..self.memory.begins[row + 1]
     }
 
-    /// Readings of the sensors that lag, from piece to piece.
-    fn follow_lags(&mut self, arch: Arch) {
-        if self.rows.iter().all(|row| row.sensor.lag == 0.0) {
-            return;
-        }
-        let mut powers = core::mem::take(&mut self.memory.powers);
-        powers.clear();
-        powers.resize(self.memory.pieces.len(), [0.0; TERMS]);
-        let lagging: Vec<usize> = (0..self.rows.len())
-            .filter(|&row| self.rows[row].sensor.lag > 0.0)
-            .flat_map(|row| self.pieces_of(row))
-            .collect();
-        for group in lagging.chunks(WIDTH) {
-            let piece = |lane: usize| &self.memory.pieces[group[lane.min(group.len() - 1)]];
-            let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
-            let from = Lanes::from_fn(|lane| piece(lane).times[0]);
-            let length = Lanes::from_fn(|lane| piece(lane).times[1] - piece(lane).times[0]);
-            let found = arch.dispatch(Powers { inside, to_powers: &self.memory.to_powers, from, length });
-            for (lane, &index) in group.iter().enumerate() {
-                powers[index] = found.map(|term| term[lane]);
-            }
-        }
-        for row in 0..self.rows.len() {
-            let Trace { plan, sensor, before } = self.rows[row];
-            if sensor.lag == 0.0 {
-                continue;
-            }
-            let mut reading = before;
-            for index in self.pieces_of(row) {
-                let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
-                let elapsed = plan.stretches[segment.stretch as usize].elapsed;
-                let piece = &mut self.memory.pieces[index];
-                let pressure = powers[index];
-                let lagged =
-                    Lagged { pressure, begin: reading, stiffness: (piece.times[1] - piece.times[0]) / sensor.lag };
-                piece.lagged = reading;
-                let gas = [pressure[0], pressure.iter().sum()];
-                for (end, share) in [0.0, 1.0].into_iter().enumerate() {
-                    reading = if end == 0 { reading } else { lagged.at(share) };
-                    piece.shown[end] = sensor.shown(reading, elapsed + piece.times[end]);
-                    piece.slopes[end] = (gas[end] - reading) / sensor.lag + sensor.drift;
-                }
-            }
-        }
-        self.memory.powers = powers;
-    }
-
-    /// A quantity in one interval a lane: segments and knots.
-    fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
-        Stencils::new(|lane| {
-            let (segment, knot) = interval(lane);
-            let knots = self.memory.segments[segment as usize].knots.clone();
-            let stencil = Stencil::new(&self.memory.knots[knots], knot as usize, quantity);
-            (&self.of_segment(segment).1.clock, stencil)
-        })
-    }
-
-    /// Answers jobs about records, as many at once as there are lanes: those of sensors that lag apart.
-    fn work(&mut self, arch: Arch, question: impl Fn([Lanes; POINTS]) -> Question) {
-        let mut jobs = core::mem::take(&mut self.memory.jobs);
-        let lags = |job: &Job| self.of_segment(self.memory.pieces[job.piece].segment).0.sensor.lag > 0.0;
-        let (mut prompt, mut lagging): (Vec<u32>, Vec<u32>) =
-            (0..jobs.len() as u32).partition(|&job| !lags(&jobs[job as usize]));
-        for (list, lagging) in [(&mut prompt, false), (&mut lagging, true)] {
-            for group in list.chunks(WIDTH) {
-                let job = |lane: usize| &jobs[group[lane.min(group.len() - 1)] as usize];
-                let piece = |lane: usize| &self.memory.pieces[job(lane).piece];
-                let numbers = core::array::from_fn(|k| Lanes::from_fn(|lane| job(lane).numbers[k]));
-                let times = [0, 1].map(|end| Lanes::from_fn(|lane| piece(lane).times[end]));
-                let sensor = |lane: usize| self.of_segment(piece(lane).segment).0.sensor;
-                let elapsed = |lane: usize| self.of_segment(piece(lane).segment).1.elapsed;
-                let offset = Lanes::from_fn(|lane| sensor(lane).shown(0.0, elapsed(lane)));
-                let drift = Lanes::from_fn(|lane| sensor(lane).drift);
-                let question = question(numbers);
-                let answer = if lagging {
-                    let pressure =
-                        core::array::from_fn(|k| Lanes::from_fn(|lane| self.memory.powers[job(lane).piece][k]));
-                    let length = times[1] - times[0];
-                    let stiffness = length / Lanes::from_fn(|lane| sensor(lane).lag);
-                    let lagged = Lagged { pressure, begin: Lanes::from_fn(|lane| piece(lane).lagged), stiffness };
-                    let reading = Lagging { lagged, from: times[0], per_length: length.recip(), offset, drift };
-                    arch.dispatch(Look { reading, times, question })
-                } else {
-                    let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
-                    arch.dispatch(Look { reading: Prompt { inside, offset, drift }, times, question })
-                };
-                for (lane, &job) in group.iter().enumerate() {
-                    jobs[job as usize].answer = answer.map(|answer| answer[lane]);
-                }
-            }
-        }
-        self.memory.jobs = jobs;
-    }
-
     /// Where the records turn round.
     fn find_turns(&mut self, arch: Arch) {
         let Memory { pieces, jobs, .. } = &mut *self.memory;
@@ -464,264 +371,6 @@ impl<'a> Traces<'a> {
                 answer.settling = settled.max(0.0);
             }
         }
-    }
-
-    /// The first sample of each record that counts: the larger of those beside the peak.
-    fn first_samples(&mut self, arch: Arch, answers: &[Option<Answer>]) -> Vec<Option<f64>> {
-        let mut jobs = core::mem::take(&mut self.memory.jobs);
-        jobs.clear();
-        let mut firsts: Vec<Option<f64>> = Vec::with_capacity(answers.len());
-        for (row, answer) in answers.iter().enumerate() {
-            let push_end = samples::from(self.rows[row].plan.push_end);
-            let after = answer.map(|answer| samples::from(answer.peak_time).max(push_end));
-            firsts.push(after);
-            let Some(after) = after.filter(|after| *after > push_end) else { continue };
-            for number in [after - 1.0, after] {
-                let time = number / SAMPLE_RATE_HZ;
-                let pieces = self.pieces_of(row);
-                let holds = |&index: &usize| {
-                    let piece = &self.memory.pieces[index];
-                    time <= self.record_time(piece, piece.times[1])
-                };
-                let index = pieces.clone().find(holds).unwrap_or(pieces.end - 1);
-                let piece = &self.memory.pieces[index];
-                let time = (time - self.record_time(piece, 0.0)).clamp(piece.times[0], piece.times[1]);
-                jobs.push(Job { piece: index, numbers: [time; POINTS], answer: [0.0; POINTS] });
-            }
-        }
-        self.memory.jobs = jobs;
-        self.work(arch, Question::Pressures);
-        for pair in self.memory.jobs.chunks_exact(2) {
-            let row = self.memory.segments[self.memory.pieces[pair[0].piece].segment as usize].row as usize;
-            let sign = if self.rows[row].plan.expands { -1.0 } else { 1.0 };
-            if let Some(first) = &mut firsts[row]
-                && sign * pair[0].answer[0] > sign * pair[1].answer[0]
-            {
-                *first -= 1.0;
-            }
-        }
-        firsts
-    }
-
-    /// Samples up to and at the begin of the pieces: before it a late record shows the gas before the test.
-    fn samples_before(&self, row: usize, first: f64) -> Option<Part> {
-        let piece = &self.memory.pieces[self.pieces_of(row)].first()?;
-        let begin = self.record_time(piece, piece.times[0]);
-        let samples = Samples { first, count: samples::after(begin) - first };
-        let at_begin = piece.shown[0];
-        let drift = self.rows[row].sensor.drift;
-        let pressure = samples.nodes().numbers.map(|number| at_begin + drift * (number / SAMPLE_RATE_HZ - begin));
-        (samples.count > 0.0).then_some(Part { samples, pressure })
-    }
-
-    /// Step 1 of the paper on the samples of each record from its peak on, from guesses of τ.
-    pub fn regressions(
-        &mut self,
-        arch: Arch,
-        answers: &[Option<Answer>],
-        guess: impl Fn(usize) -> f64,
-    ) -> Vec<Option<Regression>> {
-        let firsts = self.first_samples(arch, answers);
-        self.memory.jobs.clear();
-        // Per job: the samples its piece holds.
-        let mut held: Vec<Samples> = Vec::new();
-        let mut befores = vec![None; answers.len()];
-        for row in 0..answers.len() {
-            let Some(first) = firsts[row] else { continue };
-            let before = self.samples_before(row, first);
-            befores[row] = before;
-            let mut first = before.map_or(first, |part| first + part.samples.count);
-            let end = samples::after(self.rows[row].plan.duration);
-            for index in self.pieces_of(row) {
-                let piece = &self.memory.pieces[index];
-                let elapsed = self.record_time(piece, 0.0);
-                let next = samples::after(elapsed + piece.times[1]).min(end);
-                let samples = Samples { first, count: next - first };
-                if samples.count > 0.0 {
-                    let numbers = samples.nodes().numbers.map(|number| number / SAMPLE_RATE_HZ - elapsed);
-                    self.memory.jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
-                    held.push(samples);
-                    first = next;
-                }
-            }
-        }
-        self.work(arch, Question::Pressures);
-        let mut out = vec![None; answers.len()];
-        let Memory { pieces, segments, jobs, records, .. } = &mut *self.memory;
-        let row_of = |job: &Job| segments[pieces[job.piece].segment as usize].row as usize;
-        let mut jobs = jobs.iter().zip(held).peekable();
-        for base in (0..answers.len()).step_by(WIDTH) {
-            records.clear();
-            let group = base..answers.len().min(base + WIDTH);
-            for row in group.clone() {
-                if let Some(part) = befores[row] {
-                    records.add(row - base, part);
-                }
-                while let Some((job, samples)) = jobs.next_if(|(job, _)| row_of(job) == row) {
-                    records.add(row - base, Part { samples, pressure: job.answer });
-                }
-            }
-            let last = group.end - 1;
-            let found = records.fit(arch, Lanes::from_fn(|lane| guess((base + lane).min(last))));
-            for row in group {
-                out[row] = firsts[row].and(found.lane(row - base));
-            }
-        }
-        out
-    }
-}
-
-/// Coefficients of the pressure over a piece of each lane.
-struct Powers<'a> {
-    inside: Stencils,
-    to_powers: &'a ToPowers,
-    from: Lanes,
-    length: Lanes,
-}
-
-impl WithSimd for Powers<'_> {
-    type Output = [Lanes; TERMS];
-
-    #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Self::Output {
-        self.to_powers.of(&Interpolant::new(&self.inside), self.from, self.length)
-    }
-}
-
-/// What a curve a lane is made of.
-pub trait Reading {
-    /// What events and roots are looked for on.
-    type Curve: Curve;
-    /// Makes it, with the instructions at hand.
-    fn curve(self) -> Self::Curve;
-}
-
-/// A sensor's reading that follows the gas at once; `I` are stencils, then interpolants.
-struct Prompt<I> {
-    inside: I,
-    /// What it shows too much at the segment's begin, Pa, and its rate, Pa/s.
-    offset: Lanes,
-    drift: Lanes,
-}
-
-impl Reading for Prompt<Stencils> {
-    type Curve = Prompt<Interpolant>;
-
-    #[inline(always)]
-    fn curve(self) -> Self::Curve {
-        Prompt { inside: Interpolant::new(&self.inside), offset: self.offset, drift: self.drift }
-    }
-}
-
-impl Curve for Prompt<Interpolant> {
-    #[inline(always)]
-    fn at(&self, time: Lanes) -> Lanes {
-        self.inside.at(time) + (self.offset + self.drift * time)
-    }
-}
-
-/// A lagging sensor's reading.
-struct Lagging {
-    lagged: Lagged<Lanes>,
-    from: Lanes,
-    per_length: Lanes,
-    offset: Lanes,
-    drift: Lanes,
-}
-
-impl Reading for Lagging {
-    type Curve = Self;
-
-    #[inline(always)]
-    fn curve(self) -> Self {
-        self
-    }
-}
-
-impl Curve for Lagging {
-    #[inline(always)]
-    fn at(&self, time: Lanes) -> Lanes {
-        self.lagged.at((time - self.from) * self.per_length) + (self.offset + self.drift * time)
-    }
-}
-
-/// What is looked for.
-#[derive(Clone, Copy, Debug)]
-pub enum Question {
-    /// The time at which the curve turns round, and its value there.
-    Turn,
-    /// The time, between two at the first of which it is outside, at which the curve comes within a band around a value.
-    Enter { between: [Lanes; 2], value: Lanes, band: Lanes },
-    /// Values at some times.
-    Pressures([Lanes; POINTS]),
-}
-
-/// A question about a curve a lane, between two times.
-pub struct Look<R> {
-    /// What makes the curve.
-    pub reading: R,
-    /// The times.
-    pub times: [Lanes; 2],
-    /// What is looked for.
-    pub question: Question,
-}
-
-/// Where a curve turns round: its rise over a short time, positive before a summit or after a bottom.
-struct Turning<'a, C> {
-    curve: &'a C,
-    beside: Lanes,
-    /// 1 for a summit, −1 for a bottom.
-    side: Lanes,
-}
-
-impl<C: Curve> Curve for Turning<'_, C> {
-    #[inline(always)]
-    fn at(&self, time: Lanes) -> Lanes {
-        (self.curve.at(time + self.beside) - self.curve.at(time - self.beside)) * self.side
-    }
-}
-
-/// How far a curve is from a value, beyond a band around it.
-struct Beyond<'a, C> {
-    curve: &'a C,
-    value: Lanes,
-    band: Lanes,
-}
-
-impl<C: Curve> Curve for Beyond<'_, C> {
-    #[inline(always)]
-    fn at(&self, time: Lanes) -> Lanes {
-        (self.curve.at(time) - self.value).abs() - self.band
-    }
-}
-
-impl<R: Reading> WithSimd for Look<R> {
-    type Output = [Lanes; POINTS];
-
-    #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Self::Output {
-        let Self { reading, times, question } = self;
-        let curve = reading.curve();
-        let mut answer = [Lanes::ZERO; POINTS];
-        match question {
-            Question::Turn => {
-                let beside = (times[1] - times[0]) * BESIDE;
-                let [low, high] = [times[0] + beside, times[1] - beside];
-                let mut turning = Turning { curve: &curve, beside, side: Lanes::ONE };
-                turning.side = turning.at(low).where_positive(Lanes::ONE, -Lanes::ONE);
-                answer[0] = root(&turning, low, high);
-                answer[1] = curve.at(answer[0]);
-            }
-            Question::Enter { between: [outside, later], value, band } => {
-                answer[0] = root(&Beyond { curve: &curve, value, band }, outside, later);
-            }
-            Question::Pressures(at) => {
-                for k in 0..POINTS {
-                    answer[k] = curve.at(at[k]);
-                }
-            }
-        }
-        answer
     }
 }
 

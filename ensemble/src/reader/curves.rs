@@ -1,0 +1,173 @@
+//! The records of pieces as curves, one a lane: of sensors that follow at once, and of those that lag.
+
+use super::{Job, PRESSURE, Trace, Traces};
+use crate::filter::{Lagged, TERMS, ToPowers};
+use crate::interpolant::{Interpolant, Stencil, Stencils};
+use crate::lanes::{Lanes, WIDTH};
+use crate::look::{Look, Question, Reading};
+use crate::root::Curve;
+use crate::samples::POINTS;
+use chamber::real::Real;
+use pulp::{Arch, Simd, WithSimd};
+
+impl Traces<'_> {
+    /// Readings of the sensors that lag, from piece to piece.
+    pub(super) fn follow_lags(&mut self, arch: Arch) {
+        if self.rows.iter().all(|row| row.sensor.lag == 0.0) {
+            return;
+        }
+        let mut powers = core::mem::take(&mut self.memory.powers);
+        powers.clear();
+        powers.resize(self.memory.pieces.len(), [0.0; TERMS]);
+        let lagging: Vec<usize> = (0..self.rows.len())
+            .filter(|&row| self.rows[row].sensor.lag > 0.0)
+            .flat_map(|row| self.pieces_of(row))
+            .collect();
+        for group in lagging.chunks(WIDTH) {
+            let piece = |lane: usize| &self.memory.pieces[group[lane.min(group.len() - 1)]];
+            let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
+            let from = Lanes::from_fn(|lane| piece(lane).times[0]);
+            let length = Lanes::from_fn(|lane| piece(lane).times[1] - piece(lane).times[0]);
+            let found = arch.dispatch(Powers { inside, to_powers: &self.memory.to_powers, from, length });
+            for (lane, &index) in group.iter().enumerate() {
+                powers[index] = found.map(|term| term[lane]);
+            }
+        }
+        for row in 0..self.rows.len() {
+            let Trace { plan, sensor, before } = self.rows[row];
+            if sensor.lag == 0.0 {
+                continue;
+            }
+            let mut reading = before;
+            for index in self.pieces_of(row) {
+                let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
+                let elapsed = plan.stretches[segment.stretch as usize].elapsed;
+                let piece = &mut self.memory.pieces[index];
+                let pressure = powers[index];
+                let lagged =
+                    Lagged { pressure, begin: reading, stiffness: (piece.times[1] - piece.times[0]) / sensor.lag };
+                piece.lagged = reading;
+                let gas = [pressure[0], pressure.iter().sum()];
+                for (end, share) in [0.0, 1.0].into_iter().enumerate() {
+                    reading = if end == 0 { reading } else { lagged.at(share) };
+                    piece.shown[end] = sensor.shown(reading, elapsed + piece.times[end]);
+                    piece.slopes[end] = (gas[end] - reading) / sensor.lag + sensor.drift;
+                }
+            }
+        }
+        self.memory.powers = powers;
+    }
+
+    /// A quantity in one interval a lane: segments and knots.
+    pub(super) fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
+        Stencils::new(|lane| {
+            let (segment, knot) = interval(lane);
+            let knots = self.memory.segments[segment as usize].knots.clone();
+            let stencil = Stencil::new(&self.memory.knots[knots], knot as usize, quantity);
+            (&self.of_segment(segment).1.clock, stencil)
+        })
+    }
+
+    /// Answers jobs about records, as many at once as there are lanes: those of sensors that lag apart.
+    pub(super) fn work(&mut self, arch: Arch, question: impl Fn([Lanes; POINTS]) -> Question) {
+        let mut jobs = core::mem::take(&mut self.memory.jobs);
+        let lags = |job: &Job| self.of_segment(self.memory.pieces[job.piece].segment).0.sensor.lag > 0.0;
+        let (mut prompt, mut lagging): (Vec<u32>, Vec<u32>) =
+            (0..jobs.len() as u32).partition(|&job| !lags(&jobs[job as usize]));
+        for (list, lagging) in [(&mut prompt, false), (&mut lagging, true)] {
+            for group in list.chunks(WIDTH) {
+                let job = |lane: usize| &jobs[group[lane.min(group.len() - 1)] as usize];
+                let piece = |lane: usize| &self.memory.pieces[job(lane).piece];
+                let numbers = core::array::from_fn(|k| Lanes::from_fn(|lane| job(lane).numbers[k]));
+                let times = [0, 1].map(|end| Lanes::from_fn(|lane| piece(lane).times[end]));
+                let sensor = |lane: usize| self.of_segment(piece(lane).segment).0.sensor;
+                let elapsed = |lane: usize| self.of_segment(piece(lane).segment).1.elapsed;
+                let offset = Lanes::from_fn(|lane| sensor(lane).shown(0.0, elapsed(lane)));
+                let drift = Lanes::from_fn(|lane| sensor(lane).drift);
+                let question = question(numbers);
+                let answer = if lagging {
+                    let pressure =
+                        core::array::from_fn(|k| Lanes::from_fn(|lane| self.memory.powers[job(lane).piece][k]));
+                    let length = times[1] - times[0];
+                    let stiffness = length / Lanes::from_fn(|lane| sensor(lane).lag);
+                    let lagged = Lagged { pressure, begin: Lanes::from_fn(|lane| piece(lane).lagged), stiffness };
+                    let reading = Lagging { lagged, from: times[0], per_length: length.recip(), offset, drift };
+                    arch.dispatch(Look { reading, times, question })
+                } else {
+                    let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
+                    arch.dispatch(Look { reading: Prompt { inside, offset, drift }, times, question })
+                };
+                for (lane, &job) in group.iter().enumerate() {
+                    jobs[job as usize].answer = answer.map(|answer| answer[lane]);
+                }
+            }
+        }
+        self.memory.jobs = jobs;
+    }
+}
+
+/// Coefficients of the pressure over a piece of each lane.
+struct Powers<'a> {
+    inside: Stencils,
+    to_powers: &'a ToPowers,
+    from: Lanes,
+    length: Lanes,
+}
+
+impl WithSimd for Powers<'_> {
+    type Output = [Lanes; TERMS];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Self::Output {
+        self.to_powers.of(&Interpolant::new(&self.inside), self.from, self.length)
+    }
+}
+
+/// A sensor's reading that follows the gas at once; `I` are stencils, then interpolants.
+pub(super) struct Prompt<I> {
+    pub(super) inside: I,
+    /// What it shows too much at the segment's begin, Pa, and its rate, Pa/s.
+    pub(super) offset: Lanes,
+    pub(super) drift: Lanes,
+}
+
+impl Reading for Prompt<Stencils> {
+    type Curve = Prompt<Interpolant>;
+
+    #[inline(always)]
+    fn curve(self) -> Self::Curve {
+        Prompt { inside: Interpolant::new(&self.inside), offset: self.offset, drift: self.drift }
+    }
+}
+
+impl Curve for Prompt<Interpolant> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        self.inside.at(time) + (self.offset + self.drift * time)
+    }
+}
+
+/// A lagging sensor's reading.
+struct Lagging {
+    lagged: Lagged<Lanes>,
+    from: Lanes,
+    per_length: Lanes,
+    offset: Lanes,
+    drift: Lanes,
+}
+
+impl Reading for Lagging {
+    type Curve = Self;
+
+    #[inline(always)]
+    fn curve(self) -> Self {
+        self
+    }
+}
+
+impl Curve for Lagging {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        self.lagged.at((time - self.from) * self.per_length) + (self.offset + self.drift * time)
+    }
+}

@@ -1,0 +1,114 @@
+//! Step 1 of the paper on the samples of traced records.
+
+use super::{Answer, Job, Memory, Traces};
+use crate::lanes::{Lanes, WIDTH};
+use crate::look::Question;
+use crate::regression::{Part, Regression};
+use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use pulp::Arch;
+
+impl Traces<'_> {
+    /// The first sample of each record that counts: the larger of those beside the peak.
+    fn first_samples(&mut self, arch: Arch, answers: &[Option<Answer>]) -> Vec<Option<f64>> {
+        let mut jobs = core::mem::take(&mut self.memory.jobs);
+        jobs.clear();
+        let mut firsts: Vec<Option<f64>> = Vec::with_capacity(answers.len());
+        for (row, answer) in answers.iter().enumerate() {
+            let push_end = samples::from(self.rows[row].plan.push_end);
+            let after = answer.map(|answer| samples::from(answer.peak_time).max(push_end));
+            firsts.push(after);
+            let Some(after) = after.filter(|after| *after > push_end) else { continue };
+            for number in [after - 1.0, after] {
+                let time = number / SAMPLE_RATE_HZ;
+                let pieces = self.pieces_of(row);
+                let holds = |&index: &usize| {
+                    let piece = &self.memory.pieces[index];
+                    time <= self.record_time(piece, piece.times[1])
+                };
+                let index = pieces.clone().find(holds).unwrap_or(pieces.end - 1);
+                let piece = &self.memory.pieces[index];
+                let time = (time - self.record_time(piece, 0.0)).clamp(piece.times[0], piece.times[1]);
+                jobs.push(Job { piece: index, numbers: [time; POINTS], answer: [0.0; POINTS] });
+            }
+        }
+        self.memory.jobs = jobs;
+        self.work(arch, Question::Pressures);
+        for pair in self.memory.jobs.chunks_exact(2) {
+            let row = self.memory.segments[self.memory.pieces[pair[0].piece].segment as usize].row as usize;
+            let sign = if self.rows[row].plan.expands { -1.0 } else { 1.0 };
+            if let Some(first) = &mut firsts[row]
+                && sign * pair[0].answer[0] > sign * pair[1].answer[0]
+            {
+                *first -= 1.0;
+            }
+        }
+        firsts
+    }
+
+    /// Samples up to and at the begin of the pieces: before it a late record shows the gas before the test.
+    fn samples_before(&self, row: usize, first: f64) -> Option<Part> {
+        let piece = &self.memory.pieces[self.pieces_of(row)].first()?;
+        let begin = self.record_time(piece, piece.times[0]);
+        let samples = Samples { first, count: samples::after(begin) - first };
+        let at_begin = piece.shown[0];
+        let drift = self.rows[row].sensor.drift;
+        let pressure = samples.nodes().numbers.map(|number| at_begin + drift * (number / SAMPLE_RATE_HZ - begin));
+        (samples.count > 0.0).then_some(Part { samples, pressure })
+    }
+
+    /// Step 1 of the paper on the samples of each record from its peak on, from guesses of τ.
+    pub fn regressions(
+        &mut self,
+        arch: Arch,
+        answers: &[Option<Answer>],
+        guess: impl Fn(usize) -> f64,
+    ) -> Vec<Option<Regression>> {
+        let firsts = self.first_samples(arch, answers);
+        self.memory.jobs.clear();
+        // Per job: the samples its piece holds.
+        let mut held: Vec<Samples> = Vec::new();
+        let mut befores = vec![None; answers.len()];
+        for row in 0..answers.len() {
+            let Some(first) = firsts[row] else { continue };
+            let before = self.samples_before(row, first);
+            befores[row] = before;
+            let mut first = before.map_or(first, |part| first + part.samples.count);
+            let end = samples::after(self.rows[row].plan.duration);
+            for index in self.pieces_of(row) {
+                let piece = &self.memory.pieces[index];
+                let elapsed = self.record_time(piece, 0.0);
+                let next = samples::after(elapsed + piece.times[1]).min(end);
+                let samples = Samples { first, count: next - first };
+                if samples.count > 0.0 {
+                    let numbers = samples.nodes().numbers.map(|number| number / SAMPLE_RATE_HZ - elapsed);
+                    self.memory.jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
+                    held.push(samples);
+                    first = next;
+                }
+            }
+        }
+        self.work(arch, Question::Pressures);
+        let mut out = vec![None; answers.len()];
+        let Memory { pieces, segments, jobs, records, .. } = &mut *self.memory;
+        let row_of = |job: &Job| segments[pieces[job.piece].segment as usize].row as usize;
+        let mut jobs = jobs.iter().zip(held).peekable();
+        for base in (0..answers.len()).step_by(WIDTH) {
+            records.clear();
+            let group = base..answers.len().min(base + WIDTH);
+            for row in group.clone() {
+                if let Some(part) = befores[row] {
+                    records.add(row - base, part);
+                }
+                while let Some((job, samples)) = jobs.next_if(|(job, _)| row_of(job) == row) {
+                    records.add(row - base, Part { samples, pressure: job.answer });
+                }
+            }
+            let last = group.end - 1;
+            let found = records.fit(arch, Lanes::from_fn(|lane| guess((base + lane).min(last))));
+            for row in group {
+                out[row] = firsts[row].and(found.lane(row - base));
+            }
+        }
+        out
+    }
+}

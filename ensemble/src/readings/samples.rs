@@ -1,0 +1,96 @@
+//! The samples of records from their peaks on, laid out for the regression.
+
+use super::pieces::{Piece, Shown};
+use super::{Answer, Readings};
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::look::{Look, Question};
+use crate::regression::Records;
+use crate::root::Curve;
+use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+impl<const LAGS: bool> Readings<'_, LAGS> {
+    /// Number of the first sample that counts: the larger of those beside the peak.
+    fn first_samples(&self, answers: &[Answer; WIDTH]) -> Lanes {
+        let push = self.tests.push;
+        let push_end = Lanes::from_fn(|lane| samples::from(push[lane]));
+        let after = Lanes::from_fn(|lane| samples::from(push[lane] + answers[lane].peak_time).max(push_end[lane]));
+        if after == push_end {
+            return after;
+        }
+        let [earlier, later] = [1.0, 0.0].map(|back| {
+            let times = (after - back) * (1.0 / SAMPLE_RATE_HZ) - push;
+            let holds = |lane: usize| {
+                let ends = |piece: &Piece| times[lane] <= piece.times[1][lane];
+                self.memory.pieces.iter().position(ends).unwrap_or(self.memory.pieces.len() - 1)
+            };
+            let question = Question::Pressures([times.max(Lanes::ZERO); POINTS]);
+            let reading = self.gather(holds);
+            self.arch.dispatch(Look { times: reading.piece.times, reading, question })[0]
+        });
+        Lanes::from_fn(|lane| {
+            let sign = if self.tests.to[lane] > self.tests.from[lane] { -1.0 } else { 1.0 };
+            let back = after[lane] > push_end[lane] && sign * earlier[lane] > sign * later[lane];
+            after[lane] - f64::from(back)
+        })
+    }
+
+    /// Lays the samples from the peak on out for the regression.
+    pub fn lay_out(&self, answers: &[Answer; WIDTH], records: &mut Records) {
+        let first = self.first_samples(answers);
+        records.clear();
+        self.arch.dispatch(Sample { readings: self, first, records });
+    }
+}
+
+/// Samples, from the first that counts on, for the regression.
+struct Sample<'b, 'a, const LAGS: bool> {
+    readings: &'b Readings<'a, LAGS>,
+    first: Lanes,
+    records: &'b mut Records,
+}
+
+impl<const LAGS: bool> WithSimd for Sample<'_, '_, LAGS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(mut self, _: I) {
+        let Readings { memory, held, sensors, duration, .. } = self.readings;
+        let held_from = memory.pieces.iter().position(|piece| piece.exact == Lanes::ONE);
+        let (pieces, rest) = memory.pieces.split_at(held_from.unwrap_or(memory.pieces.len()));
+        for piece in pieces {
+            self.add(black_box(piece));
+        }
+        // Without a lag the hold's pieces are as long as from turn to turn.
+        let Some(piece) = rest.first() else { return };
+        let (mut from, slowness) = (piece.times[0], held.rate.recip());
+        for end in black_box(&crate::exact_rows::ENDS) {
+            let to = (sensors.delay + slowness * *end).min(*duration);
+            self.add(black_box(&Piece { times: [from, to], ..*piece }));
+            from = to;
+        }
+    }
+}
+
+impl<const LAGS: bool> Sample<'_, '_, LAGS> {
+    #[inline(always)]
+    fn add(&mut self, piece: &Piece) {
+        let Readings { tests, held, sensors, .. } = self.readings;
+        let (push, first) = (tests.push, black_box(self.first));
+        let end = black_box(push + piece.times[1]);
+        let next = black_box(each_lane!(i => samples::after(end.0[i])));
+        let count = black_box((next - first).max(Lanes::ZERO));
+        let nodes = black_box(Samples { first, count }.nodes());
+        let curve = Shown::<LAGS> { piece: *piece, held: *held, sensors: *sensors };
+        let mut pressure = [Lanes::ZERO; POINTS];
+        for k in 0..POINTS {
+            let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
+            // Nodes without weight may stand anywhere.
+            pressure[k] = black_box(curve.at(time.max(piece.times[0]).min(piece.times[1])));
+        }
+        self.records.push(first, &nodes, &pressure);
+        self.first = black_box(first.max(next));
+    }
+}
