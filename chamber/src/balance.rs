@@ -207,15 +207,15 @@ pub struct Contents<R = f64> {
     pub energy: R,
     /// Volume V, m³.
     pub volume: R,
-    /// √(m V), kg^½ m^1.5: the only root that λ(P, T) needs.
-    pub root: R,
+    /// 1/√(m V), kg^-½ m^-1.5: the only root that λ(P, T) needs.
+    pub per_root: R,
 }
 
 impl<R: Real> Contents<R> {
     /// Of mass, kg, internal energy, J, and volume, m³.
     #[inline(always)]
     pub fn new(mass: R, energy: R, volume: R) -> Self {
-        Self { mass, energy, volume, root: (mass * volume).sqrt() }
+        Self { mass, energy, volume, per_root: (mass * volume).sqrt().recip() }
     }
 }
 
@@ -335,9 +335,8 @@ impl<R: Real> Balance<R> {
     #[inline(always)]
     pub fn conditions(&self, set: EffectSet, boundary: &Boundary<R>, contents: &Contents<R>) -> Conditions<R> {
         let chamber = &self.chamber;
-        let Contents { mass, energy, volume, root } = *contents;
+        let Contents { mass, energy, volume, per_root } = *contents;
         let Boundary { ambient_temperature, ambient_pressure, velocity, .. } = *boundary;
-        let per_root = root.recip();
         let per_both = per_root * per_root;
         let (per_mass, per_volume) = (per_both * volume, per_both * mass);
         let temperature = energy * per_mass * self.per_cv;

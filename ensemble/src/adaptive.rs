@@ -4,7 +4,7 @@ use crate::advance::{Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
 use crate::finish;
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH, each_lane};
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::Records;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::{Options, Scenario};
@@ -18,11 +18,20 @@ use pulp::{Arch, Simd, WithSimd};
 pub struct Memory {
     tests: Vec<Test>,
     problems: Vec<Problem<1>>,
-    pushed: Vec<f64>,
+    pushed: Vec<Pushed>,
     log: Vec<Tried<1>>,
     order: Vec<usize>,
     knots: Vec<Knot>,
     records: Records,
+}
+
+/// How the push of a test has ended.
+#[derive(Clone, Copy)]
+struct Pushed {
+    /// Temperature, K.
+    temperature: f64,
+    /// Energy received as heat, and work, over m cv, K.
+    energy: [f64; 2],
 }
 
 /// Ends of steps through the hold, one of each test: time in the hold, s, and temperature, K.
@@ -65,12 +74,12 @@ pub fn run(
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         tests.push(Test::new(s));
-        problems.push(Problem::new(s.push_time_s, [s.initial_temperature_k], [0.0]));
+        problems.push(Problem::new(s.push_time_s, [s.initial_temperature_k.sqrt()], [0.0]));
     }
     advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
     pushed.clear();
     for (problem, (_, duration)) in problems.iter_mut().zip(rows) {
-        pushed.push(problem.state[0]);
+        pushed.push(Pushed { temperature: problem.state[0] * problem.state[0], energy: problem.energy });
         problem.length = duration - problem.length;
     }
     advance(arch, &Held::new(tests), problems, relative, log);
@@ -83,8 +92,9 @@ pub fn run(
     }
     for group in order.chunks(WIDTH) {
         let at = |lane: usize| group[lane.min(group.len() - 1)];
-        let begin = Lanes::from_fn(|lane| pushed[at(lane)]);
+        let begin = Lanes::from_fn(|lane| pushed[at(lane)].temperature);
         let end = Lanes::from_fn(|lane| problems[at(lane)].state[0]);
+        let end = end * end;
         let steps: [Steps; WIDTH] = core::array::from_fn(|lane| problems[at(lane)].steps);
         let mut system = Held::new(tests);
         for lane in 0..WIDTH {
@@ -114,8 +124,12 @@ pub fn run(
             out[row as usize] = match problem.failure {
                 Some(reason) => Outcome::failed(reason),
                 None => {
+                    let scenario = &scenarios[row as usize];
+                    let Pushed { energy: [received, work], .. } = pushed[index];
+                    let received = received + problem.energy[0];
+                    let start = scenario.initial_temperature_k;
                     let ending = Ending {
-                        scenario: &scenarios[row as usize],
+                        scenario,
                         duration,
                         wall: test.closed.ambient_temperature,
                         pushed: begin[lane],
@@ -125,7 +139,7 @@ pub fn run(
                         regression: regression.as_ref().and_then(|found| found.lane(lane)),
                     };
                     Outcome {
-                        energy_error: problem.gap,
+                        energy_error: closure(start, end, received - work, work),
                         exact: false,
                         status: if end > 0.0 { Ok(()) } else { Err(Failure::Empty) },
                         ..ending.outcome()
@@ -146,7 +160,7 @@ fn add_knots(knots: &mut Vec<Knot>, lane: usize, log: &[Tried<1>], steps: Steps)
                 knots.push(Knot::NONE);
             }
             knots[index].time[lane] = step.from[column] + step.length[column];
-            knots[index].temperature[lane] = step.end[0][column];
+            knots[index].temperature[lane] = step.end[0][column] * step.end[0][column];
             index += 1;
         }
     }

@@ -3,7 +3,9 @@
 
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::Failure;
-use crate::step::{Attempt, FEELING, LaneSystem, PROBE, TINY, View, attempt, judge, probe, size, stages_in_turn};
+use crate::step::{
+    Attempt, FEELING, LaneSystem, Moment, PROBE, Stages, TINY, View, attempt, judge, probe, size, stages_in_turn,
+};
 use crate::tableau::STAGES;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -23,7 +25,7 @@ const FIRST: f64 = 0.6;
 /// estimate gives for dy/dt = −y/L at h = L, where it still grows with the eighth power.
 const ERROR_AT_SCALE: f64 = 6.6e-7;
 /// Longest step, as a share of the stretch, of a solution that is looked into: its interpolant needs knots beside.
-const LONGEST: f64 = 0.26;
+pub const LONGEST: f64 = 0.26;
 /// A step of this share of what is left goes to the end.
 const NEARLY: f64 = 1.0 - 1e-12;
 /// A step shorter than this share of the stretch is no progress.
@@ -44,14 +46,17 @@ pub struct Problem<const N: usize> {
     pub state: [f64; N],
     /// Absolute tolerance of each state.
     pub absolute: [f64; N],
-    /// Its first rates.
+    /// Its longest step, s.
+    pub longest: f64,
+    /// Its first rates and powers.
     slope: [f64; N],
+    power: [f64; 2],
     /// What is seen at its begin.
     pub view: View<f64>,
     /// Length of its first step, s.
     first: f64,
-    /// What the steps miss of the states' changes, relative to the states, by the pair's own estimate, added up.
-    pub gap: f64,
+    /// Energy received as heat and enthalpy, and work on the piston: integrals of [`Moment::power`].
+    pub energy: [f64; 2],
     /// Where the watch has kept its steps.
     pub steps: Steps,
     /// Why it was given up.
@@ -63,21 +68,24 @@ impl<const N: usize> Problem<N> {
     pub fn new(length: f64, state: [f64; N], absolute: [f64; N]) -> Self {
         let view = View { value: [0.0; 2], slope: [0.0; 2] };
         let steps = Steps::default();
-        Self { length, state, absolute, slope: [0.0; N], view, first: 0.0, gap: 0.0, steps, failure: None }
+        let (slope, power, energy) = ([0.0; N], [0.0; 2], [0.0; 2]);
+        let (longest, first) = (f64::INFINITY, 0.0);
+        Self { length, state, absolute, longest, slope, power, view, first, energy, steps, failure: None }
     }
 }
 
 impl<const N: usize> Problem<N> {
     /// Notes what a lane has found out about its begin.
     #[inline(always)]
-    fn begin(&mut self, lane: usize, slope: &[Lanes; N], view: &View<Lanes>, first: Lanes) {
+    fn begin(&mut self, lane: usize, moment: &Moment<N>, first: Lanes) {
         self.first = first[lane];
         for i in 0..2 {
-            self.view.value[i] = view.value[i][lane];
-            self.view.slope[i] = view.slope[i][lane];
+            self.view.value[i] = moment.view.value[i][lane];
+            self.view.slope[i] = moment.view.slope[i][lane];
+            self.power[i] = moment.power[i][lane];
         }
         for i in 0..N {
-            self.slope[i] = slope[i][lane];
+            self.slope[i] = moment.slope[i][lane];
         }
     }
 }
@@ -188,11 +196,13 @@ struct Group<const N: usize, S> {
     t: Lanes,
     h: Lanes,
     length: Lanes,
+    longest: Lanes,
     y: [Lanes; N],
-    slope: [Lanes; N],
-    view: View<Lanes>,
+    /// The system there.
+    moment: Moment<N>,
     absolute: [Lanes; N],
-    gap: Lanes,
+    /// [`Problem::energy`].
+    energy: [Lanes; 2],
 }
 
 /// Solves each problem that has not failed, on the machine's widest instructions, under the eyes of `watch`.
@@ -250,11 +260,11 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
         t: Lanes::ZERO,
         h: Lanes::ZERO,
         length: Lanes::ZERO,
+        longest: Lanes::ZERO,
         y: [Lanes::ONE; N],
-        slope: [Lanes::ZERO; N],
-        view: View::NONE,
+        moment: Moment::NONE,
         absolute: [Lanes::ONE; N],
-        gap: Lanes::ZERO,
+        energy: [Lanes::ZERO; 2],
     };
     // Lanes without a problem of their own rest where this one begins.
     for lane in 0..WIDTH {
@@ -278,8 +288,8 @@ fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W
         let group = group.through_memory();
         let tried = group.planned();
         let (y, absolute) = (&group.y, (relative, &group.absolute));
-        let step = attempt::<N, FUSED, S>(&group.system, group.t, tried, y, &group.slope, absolute);
-        group.take(tried, step, relative, watch);
+        let step = attempt::<N, FUSED, S>(&group.system, group.t, tried, y, &group.moment, absolute);
+        group.take(tried, step, watch);
     }
 }
 
@@ -308,29 +318,28 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
         let group = group.through_memory();
         let tried = if begins { Lanes::ZERO } else { group.planned() };
         let stages = black_box(if begins { FEELING } else { 1..STAGES });
-        let mut k = [[Lanes::ZERO; N]; STAGES];
-        k[0] = if begins { [Lanes::ZERO; N] } else { group.slope };
+        let mut all = Stages::from(if begins { &Moment::NONE } else { &group.moment });
         let (length, y, absolute) = (group.length, group.y, group.absolute);
-        let (end, view, reached) = stages_in_turn::<N, FUSED, S>(
+        let (end, moment, reached) = stages_in_turn::<N, FUSED, S>(
             &group.system,
             [group.t, tried],
             &y,
-            &mut k,
+            &mut all,
             stages,
             (length, &absolute, relative),
         );
         if begins {
-            let first = first_step(length, &y, &absolute, [&k[0], &k[1]], reached, relative);
+            let first = first_step(length, &y, &absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
             for (lane, problem) in problems[begun..].iter_mut().take(WIDTH).enumerate() {
-                problem.begin(lane, &k[0], &view, first);
+                problem.begin(lane, &moment, first);
             }
             begun += WIDTH;
             // Until it is given a problem a lane is at its end.
             group.length = Lanes::ZERO;
         } else {
             let tolerance = (relative, &absolute);
-            let step = judge::<N, FUSED, S>(&group.system, tried, &y, (end, view), &k, tolerance);
-            group.take(tried, step, relative, watch);
+            let step = judge::<N, FUSED, S>(&group.system, tried, &y, (end, moment), &all, tolerance);
+            group.take(tried, step, watch);
         }
     }
 }
@@ -354,16 +363,16 @@ fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(system: &S, proble
             }
         }
         let (system, y, absolute) = (black_box(&mut system), black_box(&y), black_box(&absolute));
-        let (slope, view) = system.rates(Lanes::ZERO, y);
-        let probe = probe(length, y, absolute, &slope, relative);
+        let begin = system.rates(Lanes::ZERO, y);
+        let probe = probe(length, y, absolute, &begin.slope, relative);
         let mut ahead = *y;
         for i in 0..N {
-            ahead[i] += slope[i] * probe;
+            ahead[i] += begin.slope[i] * probe;
         }
-        let (there, _) = system.rates(probe, &ahead);
-        let first = first_step(length, y, absolute, [&slope, &there], probe, relative);
+        let there = system.rates(probe, &ahead);
+        let first = first_step(length, y, absolute, [&begin.slope, &there.slope], probe, relative);
         for (lane, problem) in problems[base..].iter_mut().take(WIDTH).enumerate() {
-            problem.begin(lane, &slope, &view, first);
+            problem.begin(lane, &begin, first);
         }
     }
 }
@@ -409,7 +418,9 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
                 for i in 0..N {
                     done.state[i] = self.y[i][lane];
                 }
-                done.gap += self.gap[lane];
+                for part in 0..2 {
+                    done.energy[part] = self.energy[part][lane];
+                }
             }
             while problems.get(*next).is_some_and(|p| p.failure.is_some()) {
                 *next += 1;
@@ -424,18 +435,17 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
             self.system.load(lane, *next);
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];
-                self.slope[i][lane] = problem.slope[i];
+                self.moment.slope[i][lane] = problem.slope[i];
                 self.absolute[i][lane] = problem.absolute[i];
             }
             for i in 0..2 {
-                self.view.value[i][lane] = problem.view.value[i];
-                self.view.slope[i][lane] = problem.view.slope[i];
+                self.moment.view.value[i][lane] = problem.view.value[i];
+                self.moment.view.slope[i][lane] = problem.view.slope[i];
+                self.moment.power[i][lane] = problem.power[i];
+                self.energy[i][lane] = 0.0;
             }
-            self.gap[lane] = 0.0;
-            (self.t[lane], self.h[lane], self.length[lane]) = (0.0, problem.first, problem.length);
-            if !S::CHEAP {
-                self.h[lane] = problem.first.min(problem.length * LONGEST);
-            }
+            (self.t[lane], self.length[lane], self.longest[lane]) = (0.0, problem.length, problem.longest);
+            self.h[lane] = problem.first.min(problem.longest);
             self.attempts[lane] = 0.0;
             self.owner[lane] = *next;
             *next += 1;
@@ -468,13 +478,13 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Takes a step that was tried in every lane where it is good.
     #[inline(always)]
-    fn take<W: Watch<N>>(&mut self, tried: Lanes, step: Attempt<N>, relative: f64, watch: &mut W) {
+    fn take<W: Watch<N>>(&mut self, tried: Lanes, step: Attempt<N>, watch: &mut W) {
         let (t, h, length, y) = (self.t, self.h, self.length, self.y);
         let last = h - (length - t) * NEARLY;
-        let kink = self.system.kink(tried, [&self.view, &step.view]);
+        let kink = self.system.kink(tried, [&self.moment.view, &step.moment.view]);
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
-        watch.see(&Tried { from: t, length: tried, begin: y, end: step.end, view: step.view, accepted: good });
+        watch.see(&Tried { from: t, length: tried, begin: y, end: step.end, view: step.moment.view, accepted: good });
         // error^(−1/8) from its square.
         let error = (step.error_squared + 1e-40).sqrt();
         let root = inverse_eighth_root(error) * SAFETY;
@@ -486,13 +496,17 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let kept = last.where_positive(h.max(grown), grown);
         let h = good.where_positive(kept, tried * shrunk);
         let t = good.where_positive(last.where_positive(length, t + tried), t);
-        self.gap += good.where_positive(error * relative, Lanes::ZERO);
+        for part in 0..2 {
+            self.energy[part] += good.where_positive(step.energy[part], Lanes::ZERO);
+        }
         self.y = choose(good, &step.end, &y);
-        self.slope = choose(good, &step.slope, &self.slope);
-        self.view.value = choose(good, &step.view.value, &self.view.value);
-        self.view.slope = choose(good, &step.view.slope, &self.view.slope);
-        (self.t, self.h) = (t, if S::CHEAP { h } else { h.min(length * LONGEST) });
-
+        let (to, from) = (&mut self.moment, &step.moment);
+        to.slope = choose(good, &from.slope, &to.slope);
+        to.view.value = choose(good, &from.view.value, &to.view.value);
+        to.view.slope = choose(good, &from.view.slope, &to.view.slope);
+        to.power = choose(good, &from.power, &to.power);
+        let h = h.min(self.longest);
+        (self.t, self.h) = (t, h);
         self.attempts = self.attempts + 1.0;
         self.going = (length - t).min(h - length * SMALLEST_SHARE).min(-self.attempts + MAX_ATTEMPTS);
     }

@@ -1,13 +1,13 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
-use crate::advance::{Problem, Steps, advance};
+use crate::advance::{LONGEST, Problem, Steps, advance};
 use crate::filter::Sensor;
 use crate::finish::SETTLED;
 use crate::fit;
 use crate::general::{self, General, Row};
 use crate::history::{History, Knot};
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::{Failure, Outcome, closure};
 use crate::plan::Plan;
 use crate::reader::{self, Answer, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
@@ -41,7 +41,8 @@ struct Course<'a, const N: usize> {
     initial: [f64; STATES],
     state: [f64; N],
     absolute: [f64; N],
-    gap: f64,
+    /// Energy that the gas has received as heat and enthalpy less its work, and the magnitudes of its work, J.
+    energy: [f64; 2],
     /// Where the history has each stretch's steps, and what is seen at its begin.
     steps: Vec<(Steps, View<f64>)>,
     failure: Option<Failure>,
@@ -125,7 +126,9 @@ fn integrate<'a, const N: usize, const BITS: u32>(
         problems.clear();
         for c in courses.iter().filter(|c| active(c)) {
             let mut problem = Problem::new(c.plan.stretches[index].length, c.state, c.absolute);
-            problem.gap = c.gap;
+            if index >= seen_from(c.plan, &c.sensor) {
+                problem.longest = LONGEST * problem.length;
+            }
             problems.push(problem);
         }
         let system = General::<N, BITS>::new(&systems, set);
@@ -165,7 +168,7 @@ impl<'a, const N: usize> Course<'a, N> {
             initial,
             state: General::<N, BITS>::states(&initial),
             absolute: General::<N, BITS>::tolerances(&initial, &absolute),
-            gap: 0.0,
+            energy: [0.0; 2],
             steps: Vec::with_capacity(plan.stretches.len()),
             failure: None,
         }
@@ -173,7 +176,9 @@ impl<'a, const N: usize> Course<'a, N> {
 
     /// Goes on from where a stretch has ended.
     fn take(&mut self, problem: &Problem<N>) {
-        (self.state, self.gap) = (problem.state, problem.gap);
+        self.state = problem.state;
+        let [received, work] = problem.energy;
+        self.energy = [self.energy[0] + (received - work), self.energy[1] + work.abs()];
         self.steps.push((problem.steps, problem.view));
         let left = self.mass() / self.initial[MASS];
         self.failure = match problem.failure {
@@ -240,7 +245,7 @@ impl<'a, const N: usize> Course<'a, N> {
             temperature_peak_k: a.temperature_peak,
             fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
             settling_time_s: (unsettled <= SETTLED * distance || stands).then_some(a.settling),
-            energy_error: self.gap,
+            energy_error: closure(self.initial[ENERGY], self.state[ENERGY].powi(2), self.energy[0], self.energy[1]),
             duration_s: self.plan.duration,
             exact: false,
             status: Ok(()),

@@ -32,11 +32,12 @@ pub fn settling(
         while index > from as usize {
             index -= 1;
             let step = &log[index];
-            if step.accepted[column] > 0.0 && (step.begin[0][column] - end[lane]).abs() > band[lane] {
+            // States are roots of temperatures.
+            let ends_of_step = [step.begin, step.end].map(|state| state[0][column] * state[0][column]);
+            if step.accepted[column] > 0.0 && (ends_of_step[0] - end[lane]).abs() > band[lane] {
                 time[lane] = step.from[column];
                 length[lane] = step.length[column];
-                ends[0][lane] = step.begin[0][column];
-                ends[1][lane] = step.end[0][column];
+                (ends[0][lane], ends[1][lane]) = (ends_of_step[0], ends_of_step[1]);
                 break;
             }
         }

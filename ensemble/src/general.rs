@@ -1,13 +1,13 @@
-//! Any chamber with any effects in lanes, with the balances of [`balance`](chamber::balance) as they are. States are √m,
-//! internal energy U and the own states of the effects in use, and the clock is that of [`crate::clock`]: with √m and
-//! V^(1/4) at hand, λ(P, T) takes no root.
+//! Any chamber with any effects in lanes, with the balances of [`balance`](chamber::balance) as they are. States are √m, √U
+//! and the own states of the effects in use, and the clock is that of [`crate::clock`]: with √m and V^(1/4) at hand, λ(P, T)
+//! takes no root, and with √U the integrals of heat, work and enthalpy over a step are others than that of its states.
 
 use crate::advance::Loadable;
 use crate::corner;
 use crate::exact_rows::load_chamber;
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
-use crate::step::{LaneSystem, View};
+use crate::step::{LaneSystem, Moment, View};
 use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
@@ -91,17 +91,21 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         if BITS == AT_RUN_TIME { self.set } else { EffectSet::from_bits(BITS) }
     }
 
-    /// States to integrate, from all of a chamber's: the mass by its root.
+    /// States to integrate, from all of a chamber's: mass and energy by their roots.
     pub fn states(all: &[f64; STATES]) -> [f64; N] {
         let mut y = Self::PLACES.map(|place| all[place]);
-        y[MASS] = y[MASS].sqrt();
+        for root in [MASS, ENERGY] {
+            y[root] = y[root].sqrt();
+        }
         y
     }
 
     /// Absolute tolerances of the states to integrate.
     pub fn tolerances(all: &[f64; STATES], absolute: &[f64; STATES]) -> [f64; N] {
         let mut tolerances = Self::PLACES.map(|place| absolute[place]);
-        tolerances[MASS] *= 0.5 / all[MASS].sqrt();
+        for root in [MASS, ENERGY] {
+            tolerances[root] *= 0.5 / all[root].sqrt();
+        }
         tolerances
     }
 
@@ -115,12 +119,16 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         own
     }
 
-    /// What the chambers hold when the clock shows `s`.
+    /// What the chambers hold when the clock shows `s`, and 1/√U there.
     #[inline(always)]
-    fn contents(&self, s: Lanes, y: &[Lanes; N]) -> Contents<Lanes> {
+    fn contents(&self, s: Lanes, y: &[Lanes; N]) -> (Contents<Lanes>, Lanes) {
         let root = self.stretch.clock.root(s);
         let square = root * root;
-        Contents { mass: y[MASS] * y[MASS], energy: y[ENERGY], volume: square * square, root: y[MASS] * square }
+        let (mass, energy) = (y[MASS] * y[MASS], y[ENERGY] * y[ENERGY]);
+        // Two quotients by one division.
+        let root = y[MASS] * square;
+        let per_both = (root * y[ENERGY]).recip();
+        (Contents { mass, energy, volume: square * square, per_root: per_both * y[ENERGY] }, per_both * root)
     }
 
     /// The boundary when the clock shows `s`.
@@ -171,20 +179,22 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     const ANYWHERE: bool = BITS == AT_RUN_TIME;
 
     #[inline(always)]
-    fn rates(&self, s: Lanes, y: &[Lanes; N]) -> ([Lanes; N], View<Lanes>) {
-        let contents = self.contents(s, y);
+    fn rates(&self, s: Lanes, y: &[Lanes; N]) -> Moment<N> {
+        let (contents, per_root_energy) = self.contents(s, y);
         let pace = self.stretch.clock.pace(s);
         let (at, rates, own) = self.balance.evaluate_contents(self.set(), &self.boundary(s), &contents, &Self::own(y));
         let mut out = [Lanes::ZERO; N];
         out[MASS] = rates.mass * (y[MASS] * at.per_mass * 0.5) * pace;
-        out[ENERGY] = rates.energy * pace;
+        out[ENERGY] = rates.energy * (per_root_energy * 0.5) * pace;
         for i in OWN..N {
             out[i] = own[Self::PLACES[i] - OWN] * pace;
         }
         // T = P V/(m R).
         let share = rates.pressure * at.volume + at.pressure * at.piston_area * at.velocity;
         let warming = (share * self.per_gas_constant - at.temperature * rates.mass) * at.per_mass;
-        (out, View { value: [at.pressure, at.temperature], slope: [rates.pressure * pace, warming * pace] })
+        let view = View { value: [at.pressure, at.temperature], slope: [rates.pressure * pace, warming * pace] };
+        let power = [(rates.heat_flow + rates.enthalpy_flow) * pace, rates.work * pace];
+        Moment { slope: out, view, power }
     }
 
     #[inline(always)]
@@ -204,5 +214,73 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
         }
         let [pressure, slope] = [ends.map(|end| end.value[0]), ends.map(|end| end.slope[0] * h)];
         corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, pressure, slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::advance::{Nobody, Problem, advance};
+    use crate::outcome::closure;
+    use crate::plan::Plan;
+    use crate::scenario::{Hold, Scenario};
+    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+
+    /// Balances whose energy lacks a share of what flows in.
+    #[derive(Clone)]
+    struct Short<'a> {
+        whole: General<'a, 2, 0>,
+        share: f64,
+    }
+
+    impl Loadable for Short<'_> {
+        fn load(&mut self, lane: usize, index: usize) {
+            self.whole.load(lane, index);
+        }
+    }
+
+    impl LaneSystem<2> for Short<'_> {
+        const CHEAP: bool = false;
+        const ANYWHERE: bool = true;
+
+        #[inline(always)]
+        fn rates(&self, s: Lanes, y: &[Lanes; 2]) -> Moment<2> {
+            let General { balance, stretch, .. } = &self.whole;
+            let enthalpy = balance.cp * stretch.inflow[0] * stretch.temperature_in;
+            let mut moment = self.whole.rates(s, y);
+            moment.slope[ENERGY] -= enthalpy * self.share * stretch.clock.pace(s) / (y[ENERGY] * 2.0);
+            moment
+        }
+    }
+
+    #[test]
+    fn an_energy_that_enthalpy_is_missing_from_does_not_close_by_as_much() {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(1.04));
+        (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
+        let plan = Plan::new(EffectSet::NONE, &scenario).unwrap();
+        let balance = Balance::of(chamber);
+        let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
+        for share in [0.0, 1e-6, 0.01] {
+            let (mut state, mut received, mut work) = (General::<2, 0>::states(&all), 0.0, 0.0);
+            for stretch in &plan.stretches {
+                let rows = [Row { balance: &balance, stretch, counted: 2.0 }];
+                let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
+                let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
+                advance(pulp::Arch::new(), &system, &mut problems, 1e-10, &mut Nobody);
+                assert_eq!(problems[0].failure, None);
+                state = problems[0].state;
+                received += problems[0].energy[0] - problems[0].energy[1];
+                work += problems[0].energy[1].abs();
+            }
+            let missing = share * balance.cp * 1e-5 * 310.0 * 1.04;
+            let found = closure(all[ENERGY], state[ENERGY].powi(2), received, work);
+            assert!(
+                (found - missing / work).abs() < 1e-9 * (1.0 + missing / work),
+                "{share}: {found:e} {missing:e} {work}"
+            );
+            assert!(found > 0.0);
+        }
     }
 }

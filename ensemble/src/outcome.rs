@@ -39,8 +39,8 @@ pub struct Outcome {
     /// None when not settled in time: when the test ends with more than that 1 % of the pressure, P |1 − Tamb/T|,
     /// still to be lost to or gained from the wall; so too where the pressure peaks at the end.
     pub settling_time_s: Option<f64>,
-    /// Closure of the energy balance: how far the change of internal energy is from heat, work and enthalpy, relative to
-    /// the energy: of the integrator, by the sum of its steps' own error estimates.
+    /// Closure of the energy balance: |U(t) − U(0) − ∫Q̇ dt − ∫ḣ dt + ∫P dV| over the work of the push, or over U(0) where the
+    /// piston rests. The integrals are quadratures beside the integrator's states; zero for the exact solution.
     pub energy_error: f64,
     /// Length of the test, s.
     pub duration_s: f64,
@@ -66,6 +66,12 @@ impl Outcome {
             status: Err(reason),
         }
     }
+}
+
+/// Closure of an energy balance: energies at the start and at the end, what the gas has received less its work, and the
+/// magnitude of the work that it is relative to, or else the start.
+pub fn closure(start: f64, end: f64, received: f64, work: f64) -> f64 {
+    (end - start - received).abs() / if work == 0.0 { start } else { work.abs() }
 }
 
 /// Why a scenario has no result.

@@ -92,18 +92,12 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let mut run = Run { set, chamber, plan: &plan, pieces: Vec::new(), initial };
     let mut integrator = Integrator::new(0.0, initial, tolerance(options.relative_tolerance, &initial));
     let mut begin = 0.0;
-    let mut supplied = 0.0;
     for (index, stretch) in plan.stretches.iter().enumerate() {
         let system = |t: f64, state: &[f64; STATES]| balance::rates(set, chamber, &stretch.boundary(t - begin), state);
-        let power = |t: f64, dense: &Dense<f64, STATES>| system(t, &dense.at(t))[ENERGY];
         let pieces = &mut run.pieces;
         integrator
             .advance(&system, begin + stretch.length, |step| {
                 let states = step.dense();
-                let (h, middle) = (0.5 * step.length, step.from + 0.5 * step.length);
-                for (x, w) in [(0.0, 8.0 / 9.0), (-0.6f64.sqrt(), 5.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)] {
-                    supplied += w * h * power(middle + x * h, &states);
-                }
                 pieces.push(Piece {
                     stretch: index,
                     stretch_begin: begin,
@@ -144,7 +138,7 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
         temperature_peak_k: temperature_peak,
         fit,
         settling_time_s: (unsettled <= 0.01 * distance || settling == 0.0).then_some(settling),
-        energy_error: (integrator.state[ENERGY] - initial[ENERGY] - supplied).abs() / initial[ENERGY],
+        energy_error: f64::NAN,
         duration_s: plan.duration,
         exact: false,
         status: Ok(()),

@@ -8,7 +8,8 @@
 //! dT/ds = T (c p (a1 w⁴ + a0) w (Tw − T) − 4 (γ − 1) w'/w),  dt/ds = p w³
 //!
 //! takes one division an evaluation and no root. While the piston rests, V and all that follows from it alone is
-//! constant. T in K, V in m³.
+//! constant. The state is √T: in it the integrals of heat and work over a step are others than that of the state. T in K, V
+//! in m³, energies over m cv.
 
 use crate::advance::Loadable;
 use crate::clock::Clock;
@@ -18,7 +19,7 @@ use crate::lanes::Lanes;
 use crate::outcome::Outcome;
 use crate::regression::Regression;
 use crate::scenario::Scenario;
-use crate::step::{LaneSystem, View};
+use crate::step::{LaneSystem, Moment, View};
 use chamber::exact::Closed;
 use chamber::real::Real;
 
@@ -139,11 +140,14 @@ impl LaneSystem<1> for Moving<'_> {
     const ANYWHERE: bool = true;
 
     #[inline(always)]
-    fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> ([Lanes; 1], View<Lanes>) {
+    fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> Moment<1> {
         let root = self.clock.root(t);
         let square = root * root;
         let exchange = (self.exchange[0] * (square * square) + self.exchange[1]) * root;
-        ([y[0] * (exchange * (self.wall - y[0]) - self.expansion_rate / root)], View::NONE)
+        let temperature = y[0] * y[0];
+        let (heat, work) = (exchange * (self.wall - temperature), self.expansion_rate / root);
+        let slope = [y[0] * 0.5 * (heat - work)];
+        Moment { slope, view: View::NONE, power: [temperature * heat, temperature * work] }
     }
 }
 
@@ -193,7 +197,9 @@ impl LaneSystem<1> for Held<'_> {
     const ANYWHERE: bool = true;
 
     #[inline(always)]
-    fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> ([Lanes; 1], View<Lanes>) {
-        ([y[0] * (self.exchange * (self.wall - y[0]))], View::NONE)
+    fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> Moment<1> {
+        let temperature = y[0] * y[0];
+        let heat = self.exchange * (self.wall - temperature);
+        Moment { slope: [y[0] * 0.5 * heat], view: View::NONE, power: [temperature * heat, Lanes::ZERO] }
     }
 }

@@ -19,6 +19,23 @@ impl View<Lanes> {
     pub const NONE: Self = Self { value: [Lanes::ZERO; 2], slope: [Lanes::ZERO; 2] };
 }
 
+/// A system at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<const N: usize> {
+    /// dy/dt.
+    pub slope: [Lanes; N],
+    /// What is seen.
+    pub view: View<Lanes>,
+    /// Power that reaches the gas as heat and enthalpy, and power with which it works on the piston. No state is linear in
+    /// the energy, so that the step's integrals of these know nothing of its own error.
+    pub power: [Lanes; 2],
+}
+
+impl<const N: usize> Moment<N> {
+    /// Of a system that stands and shows nothing.
+    pub const NONE: Self = Self { slope: [Lanes::ZERO; N], view: View::NONE, power: [Lanes::ZERO; 2] };
+}
+
 /// Ordinary differential equations of N states, independent systems side by side.
 pub trait LaneSystem<const N: usize> {
     /// Whether the rates are so cheap that each stage deserves code of its own.
@@ -26,8 +43,8 @@ pub trait LaneSystem<const N: usize> {
     /// Whether to compile it for machines without any instruction set beyond the least, too.
     const ANYWHERE: bool;
 
-    /// dy/dt at time `t`, s, and what there is to see there.
-    fn rates(&self, t: Lanes, y: &[Lanes; N]) -> ([Lanes; N], View<Lanes>);
+    /// The system at time `t`, s.
+    fn rates(&self, t: Lanes, y: &[Lanes; N]) -> Moment<N>;
 
     /// Number of states, from the first on, that move in any lane: the others stay where they begin.
     #[inline(always)]
@@ -75,14 +92,14 @@ macro_rules! weighted {
 
 /// One stage of a step (system, time, length, states), from the listed earlier ones: the states it is taken at.
 macro_rules! stage_of {
-    ($fused:ident, ($system:ident, $t:ident, $h:ident, $y:ident), $slopes:ident, $s:literal; $($j:tt)*) => {{
+    ($fused:ident, ($system:ident, $t:ident, $h:ident, $y:ident), ($slopes:ident, $powers:ident), $s:literal; $($j:tt)*) => {{
         let mut at = *$y;
         for i in 0..N {
             at[i] = multiply_add::<$fused>(weighted!($fused, $slopes, i, A[$s]; $($j)*), $h, $y[i]);
         }
-        let view;
-        ($slopes[$s], view) = $system.rates(multiply_add::<$fused>($h, Lanes::from(C[$s]), $t), &at);
-        (at, view)
+        let moment = $system.rates(multiply_add::<$fused>($h, Lanes::from(C[$s]), $t), &at);
+        ($slopes[$s], $powers[$s]) = (moment.slope, moment.power);
+        (at, moment)
     }};
 }
 
@@ -90,12 +107,30 @@ macro_rules! stage_of {
 pub struct Attempt<const N: usize> {
     /// States at its end.
     pub end: [Lanes; N],
-    /// dy/dt there.
-    pub slope: [Lanes; N],
-    /// What is seen there.
-    pub view: View<Lanes>,
+    /// The system there.
+    pub moment: Moment<N>,
+    /// Energy received as heat and enthalpy, and work, over the step: integrals of [`Moment::power`].
+    pub energy: [Lanes; 2],
     /// Error over tolerance, squared: at most 1 where the step is good. NaN where the equations could not be evaluated.
     pub error_squared: Lanes,
+}
+
+/// Slopes and powers at the stages of a step.
+#[derive(Clone, Copy)]
+pub struct Stages<const N: usize> {
+    /// dy/dt, by stage.
+    pub slopes: [[Lanes; N]; STAGES],
+    powers: [[Lanes; 2]; STAGES],
+}
+
+impl<const N: usize> Stages<N> {
+    /// Of a step that begins at that moment.
+    #[inline(always)]
+    pub fn from(begin: &Moment<N>) -> Self {
+        let mut all = Self { slopes: [[Lanes::ZERO; N]; STAGES], powers: [[Lanes::ZERO; 2]; STAGES] };
+        (all.slopes[0], all.powers[0]) = (begin.slope, begin.power);
+        all
+    }
 }
 
 /// Stages 1 to 12, each in code of its own without the weights that are zero; the states at the end.
@@ -105,12 +140,11 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     t: Lanes,
     h: Lanes,
     y: &[Lanes; N],
-    slopes: &mut [[Lanes; N]; STAGES],
-) -> ([Lanes; N], View<Lanes>) {
-    let mut k = [[Lanes::ZERO; N]; STAGES];
-    k[0] = slopes[0];
+    stages: &mut Stages<N>,
+) -> ([Lanes; N], Moment<N>) {
+    let Stages { slopes: mut k, powers: mut p } = *stages;
     macro_rules! stage {
-        ($s:literal; $($j:tt)*) => { stage_of!(FUSED, (system, t, h, y), k, $s; $($j)*) };
+        ($s:literal; $($j:tt)*) => { stage_of!(FUSED, (system, t, h, y), (k, p), $s; $($j)*) };
     }
     stage!(1; 0);
     stage!(2; 0 1);
@@ -124,7 +158,7 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     stage!(10; 0 3 4 5 6 7 8 9);
     stage!(11; 0 3 4 5 6 7 8 9 10);
     let end = stage!(12; 0 5 6 7 8 9 10 11);
-    *slopes = k;
+    *stages = Stages { slopes: k, powers: p };
     end
 }
 
@@ -153,19 +187,19 @@ pub fn probe<const N: usize>(
 /// Stages to be evaluated in turn to feel out the first step from some states: there, and a short way ahead.
 pub const FEELING: Range<usize> = STAGES..STAGES + 2;
 
-/// Evaluates stages in turn, by one copy of the rates, into their slopes `k`: the states at the last one, what is seen
-/// there, and the length it was reached over. In [`FEELING`] that length is a [`probe`] by the first rates, of a stretch of `length`; these
-/// become stage 0, those ahead stage 1, and what is seen is the begin.
+/// Evaluates stages in turn, by one copy of the rates: the states at the last one, the system there, and the length it was
+/// reached over. In [`FEELING`] that length is a [`probe`] by the first rates, of a stretch of `length`; these become stage 0,
+/// those ahead stage 1, and the system is that at the begin.
 #[inline(always)]
 pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
     [t, mut h]: [Lanes; 2],
     y: &[Lanes; N],
-    k: &mut [[Lanes; N]; STAGES],
+    Stages { slopes: k, powers }: &mut Stages<N>,
     stages: Range<usize>,
     (length, absolute, relative): (Lanes, &[Lanes; N], f64),
-) -> ([Lanes; N], View<Lanes>, Lanes) {
-    let (mut at, mut view) = (*y, View::NONE);
+) -> ([Lanes; N], Moment<N>, Lanes) {
+    let (mut at, mut last) = (*y, Moment::NONE);
     for stage in stages {
         for i in 0..system.moving() {
             let mut sum = k[0][i] * A[stage][0];
@@ -174,47 +208,46 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
             }
             at[i] = multiply_add::<FUSED>(sum, h, y[i]);
         }
-        let (slope, seen) = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
+        let moment = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
         if stage <= FEELING.start {
-            view = seen;
+            last = moment;
         }
         match stage.checked_sub(FEELING.start) {
-            None => k[stage] = slope,
+            None => (k[stage], powers[stage]) = (moment.slope, moment.power),
             Some(place) => {
-                k[place] = slope;
+                k[place] = moment.slope;
                 if place == 0 {
-                    h = probe(length, y, absolute, &slope, relative);
+                    h = probe(length, y, absolute, &moment.slope, relative);
                 }
             }
         }
     }
-    (at, view, h)
+    (at, last, h)
 }
 
-/// Tries a step of `h` from `y`, where dy/dt is `first`, of a system whose rates are cheap.
+/// Tries a step of `h` from `y`, where the system is `begin`, of a system whose rates are cheap.
 #[inline(always)]
 pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
     t: Lanes,
     h: Lanes,
     y: &[Lanes; N],
-    first: &[Lanes; N],
+    begin: &Moment<N>,
     tolerance: (f64, &[Lanes; N]),
 ) -> Attempt<N> {
-    let mut k = [[Lanes::ZERO; N]; STAGES];
-    k[0] = *first;
-    let (end, view) = stages_unrolled::<N, FUSED, S>(system, t, h, y, &mut k);
-    judge::<N, FUSED, S>(system, h, y, (end, view), &k, tolerance)
+    let mut stages = Stages::from(begin);
+    let end = stages_unrolled::<N, FUSED, S>(system, t, h, y, &mut stages);
+    judge::<N, FUSED, S>(system, h, y, end, &stages, tolerance)
 }
 
-/// The attempt that has led from `y` to an end, by its slopes.
+/// The attempt that has led from `y` to an end, by its stages.
 #[inline(always)]
 pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
     h: Lanes,
     y: &[Lanes; N],
-    (end, view): ([Lanes; N], View<Lanes>),
-    k: &[[Lanes; N]; STAGES],
+    (end, moment): ([Lanes; N], Moment<N>),
+    Stages { slopes: k, powers }: &Stages<N>,
     tolerance: (f64, &[Lanes; N]),
 ) -> Attempt<N> {
     let (mut fifth, mut third) = (Lanes::ZERO, Lanes::ZERO);
@@ -231,5 +264,9 @@ pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     let fifth = fifth.max(usual);
     // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), in the mean over the states; squared, to save the root.
     let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * system.counted());
-    Attempt { end, slope: k[12], view, error_squared }
+    let mut energy = [Lanes::ZERO; 2];
+    for part in 0..2 {
+        energy[part] = weighted!(FUSED, powers, part, A[12]; 0 5 6 7 8 9 10 11) * h;
+    }
+    Attempt { end, moment, energy, error_squared }
 }

@@ -68,7 +68,6 @@ fn sealed_rows_agree_with_the_exact_solution() {
         assert_close(o.pressure_final_pa, closed.pressure(end, volumes[1]), 1e-8, "final");
         assert_close(o.temperature_peak_k, peak, 1e-8, "peak temperature");
         assert_close(o.temperature_final_k, end, 1e-8, "final temperature");
-        assert!(o.energy_error < 1e-7, "{:e}", o.energy_error);
         // 1 − Pf/P decays exponentially: the time at which P is within 1 % of the distance follows in closed form.
         let (a, k) = (1.0 - 293.0 / peak, closed.rate(volumes[1]));
         let band = 293.0 / end * (1.0 + 0.01 * (peak / end - 1.0)).recip();

@@ -77,7 +77,7 @@ pub const OUTPUTS: [Output; 15] = [
     Output { name: "lambda_av_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Average heat transfer coefficient by the paper's steps", append: each!(o => o.lambda_av) },
     Output { name: "lambda0_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Heat transfer coefficient at the reference state by the paper's steps", append: each!(o => o.lambda0) },
     Output { name: "settling_time_s", unit: "s", when: Always, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance", append: each!(o => o.settling_time) },
-    Output { name: "energy_error", unit: "1", when: Always, doc: "Relative closure of the energy balance: the steps' estimated errors added up, 0 where the solution is exact", append: each!(o => o.energy_error) },
+    Output { name: "energy_error", unit: "1", when: Always, doc: "Closure of the energy balance over the work of the push: change of internal energy less the integrals of heat, enthalpy and work, which the step control does not know; 0 where the solution is exact", append: each!(o => o.energy_error) },
 ];
 
 /// Whether a column of that name is computed, so that no varied quantity can have it.

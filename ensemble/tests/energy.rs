@@ -1,0 +1,77 @@
+//! `energy_error` beside what integrated rows are really wrong by.
+
+#[path = "../src/tests/numbers.rs"]
+mod numbers;
+
+use chamber::exact::Closed;
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
+use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver, run};
+use numbers::Numbers;
+
+const AMBIENT_K: f64 = 293.0;
+
+fn sealed(count: usize) -> Vec<Scenario> {
+    let mut r = Numbers(7);
+    let one = |_| {
+        let geometry = Geometry::new(r.log_between(0.016, 0.1), 0.0, r.log_between(1e-6, 1e-5), AreaLaw::Total);
+        let heat_transfer = HeatTransfer::at_paper_reference(r.log_between(10.0, 80.0));
+        let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
+        let positions = [r.between(0.2, 0.4), r.between(0.05, 0.15)];
+        let push_time = r.log_between(0.03, 1.0);
+        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, Hold::Duration(push_time + 3.0))
+    };
+    (0..count).map(one).collect()
+}
+
+fn integrated(set: EffectSet, rows: &[Scenario], relative_tolerance: f64) -> Vec<Outcome> {
+    let options = Options { solver: Solver::Adaptive, relative_tolerance, fit: false };
+    let mut out = vec![Outcome::failed(Failure::TooManySteps); rows.len()];
+    run(set, rows, &options, &mut out);
+    assert!(out.iter().all(|o| o.status == Ok(())));
+    out
+}
+
+/// What the energies at the end of the push and of the hold are wrong by, relative to the work: about the energy over it.
+fn error(s: &Scenario, o: &Outcome) -> f64 {
+    let [begin, end] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+    let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, AMBIENT_K, begin, AMBIENT_K);
+    let peak = closed.ramp(AMBIENT_K, begin, end, s.push_time_s);
+    let last = closed.held(peak, end, o.duration_s - s.push_time_s);
+    let wrong = |found: f64, exact: f64| (found / exact - 1.0).abs();
+    wrong(o.temperature_final_k, last).max(wrong(o.pressure_peak_pa, closed.pressure(peak, end)))
+}
+
+#[test]
+fn the_energy_error_is_as_large_as_what_the_solution_is_wrong_by_and_falls_with_it() {
+    let closed = sealed(128);
+    // Next to nothing flows: with mass and energy as states.
+    let mut open = closed.clone();
+    open.iter_mut().for_each(|s| s.mass_flow_in_kg_per_s = 1e-30);
+    for (name, rows) in [("one equation", &closed), ("mass and energy", &open)] {
+        for (tolerance, most) in [(1e-4, 1e-3), (1e-7, 1e-6), (1e-10, 1e-9)] {
+            let outcomes = integrated(EffectSet::NONE, rows, tolerance);
+            let largest = |of: &dyn Fn(usize) -> f64| (0..rows.len()).map(of).fold(0.0, f64::max);
+            let closure = largest(&|i| outcomes[i].energy_error);
+            let error = largest(&|i| error(&rows[i], &outcomes[i]));
+            println!("{name}, tolerance {tolerance:e}: closure {closure:.1e}, error {error:.1e}");
+            assert!(closure > 0.1 * error && closure < most, "{name}, {tolerance:e}: {closure:e} {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_energy_balance_closes_with_each_effect() {
+    for (index, card) in effects::all() {
+        let mut rows = sealed(16);
+        for s in &mut rows {
+            for (to, parameter) in s.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
+                *to = parameter.typical;
+            }
+            (s.mass_flow_in_kg_per_s, s.temperature_in_k) = (1e-6, 310.0);
+        }
+        let outcomes = integrated(EffectSet::one(index), &rows, 1e-10);
+        let worst = outcomes.iter().map(|o| o.energy_error).fold(0.0, f64::max);
+        println!("{}: {worst:.1e}", card.name);
+        assert!(worst > 0.0 && worst < 1e-7, "{}: {worst:e}", card.name);
+    }
+}
