@@ -12,8 +12,10 @@ use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STA
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 
-/// In place of a set's bits: the set is known at run time only.
-pub const AT_RUN_TIME: u32 = u32::MAX;
+/// Beside a set's bits: which of its effects there are is asked at run time.
+pub const ASKED: u32 = 1 << 31;
+/// The bits of all effects, so asked.
+pub const AT_RUN_TIME: u32 = EffectSet::ALL.bits() | ASKED;
 
 /// One row's share of a system.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +35,7 @@ pub struct General<'a, const N: usize, const BITS: u32> {
     set: EffectSet,
     balance: Balance<Lanes>,
     per_gas_constant: Lanes,
-    /// How many states move, from the first on, where the set is known at run time only.
+    /// How many states move, from the first on, where only the run time knows.
     moving: usize,
     /// How many states each has: what its error is the mean of.
     counted: Lanes,
@@ -88,7 +90,8 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
 
     #[inline(always)]
     fn set(&self) -> EffectSet {
-        if BITS == AT_RUN_TIME { self.set } else { EffectSet::from_bits(BITS) }
+        let compiled = EffectSet::from_bits(BITS);
+        if BITS & ASKED == 0 { compiled } else { compiled.intersection(self.set) }
     }
 
     /// States to integrate, from all of a chamber's: mass and energy by their roots.

@@ -58,6 +58,7 @@ pub use scenario::{Hold, Options, Scenario, Solver};
 
 use chamber::AreaLaw;
 use chamber::balance::STATES;
+use chamber::card::ActsOn;
 use chamber::effects::{self, EffectSet};
 use exact_rows::Shown;
 use plan::Plan;
@@ -222,9 +223,9 @@ fn on_the_gas(set: EffectSet) -> EffectSet {
 }
 
 macro_rules! sets_with_code_of_their_own {
-    ($([$($name:literal)*])*) => {
-        /// Sets of effects that rows are integrated with by code compiled for them, the smallest first.
-        const COMPILED: &[u32] = &[0 $(, $(bit($name))|*)*];
+    ($($bits:expr),* $(,)?) => {
+        /// Sets of effects that rows are integrated with by code compiled for them, in the order in which they are tried.
+        const COMPILED: &[u32] = &[$($bits),*];
 
         fn course(
             arch: pulp::Arch,
@@ -238,12 +239,8 @@ macro_rules! sets_with_code_of_their_own {
             // What the sensor does to a known pressure is no matter of the integration.
             let set = on_the_gas(set);
             match compiled_for(set) {
-                _ if matches!(arch, pulp::Arch::Scalar) => {
-                    course::run::<STATES, { general::AT_RUN_TIME }>(arch, memory, set, rows, scenarios, options, out)
-                }
-                Some(0) => course::run::<2, 0>(arch, memory, set, rows, scenarios, options, out),
-                $(Some(bits) if bits == const { $(bit($name))|* } => {
-                    const BITS: u32 = $(bit($name))|*;
+                $(Some(bits) if bits == const { $bits } && !matches!(arch, pulp::Arch::Scalar) => {
+                    const BITS: u32 = $bits;
                     course::run::<{ general::states(BITS) }, BITS>(arch, memory, set, rows, scenarios, options, out)
                 })*
                 _ => course::run::<STATES, { general::AT_RUN_TIME }>(arch, memory, set, rows, scenarios, options, out),
@@ -252,14 +249,25 @@ macro_rules! sets_with_code_of_their_own {
     };
 }
 
-/// The bits of the first compiled set that has all effects of a set. Where there is none, rows are asked at run time for
-/// what they have, which takes several times as long.
+/// The bits of the first compiled set that has all effects of a set. Where there is none, rows carry the states of all
+/// effects along.
 fn compiled_for(set: EffectSet) -> Option<u32> {
     COMPILED.iter().copied().find(|bits| EffectSet::from_bits(*bits).contains(set))
 }
 
-sets_with_code_of_their_own![
-    ["leakage"]
-    ["wall_heating"]
-    ["pressure_exponent" "natural_convection" "forced_convection" "gas_column_length" "dead_volume_surface" "warm_wall"]
-];
+/// All effects on the gas that have no states of their own, but for the curve of any kind, whose code is as long as that of
+/// the others together.
+const WITHOUT_STATES: u32 = {
+    let mut bits = 0;
+    let mut effect = 0;
+    while effect < effects::COUNT {
+        let card = &effects::CARDS[effect];
+        if card.states.is_empty() && matches!(card.acts_on, ActsOn::Gas) {
+            bits |= 1 << effect;
+        }
+        effect += 1;
+    }
+    bits & !bit("empirical")
+};
+
+sets_with_code_of_their_own![0, bit("leakage"), bit("wall_heating"), bit("gas_zones"), WITHOUT_STATES | general::ASKED];
