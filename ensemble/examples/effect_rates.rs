@@ -1,8 +1,8 @@
 //! How fast rows with each effect are solved beside sealed ones, how accurately, and in how much memory.
 //!
 //! `cargo run --release -p pneutherm-ensemble --example effect_rates` writes `results/effect_rates.md`: all cases in turn on
-//! one thread, medians over the rounds. Rows are those of `benches/sealed.toml`, drawn at random, with one effect at its
-//! typical values. The error is the largest over the rows, against the integrator at a tolerance of 1e-13.
+//! one thread, of each few hundred rows the best of the rounds, since the machine may have other work. Rows are those of
+//! `benches/sealed.toml`, drawn at random, with one effect at its typical values. The error is the largest over the rows, against the integrator at a tolerance of 1e-13.
 //! With names of cases as arguments only sealed rows and these are run, and the page is printed only.
 
 #[path = "../src/tests/numbers.rs"]
@@ -19,7 +19,7 @@ use std::time::Instant;
 /// Rows that each case is timed on, and of which the errors are taken.
 const ROWS: usize = 16 * CHUNK;
 const CHECKED: usize = CHUNK;
-const ROUNDS: usize = 9;
+const ROUNDS: usize = 15;
 /// Whose child reports its memory.
 const MEMORY_OF: &str = "PNEUTHERM_MEMORY_OF";
 
@@ -32,7 +32,8 @@ struct Case {
     flow: bool,
     rows: Vec<Scenario>,
     solver: Solver,
-    seconds: [Vec<f64>; 2],
+    /// Without and with the regression, by chunk: of the best round.
+    seconds: [[f64; ROWS / CHUNK]; 2],
 }
 
 /// The rows of `benches/sealed.toml`, at random.
@@ -54,7 +55,15 @@ fn case(name: &str, solver: Solver, effects_and_values: &[(&str, Option<f64>)], 
     let set: EffectSet = effects_and_values.iter().map(|(effect, _)| place(effect).0).collect();
     let changes: Vec<(usize, Option<f64>)> =
         effects_and_values.iter().map(|(effect, value)| (place(effect).0, *value)).collect();
-    Case { name: name.into(), set, changes, flow, rows: Vec::new(), solver, seconds: [Vec::new(), Vec::new()] }
+    Case {
+        name: name.into(),
+        set,
+        changes,
+        flow,
+        rows: Vec::new(),
+        solver,
+        seconds: [[f64::INFINITY; ROWS / CHUNK]; 2],
+    }
 }
 
 fn cases() -> Vec<Case> {
@@ -95,14 +104,25 @@ impl Case {
         out
     }
 
+    /// Solves all rows once, and keeps the times of chunks that took less than ever.
+    fn time(&mut self, fit: bool) {
+        let (mut kernel, options) = (Kernel::default(), self.options(fit));
+        let mut out = vec![Outcome::failed(Failure::TooManySteps); CHUNK];
+        // Its working memory grows with the first chunk.
+        kernel.run(self.set, &self.rows[..CHUNK], &options, &mut out);
+        for (rows, best) in self.rows.chunks(CHUNK).zip(&mut self.seconds[usize::from(fit)]) {
+            let begun = Instant::now();
+            kernel.run(self.set, rows, &options, std::hint::black_box(&mut out));
+            *best = best.min(begun.elapsed().as_secs_f64());
+        }
+    }
+
     fn options(&self, fit: bool) -> Options {
         Options { solver: self.solver, fit, ..Options::default() }
     }
 
     fn rate(&self, fit: bool) -> f64 {
-        let mut seconds = self.seconds[usize::from(fit)].clone();
-        seconds.sort_by(f64::total_cmp);
-        ROWS as f64 / seconds[seconds.len() / 2]
+        ROWS as f64 / self.seconds[usize::from(fit)].iter().sum::<f64>()
     }
 
     /// Largest relative errors of the peak, final pressure and settling time.
@@ -156,9 +176,7 @@ fn main() {
     for _ in 0..ROUNDS {
         for case in &mut cases {
             for fit in [false, true] {
-                let begun = Instant::now();
-                std::hint::black_box(case.solve(&case.rows, &case.options(fit)));
-                case.seconds[usize::from(fit)].push(begun.elapsed().as_secs_f64());
+                case.time(fit);
             }
         }
     }
@@ -166,7 +184,7 @@ fn main() {
     let mut page = String::from(
         "# Rows with effects beside sealed ones\n\n\
          Written by `cargo run --release -p pneutherm-ensemble --example effect_rates`. Not to be edited.\n\n\
-         One thread, all cases in turn, medians; rows of `benches/sealed.toml` at random, each effect at its typical values.\n\
+         One thread, all cases in turn, of each 512 rows the best of fifteen rounds; rows of `benches/sealed.toml` at random, each effect at its typical values.\n\
          Rates in thousand rows a second and, in brackets, over sealed rows as they come and over sealed rows by their full\n\
          equations. *Memory*: what solving with the regression adds to the process. Errors: the largest over 512\n\
          rows, against the integrator at a tolerance of 1e-13.\n\n\
