@@ -93,13 +93,13 @@ pub struct Conditions<R> {
     pub volume: R,
     /// Of the geometry's volume what the piston has swept, m³.
     pub swept_volume: R,
-    /// Pressure, Pa.
+    /// Absolute pressure of the gas, Pa.
     pub pressure: R,
     /// Mean temperature P V/(m R), K.
     pub temperature: R,
-    /// 1/m.
+    /// Reciprocal of the mass, 1/kg.
     pub per_mass: R,
-    /// 1/V.
+    /// Reciprocal of the volume, 1/m³.
     pub per_volume: R,
     /// P V/(γ − 1), J: with constant heat capacities the internal energy.
     pub energy: R,
@@ -158,7 +158,7 @@ pub struct Flows<R> {
 }
 
 impl<R: Real> Flows<R> {
-    /// Nothing.
+    /// No gas enters or leaves.
     pub const NONE: Self =
         Self { inflow: R::ZERO, inflow_kelvin: R::ZERO, inflow_square_kelvin: R::ZERO, outflow: R::ZERO };
 
@@ -182,11 +182,11 @@ impl<R: Real> Flows<R> {
 /// Rates of change of the gas.
 #[derive(Clone, Copy, Debug)]
 pub struct Rates<R> {
-    /// dm/dt, kg/s.
+    /// Rate of the mass dm/dt, kg/s.
     pub mass: R,
-    /// dU/dt, W.
+    /// Rate of the internal energy dU/dt, W.
     pub energy: R,
-    /// dP/dt, Pa/s.
+    /// Rate of the pressure dP/dt, Pa/s.
     pub pressure: R,
     /// Q̇ into the gas, W.
     pub heat_flow: R,
@@ -281,7 +281,7 @@ pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure:
     state
 }
 
-/// [`Balance::evaluate`] once.
+/// [`Balance::evaluate`] of a chamber that is asked only once.
 #[inline(always)]
 pub fn evaluate<R: Real>(
     set: EffectSet,
@@ -292,7 +292,7 @@ pub fn evaluate<R: Real>(
     Balance::of(*chamber).evaluate(set, boundary, state)
 }
 
-/// [`Balance::rates`] once.
+/// [`Balance::rates`] of a chamber that is asked only once.
 #[inline(always)]
 pub fn rates<R: Real>(
     set: EffectSet,

@@ -49,7 +49,7 @@ pub enum Scope {
 }
 
 impl Scope {
-    /// Lower-case name.
+    /// Name in results and on pages, in lower case.
     pub fn name(self) -> &'static str {
         match self {
             Scope::Rig => "rig",
@@ -104,19 +104,19 @@ pub enum Prior {
 /// Unit of a parameter or state. A unit is a power product of SI base units; its names follow from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Unit {
-    /// Dimensionless.
+    /// A ratio or an exponent, without unit.
     One,
-    /// Seconds.
+    /// Time, s.
     Second,
-    /// Metres.
+    /// Length, m.
     Metre,
-    /// Cubic metres.
+    /// Volume, m³.
     CubicMetre,
-    /// Kelvin.
+    /// Absolute temperature, K.
     Kelvin,
     /// Kelvin, for a difference of temperatures.
     KelvinDifference,
-    /// Pascal.
+    /// Absolute pressure, Pa.
     Pascal,
     /// Pascal, for a difference of pressures.
     PascalDifference,
@@ -130,9 +130,9 @@ pub enum Unit {
     SonicConductance,
     /// (s/m)^0.8: coefficient of a speed to the power 0.8.
     SpeedPower,
-    /// Square metres.
+    /// Area, m².
     SquareMetre,
-    /// Per kelvin.
+    /// Relative change for each kelvin, 1/K.
     PerKelvin,
     /// One over an effusivity, m² K/(W s^½).
     InverseEffusivity,
@@ -185,7 +185,7 @@ impl Unit {
 /// What a parameter's number stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Itself.
+    /// A number, which stands for itself.
     Number,
     /// One of these words, numbered from one; zero for none.
     Word(&'static [&'static str]),

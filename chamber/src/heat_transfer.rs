@@ -9,9 +9,9 @@ use crate::real::Real;
 pub struct HeatTransfer<R = f64> {
     /// λ0, W/(m² K), at the reference state.
     pub coefficient: R,
-    /// P0, Pa.
+    /// Reference pressure P0, Pa.
     pub reference_pressure: R,
-    /// T0, K.
+    /// Reference temperature T0, K.
     pub reference_temperature: R,
 }
 

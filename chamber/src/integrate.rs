@@ -36,13 +36,13 @@ pub enum IntegrationError {
         "no step from t = {at:.6} s keeps the integration error within its tolerance: the state or an input jumps, or is not finite there"
     )]
     StepTooSmall {
-        /// Where, s.
+        /// Time that was reached, s.
         at: f64,
     },
     /// The step count is exhausted.
     #[error("more than {limit} integration steps before t = {at:.6} s")]
     TooManySteps {
-        /// Where, s.
+        /// Time that was reached, s.
         at: f64,
         /// The number allowed.
         limit: usize,
@@ -146,7 +146,7 @@ impl<R: Real, const N: usize> Dense<R, N> {
 pub struct Integrator<R, const N: usize> {
     /// Time reached, s.
     pub time: f64,
-    /// States there.
+    /// States at that time.
     pub state: [R; N],
     /// Next step to try, s; zero asks for a first guess.
     pub step: f64,

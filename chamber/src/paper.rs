@@ -2,7 +2,7 @@
 
 /// P0, Pa: the servovalve's equilibrium pressure as the paper uses it (0.8077 of a 7 bar supply).
 pub const REFERENCE_PRESSURE_PA: f64 = 5.65e5;
-/// T0, K.
+/// Reference temperature T0 of the paper, K.
 pub const REFERENCE_TEMPERATURE_K: f64 = 293.0;
 /// Ambient temperature of the experiments, K: not printed; masses, dead volumes and mean temperatures of table 4 put
 /// it between 297.6 and 300 K (design finding 3).

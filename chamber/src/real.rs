@@ -21,25 +21,25 @@ pub trait Real:
     + Add<f64, Output = Self>
     + Sub<f64, Output = Self>
 {
-    /// Zero.
+    /// The number 0.
     const ZERO: Self;
-    /// One.
+    /// The number 1.
     const ONE: Self;
 
-    /// √self.
+    /// Square root; of a negative number, NaN.
     fn sqrt(self) -> Self;
     /// e^self, to 1 ulp or better than 1e-15 relative.
     fn exp(self) -> Self;
     /// Natural logarithm of a positive number.
     fn ln(self) -> Self;
-    /// Absolute value.
+    /// Absolute value; its derivative at zero is zero.
     fn abs(self) -> Self;
     /// `yes` where self > 0, else `no`.
     fn where_positive(self, yes: Self, no: Self) -> Self;
     /// Whether self > 0, in any lane: to leave out what no lane needs.
     fn any_positive(self) -> bool;
 
-    /// 1/self.
+    /// The reciprocal, 1/self.
     #[inline(always)]
     fn recip(self) -> Self {
         Self::ONE / self

@@ -7,7 +7,7 @@ use crate::record::Inputs;
 /// Inputs at one knot in time; linear in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot {
-    /// Time, s.
+    /// Time of the knot, s.
     pub time: f64,
     /// Position of the piston face, m.
     pub position: f64,

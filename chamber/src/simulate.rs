@@ -10,7 +10,7 @@ use crate::record::{self, Inputs, Readings};
 /// One row of a simulation. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<R = f64> {
-    /// Time, s.
+    /// Time of the sample, s.
     pub time: f64,
     /// What the sensor shows, Pa.
     pub measured_pressure: R,

@@ -38,7 +38,7 @@ pub enum Balance {
 }
 
 impl Balance {
-    /// Every one.
+    /// All balances, in the order of their words in files.
     pub const ALL: [Self; 5] =
         [Self::HeatFlow, Self::MassFlow, Self::CoefficientShare, Self::VolumeShare, Self::Reading];
     const WORDS: [&'static str; 5] = ["heat_flow", "mass_flow", "coefficient_share", "volume_share", "reading"];
@@ -98,7 +98,7 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// Every one.
+    /// All variables that a curve can be over, in the order of their words in files.
     pub const ALL: [Self; 7] = [
         Self::Pressure,
         Self::Temperature,
