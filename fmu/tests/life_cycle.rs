@@ -129,6 +129,22 @@ fn calls_in_the_wrong_order_are_refused_with_advice_and_change_nothing() {
 }
 
 #[test]
+fn derivatives_of_inputs_can_be_set_from_instantiation_on_and_never_in_model_exchange() {
+    let host = Host::new();
+    host.set("position", 0.1);
+    host.set_derivative("position", 1, -0.5);
+    host.start(&[], None);
+    host.step(0.0, 0.1);
+    assert!((host.get("pistonPosition") - 0.05).abs() < 1e-15);
+    let host = Host::exchange();
+    let set = || unsafe { fmi2SetRealInputDerivatives(host.c, &reference("position"), 1, &1, &-0.5) };
+    assert_eq!(set(), DISCARD);
+    assert!(host.message().contains("this instance is for Model Exchange"));
+    assert_eq!(unsafe { fmi2EnterInitializationMode(host.c) }, OK);
+    assert_eq!(set(), DISCARD);
+}
+
+#[test]
 fn fixed_parameters_are_refused_after_initialization_and_tunable_ones_taken() {
     let host = Host::started(&[("initialTemperature", 400.0), ("initialPressure", 2e5)]);
     assert_eq!(host.try_set("bore", 0.03), ERROR);

@@ -3,6 +3,7 @@
 use super::{Instance, any, real};
 use crate::plant::derivatives::{self, Seed};
 use crate::plant::inputs::ORDERS;
+use crate::plant::simulation::Kind;
 use crate::plant::values::input;
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
@@ -13,11 +14,16 @@ impl Instance {
     /// (`fmi2SetRealInputDerivatives`).
     ///
     /// # Errors
-    /// Variables that are no inputs, orders that are not supported, values that are not finite.
+    /// Model Exchange; variables that are no inputs, orders that are not supported, values that are not finite.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Refusal> {
+        if self.now.kind == Kind::ModelExchange {
+            return Err(Refusal::NotOffered {
+                what: "this instance is for Model Exchange: its host sets the inputs at each time, not their derivatives",
+            });
+        }
         self.need(
-            &[Phase::Initialization, Phase::Step],
-            "set input derivatives in initialization mode or before a step",
+            &[Phase::Instantiated, Phase::Initialization, Phase::Step],
+            "set input derivatives before the simulation begins or before a step",
         )?;
         let place = |reference: u32| {
             let variable = real(reference)?;
