@@ -47,7 +47,7 @@ pub struct Description {
     pub initial_stroke_m: f64,
     /// Stroke of the hold, m.
     pub final_stroke_m: f64,
-    /// Dead volume, m³.
+    /// Volume of the gas at position zero, m³.
     pub dead_volume_m3: f64,
     /// Reference pressure P0, Pa.
     pub reference_pressure_pa: f64,

@@ -98,11 +98,11 @@ pub struct MeasuredTest {
     pub actuator: String,
     /// Bore of the chamber, m.
     pub bore_m: f64,
-    /// Initial pressure, Pa.
+    /// Absolute pressure before the push, Pa.
     pub initial_pressure_pa: f64,
-    /// Initial stroke, m.
+    /// Position of the piston before the push, m, from the end of the chamber.
     pub initial_stroke_m: f64,
-    /// Final stroke, m.
+    /// Position of the piston after the push, m, from the end of the chamber.
     pub final_stroke_m: f64,
     /// Pf, Pa, and what its printed digits leave open (a standard deviation).
     pub final_pressure_pa: (f64, f64),

@@ -15,11 +15,11 @@ const FAR_M: f64 = 1e3;
 /// Columns that the user has named.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
-    /// That of time.
+    /// Name of the time column, where the user gives it.
     pub time: Option<String>,
-    /// That of pressure.
+    /// Name of the pressure column, where the user gives it.
     pub pressure: Option<String>,
-    /// That of position.
+    /// Name of the position column, where the user gives it.
     pub position: Option<String>,
 }
 

@@ -39,9 +39,9 @@ pub struct Trace {
     pub pressure_pa: Option<Vec<f64>>,
     /// Distance of the piston face from the chamber's end, m.
     pub position_m: Vec<f64>,
-    /// Ambient temperature, K.
+    /// Temperature of the surroundings, K, where it was recorded.
     pub ambient_temperature_k: Option<Vec<f64>>,
-    /// Gas temperature, K.
+    /// Temperature that a sensor in the gas showed, K, where there was one.
     pub gas_temperature_k: Option<Vec<f64>>,
     /// Mass flow into the chamber, kg/s, negative out of it.
     pub mass_flow_kg_per_s: Option<Vec<f64>>,

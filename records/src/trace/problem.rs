@@ -163,7 +163,7 @@ pub enum RowProblem {
         /// The time, s.
         value: f64,
     },
-    /// A time out of order.
+    /// A time that is not after that of the row before.
     #[error("column `{column}`: time does not increase, {value:?} s after {before:?} s")]
     TimeOutOfOrder {
         /// Name of the column, as the header has it.
@@ -200,7 +200,7 @@ pub enum RowProblem {
         column: String,
         /// The position, m.
         value: f64,
-        /// The stroke, m.
+        /// Stroke of the cylinder, m, within which positions lie.
         stroke: f64,
     },
     /// A piston on the wrong side of the chamber's end.
