@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """What statistics without rows cost: time, processor time and memory of many rows, and the rate beside rows that are solved only.
 
-    target/test-environment/bin/python results/study/statistics_rate.py [rows, 1000000000 by default]
+    cargo build --release -p pneutherm -p pneutherm-sweep --example statistics_rate --bins
+    python3 results/study/statistics_rate.py [rows, 1000000000 by default]
 
-The rows of `benches/sealed.toml`. Takes two minutes of two processors; needs cargo. Writes statistics_rate.md beside this file.
+The rows of `benches/sealed.toml`. A billion take two minutes of two processors. Writes statistics_rate.md beside this file.
 """
 
 import os
@@ -17,12 +18,12 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PROGRAM = os.environ.get("PNEUTHERM", ROOT / "target" / "release" / "pneutherm")
+EXAMPLE = ROOT / "target" / "release" / "examples" / "statistics_rate"
 
 
 def main():
     rows = int(sys.argv[1]) if len(sys.argv) > 1 else 10**9
-    example = ["cargo", "run", "--quiet", "--release", "--locked", "-p", "pneutherm-sweep", "--example", "statistics_rate", "--", "benches/sealed.toml"]
-    rates = subprocess.run(example, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    rates = subprocess.run([EXAMPLE, "benches/sealed.toml"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     alone, beside, share = re.search(r"only\s+(\d+) rows/s.*statistics\s+(\d+) rows/s, ([\d.]+) %", rates, re.DOTALL).groups()
     with tempfile.TemporaryDirectory() as scratch:
         study = pathlib.Path(scratch) / "study.toml"
