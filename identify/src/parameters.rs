@@ -19,7 +19,7 @@ use chamber::{AreaLaw, Chamber, Geometry, HeatTransfer};
 /// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
 const FIRST_LAMBDA0: f64 = 30.0;
 
-/// By how much a gas at rest differs from its surroundings, K: a standard deviation.
+/// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.
 const REST_DEVIATION_K: f64 = 3.0;
 
 /// A number that holds for the whole rig.
@@ -39,6 +39,8 @@ pub enum Slot {
     PositionZero,
     /// Ambient temperature less the stated one.
     AmbientTemperature,
+    /// By how much gas at rest is warmer than its surroundings, in all records: where their initial temperatures are free.
+    RestTemperature,
 }
 
 impl Slot {
@@ -52,6 +54,7 @@ impl Slot {
             Slot::PositionScale => "position_scale".to_owned(),
             Slot::PositionZero => "position_offset_m".to_owned(),
             Slot::AmbientTemperature => "ambient_temperature_k".to_owned(),
+            Slot::RestTemperature => "rest_temperature_k".to_owned(),
         }
     }
 
@@ -63,7 +66,7 @@ impl Slot {
             Slot::Effect(e, p) => CARDS[e].parameters[p].unit.symbol(),
             Slot::Bore | Slot::PositionZero => "m",
             Slot::PositionScale => "1",
-            Slot::AmbientTemperature => "K",
+            Slot::AmbientTemperature | Slot::RestTemperature => "K",
         }
     }
 }
@@ -331,7 +334,7 @@ impl Hypothesis {
                 }
             }
         }
-        Self { model, axes, stated: stated(data), own, base: *base }
+        Self { model, axes, stated: stated(data, &model), own, base: *base }
     }
 
     /// The chamber at these coordinates of the rig, its stated numbers as stated.
@@ -422,7 +425,7 @@ impl Hypothesis {
     /// Chamber, start and surroundings of one record: `stated` in units of their tolerances.
     pub fn setting<R: Real>(&self, trace: &Prepared, x: &[R], stated: &[R], own: &[R]) -> Setting<R> {
         let mut chamber = self.chamber(x);
-        let mut warmer = R::ZERO;
+        let (mut warmer, mut at_rest) = (R::ZERO, R::ZERO);
         for (axis, x) in self.stated.iter().zip(stated) {
             let value = axis.value(*x);
             let geometry = &mut chamber.geometry;
@@ -436,6 +439,7 @@ impl Hypothesis {
                 Slot::PositionScale => geometry.piston_area = geometry.piston_area * (value + 1.0),
                 Slot::PositionZero => geometry.dead_volume += geometry.piston_area * value,
                 Slot::AmbientTemperature => warmer = value,
+                Slot::RestTemperature if trace.starts_at_rest => at_rest = value,
                 _ => {}
             }
         }
@@ -444,7 +448,7 @@ impl Hypothesis {
         for (axis, x) in self.own_of(trace).iter().zip(own) {
             match axis.slot {
                 Own::Pressure => start.pressure = axis.value(*x),
-                Own::Temperature => start.temperature = axis.value(*x) + warmer,
+                Own::Temperature => start.temperature = axis.value(*x) + warmer + at_rest,
                 Own::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = axis.value(*x),
             }
         }
@@ -477,7 +481,7 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
             let of_list = |q: &Parameter| q.name == parameters[p].name && matches!(q.kind, Kind::Place { .. });
             places.take_while(|(q, _)| of_list(q)).for_each(|(_, rest)| *rest = value);
         }
-        Slot::Bore | Slot::PositionScale | Slot::PositionZero | Slot::AmbientTemperature => {}
+        Slot::Bore | Slot::PositionScale | Slot::PositionZero | Slot::AmbientTemperature | Slot::RestTemperature => {}
     }
 }
 
@@ -537,15 +541,18 @@ fn ones(effect: usize) -> EffectValues {
     values
 }
 
-/// What the rig states, each in units of its tolerance.
-fn stated(data: &Data) -> Vec<Axis> {
+/// What the rig states, each in units of its tolerance. That gas at rest has the temperature of its surroundings is such a
+/// statement too: where it does not hold it fails in all records alike, for which a wall of another temperature would stand.
+fn stated(data: &Data, model: &Model) -> Vec<Axis> {
     let t = &data.tolerance;
+    let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };
     let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
     [
         (Slot::Bore, t.bore_m / data.bore_m),
         (Slot::PositionScale, t.position_scale),
         (Slot::PositionZero, zero),
         (Slot::AmbientTemperature, t.ambient_temperature_k),
+        (Slot::RestTemperature, rest),
     ]
     .into_iter()
     .filter(|(_, scale)| *scale > 0.0)

@@ -157,6 +157,16 @@ fn a_warm_wall_is_warm_for_every_law_of_heat_transfer() {
 }
 
 #[test]
+fn gas_that_is_warm_at_the_start_of_every_record_is_no_warm_wall() {
+    let warm = recording::ALL.iter().find(|r| r.name == "warm-start").unwrap();
+    let mut recipe = warm.apply(Recipe::from_seed(5));
+    recipe.faults.stated.ambient_offset_k = -3.0;
+    let found = traced(&recipe);
+    assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Adequate, vec![]));
+    assert!(found.chosen.model.initial_temperature);
+}
+
+#[test]
 fn what_no_card_describes_is_never_called_explained() {
     for outside in [Outside::FadingTurbulence(0.6, 0.4), Outside::Compliance(0.004), Outside::Hysteresis(600.0)] {
         let found = traced(&Recipe { repeats: 2, ..Recipe::from_seed(41) }.with_outside(outside));

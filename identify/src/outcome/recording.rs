@@ -147,6 +147,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         }
         Slot::PositionScale => format!("positions {:+.2} % larger than recorded", 100.0 * moved * scale),
         Slot::PositionZero => format!("a position zero moved by {:+.2} mm", 1e3 * moved * scale),
+        Slot::RestTemperature => format!("gas {:+.1} K warmer than its surroundings at rest", moved * scale),
         _ => format!("surroundings {:+.1} K warmer than stated", moved * scale),
     };
     for (axis, moved) in fit.hypothesis.stated.iter().zip(&fit.moved).filter(|(_, moved)| moved.abs() > TOLERANCES) {
