@@ -142,7 +142,7 @@ const MOST_EVALUATIONS: (usize, usize) = (10_000, 60);
 /// One run of the model along a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a, R> {
-    /// The chamber.
+    /// Gas, geometry, heat transfer and effects' parameters.
     pub chamber: &'a Chamber<R>,
     /// The effects that take part.
     pub set: EffectSet,

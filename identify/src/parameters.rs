@@ -459,7 +459,7 @@ impl Hypothesis {
 /// What one record is simulated with.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<R> {
-    /// The chamber.
+    /// The chamber at the coordinates given, the stated numbers moved.
     pub chamber: Chamber<R>,
     /// How it begins.
     pub start: Start<R>,

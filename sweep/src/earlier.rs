@@ -93,7 +93,7 @@ impl Earlier {
         Ok(earlier)
     }
 
-    /// The folder.
+    /// Folder of the earlier study.
     pub fn folder(&self) -> &Path {
         &self.folder
     }

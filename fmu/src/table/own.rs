@@ -8,7 +8,7 @@ use crate::plant::values::{INPUTS, OUTPUTS, parameter};
 /// A real variable: name, quantity, smallest and largest value, order of magnitude, meaning.
 struct Row(&'static str, &'static Quantity, Option<f64>, Option<f64>, f64, &'static str);
 
-/// The inputs.
+/// Appends the inputs: motion of the piston, flows, surroundings, in the order of their references.
 pub(super) fn inputs(table: &mut Vec<Variable>) {
     let rows: [Row; INPUTS] = [
         Row(
@@ -120,7 +120,7 @@ pub(super) fn inputs(table: &mut Vec<Variable>) {
     push(table, &rows, Variability::Continuous, Role::Input);
 }
 
-/// The outputs.
+/// Appends the outputs: state of the gas, flows of the ports, sums since the start, in the order of their references.
 pub(super) fn outputs(table: &mut Vec<Variable>) {
     let rows: [Row; OUTPUTS] = [
         Row("pressure", &units::PRESSURE, Some(0.0), None, 1e5, "Absolute pressure of the gas"),

@@ -9,7 +9,7 @@ pub const STRENGTHS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
 /// A rig and what is in it.
 pub struct Set {
-    /// Its truth.
+    /// Chamber, tests and recording that its traces are simulated from.
     pub recipe: Recipe,
     /// Whether it is anybody's rig.
     pub wide: bool,
@@ -19,7 +19,7 @@ pub struct Set {
     pub strength: f64,
 }
 
-/// The studies.
+/// Names of the studies, as `run` takes them.
 pub const STUDIES: [&str; 5] = ["clean", "effects", "pairs", "outside", "many"];
 /// Pairs are drawn from all; sets of `many` effects have three and four in turn.
 const MANY: [usize; 2] = [3, 4];

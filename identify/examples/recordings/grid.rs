@@ -35,7 +35,7 @@ pub struct Row {
     pub kind: &'static str,
     /// The rig's effect.
     pub effect: Option<&'static str>,
-    /// Its strength.
+    /// That effect's strength, of what a worn bench shows.
     pub strength: Option<f64>,
     /// What it leaves beyond the paper's parameters, Pa, to first order.
     pub effect_pa: Option<f64>,

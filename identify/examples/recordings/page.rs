@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 const VERDICTS: [&str; 5] = ["adequate", "explained", "improved", "unexplained", "refused"];
 
-/// The page.
+/// `recordings.md`: how it was made, a table of the rigs without and with an effect, the wrong names.
 pub fn page(options: &Options, rows: &[Row]) -> String {
     let stated = if options.tolerances {
         "Every rig file states bore, position and ambient temperature with errors drawn from their default tolerances \

@@ -77,7 +77,7 @@ pub struct Identification {
     pub undetermined: Vec<Undetermined>,
     /// What was assumed.
     pub assumptions: Vec<String>,
-    /// The chamber.
+    /// The identified chamber, as the model file holds it.
     #[serde(skip)]
     pub chamber: Chamber,
     /// Ambient temperature, K.

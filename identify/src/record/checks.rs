@@ -5,6 +5,7 @@ use crate::record::line::Line;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, extent};
 use records::{Trace, correlation};
+use std::ops::Range;
 
 /// Fewest rows of a trace.
 pub const FEWEST_ROWS: usize = 20;
@@ -99,16 +100,24 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion) -> Result<(), Err
     const SAME_PLACE: f64 = 0.01;
     /// A change beyond this share, with nothing to be seen in between, is an open port.
     const OPENED: f64 = 0.05;
-    // End, position, and the line that the pressure tends to, of each rest and hold.
-    let ends: Vec<(f64, f64, Line)> = motion
+    let is_same = |a: f64, b: f64| (b / a - 1.0).abs() < SAME_PLACE;
+    // Rows and position of each rest and hold.
+    let still: Vec<(Range<usize>, f64)> = motion
         .segments
         .iter()
         .filter(|s| s.phase != Phase::Move && s.end - s.first >= FEWEST)
-        .map(|s| {
-            let rows = s.first..s.end;
-            let place = trace.position_m[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
-            let line = Line::towards(&trace.time_s[rows.clone()], &pressure_pa[rows]);
-            (trace.time_s[s.end - 1], place, line)
+        .map(|s| (s.first..s.end, trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64))
+        .collect();
+    if !still.iter().enumerate().any(|(i, (_, place))| still[i + 1..].iter().any(|(_, other)| is_same(*place, *other)))
+    {
+        return Ok(());
+    }
+    // End, position, and the line that the pressure tends to.
+    let ends: Vec<(f64, f64, Line)> = still
+        .into_iter()
+        .map(|(rows, place)| {
+            let line = Line::towards(&trace.time_s[rows.clone()], &pressure_pa[rows.clone()]);
+            (trace.time_s[rows.end - 1], place, line)
         })
         .collect();
     let relative = |line: &Line| (line.slope.abs() + 2.0 * line.slope_error) / line.mean;
@@ -117,7 +126,7 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion) -> Result<(), Err
         for (to_s, other, after) in &ends[i + 1..] {
             drift = drift.max(relative(after));
             let change = after.at(*to_s) / before.at(*from_s) - 1.0;
-            if (other / place - 1.0).abs() < SAME_PLACE && change.abs() > OPENED.max(drift * (to_s - from_s)) {
+            if is_same(*place, *other) && change.abs() > OPENED.max(drift * (to_s - from_s)) {
                 return Err(Error::PortOpened { trace: trace.path.clone(), from_s: *from_s, to_s: *to_s, change });
             }
         }

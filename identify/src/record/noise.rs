@@ -101,15 +101,14 @@ impl Noise {
     /// The scatter is that about a polynomial of the fourth degree, since a fast relaxation still bends within a window; about
     /// a parabola where windows are short.
     pub fn from_quiet_parts<'a>(records: &[Quiet<'a>], stated_pa: Option<f64>, stated_step_pa: Option<f64>) -> Self {
-        let [long, short] = LEAST.map(|(rows, coefficients)| -> (Vec<_>, usize) {
-            let windows = records.iter().flat_map(|quiet| quiet.windows(rows).into_iter().map(move |w| (quiet, w)));
-            (windows.collect(), coefficients)
-        });
-        let freedom = |(windows, coefficients): &(Vec<(_, Vec<usize>)>, usize)| -> f64 {
-            windows.iter().map(|(_, rows)| (rows.len() - coefficients) as f64).sum()
-        };
-        let is_enough = freedom(&long) >= ENOUGH_FREEDOM || freedom(&short) < ENOUGH_FREEDOM;
-        let (windows, coefficients) = if is_enough { long } else { short };
+        let [long, short] = LEAST;
+        let (mut windows, mut coefficients) = (windows(records, long.0), long.1);
+        if freedom(&windows, coefficients) < ENOUGH_FREEDOM {
+            let shorter = self::windows(records, short.0);
+            if freedom(&shorter, short.1) >= ENOUGH_FREEDOM {
+                (windows, coefficients) = (shorter, short.1);
+            }
+        }
         let mut variances = Vec::new();
         let mut products = [0.0; LARGEST_LAG + 1];
         let mut differences = Vec::new();
@@ -178,6 +177,16 @@ impl Quiet<'_> {
         }
         out
     }
+}
+
+/// The windows of all records, of so many rows at the least.
+fn windows<'q, 'a>(records: &'q [Quiet<'a>], least: usize) -> Vec<(&'q Quiet<'a>, Vec<usize>)> {
+    records.iter().flat_map(|quiet| quiet.windows(least).into_iter().map(move |rows| (quiet, rows))).collect()
+}
+
+/// Degrees of freedom of all windows, each about a polynomial of so many coefficients.
+fn freedom(windows: &[(&Quiet<'_>, Vec<usize>)], coefficients: usize) -> f64 {
+    windows.iter().map(|(_, rows)| (rows.len() - coefficients) as f64).sum()
 }
 
 /// The spacing of the readings' lattice, Pa: the smallest common difference, zero where differences are not its multiples.

@@ -103,7 +103,7 @@ const RELATIVE_TOLERANCES: [f64; 2] = [3e-8, 3e-7];
 impl Prepared {
     /// Time from row to row, s.
     pub fn row_s(&self) -> f64 {
-        self.time_s.last().map_or(1.0, |last| last / (self.time_s.len() - 1) as f64)
+        mean_row_s(&self.time_s)
     }
 
     fn lay_out(&mut self, gamma: f64) {
@@ -191,20 +191,15 @@ impl Data {
                 (e, r, trace, left_out)
             })
             .collect();
-        let mut pressures = Vec::with_capacity(mended.len());
-        for (_, _, trace, _) in &mended {
-            checks::rows(trace)?;
-            let pressure_pa = trace.pressure_pa.as_deref();
-            let pressure_pa = pressure_pa.ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
-            let rows = trace.time_s.len();
-            pressures.push((pressure_pa, (trace.time_s[rows - 1] - trace.time_s[0]) / (rows - 1) as f64));
-        }
-        let readouts = Readout::of_logger(&pressures, rig.sensor.readout_hz);
         let mut columns = Vec::with_capacity(mended.len());
-        for (((experiment, repeat, trace, left_out), (pressure_pa, _)), readout) in
-            mended.iter().zip(pressures).zip(readouts)
-        {
-            columns.push(Columns::of(trace, pressure_pa, readout, (*experiment, *repeat), *left_out)?);
+        for (experiment, repeat, trace, left_out) in &mended {
+            columns.push(Columns::of(trace, *experiment, *repeat, *left_out)?);
+        }
+        let records: Vec<(&[f64], f64)> = columns.iter().map(|c| (c.pressure_pa, c.row_s())).collect();
+        let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
+        for (c, readout) in columns.iter_mut().zip(readouts) {
+            checks::trace(c.trace, c.pressure_pa, &c.motion, &readout)?;
+            c.readout = readout;
         }
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
@@ -285,6 +280,11 @@ impl Data {
     }
 }
 
+/// Time from row to row, s, of times that count from zero.
+fn mean_row_s(time_s: &[f64]) -> f64 {
+    time_s.last().map_or(1.0, |last| last / (time_s.len() - 1) as f64)
+}
+
 fn smallest_position(traces: &[Prepared]) -> f64 {
     let segments = traces.iter().flat_map(|t| &t.course.motion.segments);
     segments.map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min)
@@ -303,17 +303,19 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    fn of(
-        trace: &'a Trace,
-        pressure_pa: &'a [f64],
-        readout: Readout,
-        (experiment, repeat): (usize, usize),
-        backward_rows: usize,
-    ) -> Result<Self, Error> {
+    /// Of a trace as if each of its rows were read.
+    fn of(trace: &'a Trace, experiment: usize, repeat: usize, backward_rows: usize) -> Result<Self, Error> {
+        let pressure_pa =
+            trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
+        checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = Motion::detect(&time_s, &trace.position_m);
-        checks::trace(trace, pressure_pa, &motion, &readout)?;
+        let readout = Readout::every_row();
         Ok(Self { trace, experiment, repeat, backward_rows, pressure_pa, time_s, motion, readout })
+    }
+
+    fn row_s(&self) -> f64 {
+        mean_row_s(&self.time_s)
     }
 
     fn quiet(&self) -> Quiet<'_> {

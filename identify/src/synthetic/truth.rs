@@ -27,7 +27,7 @@ pub struct Truth<'a> {
     pub start_warmer_k: f64,
     /// Pressure of the surroundings, Pa.
     pub ambient_pa: f64,
-    /// The stroke.
+    /// The piston's true position in time, m.
     pub stroke: &'a Stroke,
 }
 

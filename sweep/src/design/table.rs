@@ -79,7 +79,7 @@ impl Table {
         self.rows
     }
 
-    /// Its path.
+    /// Path of the file that holds the points.
     pub fn path(&self) -> &Path {
         &self.path
     }
