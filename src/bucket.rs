@@ -43,7 +43,7 @@ impl Bucket {
         let url = place.to_str().unwrap_or_default();
         let path = url.strip_prefix("s3://").and_then(|rest| rest.split_once('/'));
         let prefix = path.map(|(_, prefix)| prefix).filter(|prefix| !prefix.is_empty());
-        let prefix = prefix.with_context(|| format!("{url}: s3://bucket/prefix was expected"))?;
+        let prefix = prefix.with_context(|| format!("{url}: expected s3://bucket/prefix"))?;
         let plain = ["AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT"];
         let plain =
             plain.iter().find_map(|name| std::env::var(name).ok()).is_some_and(|url| url.starts_with("http://"));

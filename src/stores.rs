@@ -15,9 +15,9 @@ pub fn open(place: &Path) -> anyhow::Result<Box<dyn Store>> {
     };
     match scheme {
         "file" if rest.starts_with('/') => Ok(Box::new(Local::new(Path::new(rest)))),
-        "file" => bail!("{}: file:///path with the whole path was expected", place.display()),
+        "file" => bail!("{}: expected file:///path with the whole path", place.display()),
         "s3" => bucket(place),
-        _ => bail!("{}: a folder, file:///path or s3://bucket/prefix was expected", place.display()),
+        _ => bail!("{}: expected a folder, file:///path or s3://bucket/prefix", place.display()),
     }
 }
 

@@ -49,5 +49,5 @@ pub use names::nearest;
 pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use table::Table;
-pub use trace::{LeftOut, Need, Reading, Trace, Window};
+pub use trace::{LeftOut, Need, Reading, Trace, Window, fields_of_line};
 pub use uncertainty::Uncertainty;

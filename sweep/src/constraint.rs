@@ -13,7 +13,7 @@ use ensemble::{Hold, Scenario};
 /// Characters of a constraint at most; nesting follows.
 const LONGEST: usize = 500;
 
-/// One constraint.
+/// A comparison that a row has to satisfy in order to be solved.
 #[derive(Clone, Debug)]
 pub struct Constraint {
     text: String,
@@ -75,12 +75,12 @@ impl Constraint {
             terms.push(reader.sum()?);
         }
         if relations.is_empty() {
-            return Err("compares nothing: <, <=, > or >= was expected".into());
+            return Err("compares nothing; expected <, <=, > or >=".into());
         }
         Ok(Self { text: text.trim().to_owned(), terms, relations })
     }
 
-    /// As the study has it.
+    /// The constraint as the study file writes it.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -92,7 +92,7 @@ impl Constraint {
         found
     }
 
-    /// Whether a row keeps it.
+    /// Whether a row satisfies the constraint.
     pub fn holds(&self, point: &Point, scenario: &Scenario) -> bool {
         let values: Vec<f64> = self.terms.iter().map(|term| term.value(point, scenario)).collect();
         values.windows(2).zip(&self.relations).all(|(pair, relation)| match relation {
@@ -172,7 +172,7 @@ impl Geometry {
     }
 }
 
-/// What is left to read.
+/// Reads a constraint from left to right; holds what is still unread.
 struct Reader<'a> {
     rest: &'a str,
 }
@@ -200,7 +200,7 @@ impl Reader<'_> {
         let (sign, relation) = all
             .into_iter()
             .find(|(sign, _)| self.rest.starts_with(sign))
-            .ok_or_else(|| format!("{} where an operator, <, <=, > or >= was expected", self.found()))?;
+            .ok_or_else(|| format!("{}; expected an operator, <, <=, > or >=", self.found()))?;
         self.take(sign.len());
         Ok(relation)
     }
@@ -240,7 +240,7 @@ impl Reader<'_> {
             let inner = self.sum()?;
             return match self.one_of(")") {
                 Some(_) => Ok(inner),
-                None => Err(format!("{} where `)` was expected", self.found())),
+                None => Err(format!("{}; expected `)`", self.found())),
             };
         }
         let rest = self.rest;
@@ -264,7 +264,7 @@ impl Reader<'_> {
                 self.take(name);
                 Ok(term)
             }
-            _ => Err(format!("{} where a number or a quantity was expected", self.found())),
+            _ => Err(format!("{}; expected a number or a quantity", self.found())),
         }
     }
 }
@@ -333,19 +333,19 @@ mod tests {
     #[test]
     fn what_is_no_constraint_is_said() {
         for (text, expected) in [
-            ("", "ends where a number or a quantity"),
+            ("", "ends; expected a number or a quantity"),
             ("1", "compares nothing"),
-            ("bore_m = 0.02", "has `=` where an operator, <, <=, > or >="),
-            ("bore_m < ", "ends where a number"),
-            ("(1 < 2", "has `<` where `)`"),
-            ("1 < 2)", "has `)` where an operator"),
+            ("bore_m = 0.02", "has `=`; expected an operator, <, <=, > or >="),
+            ("bore_m < ", "ends; expected a number"),
+            ("(1 < 2", "has `<`; expected `)`"),
+            ("1 < 2)", "has `)`; expected an operator"),
             ("1.2.3 < 2", "`1.2.3`, which is no number"),
             ("boer_m < 1", "did you mean `bore_m`?"),
             ("dead_volume_m3 < 0.2 * stroke_volume", "did you mean `stroke_volume_m3`?"),
             ("pressure_peak_pa < 1e6", "is not known before the row is solved"),
-            ("bore_m < 2 and 1 < 2", "has `a` where an operator"),
-            ("bore_m < 20 mm", "has `m` where an operator"),
-            ("bore_m < §", "has `§` where a number"),
+            ("bore_m < 2 and 1 < 2", "has `a`; expected an operator"),
+            ("bore_m < 20 mm", "has `m`; expected an operator"),
+            ("bore_m < §", "has `§`; expected a number"),
             (&"(".repeat(600), "is longer than 500"),
         ] {
             let message = Constraint::parse(text).unwrap_err();

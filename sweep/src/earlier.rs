@@ -36,7 +36,7 @@ pub struct Earlier {
     pub damaged: u64,
 }
 
-/// A part with all its rows.
+/// A complete part of the earlier study.
 #[derive(Debug)]
 struct Part {
     file: LocalFile,
@@ -80,7 +80,7 @@ impl Earlier {
         let damaged = looked.iter().filter(|part| part.is_err()).count() as u64;
         let parts: Vec<Part> = looked.into_iter().flatten().collect();
         if parts.is_empty() {
-            return Err(refuse("it has no rows: none of its parts is there and whole".into()));
+            return Err(refuse("it has no rows to take: it kept none, or none of its parts is complete".into()));
         }
         if rows > study.rows {
             let ours = study.rows;
@@ -151,7 +151,7 @@ fn continues(study: &Study, found: &Value) -> Result<u64, String> {
     let (ours, theirs) = (study.json(), &found["study"]);
     if found["program_version"] != env!("CARGO_PKG_VERSION") {
         let (version, ours) = (&found["program_version"], env!("CARGO_PKG_VERSION"));
-        return Err(format!("it is of program version {version}, this is {ours}"));
+        return Err(format!("version {version} of the program wrote it, this is version {ours}; expected the same"));
     }
     if theirs["design"] != ours["design"] {
         return Err(format!("its design is {}, this study's {}", theirs["design"], ours["design"]));
@@ -213,7 +213,7 @@ struct Open {
 }
 
 impl<'a> Taker<'a> {
-    /// For the rows of a study.
+    /// A reader that takes rows of `earlier` for the larger `study`.
     pub fn new(earlier: &'a Earlier, study: &'a Study, on_rows: OnRows<'a>) -> Self {
         Self { earlier, study, on_rows, again: Solver::new(study), open: None }
     }

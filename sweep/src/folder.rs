@@ -28,7 +28,7 @@ pub const MANIFEST: &str = "manifest.json";
 pub const ROWS: &str = "rows";
 /// Folder of the parts' records.
 pub const RECORDS: &str = "parts";
-/// The study's own record.
+/// File that says which study the folder belongs to.
 pub const STUDY: &str = "study.json";
 
 /// A study's folder.
@@ -41,13 +41,13 @@ pub struct Folder<'a> {
 /// What is known of a part without its rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// The study it belongs to.
+    /// SHA-256 of the study's identity, hexadecimal.
     pub study_sha256: String,
     /// Number of its first row.
     pub first_row: u64,
-    /// How many it has.
+    /// Number of rows in the part.
     pub rows: u64,
-    /// Its rows by status.
+    /// How many rows ended with each status.
     pub statuses: StatusCounts,
     /// Its file; none where the study's rows are not kept.
     pub file: Option<Digest>,
@@ -59,9 +59,9 @@ pub struct Record {
 /// What a part's place holds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
-    /// The part.
+    /// The part, as its record describes it.
     Whole(Record),
-    /// Something else than its record says.
+    /// A file that differs from its record in length or contents.
     Damaged,
     /// Nothing, or nothing whole.
     Nothing,
@@ -88,9 +88,9 @@ impl Found {
 /// How closely to look at a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
-    /// At its record and its length.
+    /// Compares the length of the file with the record.
     Length,
-    /// At every byte.
+    /// Compares the SHA-256 of the file with the record.
     Contents,
 }
 
@@ -105,7 +105,7 @@ impl<'a> Folder<'a> {
         Ok(folder)
     }
 
-    /// Where it is.
+    /// The store that holds the folder.
     pub fn store(&self) -> &'a dyn Store {
         self.store
     }
@@ -230,11 +230,15 @@ impl<'a> Folder<'a> {
     fn described(&self, found: &Value) -> String {
         let (theirs, ours) = (&found["study"], self.study.json());
         if found["program_version"] != json!(env!("CARGO_PKG_VERSION")) {
-            return format!("of program version {}, this is {}", found["program_version"], env!("CARGO_PKG_VERSION"));
+            return format!(
+                "version {} of the program wrote it, this is version {}",
+                found["program_version"],
+                env!("CARGO_PKG_VERSION")
+            );
         }
         let keys = ours.as_object().map(|map| map.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
         let different: Vec<_> = keys.into_iter().filter(|key| theirs[key] != ours[key]).collect();
-        format!("of study {}, which differs in {}", theirs["name"], different.join(", "))
+        format!("{}, which differs in {}", theirs["name"], different.join(", "))
     }
 
     fn read_record(&self, part: u64) -> Option<Record> {
@@ -338,7 +342,7 @@ impl<'a> Folder<'a> {
         self.write_json(MANIFEST, &manifest)
     }
 
-    /// Whose folder this is.
+    /// Content of the file that identifies the folder's study.
     fn about(&self) -> Value {
         json!({
             "program": "pneutherm",
@@ -363,7 +367,7 @@ pub fn record_name(part: &str) -> String {
     format!("{}.json", part.trim_end_matches(".parquet"))
 }
 
-/// Rows by status of some parts.
+/// Number of rows by status, summed over these parts.
 pub fn statuses_of(parts: &[Record]) -> StatusCounts {
     let mut total = StatusCounts::new();
     for (status, count) in parts.iter().flat_map(|part| &part.statuses) {

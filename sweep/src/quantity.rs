@@ -7,6 +7,7 @@ use chamber::card::Kind;
 use chamber::effects::{self, EffectValues, PARAMETERS};
 use chamber::{Gas, Geometry, HeatTransfer};
 use records::Model;
+use report::number::shortest;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::LazyLock;
@@ -71,9 +72,9 @@ impl Allowed {
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Allowed::Above(least) => write!(f, "above {least}"),
-            Allowed::AtLeast(least) => write!(f, "at least {least}"),
-            Allowed::Within(bounds) => write!(f, "from {} to {}", bounds.start(), bounds.end()),
+            Allowed::Above(least) => write!(f, "above {}", shortest(*least)),
+            Allowed::AtLeast(least) => write!(f, "at least {}", shortest(*least)),
+            Allowed::Within(bounds) => write!(f, "from {} to {}", shortest(*bounds.start()), shortest(*bounds.end())),
         }
     }
 }
@@ -85,7 +86,7 @@ pub struct Quantity {
     pub name: String,
     /// Unit as people write it.
     pub unit: &'static str,
-    /// Values that make sense.
+    /// Values that it may take; others are refused.
     pub allowed: Allowed,
     /// One line for people.
     pub doc: &'static str,
@@ -148,7 +149,7 @@ const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
 pub struct Point(pub [f64; COUNT]);
 
 impl Point {
-    /// No quantity given.
+    /// A point without any quantity: all are NaN.
     pub const EMPTY: Point = Point([f64::NAN; COUNT]);
 
     /// The numbers of a model; those of the test are not given.
@@ -198,12 +199,12 @@ impl Point {
         self.0[base as usize] = value;
     }
 
-    /// Parameters of every effect.
+    /// Parameters of all effects, in the order of their cards.
     pub fn effects(&self) -> &[f64] {
         &self.0[BASE..]
     }
 
-    /// The same, to be changed.
+    /// Parameters of all effects, mutable, in the order of their cards.
     pub fn effects_mut(&mut self) -> &mut [f64] {
         &mut self.0[BASE..]
     }

@@ -19,14 +19,14 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 /// Which of a study's parts a run writes: those whose number leaves `index` when divided by `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// From 0 to `count` − 1.
+    /// Number of this shard, from 0 to `count` − 1.
     pub index: u64,
     /// How many shards share the study.
     pub count: u64,
 }
 
 impl Shard {
-    /// All parts.
+    /// The only shard of a study: all parts.
     pub const WHOLE: Shard = Shard { index: 0, count: 1 };
 
     /// Whether a part is this shard's.
@@ -48,19 +48,19 @@ impl std::str::FromStr for Shard {
         let numbers = text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
         match numbers {
             Some((index, count)) if index < count => Ok(Shard { index, count }),
-            _ => Err(format!("`{text}` is no shard: I/N with I from 0 to N-1 was expected, such as 0/16")),
+            _ => Err(format!("`{text}` is no shard; expected I/N with I from 0 to N-1, such as 0/16")),
         }
     }
 }
 
-/// What a run is to do.
+/// Which parts a run writes, and what it keeps and reuses.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
-    /// Which parts.
+    /// Parts that this run writes.
     pub shard: Shard,
-    /// Whether the rows are kept.
+    /// Whether the rows are written; otherwise only their statistics.
     pub rows: bool,
-    /// Where rows may be taken from.
+    /// A smaller study whose rows are taken instead of solved again.
     pub earlier: Option<&'a Earlier>,
 }
 
@@ -274,7 +274,7 @@ struct Publisher<'a>(SyncSender<Finished<'a>>);
 
 /// Why no further file is to be made.
 enum Stop {
-    /// One could not be made.
+    /// A part could not be computed or written.
     Failed(Error),
     /// One could not be published: the publisher knows why.
     Unpublished,

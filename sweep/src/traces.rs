@@ -39,12 +39,12 @@ const TOGETHER: usize = 1 << 19;
 pub struct Rows(Vec<Range<u64>>);
 
 impl Rows {
-    /// Their numbers.
+    /// Numbers of the rows, ascending.
     pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
         self.0.iter().cloned().flatten()
     }
 
-    /// One past the last.
+    /// Number after the last row.
     fn end(&self) -> u64 {
         self.0.last().map_or(0, |range| range.end)
     }
@@ -55,7 +55,7 @@ impl std::str::FromStr for Rows {
 
     /// `0,17,100-119`: numbers and ranges, both ends included.
     fn from_str(text: &str) -> Result<Self, String> {
-        let refused = || format!("`{text}` is no list of rows: numbers and ranges such as 0,17,100-119 were expected");
+        let refused = || format!("`{text}` is no list of rows; expected numbers and ranges such as 0,17,100-119");
         let mut ranges = Vec::new();
         for piece in text.split(',') {
             let (first, last) = piece.split_once('-').unwrap_or((piece, piece));
@@ -77,12 +77,12 @@ impl std::str::FromStr for Rows {
     }
 }
 
-/// What was written.
+/// What `traces/traces.parquet` contains.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Rows with a trace.
     pub rows: u64,
-    /// Samples of all of them.
+    /// Number of samples of all rows together.
     pub samples: u64,
     /// Rows without one, and why.
     pub without: Vec<(u64, String)>,
@@ -125,7 +125,7 @@ pub fn check(study: &Study, rows: &Rows, rate_hz: f64) -> Result<(), Error> {
         )));
     }
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
-        return Err(Error::Option(format!("a trace rate of {rate_hz} Hz: a positive number was expected")));
+        return Err(Error::Option(format!("the trace rate is {rate_hz} Hz; expected a positive number")));
     }
     for row in rows.iter() {
         if let Ok(scenario) = scenario(study, row)? {

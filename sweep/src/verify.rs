@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use std::io;
 
-/// What was read back.
+/// How a folder compares with its manifest.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     /// Parts that the manifest names.
     pub parts: usize,
-    /// Their bytes.
+    /// Bytes of these parts.
     pub bytes: u64,
     /// Rows that the manifest names.
     pub rows: u64,
@@ -47,7 +47,10 @@ pub fn verify(store: &dyn Store) -> Result<Report, Error> {
     let text = text.map_err(|source| Error::Read { path: path.clone(), source })?;
     let manifest: Manifest = serde_json::from_slice(&text).map_err(|error| {
         let reason = error.to_string();
-        Error::Option(format!("{}: is no study's manifest ({reason}); was the study finished?", path.display()))
+        Error::Option(format!(
+            "{}: cannot be read as a manifest ({reason}); expected the folder of a finished study",
+            path.display()
+        ))
     })?;
     let mut wrong: Vec<String> = manifest.parts.par_iter().filter_map(|part| difference(store, part)).collect();
     let (rows, has_parts) = (manifest.parts.iter().map(|part| part.rows).sum::<u64>(), !manifest.parts.is_empty());

@@ -27,9 +27,9 @@ def test_an_address_of_a_file_is_a_folder_and_other_addresses_are_refused(tmp_pa
     assert table(tmp_path / "out").num_rows == 3000
     assert "agree with manifest.json" in pneutherm("sweep", "--verify", f"file://{tmp_path}/out").stdout
     for place, sentence in [
-        ("file://out", "file:///path with the whole path was expected"),
-        ("ftp://host/out", "a folder, file:///path or s3://bucket/prefix was expected"),
-        ("s3://bucket", "s3://bucket/prefix was expected" if has_object_stores() else "--features object-store"),
+        ("file://out", "expected file:///path with the whole path"),
+        ("ftp://host/out", "expected a folder, file:///path or s3://bucket/prefix"),
+        ("s3://bucket", "expected s3://bucket/prefix" if has_object_stores() else "--features object-store"),
     ]:
         error = pneutherm("sweep", study, "-o", place, cwd=tmp_path, code=1).stderr
         assert error.count("\n") == 1 and sentence in error, error

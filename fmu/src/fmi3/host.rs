@@ -60,10 +60,7 @@ mod tests {
         let told = |reference| Host::terms(Refusal::UnknownReference { reference, last: 0 }).to_string();
         let end = indicator_references().end;
         let time = time_reference();
-        assert_eq!(
-            told(time),
-            format!("time (value reference {time}) can be read with fmi3GetFloat64 and used in nothing else")
-        );
+        assert_eq!(told(time), format!("time (value reference {time}) can only be read, with fmi3GetFloat64"));
         assert!(told(end - 1).starts_with("eventIndicator"));
         assert!(told(end).ends_with(&format!("the model description lists 0 to {}", end - 1)));
     }

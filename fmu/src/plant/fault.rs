@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
     /// Parameters that contradict each other.
-    #[error("rodDiameter = {rod} m leaves no piston area in bore = {bore} m")]
+    #[error("rodDiameter = {rod} m leaves no piston area in bore = {bore} m; it must be less than the bore")]
     NoPistonArea {
         /// Diameter of the rod, m.
         rod: f64,

@@ -35,7 +35,7 @@ pub enum Refusal {
         limit: usize,
     },
     /// Another number of states or indicators than there are.
-    #[error("{argument} = {length} does not match: this FMU has {expected}")]
+    #[error("{argument} is {length}; expected {expected}")]
     WrongLength {
         /// Name of the argument in the standard.
         argument: &'static str,
@@ -53,7 +53,7 @@ pub enum Refusal {
         last: u32,
     },
     /// A variable that a host can read and use in nothing else.
-    #[error("{name} (value reference {reference}) can be read with {getter} and used in nothing else")]
+    #[error("{name} (value reference {reference}) can only be read, with {getter}")]
     OnlyRead {
         /// Name of the variable in the model description.
         name: &'static str,

@@ -17,7 +17,7 @@ pub fn split(line: &str, separator: Separator, fields: &mut Vec<Range<usize>>) -
     true
 }
 
-/// The fields as texts; what follows an open quote is one field.
+/// The fields of a line as texts, blanks and quotes around them taken off; what follows an open quote is left out.
 pub fn texts(line: &str, separator: Separator) -> Vec<&str> {
     let mut fields = Vec::new();
     split(line, separator, &mut fields);

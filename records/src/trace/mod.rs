@@ -16,6 +16,7 @@ mod rows;
 mod sample;
 
 pub use dialect::Dialect;
+pub use fields::texts as fields_of_line;
 pub(crate) use header::missing_column;
 pub use left_out::LeftOut;
 pub use problem::{RowProblem, TraceProblem};

@@ -8,12 +8,17 @@ use arrow::datatypes::{DataType, Float64Type};
 use arrow::record_batch::RecordBatch;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use records::layout::Separator;
+use report::number::shortest;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
+/// What stands between the fields of a CSV file. A row is a line, so that a complaint names its line exactly: the `csv` crate
+/// counts blank lines and the second half of a CR LF towards the next record.
+const COMMA: Separator = Separator::Byte(b',');
 /// Rows between remembered places of a CSV file.
 const STRIDE: u64 = 16_384;
 
@@ -55,10 +60,10 @@ impl Table {
                 (names, rows, Kind::Parquet(metadata))
             }
             Some("csv") => index_csv(path)?,
-            _ => return Err(refuse(path, "a table ends in .parquet or .csv")),
+            _ => return Err(refuse(path, "expected a Parquet or CSV file, whose name ends in .parquet or .csv")),
         };
         if rows == 0 {
-            return Err(refuse(path, "the table has no rows"));
+            return Err(refuse(path, "the table has no rows; expected one for each point"));
         }
         let columns = (0..names.len()).collect();
         Ok(Self { path: path.to_owned(), rows, columns, allowed: Vec::new(), names, kind })
@@ -139,7 +144,11 @@ impl Table {
             self.append(&batch, at, columns)?;
             at += batch.num_rows() as u64;
         }
-        if at == rows.end { Ok(()) } else { Err(refuse(&self.path, "it holds fewer rows than its header says")) }
+        if at == rows.end {
+            Ok(())
+        } else {
+            Err(refuse(&self.path, "the file holds fewer rows than its header says; write it again"))
+        }
     }
 
     fn append(&self, batch: &RecordBatch, first_row: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {
@@ -151,21 +160,19 @@ impl Table {
             let numeric = array.data_type().is_numeric();
             let numbers = if numeric { cast(array, &DataType::Float64).ok() } else { None };
             let numbers = numbers.ok_or_else(|| {
-                refuse(&self.path, format!("column `{name}` holds {}: numbers were expected", array.data_type()))
+                refuse(&self.path, format!("column `{name}` holds {}; expected numbers", array.data_type()))
             })?;
             let numbers: &Float64Array = numbers.as_primitive::<Float64Type>();
             for i in 0..numbers.len() {
                 if numbers.is_null(i) || !numbers.value(i).is_finite() {
                     let row = first_row + i as u64;
-                    return Err(refuse(
-                        &self.path,
-                        format!("column `{name}`, row {row}: a finite number was expected"),
-                    ));
+                    return Err(refuse(&self.path, format!("column `{name}`, row {row}: expected a finite number")));
                 }
                 let value = numbers.value(i);
                 if let Some(allowed) = allowed.filter(|allowed| !allowed.contains(value)) {
                     let row = first_row + i as u64;
-                    let message = format!("column `{name}`, row {row}: is {value}, but has to be {allowed}");
+                    let message =
+                        format!("column `{name}`, row {row}: is {}, but has to be {allowed}", shortest(value));
                     return Err(refuse(&self.path, message));
                 }
                 column.push(value);
@@ -199,10 +206,13 @@ impl Table {
     }
 
     fn append_line(&self, text: &str, line: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {
-        let fields: Vec<&str> = text.split(',').map(|field| field.trim().trim_matches('"')).collect();
+        let fields = records::fields_of_line(text, COMMA);
         if fields.len() != self.names.len() {
             let (found, expected) = (fields.len(), self.names.len());
-            return Err(refuse(&self.path, format!("line {line}: {found} values where the header names {expected}")));
+            return Err(refuse(
+                &self.path,
+                format!("line {line}: {found} values; expected {expected}, one for each column of the header"),
+            ));
         }
         for (i, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
             let number = fields[place].parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
@@ -214,7 +224,7 @@ impl Table {
             })?;
             if let Some(allowed) = self.allowed.get(i).filter(|allowed| !allowed.contains(number)) {
                 let name = &self.names[place];
-                let message = format!("line {line}, column `{name}`: is {number}, but has to be {allowed}");
+                let message = format!("line {line}, column `{name}`: is {}, but has to be {allowed}", shortest(number));
                 return Err(refuse(&self.path, message));
             }
             column.push(number);
@@ -235,9 +245,9 @@ fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
     let mut text = String::new();
     let mut byte = reader.read_line(&mut text).map_err(read)? as u64;
     let header = text.trim_start_matches('\u{feff}').trim();
-    let names: Vec<String> = header.split(',').map(|name| name.trim().trim_matches('"').to_owned()).collect();
+    let names: Vec<String> = records::fields_of_line(header, COMMA).into_iter().map(str::to_owned).collect();
     if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
-        return Err(refuse(path, format!("line 1: column `{}` stands there twice", twice.1)));
+        return Err(refuse(path, format!("line 1: two columns are named `{}`; expected different names", twice.1)));
     }
     let (mut rows, mut line, mut places) = (0, 1, Vec::new());
     let mut bytes = Vec::new();
@@ -267,12 +277,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_piece_of_a_csv_file_is_what_stands_there() {
+    fn any_piece_of_a_csv_file_is_what_stands_there_also_beside_words_with_commas() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
         let lines: String =
-            (0..40_000).map(|i| format!("{i}, {}.5\r\n{}", 2 * i, if i % 7 == 0 { "\n" } else { "" })).collect();
-        std::fs::write(&path, format!("id,\"bore_m\"\n{lines}")).unwrap();
+            (0..40_000).map(|i| format!("\"a, {i}\", {}.5\r\n{}", 2 * i, if i % 7 == 0 { "\n" } else { "" })).collect();
+        std::fs::write(&path, format!("\"id, free\",\"bore_m\"\n{lines}")).unwrap();
         let mut table = Table::open(&path).unwrap();
         table.retain(|name| name == "bore_m");
         assert_eq!((table.rows(), table.names()), (40_000, vec!["bore_m"]));

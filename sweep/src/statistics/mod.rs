@@ -31,7 +31,7 @@ pub const FILE: &str = "statistics.json";
 /// Probabilities of the quantiles unless the study says otherwise.
 pub const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 
-/// What is asked for.
+/// The statistics that a study asks for.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// The columns, in the order of the table.
@@ -52,12 +52,12 @@ pub struct Bins {
     pub from: f64,
     /// Upper edge of the last, which belongs to it.
     pub to: f64,
-    /// How many.
+    /// Number of bins.
     pub bins: u64,
 }
 
 impl Plan {
-    /// Every computed column of a study.
+    /// Every computed column of a study, with the default quantiles.
     pub fn all(study: &Study) -> Self {
         let columns = columns::outputs(study).map(|o| o.name.to_owned()).collect();
         Self { columns, quantiles: QUANTILES.to_vec(), histograms: Vec::new(), pareto: None }
@@ -80,7 +80,7 @@ impl Plan {
         if let Some(quantiles) = quantiles {
             if let Some(wrong) = quantiles.iter().find(|p| !(0.0..=1.0).contains(*p)) {
                 return Err(Error::Option(format!(
-                    "a quantile of {wrong} is asked for: probabilities from 0 to 1 were expected"
+                    "a quantile of {wrong} is asked for; expected probabilities from 0 to 1"
                 )));
             }
             plan.quantiles = quantiles.to_vec();
@@ -103,7 +103,7 @@ impl Plan {
 /// What is known of the rows so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// [`Plan::identity`].
+    /// Identity of the plan that these statistics follow ([`Plan::identity`]).
     pub plan: String,
     columns: Vec<Column>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -111,7 +111,7 @@ pub struct State {
 }
 
 impl State {
-    /// Of no rows.
+    /// Begins without rows.
     pub fn new(plan: &Plan) -> Self {
         let column = |name: &String| Column::new(plan.bins(name));
         let front = plan.pareto.as_ref().map(|_| Front::default());

@@ -49,11 +49,11 @@ pub struct Varied {
 /// A study as its file has it, checked.
 #[derive(Debug)]
 pub struct Study {
-    /// Its name.
+    /// Name of the study; that of its file unless stated.
     pub name: String,
     /// The file it was read from.
     pub path: PathBuf,
-    /// The base model.
+    /// The model from which everything comes that does not vary.
     pub model: Model,
     /// The model file's effects that are left out here: those on the record of a stroke, as a study's is the true one.
     pub left_out: EffectSet,
@@ -61,7 +61,7 @@ pub struct Study {
     pub base: Point,
     /// What varies, in the order of the columns.
     pub varied: Vec<Varied>,
-    /// The points.
+    /// The points at which the test is computed.
     pub design: Design,
     /// What a row has to keep in order not to be left out.
     pub constraints: Vec<Constraint>,
@@ -99,7 +99,7 @@ impl Study {
         if !TOLERANCES.contains(&tolerance) {
             let (least, most) = (TOLERANCES.start(), TOLERANCES.end());
             return Err(Error::Option(format!(
-                "the tolerance is {tolerance}: from {least:e} to {most:e} was expected"
+                "the tolerance is {tolerance}; expected a number from {least:e} to {most:e}"
             )));
         }
         self.tolerance = tolerance;

@@ -16,6 +16,7 @@ use crate::statistics::{Bins, Goals, Plan};
 use crate::uncertain::Uncertain;
 use ensemble::{Options, Solver};
 use records::{Document, Field, Model};
+use report::number::shortest;
 use std::path::{Path, PathBuf};
 
 /// The points, what varies in them, where the study says so, and the hash of a table's file.
@@ -93,7 +94,7 @@ impl Study {
         })?;
         let parts = match parts {
             Some((entry, parts)) if parts > MOST_PARTS => {
-                return Err(entry.because(format!("is {parts}; {MOST_PARTS} files at most are allowed")));
+                return Err(entry.because(format!("is {parts}; at most {MOST_PARTS} files are allowed")));
             }
             Some((entry, parts)) if parts > rows => {
                 return Err(entry.because(format!("is {parts}, but the design has only {rows} rows")));
@@ -177,12 +178,19 @@ fn design<'a>(
     }
     let limit = if name == "saltelli" { sobol::DIMENSIONS / 2 } else { sobol::DIMENSIONS };
     if found.len() > limit {
-        return Err(entry.because(format!("\"{name}\" varies {limit} quantities at most")));
+        return Err(entry.because(format!(
+            "is \"{name}\", which varies at most {limit} quantities; this study varies {}",
+            found.len()
+        )));
     }
     let samples = || {
         let entry = study.require("samples", &format!("the number of samples of a \"{name}\" design"))?;
         let samples = entry.whole(1)?;
-        if samples > 1 << 52 { Err(entry.because("is more than 2^52")) } else { Ok(samples) }
+        if samples > 1 << 52 {
+            Err(entry.because(format!("is {samples}; at most 2^52 are allowed")))
+        } else {
+            Ok(samples)
+        }
     };
     let second_order = match study.get("second_order") {
         Some(entry) if name != "saltelli" => {
@@ -234,7 +242,7 @@ fn constraints(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Vari
     };
     let texts = entry.texts()?;
     if texts.len() > MOST_CONSTRAINTS {
-        return Err(entry.because(format!("are {}; {MOST_CONSTRAINTS} at most are allowed", texts.len())));
+        return Err(entry.because(format!("are {}; at most {MOST_CONSTRAINTS} are allowed", texts.len())));
     }
     texts.iter().map(parsed).collect()
 }
@@ -387,7 +395,7 @@ fn plan(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
             return Err(entry.because(format!("runs from {from} to {to}: `from` has to be below `to`")));
         }
         if number > MOST_BINS {
-            return Err(count.because(format!("is {number}; {MOST_BINS} at most are allowed")));
+            return Err(count.because(format!("is {number}; at most {MOST_BINS} are allowed")));
         }
         plan.histograms.push((entry.key().to_owned(), Bins { from, to, bins: number }));
     }
@@ -441,7 +449,7 @@ fn base(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, E
         let Some(entry) = test.get(key) else { return Ok(varies(quantity)) };
         let value = entry.finite()?;
         if !q.allowed.contains(value) {
-            return Err(entry.because(format!("is {value}, but has to be {}", q.allowed)));
+            return Err(entry.because(format!("is {}, but has to be {}", shortest(value), q.allowed)));
         }
         base.set(quantity, value);
         Ok(true)

@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::quantity::{self, Base, NotFound};
 use crate::uncertain::{Parameter, Uncertain};
 use records::Field;
+use report::number::shortest;
 
 /// The key of [vary] that is no quantity.
 pub const CONSTRAINTS: &str = "constraints";
@@ -34,11 +35,11 @@ enum Kind {
 
 /// One quantity that varies, and where the study says so.
 pub struct Found<'a> {
-    /// Its entry.
+    /// The entry of `[vary]`, for error messages.
     pub entry: Field<'a>,
     /// The quantity and its column.
     pub varied: Varied,
-    /// Its values.
+    /// The values that it takes.
     pub axis: Axis,
     /// Whether it is drawn from what the model knows of it.
     of_model: bool,
@@ -195,7 +196,7 @@ fn axis(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Re
         None => Ok((axis, false)),
         Some(value) if drawn => Err(entry
             .because(format!("reaches {value:.6e}, but has to be {allowed}: `from` and `to` truncate a distribution"))),
-        Some(value) => Err(entry.because(format!("takes {value}, but has to be {allowed}"))),
+        Some(value) => Err(entry.because(format!("takes {}, but has to be {allowed}", shortest(value)))),
     }
 }
 
