@@ -338,20 +338,25 @@ def test_three_kills_and_a_resume_give_the_same_rows_bit_for_bit(tmp_path, pneut
         assert (folder / "manifest.json").exists()
 
 
+def saltelli(folder, pneutherm, keys=""):
+    """A Saltelli study of 512 samples: the names of its quantities, its rows, its indices, the problem as SALib takes it."""
+    ranges = {"bore_m": (0.016, 0.063), "initial_pressure_pa": (1e5, 7e5), "push_time_s": (0.02, 0.4)}
+    vary = "\n".join(f"{name} = {{ from = {low}, to = {high} }}" for name, (low, high) in ranges.items())
+    study = write(folder, f'design = "saltelli"\nsamples = 512\nfit = false\n{keys}', vary)
+    pneutherm("sweep", study, "-o", folder / "out")
+    ours = json.loads((folder / "out" / "sensitivity.json").read_text())["outputs"]
+    problem = {"num_vars": len(ranges), "names": list(ranges), "bounds": [[0, 1]] * len(ranges)}
+    return list(ranges), table(folder / "out"), ours, problem
+
+
 def test_the_indices_of_a_saltelli_study_are_those_of_salib(tmp_path, pneutherm):
     from SALib.analyze import sobol
 
-    names = ["bore_m", "initial_pressure_pa", "push_time_s"]
-    vary = "bore_m = { from = 0.016, to = 0.063 }\ninitial_pressure_pa = { from = 1e5, to = 7e5 }\npush_time_s = { from = 0.02, to = 0.4 }"
-    study = write(tmp_path, 'design = "saltelli"\nsamples = 512\nfit = false', vary)
-    pneutherm("sweep", study, "-o", tmp_path / "out")
-    rows = table(tmp_path / "out")
+    names, rows, ours, problem = saltelli(tmp_path, pneutherm)
     assert rows.num_rows == 512 * 5
     picture = xml.etree.ElementTree.parse(tmp_path / "out" / "sensitivity.svg")
     texts = "".join(picture.getroot().itertext())
     assert all(word in texts for word in [*names, "pressure_peak_pa", "first order", "total order"])
-    ours = json.loads((tmp_path / "out" / "sensitivity.json").read_text())["outputs"]
-    problem = {"num_vars": 3, "names": names, "bounds": [[0, 1]] * 3}
     for output in ["pressure_peak_pa", "temperature_peak_k", "volume_to_area_m"]:
         theirs = sobol.analyze(problem, rows[output].to_numpy(), calc_second_order=False, num_resamples=10, seed=1)
         for i, name in enumerate(names):
@@ -363,14 +368,8 @@ def test_indices_of_second_order_are_salib_s_and_intervals_those_of_its_scatter_
     from SALib.analyze import sobol
     from scipy.stats import t as student
 
-    names = ["bore_m", "initial_pressure_pa", "push_time_s"]
-    vary = "bore_m = { from = 0.016, to = 0.063 }\ninitial_pressure_pa = { from = 1e5, to = 7e5 }\npush_time_s = { from = 0.02, to = 0.4 }"
-    study = write(tmp_path, 'design = "saltelli"\nsamples = 512\nsecond_order = true\nfit = false', vary)
-    pneutherm("sweep", study, "-o", tmp_path / "out")
-    rows = table(tmp_path / "out")
+    names, rows, ours, problem = saltelli(tmp_path, pneutherm, "second_order = true")
     assert rows.num_rows == 512 * 8
-    ours = json.loads((tmp_path / "out" / "sensitivity.json").read_text())["outputs"]
-    problem = {"num_vars": 3, "names": names, "bounds": [[0, 1]] * 3}
     analyze = lambda values: sobol.analyze(problem, values, num_resamples=2, seed=1)
     for output in ["pressure_peak_pa", "temperature_peak_k"]:
         values = rows[output].to_numpy()
@@ -542,7 +541,7 @@ def test_what_cannot_be_is_said_before_any_row_is_solved(tmp_path, pneutherm):
     study = write(tmp_path, 'design = "factorial"', vary)
     for arguments, sentence in [
         (["--traces", "40"], "a trace of row 40 is asked for; the study's rows are 0 to 39"),
-        (["--traces", "0", "--trace-rate", "0"], "a trace rate of 0 Hz"),
+        (["--traces", "0", "--trace-rate", "0"], "the trace rate is 0 Hz"),
         (["--traces", "0", "--trace-rate", "1e9"], "ask for a lower rate"),
     ]:
         error = pneutherm("sweep", study, "-o", tmp_path / "out", *arguments, code=1).stderr
