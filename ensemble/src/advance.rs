@@ -46,9 +46,9 @@ pub struct Problem<const N: usize> {
     pub state: [f64; N],
     /// Absolute tolerance of each state.
     pub absolute: [f64; N],
-    /// Its longest step, s.
+    /// Longest step that may be tried, s.
     pub longest: f64,
-    /// Its first rates and powers.
+    /// Rates of the states at the stretch's begin, per second.
     slope: [f64; N],
     power: [f64; 2],
     /// What is seen at its begin.
@@ -93,16 +93,16 @@ impl<const N: usize> Problem<N> {
 /// Where a watch has kept a problem's steps: one lane of consecutive steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Steps {
-    /// First step.
+    /// Number of the problem's first step in the watch's history.
     pub from: u32,
-    /// One past the last.
+    /// Number of the step after the problem's last one.
     pub to: u32,
-    /// Lane.
+    /// Lane in which these steps were taken.
     pub lane: u32,
 }
 
 impl Steps {
-    /// How many they are.
+    /// Number of steps kept.
     pub fn count(&self) -> u32 {
         self.to - self.from
     }
@@ -111,9 +111,9 @@ impl Steps {
 /// An attempted step of all lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct Tried<const N: usize> {
-    /// Begin, s from the stretch's begin.
+    /// Time at which the step begins, s from the stretch's begin.
     pub from: Lanes,
-    /// Length, s.
+    /// Length of the step, s.
     pub length: Lanes,
     /// States at its begin.
     pub begin: [Lanes; N],
@@ -144,7 +144,7 @@ fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -
 
 /// Sees every attempted step.
 pub trait Watch<const N: usize> {
-    /// A step.
+    /// Called for each attempted step, accepted or not.
     fn see(&mut self, tried: &Tried<N>);
     /// How many steps it has kept: the places that [`Steps`] tells.
     fn kept(&self) -> usize;
@@ -169,7 +169,7 @@ impl<const N: usize> Watch<N> for Nobody {
 
 /// Owner of a lane without a problem.
 const IDLE: usize = usize::MAX;
-/// A bit for each lane.
+/// A lane set with every lane in it; bit i stands for lane i.
 const ALL: u32 = (1 << WIDTH) - 1;
 
 /// Takes the first lane out of a set.
@@ -198,10 +198,10 @@ struct Group<const N: usize, S> {
     length: Lanes,
     longest: Lanes,
     y: [Lanes; N],
-    /// The system there.
+    /// Rates of the system at `t` and `y`.
     moment: Moment<N>,
     absolute: [Lanes; N],
-    /// [`Problem::energy`].
+    /// Running sums as in [`Problem::energy`], J.
     energy: [Lanes; 2],
 }
 

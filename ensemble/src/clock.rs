@@ -20,7 +20,7 @@ pub struct Clock<R = f64> {
 }
 
 impl Clock<f64> {
-    /// Of a unit volume at rest.
+    /// The clock of a held unit volume: w stays 1.
     pub const RESTING: Self = Self { start: 1.0, root_rate: 0.0, pace_factor: 1.0 };
 
     /// From one volume, m³, to another over `length`, s.
@@ -59,7 +59,7 @@ impl<R: Real> Clock<R> {
 }
 
 impl Clock<Lanes> {
-    /// No lane loaded yet.
+    /// A clock that stands in every lane, to be loaded lane by lane.
     pub const NONE: Self = Self { start: Lanes::ZERO, root_rate: Lanes::ZERO, pace_factor: Lanes::ZERO };
 
     /// What the clocks show at a time, s.

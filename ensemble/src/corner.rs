@@ -9,7 +9,7 @@ use chamber::real::Real;
 const BESIDE: f64 = 2e-4;
 /// Rounds of Newton's method, for a cubic from its secant.
 const ROUNDS: usize = 3;
-/// Added to what is divided by.
+/// Added to divisors that may be zero.
 const TINY: f64 = 1e-300;
 /// Shares at which a step may be cut.
 const INSIDE: [f64; 2] = [1e-3, 0.999];

@@ -28,14 +28,14 @@ const FEWEST: usize = 16;
 /// Knots after which traces are read.
 const KNOTS: usize = 1 << 13;
 
-/// One row on its way.
+/// A row that is being integrated, stretch by stretch.
 struct Course<'a, const N: usize> {
     row: u32,
     scenario: &'a Scenario,
     plan: &'a Plan,
     balance: Balance,
     sensor: Sensor,
-    /// How many states it has.
+    /// Number of states that count in the error norm.
     counted: f64,
     /// All states at its begin.
     initial: [f64; STATES],
@@ -144,7 +144,7 @@ fn integrate<'a, const N: usize, const BITS: u32>(
     Some(courses)
 }
 
-/// How a row's boundary ends.
+/// Boundary of the chamber at the end of a stretch, SI units.
 struct End {
     position: f64,
     volume: f64,

@@ -31,7 +31,7 @@ pub struct Shown {
     pub lags: bool,
 }
 
-/// Memory to use.
+/// Buffers that are kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
     records: Records,
@@ -146,7 +146,7 @@ pub struct Tests {
     pub(crate) hold: Lanes,
 }
 
-/// What becomes of them.
+/// How the tests end, by lane: temperatures after push and hold, K, rate of the hold, 1/s, settling time, s.
 pub struct Ends {
     pub(crate) pushed: Lanes,
     end: Lanes,
@@ -283,7 +283,7 @@ impl WithSimd for Solve<'_> {
     }
 }
 
-/// Tests with their ends.
+/// A group of tests with how they ended.
 struct Solved<'a> {
     tests: &'a Tests,
     ends: &'a Ends,

@@ -13,7 +13,7 @@ use crate::root::Curve;
 use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use chamber::real::Real;
 
-/// Number of a polynomial's coefficients.
+/// Coefficients of the polynomial that stands for a pressure.
 pub const TERMS: usize = 8;
 /// w from which on the recurrence goes upwards.
 const UPWARDS: f64 = 8.0;
@@ -27,7 +27,7 @@ pub const CUTS: [f64; 9] = [0.7, 1.5, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0, 30.0];
 pub struct Sensor {
     /// τ, s; zero for a sensor that follows at once.
     pub lag: f64,
-    /// What it shows too much, Pa.
+    /// Constant by which it reads too high, Pa.
     pub offset: f64,
     /// What it shows too much after a second, less the offset, Pa/s.
     pub drift: f64,

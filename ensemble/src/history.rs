@@ -13,7 +13,7 @@ const STRIDE: usize = 6;
 #[derive(Debug, Default)]
 pub struct History {
     lanes: Vec<Lanes>,
-    /// Whether to keep steps.
+    /// Whether steps that are seen are kept.
     pub awake: bool,
     /// How many steps it keeps; none is no limit.
     pub limit: Option<usize>,
@@ -29,12 +29,12 @@ pub struct Knot {
 }
 
 impl History {
-    /// Forgets all.
+    /// Drops every step; the memory stays allocated.
     pub fn clear(&mut self) {
         self.lanes.clear();
     }
 
-    /// Whether it can keep no more.
+    /// Whether it holds as many steps as its limit allows.
     #[inline(always)]
     pub fn is_at_limit(&self) -> bool {
         self.limit.is_some_and(|limit| self.lanes.len() >= limit * STRIDE)

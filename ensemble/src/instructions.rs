@@ -8,7 +8,7 @@ use pulp::Arch;
 pub struct InstructionSet(pub(crate) Arch);
 
 impl Default for InstructionSet {
-    /// The widest there is.
+    /// The widest instruction set of this processor.
     fn default() -> Self {
         Self(Arch::new())
     }

@@ -28,7 +28,7 @@ pub struct Stencil {
     at: [f64; KNOTS],
     value: [f64; KNOTS],
     slope: [f64; KNOTS],
-    /// How many of them there are.
+    /// How many of these moments there are.
     count: f64,
 }
 

@@ -89,7 +89,7 @@ pub enum Failure {
     /// The test is over before the push.
     #[error("the test ends before the push does")]
     EndsInPush,
-    /// Knots out of order.
+    /// The times of the mass flow profile do not increase.
     #[error("the profile's times must start at zero and increase")]
     ProfileTimes,
     /// Effects are active that the batch was not told of.
@@ -98,13 +98,13 @@ pub enum Failure {
     /// The exact solution was demanded where there is none.
     #[error("the exact solution needs a closed chamber, pushed linearly, with no effects but those that keep it")]
     NoExactSolution,
-    /// The gas is all gone.
+    /// The outflow has emptied the chamber.
     #[error("the chamber runs empty")]
     Empty,
     /// The equations cannot be followed further.
     #[error("no integration step, however small, keeps the error within the tolerance")]
     StepTooSmall,
-    /// Step limit.
+    /// The integration took more steps than a test may.
     #[error("the integration takes more steps than are allowed")]
     TooManySteps,
 }

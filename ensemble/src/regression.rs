@@ -46,7 +46,7 @@ struct Node {
     weight: Lanes,
 }
 
-/// Records, one a lane.
+/// Pressure records to regress, one in each lane, as parts of a curve.
 #[derive(Debug)]
 pub struct Records {
     parts: Vec<Part<Lanes>>,
@@ -75,7 +75,7 @@ pub struct Regression {
 pub struct Found([Lanes; 4]);
 
 impl Found {
-    /// Those of a lane.
+    /// The regression of one lane; `None` where its record determines none.
     pub fn lane(&self, lane: usize) -> Option<Regression> {
         let [final_pressure, rise, time_constant, misfit] = self.0.map(|found| found[lane]);
         let found = [final_pressure, rise, time_constant].iter().all(|v| v.is_finite());
@@ -90,7 +90,7 @@ impl Default for Records {
 }
 
 impl Records {
-    /// Forgets all.
+    /// Drops all records; the memory stays allocated.
     pub fn clear(&mut self) {
         self.parts.clear();
         self.nodes.clear();

@@ -10,7 +10,7 @@ const NOTHING: f64 = 1e-13;
 
 /// A function of one variable: a time, s, or a share of a step.
 pub trait Curve {
-    /// Its value there.
+    /// Value of the function at `place`, by lane.
     fn at(&self, place: Lanes) -> Lanes;
 }
 

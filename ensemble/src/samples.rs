@@ -10,7 +10,7 @@ use chamber::real::Real;
 
 /// Rate of the record that the regression is meant for, Hz.
 pub const SAMPLE_RATE_HZ: f64 = 100.0;
-/// How many nodes a sum has.
+/// Nodes of the rule that stands for a sum over samples.
 pub const POINTS: usize = 4;
 /// Share of a sample interval within which a time counts as that of the sample.
 const SAME: f64 = 1e-9;
@@ -27,12 +27,12 @@ pub fn from(time: f64) -> f64 {
     (time * SAMPLE_RATE_HZ - SAME).ceil()
 }
 
-/// Samples in a row.
+/// Consecutive samples of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<R = f64> {
-    /// Number of the first.
+    /// Number of the first sample, counted from the record's begin.
     pub first: R,
-    /// How many, a whole number.
+    /// Number of samples, a whole number.
     pub count: R,
 }
 

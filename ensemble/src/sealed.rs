@@ -63,7 +63,7 @@ impl Test {
 pub struct Ending<'a> {
     /// What was pushed and held, and how.
     pub scenario: &'a Scenario,
-    /// Its length, s.
+    /// Length of the test, s.
     pub duration: f64,
     /// Temperature of the wall, K.
     pub wall: f64,
@@ -75,7 +75,7 @@ pub struct Ending<'a> {
     pub pressure_per_temperature: f64,
     /// From the end of the push until within 1 %, s.
     pub settling: f64,
-    /// Of its record.
+    /// The paper's regression of its record, where it was asked for.
     pub regression: Option<Regression>,
 }
 

@@ -8,23 +8,23 @@ use core::ops::Range;
 /// What is seen of a system at one moment: pressure, Pa, temperature, K, and their rates in the integrator's time.
 #[derive(Clone, Copy, Debug)]
 pub struct View<R> {
-    /// Pressure and temperature.
+    /// Pressure, Pa, and temperature, K.
     pub value: [R; 2],
-    /// Their rates.
+    /// Rates of pressure and temperature, in the integrator's time.
     pub slope: [R; 2],
 }
 
 impl View<Lanes> {
-    /// Of a system that shows nothing.
+    /// Zero throughout: a lane without a system.
     pub const NONE: Self = Self { value: [Lanes::ZERO; 2], slope: [Lanes::ZERO; 2] };
 }
 
 /// A system at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<const N: usize> {
-    /// dy/dt.
+    /// dy/dt, per unit of the integrator's time.
     pub slope: [Lanes; N],
-    /// What is seen.
+    /// Pressure and temperature there.
     pub view: View<Lanes>,
     /// Power that reaches the gas as heat and enthalpy, and power with which it works on the piston. No state is linear in
     /// the energy, so that the step's integrals of these know nothing of its own error.
@@ -107,7 +107,7 @@ macro_rules! stage_of {
 pub struct Attempt<const N: usize> {
     /// States at its end.
     pub end: [Lanes; N],
-    /// The system there.
+    /// Rates and view at the end of the step.
     pub moment: Moment<N>,
     /// Energy received as heat and enthalpy, and work, over the step: integrals of [`Moment::power`].
     pub energy: [Lanes; 2],

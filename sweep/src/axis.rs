@@ -21,7 +21,7 @@ pub enum Scale {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Axis {
-    /// These values.
+    /// A list of values, each a level.
     Values {
         /// In the order of the study file.
         values: Vec<f64>,

@@ -36,7 +36,7 @@ pub struct Output {
     pub unit: &'static str,
     /// One line for people.
     pub doc: &'static str,
-    /// Which studies have it.
+    /// Studies in which the column is.
     pub when: When,
     /// Adds the values of some rows to a column; NaN where there is none.
     pub append: fn(&[Outputs], &mut Vec<f64>),
@@ -45,7 +45,7 @@ pub struct Output {
 /// Which studies have a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
-    /// All.
+    /// Every study.
     Always,
     /// Those with the paper's regression: not with `fit = false`.
     Fit,
@@ -115,7 +115,7 @@ pub fn schema(study: &Study) -> SchemaRef {
     Arc::new(Schema::new(fields))
 }
 
-/// Rows as Arrow.
+/// Rows as an Arrow batch of the study's schema.
 pub fn batch(study: &Study, schema: &SchemaRef, rows: Rows, statuses: &mut Statuses<'_>) -> Result<RecordBatch, Error> {
     let first = rows.first as i64;
     let numbers: Vec<i64> = (first..first + rows.statuses.len() as i64).collect();
@@ -140,7 +140,7 @@ pub struct Statuses<'a> {
 }
 
 impl<'a> Statuses<'a> {
-    /// None so far.
+    /// Begins without statuses.
     pub fn new(study: &'a Study) -> Self {
         Self { study, met: Vec::new() }
     }

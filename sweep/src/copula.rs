@@ -36,12 +36,12 @@ impl Copula {
         Some(Self { columns, correlation: correlation.clone(), factor })
     }
 
-    /// Which columns hang together.
+    /// Numbers of the correlated columns.
     pub fn columns(&self) -> &[usize] {
         &self.columns
     }
 
-    /// Their correlations, row by row.
+    /// Correlation matrix of these columns, row by row.
     pub fn correlation(&self) -> Vec<Vec<f64>> {
         self.correlation.row_iter().map(|row| row.iter().copied().collect()).collect()
     }

@@ -38,7 +38,7 @@ pub enum Distribution {
         #[serde(flatten)]
         limits: Limits,
     },
-    /// Triangular.
+    /// Density that rises linearly from `from` to `mode` and falls linearly to `to`.
     Triangular {
         /// The least value.
         from: f64,
@@ -49,7 +49,7 @@ pub enum Distribution {
     },
     /// Measured values: between two neighbours in order every value is as probable as any other.
     Empirical {
-        /// In order.
+        /// The measured values, ascending.
         values: Vec<f64>,
     },
 }

@@ -44,7 +44,7 @@ pub enum Error {
     OtherStudy {
         /// The output folder.
         folder: PathBuf,
-        /// How it shows.
+        /// What differs between the two studies.
         difference: String,
     },
     /// A smaller study that this one does not continue.
@@ -52,7 +52,7 @@ pub enum Error {
     NotContinued {
         /// The smaller study's folder.
         folder: PathBuf,
-        /// How it shows.
+        /// What differs from the beginning of the new study, or is missing.
         why: String,
     },
     /// Parquet that cannot be written or read.

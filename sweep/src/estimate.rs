@@ -19,7 +19,7 @@ const LARGEST: u64 = 1 << 15;
 /// Pieces for each thread, from all over the design: an axis may be slow at one of its ends.
 const PIECES: u64 = 8;
 
-/// What a study will take.
+/// Time and disk space that a study will take, measured on a few of its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Rows that were computed to find out.
@@ -39,7 +39,7 @@ impl Estimate {
         computing.max(writing) + self.seconds_per_part
     }
 
-    /// Bytes for some rows.
+    /// Disk space of so many rows, bytes.
     pub fn bytes(&self, rows: u64) -> f64 {
         rows as f64 * self.bytes_per_row
     }

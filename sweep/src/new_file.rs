@@ -27,7 +27,7 @@ pub const TEMPORARY: &str = ".tmp";
 pub struct Digest {
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
-    /// Its length, bytes.
+    /// Length of the file, bytes.
     pub bytes: u64,
 }
 
@@ -160,7 +160,7 @@ pub struct Ended {
 }
 
 impl Ended {
-    /// Its hash and length.
+    /// SHA-256 and length of the file.
     pub fn digest(&self) -> &Digest {
         &self.digest
     }

@@ -24,10 +24,10 @@ pub type StatusCounts = BTreeMap<String, u64>;
 
 /// Told how a run goes on, from any thread.
 pub trait Progress: Sync {
-    /// So many rows more are solved.
+    /// Called with the number of rows solved since the last call.
     fn solved(&self, rows: u64);
 
-    /// So many rows were there already.
+    /// Called with the number of rows found in complete parts.
     fn found(&self, _rows: u64) {}
 }
 
@@ -37,7 +37,7 @@ impl<F: Fn(u64) + Sync> Progress for F {
     }
 }
 
-/// Who is told.
+/// Receives the progress of a run.
 pub type OnRows<'a> = &'a dyn Progress;
 
 /// Some rows of a study as Arrow.
@@ -64,7 +64,7 @@ pub enum Workers {
 
 /// Where a part's rows go.
 pub struct Place<'a> {
-    /// What the file will be called.
+    /// Final path of the file, for error messages.
     pub path: &'a Path,
     /// The folder it is written in until it is whole.
     pub workshop: &'a Path,
@@ -133,7 +133,7 @@ fn places(study: &Study, plan: &Plan) -> Vec<usize> {
     plan.columns.iter().filter_map(place).collect()
 }
 
-/// Rows that were computed.
+/// A part whose rows were computed.
 pub struct Written {
     /// Their file, still to be published, where there was a place for one.
     pub file: Option<Ended>,

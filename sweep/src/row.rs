@@ -34,7 +34,7 @@ pub enum Failure {
     /// No strokes give the volume-to-area ratio.
     #[error("no length gives this volume-to-area ratio at this bore")]
     NoLength,
-    /// The simulation says why.
+    /// The simulation failed.
     #[error(transparent)]
     Simulation(#[from] ensemble::Failure),
 }
@@ -42,7 +42,7 @@ pub enum Failure {
 /// How a row ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// All of it is there.
+    /// The row has all its results.
     Ok,
     /// Pressure had not settled to 1 % when the test ended.
     NotSettled,

@@ -27,7 +27,7 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Into an empty file.
+    /// Writes to `file`, which is empty.
     pub fn new(file: File) -> Self {
         Self { file: BufWriter::with_capacity(BUFFER, file), hash: Sha256::new(), bytes: 0, held: None }
     }

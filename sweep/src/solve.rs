@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 
 /// Some rows of a study by column.
 pub struct Rows {
-    /// Number of the first.
+    /// Number of the first of these rows in the study.
     pub first: u64,
-    /// The varied quantities.
+    /// Values of the varied quantities, a column each.
     pub points: Vec<Vec<f64>>,
     /// The study's computed columns, NaN where there is no value.
     pub outputs: Vec<Vec<f64>>,
@@ -24,7 +24,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// No rows of a study.
+    /// Empty columns with the study's layout.
     pub fn none(study: &Study) -> Self {
         let columns = |count| vec![Vec::new(); count];
         let (points, outputs) = (columns(study.varied.len()), columns(columns::outputs(study).count()));
@@ -60,7 +60,7 @@ const TOGETHER: Duration = Duration::from_millis(200);
 const FEWEST: usize = 64;
 
 impl<'a> Solver<'a> {
-    /// For the rows of a study.
+    /// A solver for the rows of `study`.
     pub fn new(study: &'a Study) -> Self {
         let empty = Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN));
         Self {

@@ -83,14 +83,14 @@ pub trait Store: Sync {
 /// A file on the disk.
 #[derive(Debug)]
 pub enum LocalFile {
-    /// The stored one.
+    /// The stored file itself.
     Itself(PathBuf),
     /// A copy, which is removed when dropped.
     Copy(TempPath),
 }
 
 impl LocalFile {
-    /// Where it is.
+    /// Path of the file on the disk.
     pub fn path(&self) -> &Path {
         match self {
             LocalFile::Itself(path) => path,
@@ -106,7 +106,7 @@ pub struct Local {
 }
 
 impl Local {
-    /// At that path.
+    /// The folder at `path`; it need not exist yet.
     pub fn new(path: &Path) -> Self {
         Self { path: path.to_owned() }
     }
@@ -121,7 +121,7 @@ impl Local {
     }
 }
 
-/// Nothing where nothing is.
+/// `None` where the file does not exist, instead of an error.
 fn some<T>(result: io::Result<T>) -> io::Result<Option<T>> {
     match result {
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),

@@ -20,7 +20,7 @@ pub struct Parameter {
     pub name: String,
     /// Its place among [`quantity::all`].
     pub quantity: usize,
-    /// What its value may be.
+    /// Distribution of its value.
     pub distribution: Distribution,
 }
 

@@ -33,11 +33,11 @@ pub struct Answer {
     pub pressure_peak: f64,
     /// When it stands, s of the record.
     pub peak_time: f64,
-    /// At the end, Pa.
+    /// Reading at the end of the test, Pa.
     pub pressure_final: f64,
     /// Peak from the end of the push on, K.
     pub temperature_peak: f64,
-    /// At the end, K.
+    /// Temperature of the gas at the end of the test, K.
     pub temperature_final: f64,
     /// From the end of the push until within 1 % for good, s.
     pub settling: f64,
@@ -111,14 +111,14 @@ pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
     if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
 }
 
-/// Traced rows.
+/// Rows whose pressure is traced, with the knots of their traces.
 pub struct Traces<'a> {
     rows: Vec<Trace<'a>>,
     memory: &'a mut Memory,
 }
 
 impl<'a> Traces<'a> {
-    /// None yet.
+    /// Begins without rows; what `memory` held is dropped.
     pub fn new(memory: &'a mut Memory) -> Self {
         memory.knots.clear();
         memory.segments.clear();
@@ -141,12 +141,12 @@ impl<'a> Traces<'a> {
         }
     }
 
-    /// How many rows they are.
+    /// Number of rows begun so far.
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// How many knots they have.
+    /// Number of knots of all rows together.
     pub fn knots(&self) -> usize {
         self.memory.knots.len()
     }

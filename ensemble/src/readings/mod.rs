@@ -40,11 +40,11 @@ pub struct Behind {
 /// The answers about one record.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Answer {
-    /// Its peak, Pa.
+    /// Extreme reading from the end of the push on, Pa.
     pub peak: f64,
-    /// When it stands.
+    /// Time of that reading, s.
     peak_time: f64,
-    /// At the end of the test, Pa.
+    /// Reading at the end of the test, Pa.
     pub last: f64,
     /// From when on it is within 1 % of that for good.
     pub settling: f64,

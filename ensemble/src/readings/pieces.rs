@@ -21,7 +21,7 @@ const SHORTEST: f64 = 1e-300;
 /// A piece of each record.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
-    /// Its begin and end.
+    /// Times at which it begins and ends, s.
     pub times: [Lanes; 2],
     /// What is shown there, Pa, and the slopes, Pa/s.
     pub shown: [Lanes; 2],

@@ -27,15 +27,15 @@ pub enum Design {
     Sobol(Axes, u64, Sobol),
     /// Blocks of rows for indices of first, total and second order.
     Saltelli(Saltelli),
-    /// Points of one's own.
+    /// Points that the user lists in a file.
     Table(Table),
 }
 
-/// The axes of a design.
+/// The varied quantities of a design: the values of each, and which of them are correlated.
 #[derive(Clone, Debug)]
 pub struct Axes {
     list: Vec<Axis>,
-    /// How some of them hang together.
+    /// Correlations between some of the axes.
     copula: Option<Copula>,
 }
 
@@ -46,12 +46,12 @@ impl From<Vec<Axis>> for Axes {
 }
 
 impl Axes {
-    /// Axes of which some hang together.
+    /// Axes, and the correlations between some of them.
     pub fn new(list: Vec<Axis>, copula: Option<Copula>) -> Self {
         Self { list, copula }
     }
 
-    /// How some of them hang together.
+    /// Correlations between some of the axes; none where they are independent.
     pub fn copula(&self) -> Option<&Copula> {
         self.copula.as_ref()
     }

@@ -13,7 +13,7 @@ pub fn mix(key: u64, counter: u64) -> u64 {
     Stream::new(key).at(counter)
 }
 
-/// The numbers of one key.
+/// Random numbers of one key, each found by its counter alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream(u64);
 
@@ -24,7 +24,7 @@ impl Stream {
         Self(finish(key ^ 0x6a09_e667_f3bc_c908))
     }
 
-    /// Its number at a counter.
+    /// The random number at a counter, uniform over all bits.
     #[inline(always)]
     pub fn at(self, counter: u64) -> u64 {
         finish(self.0.wrapping_add(counter.wrapping_mul(0x9e37_79b9_7f4a_7c15)))

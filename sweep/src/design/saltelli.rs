@@ -16,7 +16,7 @@ pub const REPLICATES: u64 = 16;
 /// What a block of rows consists of.
 #[derive(Clone, Copy, Debug)]
 pub struct Scheme {
-    /// Number of quantities.
+    /// Number of varied quantities.
     pub axes: usize,
     /// Whether there are rows for indices of second order.
     pub second: bool,
@@ -57,14 +57,14 @@ pub struct Saltelli {
 }
 
 impl Saltelli {
-    /// That many blocks.
+    /// `samples` blocks about the axes; `second` adds the rows for indices of pairs.
     pub fn new(axes: Axes, samples: u64, seed: u64, second: bool) -> Self {
         let scheme = Scheme { axes: axes.len(), second };
         let replicates = (0..REPLICATES).map(|number| Sobol::scrambled(2 * axes.len(), mix(seed, number))).collect();
         Self { axes, samples, scheme, replicates }
     }
 
-    /// What varies.
+    /// The varied quantities.
     pub fn axes(&self) -> &Axes {
         &self.axes
     }
@@ -74,7 +74,7 @@ impl Saltelli {
         self.samples
     }
 
-    /// What each of them consists of.
+    /// The rows that make a block.
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }

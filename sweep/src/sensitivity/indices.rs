@@ -18,9 +18,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// of one replicate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Indices {
-    /// First order.
+    /// Indices of first order with their half-widths, by axis.
     pub first: Vec<[f64; 2]>,
-    /// Total order.
+    /// Indices of total order with their half-widths, by axis.
     pub total: Vec<[f64; 2]>,
     /// Second order of the pairs (0, 1), (0, 2) … (1, 2) …, where the study has it.
     pub second: Vec<[f64; 2]>,
@@ -76,14 +76,14 @@ impl Moments {
 /// Of the first pass over the blocks: what values are standardised by.
 #[derive(Default)]
 pub struct Centre {
-    /// Of every value.
+    /// Moments of all values.
     all: Moments,
-    /// Of A and B.
+    /// Moments of the first and last value of each block: samples A and B.
     ends: Moments,
 }
 
 impl Centre {
-    /// Takes a block into account.
+    /// Adds the values of one block.
     pub fn add(&mut self, block: &[f64]) {
         block.iter().for_each(|value| self.all.add(*value));
         self.ends.add(block[0]);
@@ -101,7 +101,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// No block yet.
+    /// Begins without blocks.
     pub fn new(scheme: Scheme, centre: Centre) -> Self {
         let zeros = vec![0.0; 3 + 2 * scheme.axes + scheme.pairs().count()];
         let replicates = vec![zeros; REPLICATES as usize];

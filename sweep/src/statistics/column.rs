@@ -8,7 +8,7 @@ use crate::study::Study;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// What is known of one column.
+/// Moments, extremes, quantile sketch and histogram of one column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Column {
     count: u64,
@@ -31,7 +31,7 @@ struct Extreme {
 }
 
 impl Column {
-    /// Of no rows.
+    /// Begins without rows; `bins` asks for a histogram.
     pub fn new(bins: Option<Bins>) -> Self {
         Self { bins: bins.map_or(Vec::new(), |bins| vec![0; bins.bins as usize + 2]), ..Self::default() }
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Points of a front at most: each part keeps them all.
 pub const MOST: usize = 10_000;
 
-/// What is looked for.
+/// Columns that a Pareto front minimises and maximises.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Goals {
     /// Columns that should be small.

@@ -9,15 +9,15 @@ const LANES: usize = 8;
 /// What is known of some numbers. Nothing of it counts where one of them is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
-    /// How many there are.
+    /// Number of values.
     pub count: u64,
-    /// Their mean.
+    /// Mean of the values.
     pub mean: f64,
     /// Sum of squared deviations from the mean.
     pub squares: f64,
-    /// The smallest.
+    /// Smallest value.
     pub least: f64,
-    /// The largest.
+    /// Largest value.
     pub most: f64,
 }
 
@@ -41,7 +41,7 @@ impl Moments {
 }
 
 struct Totals {
-    /// Of the differences from the first.
+    /// Sum of the differences from the first value.
     sum: f64,
     least: f64,
     most: f64,

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// Binary digits after the leading one that tell buckets apart.
 const DIGITS: u32 = 10;
-/// Digits of a double below those.
+/// Bits of a double's mantissa that the sketch ignores.
 const SHIFT: u32 = f64::MANTISSA_DIGITS - 1 - DIGITS;
 /// Buckets over which numbers count as close together, and tables that they are then counted in.
 const NARROW: usize = 256;
@@ -56,7 +56,7 @@ impl Sketch {
         self.negative.len() + self.zeros + self.positive.len()
     }
 
-    /// Whether none was.
+    /// Whether no number was counted.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

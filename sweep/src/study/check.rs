@@ -22,12 +22,12 @@ pub struct Refused {
 pub struct Bounds(Vec<Option<RangeInclusive<f64>>>);
 
 impl Bounds {
-    /// Those of one point.
+    /// The values of one point, each as a range of one value.
     pub fn of_point(point: &Point) -> Self {
         Self(point.0.iter().map(|&value| value.is_finite().then_some(value..=value)).collect())
     }
 
-    /// Sets those of one quantity.
+    /// Sets the range of one quantity.
     pub fn set(&mut self, quantity: usize, bounds: RangeInclusive<f64>) {
         self.0[quantity] = Some(bounds);
     }
