@@ -11,8 +11,8 @@ use std::path::PathBuf;
 #[command(after_help = "\
 The output has one row per row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, \
 temperature_k, mass_kg, volume_m3, heat_flow_w (into the gas). With --samples each column but time_s has two more, the ends of \
-its band: pressure_low_pa, pressure_high_pa and so on. The gas starts at ambient temperature. Its initial pressure is chosen so \
-that the simulated mean before the first movement equals that of the motion's pressure column.
+its band: pressure_low_pa, pressure_high_pa and so on. The gas starts at the temperature of the wall at rest, which is ambient \
+unless the model has a warm_wall. Its initial pressure is chosen so that the simulated mean before the first movement equals that of the motion's pressure column.
 
 Example:
   pneutherm simulate model.toml --motion validation.csv -o simulated.csv

@@ -14,8 +14,8 @@ Example:
   pneutherm validate model.toml other-day/rig.toml
   pneutherm validate model.toml other-day --whole-record --json validation.json --report validation.html
 
-Each record has its own initial pressure, delays and gauge offset, and its own initial temperature if it begins in motion. \
-These are fitted to its rest and first move, and the rest of the record is predicted and compared. With --whole-record they \
+Each record has its own initial pressure, delay, gauge offset and averaging of the position, its own initial temperature if it \
+begins in motion, and its own drift and delay of the position if the model has them. These are fitted to its rest and first move, and the rest of the record is predicted and compared. With --whole-record they \
 are fitted to the whole record, and the whole record is compared. Everything else is taken from the model. Pressures are in Pa.")]
 pub struct Args {
     /// The model file

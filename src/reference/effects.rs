@@ -39,7 +39,7 @@ fn section(card: &Card) -> String {
         ClosedForm::Filter => " A filter of the reading.",
         ClosedForm::Lost => "",
     };
-    let by_itself = if card.candidate { "" } else { " `diagnose` does not try it." };
+    let by_itself = if card.candidate { "" } else { " `diagnose` tries it only where no named effect fits." };
     writeln!(
         text,
         "Balance: {}. Scope: {}.{closed_form}{by_itself} Source: {}.\n",

@@ -95,8 +95,12 @@ def test_the_commands_of_the_readme_work_as_written(root, environment, tmp_path)
 
 def test_the_files_of_the_reference_page_are_accepted(root, pneutherm, tmp_path):
     page = (root / "book/src/reference/files.md").read_text()
-    _, model, study = [text for language, _, text in blocks(page) if language == "toml"]
+    rig, model, study = [text for language, _, text in blocks(page) if language == "toml"]
     (tmp_path / "model.toml").write_text(model)
+    # A motion in the layout of the rig file, which is read with all its keys.
+    (tmp_path / "rig.toml").write_text(rig)
+    (tmp_path / "motion.csv").write_text("time(s),Pos(in),p(psia)\n0.0,4.0,14.7\n0.1,3.9,14.8\n0.2,3.8,14.9\n")
+    pneutherm("simulate", "model.toml", "--motion", "motion.csv", "--rig", "rig.toml", "-o", "out.csv", cwd=tmp_path)
     (tmp_path / "study.toml").write_text(study)
     pneutherm("fmu", "model.toml", "-o", "Chamber.fmu", cwd=tmp_path)
     assert "72 in 16 of 16 parts" in pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
@@ -106,13 +110,111 @@ def test_the_files_of_the_reference_page_are_accepted(root, pneutherm, tmp_path)
     (tmp_path / "points.csv").write_text("bore_m,dead_volume_m3\n0.02,1e-6\n0.03,1e-6\n")
     said = pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
     assert "2 in 1 of 1 parts" in said, said
+    # Further tables of a study, each with whatever else makes a study of it.
+    head = (study.split("\n[vary]\n")[0] + "\n").replace('"factorial"', '"sobol"').replace("samples = 100000", "samples = 64")
+    tables = [text for language, _, text in blocks(page) if language == "text"]
+    whole, *others = [text for language, _, text in blocks((root / "sweep/README.md").read_text()) if language == "toml"]
+    (tmp_path / "study.toml").write_text(whole)
+    assert "rows       100000 in" in pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
+    assert len(tables) == 4 and len(others) == 3
+    assert all(text.startswith(("[vary]", "[statistics]")) for text in tables + others)
+    for text in tables + others:
+        vary = "" if "bore_m =" in text else "bore_m = { from = 0.016, to = 0.063 }\n"
+        vary = text.replace("[vary]\n", f"[vary]\n{vary}") if "[vary]" in text else f"[vary]\n{vary}{text}"
+        (tmp_path / "study.toml").write_text(head + vary)
+        assert "rows       64 in" in pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
+
+
+def hand_written(root):
+    """The pages that people write: those of the book that are not made from the code, and the pages beside the sources."""
+    book = [page for page in (root / "book/src").rglob("*.md") if not page.read_text().startswith("<!-- Made by")]
+    beside = ["README.md", "CHANGELOG.md", "benches/README.md", "examples/fmu/README.md", "fmu/binaries/README.md"]
+    return [*book, *(root / name for name in [*beside, "results/README.md", "sweep/README.md"])]
+
+
+def test_every_option_that_a_page_names_is_one_of_the_command(root):
+    sections = re.split(r"^## ", (root / "book/src/reference/command-line.md").read_text(), flags=re.M)[1:]
+    options = {text.split("\n")[0]: set(re.findall(r"(?<!\w)--[a-z][a-z-]+", text)) for text in sections}
+    named = 0
+    for page in hand_written(root):
+        text = page.read_text()
+        for command, rest in re.findall(r"pneutherm ([a-z]+) ([^\n`]*)", text):
+            for option in re.findall(r"(?<!\S)--[a-z][a-z-]+", rest.split("#")[0]):
+                assert option in options[f"pneutherm {command}"], f"{page.name}: pneutherm {command} {option}"
+                named += 1
+        # Options in the text itself are the program's, wherever no other program is named beside them.
+        for option in re.findall(r"`(--[a-z][a-z-]+)[^`]*`", re.sub(r"```.*?```", "", text, flags=re.S)):
+            assert option in set().union(*options.values()) | OTHERS, f"{page.name}: {option}"
+            named += 1
+    assert named > 40, named
+
+
+# Options of other programs.
+OTHERS = {"--requeue", "--scheduler"}
+
+
+def test_every_file_that_a_page_names_exists(root):
+    named = 0
+    for page in hand_written(root):
+        text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+        for name in re.findall(r"`([\w./-]+/[\w.-]+\.(?:rs|py|md|mo)|(?:results|examples|benches|rigs)/[\w./-]+)`", text):
+            # The page on diagnosis names files of `identify/src`.
+            places = [root, page.parent, root / "identify/src"]
+            assert any((place / name).exists() for place in places) or name in MADE, f"{page.name}: {name}"
+            named += 1
+    assert named > 40, named
+
+
+# Files that an example of a page makes.
+MADE = {"chamber/src/effects/seal_film.rs"}
+
+# What `identify/src/policy.rs` says, and how the pages on the method state it.
+POLICY = {
+    "DECISIVE: f64 = 10.0": "ΔBIC above 10 is very strong evidence",
+    "INDISTINGUISHABLE: f64 = 6.0": "whose BIC is within 6 of its BIC",
+    "MOST_TERMS: usize = 4": "more than four effects of the gas and its wall",
+    "MOST_IN_ALL: usize = 6": "more than six terms",
+    "GO_ON: usize = 3": "the three best of all, and the three best without",
+    "PAIRED: usize = 6": "The six best single terms are also tried in pairs",
+    "FITTED: usize = 8": "eight with terms of single records and eight without",
+    "JUDGED: usize = 4": "for the four best of these",
+    "FAMILY_PROBABILITY: f64 = 2e-5": "the probability limit of 2·10⁻⁵",
+    "SQUARES_DEVIATIONS: f64 = 4.5": "less than 4.5 standard deviations above its expectation",
+    "NOISE_MODEL_SHARE: f64 = 0.05": "an uncertainty of 5 % in the noise variance",
+    "GEOMETRY_WIDENED: f64 = 5.0": "with the stated numbers five times as uncertain as stated",
+    "TOLERANCES: f64 = 3.0": "more than three tolerances",
+    "DEVIATIONS_BEFOREHAND: f64 = 5.0": "A fit goes no farther than five of them",
+    "KINDS_PROBABILITY: f64 = 1e-4": "a probability below 10⁻⁴",
+    "KINDS_DEVIATIONS: f64 = 4.0": "more than four standard deviations apart",
+    "ACCURACY_OF_NOISE: f64 = 0.25": "by default a quarter of the noise",
+    "PREDICTS_BETTER: f64 = 0.5": "the effects at least halve the systematic error",
+    "NEXT_TO_NOTHING: f64 = 0.02": "leaves less than 2 % of the systematic misfit",
+    "PLAUSIBLE_COEFFICIENT: std::ops::RangeInclusive<f64> = 1.0..=1000.0": "a coefficient outside 1 to 1000 W/(m² K)",
+}
+
+
+def test_the_page_on_the_method_states_every_threshold_of_the_code(root):
+    code = (root / "identify/src/policy.rs").read_text()
+    assert re.findall(r"^pub const (.*);$", code, flags=re.M) == list(POLICY)
+    theory = root / "book/src/theory"
+    words = " ".join(((theory / "diagnosis.md").read_text() + (theory / "apart.md").read_text()).split())
+    for threshold, sentence in POLICY.items():
+        assert sentence in words, f"{threshold}: `{sentence}` is not in the guide"
+
+
+def test_the_page_on_effects_names_every_hook(root):
+    trait = (root / "chamber/src/effects/mod.rs").read_text().split("pub trait Effect {")[1].split("\n}\n")[0]
+    hooks = re.findall(r"^    fn (\w+)", trait, flags=re.M)
+    page = (root / "book/src/extend/effect.md").read_text()
+    named = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \|", page, flags=re.M)))
+    assert sorted(named) == sorted(hooks)
 
 
 def test_every_page_of_the_summary_exists_and_every_link_leads_somewhere(root):
     source = root / "book/src"
     pages = [source / target for target in re.findall(r"\]\(([^)]+\.md)\)", (source / "SUMMARY.md").read_text())]
     assert {page for page in source.rglob("*.md")} == {*pages, source / "SUMMARY.md"}
-    for page in [*pages, root / "README.md"]:
+    for page in {*pages, *hand_written(root)}:
         text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
         for target, anchor in re.findall(r"\]\((?!https?:)([^)#]*)(?:#([^)]+))?\)", text):
             to = (page.parent / target).resolve() if target else page
