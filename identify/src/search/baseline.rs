@@ -1,12 +1,13 @@
 //! The paper's model fitted to everything, with outliers left out and the noise that its residual shows.
 
 use crate::error::Error;
-use crate::fit::{self, Fit};
+use crate::fit::{self, Failure, Fit};
 use crate::judge::misfit;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::record::noise::Noise;
 use crate::record::prepare::Data;
 use crate::record::{colour, outliers};
+use rayon::prelude::*;
 
 /// Fits the paper's model; the data come back without outliers and with the noise that it shows.
 ///
@@ -48,16 +49,17 @@ fn from_scratch(data: &Data) -> Result<Fit, Error> {
     let h = Hypothesis::new(data, Model::PAPER, &first, &Sizes::of(data, &first));
     let selection = fit::all_blocks(data);
     // λ0 may be far from the first guess: the best of three starts.
-    let mut failure = None;
-    let fits: Vec<Fit> = [0.0, 2.0, -2.0]
-        .iter()
-        .filter_map(|offset| {
+    let fits: Vec<Result<Fit, Failure>> = [0.0, 2.0, -2.0]
+        .into_par_iter()
+        .map(|offset| {
             let mut x = h.coordinates(&first);
             x[0] += offset;
-            fit::fit(data, &h, x, h.first_owns(data), &selection).map_err(|e| failure = Some(e)).ok()
+            fit::fit(data, &h, x, h.first_owns(data), &selection)
         })
         .collect();
-    fits.into_iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)).ok_or_else(|| match failure {
+    let mut failure = None;
+    let fits = fits.into_iter().filter_map(|fit| fit.map_err(|e| failure = Some(e)).ok());
+    fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)).ok_or_else(|| match failure {
         Some((k, source)) => Error::Simulation { trace: data.traces[k].path.clone(), source },
         None => Error::Method("no start of the fit could be simulated".to_owned()),
     })

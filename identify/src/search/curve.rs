@@ -74,7 +74,7 @@ impl Search {
         let is_better = |c: &Candidate| c.delta_bic > named.delta_bic + policy::DECISIVE;
         let curves = self.curves_on(&self.baseline, ReadOff::effect()?, is_better);
         let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
-        Some(self.told(best, self.left_out(&named.fit)?, true))
+        Some(self.told(best, self.left_out(named)?, true))
     }
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
@@ -84,9 +84,10 @@ impl Search {
         if self.chosen.model != Model::PAPER {
             parts.push(&self.chosen);
         }
-        let (settled_pa, paper_pa) = (self.left_out(&settled.fit)?, self.left_out(&self.baseline.fit)?);
+        let (settled_pa, paper_pa) = (self.left_out(settled)?, self.left_out(&self.baseline)?);
         let is_likely = |c: &Candidate| c.delta_bic > settled.delta_bic;
-        let curves: Vec<Judged> = parts.iter().flat_map(|part| self.curves_on(part, empirical, is_likely)).collect();
+        let curves: Vec<Judged> =
+            parts.into_par_iter().flat_map_iter(|part| self.curves_on(part, empirical, is_likely)).collect();
         let acceptable = |c: &&Judged| {
             c.is_evident
                 && if c.candidate.model.terms() > settled.model.terms() {
@@ -118,8 +119,10 @@ impl Search {
     }
 
     /// Error on experiments left out whole, Pa rms.
-    fn left_out(&self, fit: &Fit) -> Option<f64> {
-        left_out::rmse(&self.data, fit, &left_out::by_experiment(&self.data))
+    fn left_out(&self, c: &Candidate) -> Option<f64> {
+        // A single experiment is left out in the same parts as by every other judgement.
+        let known = c.held_out_pa.filter(|_| self.data.experiments.len() < 2);
+        known.or_else(|| left_out::rmse(&self.data, &c.fit, &left_out::by_experiment(&self.data)))
     }
 
     /// Whether the error on left-out data falls by more than nobody minds.
@@ -132,10 +135,10 @@ impl Search {
     fn pruned(&self, mut best: Judged) -> Judged {
         let curve: EffectSet = ReadOff::effect().into_iter().collect();
         loop {
-            let less = terms::without_one(&best.candidate.model).into_iter().filter(|m| m.effects.contains(curve));
-            let fits = less.filter_map(|model| self.refitted_without(&best.candidate.fit, model));
-            let Some(candidate) = fits.map(|fit| self.candidate(fit)).max_by(by_bic) else { return best };
-            let left_out_pa = self.left_out(&candidate.fit).unwrap_or(f64::INFINITY);
+            let less = terms::without_one(&best.candidate.model).into_par_iter().filter(|m| m.effects.contains(curve));
+            let fits: Vec<Fit> = less.filter_map(|model| self.refitted_without(&best.candidate.fit, model)).collect();
+            let Some(candidate) = fits.into_iter().map(|fit| self.candidate(fit)).max_by(by_bic) else { return best };
+            let left_out_pa = self.left_out(&candidate).unwrap_or(f64::INFINITY);
             if best.candidate.delta_bic - candidate.delta_bic > policy::DECISIVE
                 || left_out_pa > NEARLY_AS_WELL * best.left_out_pa
             {
@@ -173,11 +176,12 @@ impl Search {
         refitted.sort_by(|a, b| by_bic(&b.1, &a.1));
         refitted.truncate(JUDGED);
         let judged = |(first_order, candidate): (Missing, Candidate)| {
-            let left_out_pa = self.left_out(&candidate.fit)?;
+            let candidate = self.judged(candidate);
+            let left_out_pa = self.left_out(&candidate)?;
             let gain = |bic: &dyn Fn(&Fit) -> f64| bic(&part.fit) - bic(&candidate.fit);
             let is_evident = gain(&bic) > policy::DECISIVE + (REFITTED as f64).ln()
                 && gain(&|fit| bic_widened(fit, policy::GEOMETRY_WIDENED)) > policy::DECISIVE;
-            Some(Judged { first_order, candidate: self.judged(candidate), left_out_pa, is_evident })
+            Some(Judged { first_order, candidate, left_out_pa, is_evident })
         };
         refitted.into_par_iter().filter_map(judged).collect()
     }

@@ -139,11 +139,11 @@ impl Search {
             singles = self.refitted(singles);
         }
         let strongest = singles.len().min(policy::PAIRED);
-        for single in &mut singles[..strongest] {
+        singles[..strongest].par_iter_mut().for_each(|single| {
             if let Some(freed) = self.freed(single) {
                 *single = freed;
             }
-        }
+        });
         sort(&mut singles);
         self.judge(&mut singles, usize::MAX);
         self.tried = singles;
@@ -246,7 +246,7 @@ impl Search {
         let Some(highest) = candidates.first().map(|c| c.delta_bic) else { return false };
         candidates.retain(|c| c.delta_bic > highest - policy::DECISIVE);
         // Which of those next to each other is best may show with their secondary parameters free only.
-        let freed: Vec<Candidate> = candidates.iter().filter_map(|c| self.freed(c)).collect();
+        let freed: Vec<Candidate> = candidates.par_iter().filter_map(|c| self.freed(c)).collect();
         self.tried.extend(freed.iter().cloned());
         sort(&mut self.tried);
         candidates.extend(freed);
@@ -301,17 +301,20 @@ impl Search {
     }
 
     fn judged(&self, mut c: Candidate) -> Candidate {
-        c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
+        self.hold_out(&mut c);
         c
+    }
+
+    /// Judges a candidate by data left out, unless that was done.
+    fn hold_out(&self, c: &mut Candidate) {
+        if c.held_out_pa.is_none() {
+            c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
+        }
     }
 
     fn judge(&self, candidates: &mut [Candidate], most: usize) {
         let count = candidates.len().min(most);
-        candidates[..count].par_iter_mut().for_each(|c| {
-            if c.held_out_pa.is_none() {
-                c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
-            }
-        });
+        candidates[..count].par_iter_mut().for_each(|c| self.hold_out(c));
     }
 
     /// Fits each model from the largest part of it that is there; best evidence first.
@@ -342,7 +345,7 @@ impl Search {
         self.data = self.data.clone().with_noise(noise);
         let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
-        self.baseline = self.judged(Candidate { fit, ..self.baseline.clone() });
+        self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
         self.chosen = self.baseline.clone();
         self.chosen_adequacy = self.baseline_adequacy.clone();
         self.steps = vec![self.baseline.clone()];
@@ -423,7 +426,7 @@ impl Search {
     fn without_one(&self) -> Vec<Candidate> {
         let models = terms::without_one(&self.chosen.model);
         models
-            .into_iter()
+            .into_par_iter()
             .filter_map(|model| {
                 if model == Model::PAPER {
                     return Some(self.baseline.clone());
