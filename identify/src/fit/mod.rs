@@ -24,6 +24,7 @@ use chamber::integrate::IntegrationError;
 use chamber::real::{Real, Scalar};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A step that promises less than this much of χ² ends the fit; so much more as χ² is more than its expectation, since the
 /// evidence counts χ² in that measure.
@@ -144,6 +145,15 @@ pub struct Descent {
     pub iterations: usize,
     /// Whether it ended at a minimum.
     pub converged: bool,
+    /// The problem linearised there, where that is known.
+    pub linear: Option<Vec<Linear>>,
+}
+
+impl Descent {
+    /// One that begins at these coordinates.
+    pub fn at(rig: Vec<f64>, own: Vec<Vec<f64>>) -> Self {
+        Self { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false, linear: None }
+    }
 }
 
 /// The sum of squares and the coordinates after so many iterations at the most: also to choose among starts.
@@ -160,14 +170,19 @@ pub fn descend(
 ) -> Result<Descent, Failure> {
     let free = hypothesis.axes.len();
     let own_axes: Vec<_> = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
-    let linearise = |rig: &[f64], own: &[Vec<f64>]| linearise(data, hypothesis, rig, own, selection, false);
-    let mut linear = linearise(&rig, &own)?;
-    let mut chi2 = total(&linear);
-    let mut system = System::new(&linear, free);
-    let blocks: usize = linear.iter().map(|l| l.blocks).sum();
+    let first = linearise(data, hypothesis, &rig, &own, selection)?;
+    let mut chi2 = total(&first);
+    let blocks: usize = first.iter().map(|l| l.blocks).sum();
+    let mut linear = Some(first);
     let settled = |chi2: f64| SETTLED * (chi2 / blocks.max(1) as f64).max(1.0);
     let (mut damping, mut iterations, mut converged) = (1e-4, 0, false);
     'outer: while iterations < most_iterations {
+        let here = match linear.take() {
+            Some(here) => here,
+            None => linearise(data, hypothesis, &rig, &own, selection)?,
+        };
+        let system = System::new(&here, free);
+        linear = Some(here);
         iterations += 1;
         for _ in 0..12 {
             let Some((step, own_steps, promised)) = system.step(hypothesis, &rig, damping) else {
@@ -185,19 +200,16 @@ pub fn descend(
                 .zip(&own_axes)
                 .map(|((x, step), axes)| moved(x, step, axes.iter().map(|axis| axis.bounds)))
                 .collect();
-            if let Ok(next) = linearise(&trial, &trial_own) {
-                let next_chi2 = total(&next);
-                if next_chi2 < chi2 {
-                    let gained = chi2 - next_chi2;
-                    (rig, own, linear, chi2) = (trial, trial_own, next, next_chi2);
-                    system = System::new(&linear, free);
-                    damping = if gained > 0.7 * promised { damping * 0.1 } else { damping }.max(1e-9);
-                    if gained < settled(chi2) {
-                        converged = true;
-                        break 'outer;
-                    }
-                    continue 'outer;
+            // Whether a step leads down is a matter of the residuals alone, at a fraction of the sensitivities' cost.
+            if let Some(next) = squares(data, hypothesis, &trial, &trial_own, selection).filter(|next| *next < chi2) {
+                let gained = chi2 - next;
+                (rig, own, chi2, linear) = (trial, trial_own, next, None);
+                damping = if gained > 0.7 * promised { damping * 0.1 } else { damping }.max(1e-9);
+                if gained < settled(chi2) {
+                    converged = true;
+                    break 'outer;
                 }
+                continue 'outer;
             }
             damping = (damping * 10.0).max(1e-3);
             if damping > 1e8 {
@@ -208,20 +220,20 @@ pub fn descend(
         }
         break;
     }
-    Ok(Descent { rig, own, chi2, iterations, converged })
+    Ok(Descent { rig, own, chi2, iterations, converged, linear })
 }
 
 /// The sum of squares that the first step from these coordinates promises; `None` where the simulation fails.
 pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>]) -> Option<f64> {
-    let linear = linearise(data, hypothesis, rig, own, &all_blocks(data), false).ok()?;
+    let linear = linearise(data, hypothesis, rig, own, &all_blocks(data)).ok()?;
     let (_, _, promised) = System::new(&linear, hypothesis.axes.len()).step(hypothesis, rig, 1e-4)?;
     Some((total(&linear) - promised).max(0.0))
 }
 
 /// Linearises in everything at the solution.
 fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Selection) -> Result<Fit, Failure> {
-    let Descent { rig, own, chi2, iterations, converged } = found;
-    let linear = linearise(data, hypothesis, &rig, &own, selection, true)?;
+    let Descent { rig, own, chi2, iterations, converged, linear } = found;
+    let linear = linearise_in_all(data, hypothesis, &rig, &own, selection, linear)?;
     let (free, stated) = (hypothesis.axes.len(), hypothesis.stated.len());
     let at_bound: Vec<bool> =
         rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
@@ -286,19 +298,77 @@ fn linearise(
     rig: &[f64],
     own: &[Vec<f64>],
     selection: &Selection,
-    with_stated: bool,
 ) -> Result<Vec<Linear>, Failure> {
-    let stated = if with_stated { hypothesis.stated.len() } else { 0 };
+    linearised(data, hypothesis, rig, own, 0, |k, x| record(&data.traces[k], hypothesis, x, selection[k]))
+}
+
+/// The same with the sensitivities by the stated numbers too; where the others are `known`, by those alone.
+fn linearise_in_all(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &[f64],
+    own: &[Vec<f64>],
+    selection: &Selection,
+    known: Option<Vec<Linear>>,
+) -> Result<Vec<Linear>, Failure> {
+    let stated = hypothesis.stated.len();
+    linearised(data, hypothesis, rig, own, stated, |k, x| {
+        let (t, blocks) = (&data.traces[k], selection[k]);
+        match &known {
+            Some(known) => by_stated_too(t, hypothesis, x, blocks, &known[k]),
+            None => record(t, hypothesis, x, blocks),
+        }
+    })
+}
+
+/// Every record linearised by `record`, the priors of the rig's numbers behind them.
+fn linearised<'a>(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &'a [f64],
+    own: &'a [Vec<f64>],
+    stated: usize,
+    record: impl Fn(usize, &Coordinates<'a>) -> Result<Linear, IntegrationError> + Sync,
+) -> Result<Vec<Linear>, Failure> {
     let records: Result<Vec<Linear>, Failure> = (0..data.traces.len())
         .into_par_iter()
-        .map(|k| {
-            let x = Coordinates { rig, stated, own: &own[k] };
-            record(&data.traces[k], hypothesis, &x, selection[k]).map_err(|e| (k, e))
-        })
+        .map(|k| record(k, &Coordinates { rig, stated, own: &own[k] }).map_err(|e| (k, e)))
         .collect();
     let mut records = records?;
     records.extend(priors(hypothesis, rig, stated));
     Ok(records)
+}
+
+/// The sum of squares that [`linearise`] would find there; `None` where the simulation fails.
+fn squares(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>], selection: &Selection) -> Option<f64> {
+    let records: Option<Vec<Vec<f64>>> = (0..data.traces.len())
+        .into_par_iter()
+        .map(|k| residual(&data.traces[k], hypothesis, rig, &own[k], selection[k]))
+        .collect();
+    let priors = priors(hypothesis, rig, 0).map(|l| l.residual);
+    Some(records?.iter().chain(&priors).flatten().map(|r| r * r).sum())
+}
+
+/// One record's whitened residuals, the priors of its own numbers behind them.
+fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], own: &[f64], blocks: usize) -> Option<Vec<f64>> {
+    let selected = &t.blocks[..blocks];
+    let mut out = Vec::new();
+    if blocks > 0 {
+        let setting = h.setting(t, rig, &[], own);
+        let mut shown = run(t, &setting, h.model.effects).pressures(&points(selected)).ok()?.into_iter();
+        out.extend(selected.iter().map(|block| block.mean_pa - mean(block, &mut shown)));
+        t.whitener.apply(&mut out);
+    }
+    out.extend(own_priors(t, h, blocks).into_iter().map(|(i, [mean, sd])| (mean - own[i]) / sd));
+    out.iter().all(|r| r.is_finite()).then_some(out)
+}
+
+/// What is known beforehand of a record's own numbers, by their places; nothing where the record takes no part.
+fn own_priors(t: &Prepared, h: &Hypothesis, blocks: usize) -> Vec<(usize, [f64; 2])> {
+    match blocks {
+        0 => Vec::new(),
+        _ => h.own_of(t).iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect(),
+    }
 }
 
 /// What is known of the rig's free numbers beforehand, as one more record without blocks.
@@ -339,34 +409,9 @@ impl Coordinates<'_> {
 }
 
 fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> Result<Linear, IntegrationError> {
-    let count = x.count();
     // Columns: residual, free, stated, own.
-    let own_axes = h.own_of(t);
-    let priors: Vec<(usize, [f64; 2])> = match blocks {
-        0 => Vec::new(),
-        _ => own_axes.iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect(),
-    };
-    let mut columns = DMatrix::zeros(blocks, 1 + count);
-    if blocks > 0 {
-        let firsts: Vec<usize> = (0..count.max(1)).step_by(WIDEST).collect();
-        let passes: Result<Vec<DMatrix<f64>>, IntegrationError> = firsts
-            .par_iter()
-            // No wider than need be.
-            .map(|&first| match (count - first).min(WIDEST) {
-                ..=3 => pass::<3>(t, h, x, first, blocks),
-                4 => pass::<4>(t, h, x, first, blocks),
-                5..=6 => pass::<6>(t, h, x, first, blocks),
-                7..=8 => pass::<8>(t, h, x, first, blocks),
-                _ => pass::<WIDEST>(t, h, x, first, blocks),
-            })
-            .collect();
-        for (first, passed) in firsts.into_iter().zip(passes?) {
-            let width = (count - first).min(WIDEST);
-            columns.set_column(0, &passed.column(0));
-            columns.columns_mut(1 + first, width).copy_from(&passed.columns(1, width));
-        }
-        t.whitener.apply_to(&mut columns);
-    }
+    let columns = columns(t, h, x, 0..x.count(), blocks)?;
+    let priors = own_priors(t, h, blocks);
     let rig = x.rig.len() + x.stated;
     let mut columns = columns.resize_vertically(blocks + priors.len(), 0.0);
     for (k, (i, [mean, sd])) in priors.into_iter().enumerate() {
@@ -380,6 +425,56 @@ fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> R
         by_own: columns.columns(1 + rig, x.own.len()).into_owned(),
     };
     if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
+}
+
+/// A record that was linearised by its free and own numbers, by the stated ones as well.
+fn by_stated_too(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    blocks: usize,
+    known: &Linear,
+) -> Result<Linear, IntegrationError> {
+    let free = x.rig.len();
+    let mut by_rig = known.by_rig.clone().resize_horizontally(free + x.stated, 0.0);
+    if x.stated > 0 {
+        let columns = columns(t, h, x, free..free + x.stated, blocks)?;
+        by_rig.view_mut((0, free), (blocks, x.stated)).copy_from(&columns.columns(1, x.stated));
+    }
+    Ok(Linear { by_rig, ..known.clone() })
+}
+
+/// Whitened columns of the residual and of the derivatives by the coordinates at these places, for the first `blocks` blocks.
+fn columns(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    places: Range<usize>,
+    blocks: usize,
+) -> Result<DMatrix<f64>, IntegrationError> {
+    let mut columns = DMatrix::zeros(blocks, 1 + places.len());
+    if blocks == 0 {
+        return Ok(columns);
+    }
+    let width = |first: usize| (places.end - first).min(WIDEST);
+    let firsts: Vec<usize> = (places.start..places.end.max(places.start + 1)).step_by(WIDEST).collect();
+    let passes: Result<Vec<DMatrix<f64>>, IntegrationError> = firsts
+        .par_iter()
+        // No wider than need be.
+        .map(|&first| match width(first) {
+            ..=3 => pass::<3>(t, h, x, first, blocks),
+            4 => pass::<4>(t, h, x, first, blocks),
+            5..=6 => pass::<6>(t, h, x, first, blocks),
+            7..=8 => pass::<8>(t, h, x, first, blocks),
+            _ => pass::<WIDEST>(t, h, x, first, blocks),
+        })
+        .collect();
+    for (first, passed) in firsts.into_iter().zip(passes?) {
+        columns.set_column(0, &passed.column(0));
+        columns.columns_mut(1 + first - places.start, width(first)).copy_from(&passed.columns(1, width(first)));
+    }
+    t.whitener.apply_to(&mut columns);
+    Ok(columns)
 }
 
 /// Columns of the residual and of the derivatives by N coordinates from the `first` on, for the first `blocks` blocks.

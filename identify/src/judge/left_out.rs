@@ -72,8 +72,9 @@ fn without(data: &Data, out: impl Fn(usize, &Prepared) -> bool) -> Fold {
 pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
     let mut squares = 0.0;
     let mut rows = 0;
+    // What the rig states has no part in a prediction.
+    let h = &Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
     for fold in folds {
-        let h = &fitted.hypothesis;
         let refit = fit::fit(data, h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()?;
         let parts: Option<Vec<(f64, usize)>> = (0..data.traces.len())
             .into_par_iter()

@@ -51,7 +51,7 @@ fn begun(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Vec<(Hypothesi
     let unmoved = |start: &Chamber| {
         let h = Hypothesis::new(data, model, start, sizes);
         let (rig, own) = (h.coordinates(start), owns(data, &h, part));
-        (h, Descent { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false })
+        (h, Descent::at(rig, own))
     };
     starts.iter().map(unmoved).collect()
 }
