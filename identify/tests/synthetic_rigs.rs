@@ -3,6 +3,7 @@
 use chamber::card::ActsOn;
 use chamber::effects;
 use chamber::simulate::Start;
+use identify::fit::covariance;
 use identify::forward::Run;
 use identify::parameters::names;
 use identify::record::prepare::Data;
@@ -164,6 +165,19 @@ fn gas_that_is_warm_at_the_start_of_every_record_is_no_warm_wall() {
     let found = traced(&recipe);
     assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Adequate, vec![]));
     assert!(found.chosen.model.initial_temperature);
+}
+
+#[test]
+fn an_interval_holds_the_truth_where_records_tell_the_ambient_temperature_better_than_its_thermometer() {
+    let rises = recording::ALL.iter().find(|r| r.name == "ambient-rises").unwrap();
+    let mut recipe = rises.apply(Recipe::from_seed(1));
+    recipe.faults.stated.ambient_offset_k = 2.0;
+    let found = traced(&recipe).chosen.fit;
+    let estimates = covariance::estimates(&found, &covariance::covariance(&found, true));
+    let (name, lambda0) = &estimates[0];
+    let truth = recipe.chamber.heat_transfer.coefficient;
+    assert!(lambda0.ci95[0] < truth && truth < lambda0.ci95[1], "{name}: {lambda0:?}, {truth}");
+    assert!((lambda0.value / truth - 1.0).abs() > 0.005 && lambda0.ci95[1] < 1.05 * truth, "{lambda0:?}, {truth}");
 }
 
 #[test]

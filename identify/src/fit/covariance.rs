@@ -1,8 +1,9 @@
 //! Intervals of what was fitted, and what the data does not determine.
 //!
-//! Covariance: inverse of the normal matrix (the records' own numbers eliminated, tolerances as priors), whose weights carry
-//! the noise's colour and the position's noise. Where the residual is more than noise, the variance between traces is the larger truth (sandwich
-//! estimator with traces as clusters; blocks in a single trace): the wider of the two is reported.
+//! Covariance: inverse of the normal matrix (the records' own numbers eliminated), whose weights carry the noise's colour and
+//! the position's noise. Where the residual is more than noise, the variance between traces is the larger truth (sandwich
+//! estimator with traces as clusters; blocks in a single trace): the wider of the two is reported. The tolerances of what
+//! the rig states are carried through the fit and added.
 
 use crate::fit::Fit;
 use crate::parameters::Axis;
@@ -52,39 +53,19 @@ impl Undetermined {
 /// Two-sided 95 % quantile of the normal distribution.
 const NORMAL_95: f64 = 1.959_963_985;
 
-/// Covariance of the rig's free coordinates, what the rig states within tolerances included; of no extent in coordinates at
-/// a bound.
+/// Covariance of the rig's free coordinates as errors of the values at the stated numbers: that of the records, and the
+/// stated numbers' tolerances carried through the fit (JCGM 100:2008, equation 10); of no extent in coordinates at a bound.
+/// The values do not move with the stated numbers, so that what the records tell of those does not make them better.
 pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
-    let all: Vec<usize> = (fit.rig.len()..fit.information.nrows()).collect();
-    covariance_with(fit, residual_is_noise, &all)
-}
-
-/// The same with only these of the stated numbers uncertain.
-fn covariance_with(fit: &Fit, residual_is_noise: bool, stated: &[usize]) -> DMatrix<f64> {
     let n = fit.rig.len();
-    let mut free: Vec<usize> = (0..n).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect();
-    let rig = free.len();
-    free.extend(stated);
-    let m = free.len();
-    let information = DMatrix::from_fn(m, m, |i, j| fit.information[(free[i], free[j])]);
-    let Some(inverse) = inverse(&information) else { return DMatrix::from_diagonal_element(n, n, f64::INFINITY) };
-    let mut covariance = inverse.clone();
-    if !residual_is_noise {
-        let robust = &inverse * meat(fit, &free) * &inverse;
-        let freedom = (fit.blocks as f64 - m as f64).max(1.0);
-        let scale = (fit.marginal / freedom).max(1.0);
-        for i in 0..m {
-            let wider = (robust[(i, i)] / covariance[(i, i)]).max(scale).sqrt();
-            for j in 0..m {
-                covariance[(i, j)] *= wider;
-                covariance[(j, i)] *= wider;
-            }
-        }
-    }
+    let Some(parts) = Parts::of(fit, residual_is_noise) else {
+        return DMatrix::from_diagonal_element(n, n, f64::INFINITY);
+    };
+    let sum = &parts.records + &parts.by_stated * parts.by_stated.transpose();
     let mut out = DMatrix::zeros(n, n);
-    for i in 0..rig {
-        for j in 0..rig {
-            out[(free[i], free[j])] = covariance[(i, j)];
+    for (i, &to) in parts.free.iter().enumerate() {
+        for (j, &and) in parts.free.iter().enumerate() {
+            out[(to, and)] = sum[(i, j)];
         }
     }
     out
@@ -92,16 +73,47 @@ fn covariance_with(fit: &Fit, residual_is_noise: bool, stated: &[usize]) -> DMat
 
 /// What the variance of a coordinate is made of: the share of each stated number's tolerance, and of the records.
 pub fn budget(fit: &Fit, coordinate: usize, residual_is_noise: bool) -> Vec<(String, f64)> {
-    let stated: Vec<usize> = (fit.rig.len()..fit.information.nrows()).collect();
-    let variance = |of: &[usize]| covariance_with(fit, residual_is_noise, of)[(coordinate, coordinate)];
-    let (whole, alone) = (variance(&stated), variance(&[]));
-    let mut shares: Vec<(String, f64)> = vec![("records".to_owned(), alone)];
-    for (k, axis) in fit.hypothesis.stated.iter().enumerate() {
-        let others: Vec<usize> = stated.iter().copied().filter(|i| *i != stated[k]).collect();
-        shares.push((axis.slot.name(), (whole - variance(&others)).max(0.0)));
-    }
+    let Some(parts) = Parts::of(fit, residual_is_noise) else { return Vec::new() };
+    let Some(place) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
+    let stated = fit.hypothesis.stated.iter().map(|axis| axis.slot.name());
+    let theirs = stated.zip(parts.by_stated.row(place).iter().map(|by| by * by).collect::<Vec<f64>>());
+    let shares: Vec<(String, f64)> =
+        std::iter::once(("records".to_owned(), parts.records[(place, place)])).chain(theirs).collect();
     let sum: f64 = shares.iter().map(|(_, v)| v).sum();
     shares.into_iter().map(|(name, v)| (name, if sum > 0.0 { v / sum } else { 0.0 })).collect()
+}
+
+/// Where the errors of the rig's free coordinates come from.
+struct Parts {
+    /// The coordinates that are not at a bound.
+    free: Vec<usize>,
+    /// Their covariance by the records alone.
+    records: DMatrix<f64>,
+    /// How far each is off for one tolerance of each stated number.
+    by_stated: DMatrix<f64>,
+}
+
+impl Parts {
+    fn of(fit: &Fit, residual_is_noise: bool) -> Option<Self> {
+        let n = fit.rig.len();
+        let free: Vec<usize> = (0..n).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect();
+        let m = free.len();
+        let stated = fit.information.ncols() - n;
+        let inverse = inverse(&DMatrix::from_fn(m, m, |i, j| fit.information[(free[i], free[j])]))?;
+        let by_stated = &inverse * DMatrix::from_fn(m, stated, |i, k| fit.information[(free[i], n + k)]);
+        let mut records = inverse.clone();
+        if !residual_is_noise {
+            let robust = &inverse * meat(fit, &free) * &inverse;
+            let freedom = (fit.blocks as f64 - m as f64).max(1.0);
+            let scale = (fit.marginal / freedom).max(1.0);
+            for i in 0..m {
+                let wider = (robust[(i, i)] / inverse[(i, i)]).max(scale).sqrt();
+                records.row_mut(i).scale_mut(wider);
+                records.column_mut(i).scale_mut(wider);
+            }
+        }
+        Some(Self { free, records, by_stated })
+    }
 }
 
 /// Covariance of a record's own coordinates, the rig's uncertainty included.
