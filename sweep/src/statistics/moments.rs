@@ -25,13 +25,11 @@ impl Moments {
     /// Of some numbers; none where there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         let first = *values.first()?;
-        let arch = Arch::new();
-        let Totals { sum, least, most } = arch.dispatch(Total { values, first });
+        let Totals { sum, squares, least, most } = Arch::new().dispatch(Total { values, first });
         let count = values.len() as f64;
-        // From the numbers' own mean, so that nothing cancels.
-        let mean = first + sum / count;
-        let squares = if least == most { 0.0 } else { arch.dispatch(Squares { values, mean }) };
-        Some(Self { count: values.len() as u64, mean, squares, least, most })
+        // One of n numbers is at most √n standard deviations from their mean: what cancels costs no more than n roundings.
+        let squares = if least == most { 0.0 } else { (squares - sum * (sum / count)).max(0.0) };
+        Some(Self { count: values.len() as u64, mean: first + sum / count, squares, least, most })
     }
 
     /// Whether all numbers, and their mean, are finite.
@@ -43,6 +41,8 @@ impl Moments {
 struct Totals {
     /// Sum of the differences from the first value.
     sum: f64,
+    /// Of their squares.
+    squares: f64,
     least: f64,
     most: f64,
 }
@@ -59,44 +59,26 @@ impl WithSimd for Total<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Totals {
         let Self { values, first } = self;
         let (whole, rest) = values.as_chunks::<LANES>();
-        let (mut sums, mut least, mut most) = ([0.0; LANES], [first; LANES], [first; LANES]);
+        let (mut sums, mut squares) = ([0.0; LANES], [0.0; LANES]);
+        let (mut least, mut most) = ([first; LANES], [first; LANES]);
         for chunk in whole {
             for lane in 0..LANES {
                 let value = chunk[lane];
-                sums[lane] += value - first;
+                let difference = value - first;
+                sums[lane] += difference;
+                squares[lane] += difference * difference;
                 least[lane] = if value < least[lane] { value } else { least[lane] };
                 most[lane] = if value > most[lane] { value } else { most[lane] };
             }
         }
         let all = || rest.iter().copied();
+        let differences = || all().map(|value| value - first);
         Totals {
-            sum: sums.iter().sum::<f64>() + all().map(|value| value - first).sum::<f64>(),
+            sum: sums.iter().sum::<f64>() + differences().sum::<f64>(),
+            squares: squares.iter().sum::<f64>() + differences().map(|difference| difference * difference).sum::<f64>(),
             least: least.into_iter().chain(all()).fold(first, f64::min),
             most: most.into_iter().chain(all()).fold(first, f64::max),
         }
-    }
-}
-
-struct Squares<'a> {
-    values: &'a [f64],
-    mean: f64,
-}
-
-impl WithSimd for Squares<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let Self { values, mean } = self;
-        let (whole, rest) = values.as_chunks::<LANES>();
-        let mut sums = [0.0; LANES];
-        for chunk in whole {
-            for lane in 0..LANES {
-                let deviation = chunk[lane] - mean;
-                sums[lane] += deviation * deviation;
-            }
-        }
-        sums.iter().sum::<f64>() + rest.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>()
     }
 }
 
