@@ -16,6 +16,8 @@
 
 // Several arrays of lanes side by side, by one index, read as the equations do.
 #![allow(clippy::needless_range_loop)]
+// In unit tests nothing calls the integration of batches, see `sets_with_code_of_their_own`.
+#![cfg_attr(test, allow(dead_code, unused_imports, unused_variables))]
 
 mod adaptive;
 mod advance;
@@ -36,8 +38,8 @@ pub mod lanes;
 mod look;
 mod math;
 mod outcome;
-#[cfg(test)]
-mod plain;
+#[doc(hidden)]
+pub mod plain;
 mod plan;
 mod reader;
 mod readings;
@@ -48,8 +50,6 @@ mod scenario;
 mod sealed;
 mod step;
 mod tableau;
-#[cfg(test)]
-mod tests;
 
 pub use instructions::InstructionSet;
 pub use outcome::{Failure, Fit, Outcome};
@@ -243,14 +243,23 @@ macro_rules! sets_with_code_of_their_own {
                     const BITS: u32 = $bits;
                     course::run::<{ general::states(BITS) }, BITS>(arch, memory, set, rows, scenarios, options, out)
                 })*
+                // Unit tests are of the parts. The kernel takes minutes to compile and is tested as it is built: `tests/batches.rs`.
+                #[cfg(test)]
+                _ => unreachable!("the unit tests solve no batches"),
+                #[cfg(not(test))]
                 _ => course::run::<STATES, { general::AT_RUN_TIME }>(arch, memory, set, rows, scenarios, options, out),
             }
         }
     };
 }
 
-/// The bits of the first compiled set that has all effects of a set. Where there is none, rows carry the states of all
-/// effects along.
+/// Whether there is code compiled for rows with these effects. Rows with others carry the states of all effects along
+/// and take longer.
+pub fn has_code_of_its_own(set: EffectSet) -> bool {
+    compiled_for(on_the_gas(set)).is_some()
+}
+
+/// The bits of the first compiled set that has all effects of a set.
 fn compiled_for(set: EffectSet) -> Option<u32> {
     COMPILED.iter().copied().find(|bits| EffectSet::from_bits(*bits).contains(set))
 }
@@ -270,4 +279,7 @@ const WITHOUT_STATES: u32 = {
     bits & !bit("empirical")
 };
 
+#[cfg(test)]
+sets_with_code_of_their_own![];
+#[cfg(not(test))]
 sets_with_code_of_their_own![0, bit("leakage"), bit("wall_heating"), bit("gas_zones"), WITHOUT_STATES | general::ASKED];

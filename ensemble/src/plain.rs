@@ -1,4 +1,4 @@
-//! One scenario after the other with the plain integrator: the reference that the lanes are held against.
+//! One scenario after the other with the plain integrator: the reference that tests hold the lanes against.
 
 use crate::fit;
 use crate::lanes::Lanes;

@@ -1,6 +1,5 @@
 //! `energy_error` beside what integrated rows are really wrong by.
 
-#[path = "../src/tests/numbers.rs"]
 mod numbers;
 
 use chamber::exact::Closed;
