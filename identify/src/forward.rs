@@ -7,8 +7,8 @@
 use crate::record::stroke::{Motion, Spline};
 use crate::record::true_stroke::TrueStroke;
 use chamber::Chamber;
-use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, STATES};
-use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES, sensor_lag};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, OWN, STATES};
+use chamber::effects::{self, EffectSet, EffectValues, FEW_OWN_STATES, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
 use chamber::record::{self, Inputs, Readings};
@@ -61,6 +61,9 @@ impl<'a, R: Scalar> Passing<'a, R> {
     /// position and velocity.
     #[inline(always)]
     fn with_tangents(&self, mut boundary: Boundary<R>, time: f64) -> Boundary<R> {
+        if !has_derivatives::<R>() {
+            return boundary;
+        }
         if let Some(filter) = self.filter {
             let [position, velocity] = self.stroke.by_filter(self.stretch.get(), time);
             let slower = filter - filter.value();
@@ -68,7 +71,7 @@ impl<'a, R: Scalar> Passing<'a, R> {
             boundary.velocity += slower * velocity;
         }
         if self.window.value() > 0.0 {
-            let [position, velocity] = self.stroke.by_window(time);
+            let [position, velocity] = self.stroke.by_window();
             let wider = self.window - self.window.value();
             boundary.position += wider * position;
             boundary.velocity += wider * velocity;
@@ -116,6 +119,11 @@ impl<R: Scalar> Inputs for Passing<'_, R> {
     fn first_step(&self, length: f64) -> f64 {
         0.02 * length
     }
+}
+
+/// Whether a number has derivatives beside its value.
+const fn has_derivatives<R: Scalar>() -> bool {
+    size_of::<R>() > size_of::<f64>()
 }
 
 /// A further disturbance of the gas, in the integration's number type: what a residual may be the trace of.
@@ -176,14 +184,14 @@ impl<R: Scalar> Run<'_, R> {
         on_step: impl FnMut(f64, &[R]),
     ) -> Result<Vec<R>, IntegrationError> {
         if balance::moving_states(self.set.without(effects::of_sensor())) <= FEW_STATES {
-            self.in_states::<FEW_STATES>(times, disturbance, on_step)
+            self.in_states::<FEW_STATES, FEW_OWN_STATES>(times, disturbance, on_step)
         } else {
-            self.in_states::<STATES>(times, disturbance, on_step)
+            self.in_states::<STATES, OWN_STATES>(times, disturbance, on_step)
         }
     }
 
-    /// The same in the first `N` states.
-    fn in_states<const N: usize>(
+    /// The same in the first `N` states, `M` of them the effects' own.
+    fn in_states<const N: usize, const M: usize>(
         &self,
         times: &[f64],
         disturbance: &impl Disturbance<R>,
@@ -209,7 +217,7 @@ impl<R: Scalar> Run<'_, R> {
             if evaluations.get() > most_evaluations {
                 return [R::from(f64::NAN); N];
             }
-            disturbed_rates(gas_set, &balance, &around(boundary, t), state, disturbance.at(t))
+            disturbed_rates::<R, N, M>(gas_set, &balance, &around(boundary, t), state, disturbance.at(t))
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
@@ -233,23 +241,43 @@ fn warmed<R: Scalar>(boundary: Boundary, warmer: R) -> Boundary<R> {
 
 /// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.
 #[inline(always)]
-fn disturbed_rates<R: Scalar, const N: usize>(
+fn disturbed_rates<R: Scalar, const N: usize, const M: usize>(
     set: EffectSet,
     balance: &Balance<R>,
     boundary: &Boundary<R>,
     state: &[R; N],
     disturbance: Option<[R; 4]>,
 ) -> [R; N] {
-    let Some([mass, heat, volume, volume_rate]) = disturbance else { return balance.rates(set, boundary, state) };
+    let Some([mass, heat, volume, volume_rate]) = disturbance else {
+        return rates::<R, N, M>(set, balance, boundary, state);
+    };
     let chamber = &balance.chamber;
     let area = chamber.geometry.piston_area;
     let mut moved = *boundary;
     moved.position += volume / area;
     moved.velocity += volume_rate / area;
-    let mut rates = balance.rates(set, &moved, state);
+    let mut rates = rates::<R, N, M>(set, balance, &moved, state);
     rates[MASS] += mass;
     rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
     rates
+}
+
+/// Rates of the states, `M` of them the effects' own: those that are left out cost nothing.
+#[inline(always)]
+fn rates<R: Scalar, const N: usize, const M: usize>(
+    set: EffectSet,
+    balance: &Balance<R>,
+    boundary: &Boundary<R>,
+    state: &[R; N],
+) -> [R; N] {
+    let mut own = [R::ZERO; M];
+    own.copy_from_slice(&state[OWN..]);
+    let (_, rates, own) = balance.evaluate_contents(set, boundary, &balance.contents(boundary, state), &own);
+    let mut out = [R::ZERO; N];
+    out[MASS] = rates.mass;
+    out[ENERGY] = rates.energy;
+    out[OWN..].copy_from_slice(&own);
+    out
 }
 
 /// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.

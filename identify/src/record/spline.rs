@@ -94,12 +94,24 @@ impl Spline {
     /// Value and slope at time `t`; `near` remembers the last piece.
     #[inline]
     pub fn at(&self, t: f64, near: &Cell<usize>) -> (f64, f64) {
+        let [value, slope, _] = self.bent(t, near);
+        (value, slope)
+    }
+
+    /// Second derivative at time `t`; of the later piece at a knot.
+    pub fn curvature(&self, t: f64, near: &Cell<usize>) -> f64 {
+        self.bent(t, near)[2]
+    }
+
+    /// Value, slope and second derivative at time `t`.
+    #[inline(always)]
+    pub fn bent(&self, t: f64, near: &Cell<usize>) -> [f64; 3] {
         let last = self.time.len() - 1;
         if t < self.time[0] || last == 0 {
-            return (self.value[0], 0.0);
+            return [self.value[0], 0.0, 0.0];
         }
         if t > self.time[last] {
-            return (self.value[last], 0.0);
+            return [self.value[last], 0.0, 0.0];
         }
         let mut i = near.get().min(last - 1);
         if t < self.time[i] || t > self.time[i + 1] {
@@ -115,22 +127,9 @@ impl Spline {
         let (a, b) = (self.value[i], self.value[i + 1]);
         let (p, q) = (self.slope[i] * h, self.slope[i + 1] * h);
         let (c2, c3) = (3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q);
-        (a + u * (p + u * (c2 + u * c3)), (p + u * (2.0 * c2 + 3.0 * u * c3)) / h)
-    }
-
-    /// Second derivative at time `t`; of the later piece at a knot.
-    pub fn curvature(&self, t: f64, near: &Cell<usize>) -> f64 {
-        let last = self.time.len() - 1;
-        if t < self.time[0] || t > self.time[last] || last == 0 {
-            return 0.0;
-        }
-        self.at(t, near);
-        let i = near.get().min(last - 1);
-        let h = self.time[i + 1] - self.time[i];
-        let u = (t - self.time[i]) / h;
-        let (rise, p, q) = (self.value[i + 1] - self.value[i], self.slope[i] * h, self.slope[i + 1] * h);
-        let (c2, c3) = (3.0 * rise - 2.0 * p - q, p + q - 2.0 * rise);
-        (2.0 * c2 + 6.0 * u * c3) / (h * h)
+        let value = a + u * (p + u * (c2 + u * c3));
+        let bend = 2.0 * c2 + 6.0 * u * (p + q - 2.0 * (b - a));
+        [value, (p + u * (2.0 * c2 + 3.0 * u * c3)) / h, bend / (h * h)]
     }
 }
 

@@ -17,6 +17,15 @@ pub struct TrueStroke<'a> {
     /// Where stretches without a corner end; those of the record itself where it is no average.
     ends: Vec<f64>,
     near: [Cell<usize>; 4],
+    /// What was read for the bend that was asked last.
+    read: Cell<Read>,
+}
+
+/// Where the record was read for a bend, and its speed, m/s, and acceleration, m/s², there.
+#[derive(Clone, Copy, Default)]
+struct Read {
+    points: Points,
+    rates: [[f64; 2]; 3],
 }
 
 impl<'a> TrueStroke<'a> {
@@ -32,7 +41,7 @@ impl<'a> TrueStroke<'a> {
             ends.sort_by(f64::total_cmp);
             ends.dedup_by(|later, earlier| *later - *earlier < 1e-9);
         }
-        Self { motion, window, filter, ends, near: Default::default() }
+        Self { motion, window, filter, ends, near: Default::default(), read: Cell::default() }
     }
 
     /// Number of stretches without a corner.
@@ -80,23 +89,21 @@ impl<'a> TrueStroke<'a> {
             let (position, velocity) = self.motion.segments[stretch].stroke.at(time, &self.near[0]);
             return [position, velocity];
         }
-        let recorded = |time: f64, near: usize| self.segment(time).stroke.at(time, &self.near[near]);
-        let (position, velocity) = recorded(time, 3);
-        let Points { times, moves_on, .. } = self.points(time);
-        let [before, middle, after] = [0, 1, 2].map(|i| recorded(times[i], i));
-        let bend = position_averaging::bend([before.0, middle.0, after.0]);
-        let bend_rate = if moves_on { position_averaging::bend([before.1, middle.1, after.1]) } else { 0.0 };
+        let recorded = |time: f64, near: usize| self.segment(time).stroke.bent(time, &self.near[near]);
+        let [position, velocity, _] = recorded(time, 3);
+        let points = self.points(time);
+        let [before, middle, after] = [0, 1, 2].map(|i| recorded(points.times[i], i));
+        self.read.set(Read { points, rates: [before, middle, after].map(|[_, speed, bend]| [speed, bend]) });
+        let bend = position_averaging::bend([before[0], middle[0], after[0]]);
+        let bend_rate = if points.moves_on { position_averaging::bend([before[1], middle[1], after[1]]) } else { 0.0 };
         [position - bend, velocity - bend_rate]
     }
 
-    /// Derivatives of position and velocity by the window, 1/s of each; the low-pass's share of the velocity's is left out.
-    pub fn by_window(&self, time: f64) -> [f64; 2] {
-        let Points { times, by_window, moves_on } = self.points(time);
-        let rate = |i: usize| {
-            let (stroke, near) = (&self.segment(times[i]).stroke, &self.near[i]);
-            [stroke.at(times[i], near).1 * by_window[i], stroke.curvature(times[i], near) * by_window[i]]
-        };
-        let rates = [0, 1, 2].map(rate);
+    /// Derivatives of position and velocity by the window, 1/s of each, at the time that was asked last; the low-pass's share
+    /// of the velocity's is left out.
+    pub fn by_window(&self) -> [f64; 2] {
+        let Read { points: Points { by_window, moves_on, .. }, rates } = self.read.get();
+        let rates = [0, 1, 2].map(|i| rates[i].map(|rate| rate * by_window[i]));
         let of = |k: usize| -position_averaging::bend(rates.map(|r| r[k]));
         let velocity = if moves_on { of(1) } else { 0.0 };
         [of(0) + self.filter * velocity, velocity]
@@ -128,6 +135,7 @@ impl<'a> TrueStroke<'a> {
 }
 
 /// Three moments of the record, s, their rates by the window, and whether they go along with time.
+#[derive(Clone, Copy, Default)]
 struct Points {
     times: [f64; 3],
     by_window: [f64; 3],
@@ -200,7 +208,8 @@ mod tests {
         let (_, motion) = record();
         let [less, middle, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, WINDOW + d, 0.0));
         for t in [0.005, 0.013, 0.38, 0.45, 0.5123, 0.6, 0.71, 1.0, 1.49] {
-            let [position, velocity] = middle.by_window(t);
+            along(&middle, t);
+            let [position, velocity] = middle.by_window();
             let by_window = [0, 1].map(|k| (along(&more, t)[k] - along(&less, t)[k]) / 2e-6);
             assert!((position - by_window[0]).abs() < 1e-6, "{t}: {position} {}", by_window[0]);
             assert!((velocity - by_window[1]).abs() < 1e-3, "{t}: {velocity} {}", by_window[1]);
