@@ -135,9 +135,11 @@ impl<R: Real, const N: usize> Dense<R, N> {
         let theta = (t - self.from) * self.per_length;
         let theta1 = R::ONE - theta;
         let [start, difference, begin, third, fourth] = &self.terms;
-        core::array::from_fn(|i| {
-            start[i] + (difference[i] + (begin[i] + (third[i] + fourth[i] * theta1) * theta) * theta1) * theta
-        })
+        let mut states = *start;
+        for i in 0..N {
+            states[i] += (difference[i] + (begin[i] + (third[i] + fourth[i] * theta1) * theta) * theta1) * theta;
+        }
+        states
     }
 }
 
@@ -218,13 +220,14 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         slopes[0] = first;
         let mut end = self.state;
         for stage in 1..7 {
-            let mut sum = slopes[0].map(|slope| slope * A[stage][0]);
-            for j in 1..stage {
-                for i in 0..N {
-                    sum[i] += slopes[j][i] * A[stage][j];
+            // State by state: the sum stays in registers, however many derivatives a number has.
+            for i in 0..N {
+                let mut sum = slopes[0][i] * A[stage][0];
+                for j in 1..stage {
+                    sum += slopes[j][i] * A[stage][j];
                 }
+                end[i] = self.state[i] + sum * h;
             }
-            end = core::array::from_fn(|i| self.state[i] + sum[i] * h);
             slopes[stage] = system.rates(self.time + C[stage] * h, &end);
         }
         Step { from: self.time, length: h, start: self.state, end, slopes }
