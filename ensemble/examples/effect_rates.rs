@@ -5,7 +5,7 @@
 //! `benches/sealed.toml`, drawn at random, with one effect at its typical values. The error is the largest over the rows, against the integrator at a tolerance of 1e-13.
 //! With names of cases as arguments only sealed rows and these are run, and the page is printed only.
 
-#[path = "../tests/numbers.rs"]
+#[path = "../tests/common/numbers.rs"]
 mod numbers;
 
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};

@@ -1,5 +1,6 @@
 //! Batches against closed forms, against the plain integrator, and against themselves in another order.
 
+#[path = "common/numbers.rs"]
 mod numbers;
 
 use chamber::card::ClosedForm;

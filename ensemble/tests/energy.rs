@@ -1,5 +1,6 @@
 //! `energy_error` beside what integrated rows are really wrong by.
 
+#[path = "common/numbers.rs"]
 mod numbers;
 
 use chamber::exact::Closed;

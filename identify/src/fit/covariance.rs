@@ -63,9 +63,9 @@ pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
     };
     let sum = &parts.records + &parts.by_stated * parts.by_stated.transpose();
     let mut out = DMatrix::zeros(n, n);
-    for (i, &to) in parts.free.iter().enumerate() {
-        for (j, &and) in parts.free.iter().enumerate() {
-            out[(to, and)] = sum[(i, j)];
+    for (i, &row) in parts.free.iter().enumerate() {
+        for (j, &column) in parts.free.iter().enumerate() {
+            out[(row, column)] = sum[(i, j)];
         }
     }
     out
