@@ -435,13 +435,15 @@ fn by_stated_too(
     blocks: usize,
     known: &Linear,
 ) -> Result<Linear, IntegrationError> {
-    let free = x.rig.len();
-    let mut by_rig = known.by_rig.clone().resize_horizontally(free + x.stated, 0.0);
-    if x.stated > 0 {
-        let columns = columns(t, h, x, free..free + x.stated, blocks)?;
-        by_rig.view_mut((0, free), (blocks, x.stated)).copy_from(&columns.columns(1, x.stated));
+    if x.stated == 0 {
+        return Ok(known.clone());
     }
-    Ok(Linear { by_rig, ..known.clone() })
+    let free = x.rig.len();
+    let columns = columns(t, h, x, free..free + x.stated, blocks)?;
+    let Linear { residual, by_rig, by_own, .. } = known.clone();
+    let mut by_rig = by_rig.resize_horizontally(free + x.stated, 0.0);
+    by_rig.view_mut((0, free), (blocks, x.stated)).copy_from(&columns.columns(1, x.stated));
+    Ok(Linear { blocks, residual, by_rig, by_own })
 }
 
 /// Whitened columns of the residual and of the derivatives by the coordinates at these places, for the first `blocks` blocks.
