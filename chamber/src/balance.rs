@@ -513,7 +513,20 @@ impl<R: Real> Balance<R> {
     /// Rates of the first `N` states, per second: what an integrator needs.
     #[inline(always)]
     pub fn rates<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
-        let (_, rates, own) = self.evaluate(set, boundary, state);
+        self.rates_with_own::<N, OWN_STATES>(set, boundary, state)
+    }
+
+    /// The same where only the first `M` own states, at least `N` - 2, are worked with: those left out cost nothing.
+    #[inline(always)]
+    pub fn rates_with_own<const N: usize, const M: usize>(
+        &self,
+        set: EffectSet,
+        boundary: &Boundary<R>,
+        state: &[R; N],
+    ) -> [R; N] {
+        let mut own = [R::ZERO; M];
+        own[..N - OWN].copy_from_slice(&state[OWN..]);
+        let (_, rates, own) = self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own);
         let mut out = [R::ZERO; N];
         out[MASS] = rates.mass;
         out[ENERGY] = rates.energy;

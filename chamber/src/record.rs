@@ -10,7 +10,7 @@ use crate::model::Chamber;
 use crate::real::Scalar;
 
 /// What is imposed on a chamber over time, in stretches that follow each other, each of them smooth.
-pub trait Inputs {
+pub trait Inputs<R> {
     /// Where the first stretch begins, s.
     fn begin(&self) -> f64;
 
@@ -21,7 +21,7 @@ pub trait Inputs {
     fn end(&self, stretch: usize) -> f64;
 
     /// The boundary at `time`, s, on a stretch.
-    fn boundary(&self, stretch: usize, time: f64) -> Boundary;
+    fn boundary(&self, stretch: usize, time: f64) -> Boundary<R>;
 
     /// The longest first step on a stretch of this length, s.
     fn first_step(&self, _length: f64) -> f64 {
@@ -31,10 +31,9 @@ pub trait Inputs {
 
 /// The boundary at `time`, s, whose derivatives (those of a delay) move the position on.
 #[inline]
-pub fn boundary_at<R: Scalar>(inputs: &impl Inputs, stretch: usize, time: R) -> Boundary<R> {
-    let plain = inputs.boundary(stretch, time.value());
-    let mut boundary: Boundary<R> = plain.lift();
-    boundary.position += (time - time.value()) * plain.velocity;
+pub fn boundary_at<R: Scalar>(inputs: &impl Inputs<R>, stretch: usize, time: R) -> Boundary<R> {
+    let mut boundary = inputs.boundary(stretch, time.value());
+    boundary.position += (time - time.value()) * boundary.velocity;
     boundary
 }
 
@@ -44,10 +43,10 @@ pub fn boundary_at<R: Scalar>(inputs: &impl Inputs, stretch: usize, time: R) -> 
 /// Where the state leaves what the equations can follow.
 #[inline]
 pub fn follow<R: Scalar, const N: usize>(
-    inputs: &impl Inputs,
+    inputs: &impl Inputs<R>,
     integrator: &mut Integrator<R, N>,
     last: f64,
-    rates: impl Fn(f64, Boundary, &[R; N]) -> [R; N],
+    rates: impl Fn(f64, &Boundary<R>, &[R; N]) -> [R; N],
     mut on_step: impl FnMut(usize, f64, &Step<R, N>),
 ) -> Result<(), IntegrationError> {
     for stretch in 0..inputs.stretches() {
@@ -56,7 +55,7 @@ pub fn follow<R: Scalar, const N: usize>(
             continue;
         }
         integrator.step = integrator.step.min(inputs.first_step(end - integrator.time));
-        let system = |t: f64, state: &[R; N]| rates(t, inputs.boundary(stretch, t), state);
+        let system = |t: f64, state: &[R; N]| rates(t, &inputs.boundary(stretch, t), state);
         integrator.advance(&system, end, |step| on_step(stretch, step.from + step.length, step))?;
     }
     Ok(())

@@ -2,6 +2,7 @@
 
 use crate::balance::Boundary;
 use crate::effects::{self, EffectSet, EffectValues, position_averaging};
+use crate::real::Real;
 use crate::record::Inputs;
 
 /// Inputs at one knot in time; linear in between.
@@ -117,7 +118,7 @@ impl Signals {
     }
 }
 
-impl Inputs for Signals {
+impl<R: Real> Inputs<R> for Signals {
     #[inline]
     fn begin(&self) -> f64 {
         self.knots[0].time
@@ -135,13 +136,13 @@ impl Inputs for Signals {
 
     /// Within the stretch that begins at the knot of that number; behind the last knot all stays as it is there.
     #[inline]
-    fn boundary(&self, stretch: usize, time: f64) -> Boundary {
+    fn boundary(&self, stretch: usize, time: f64) -> Boundary<R> {
         let from = &self.knots[stretch];
         let Some(to) = self.knots.get(stretch + 1) else {
-            return self.at(from, 0.0, from, 0.0);
+            return self.at(from, 0.0, from, 0.0).lift();
         };
         let length = to.time - from.time;
-        self.at(from, (time - from.time) / length, to, (to.position - from.position) / length)
+        self.at(from, (time - from.time) / length, to, (to.position - from.position) / length).lift()
     }
 }
 

@@ -61,13 +61,14 @@ impl<R: Real> Start<R> {
 /// Default relative tolerance of a simulation: far below a sensor's noise.
 pub const RELATIVE_TOLERANCE: f64 = 1e-9;
 
-/// Absolute tolerances that go with a relative one: that share of each state's nominal size.
+/// Absolute tolerances that go with a relative one: that share of the nominal size of each state of the effects, which may
+/// pass through zero, and next to nothing of mass and energy, which do not.
 pub fn tolerance<R: Scalar, const N: usize>(relative: f64, initial: &[R; N]) -> Tolerance<N> {
     let mut absolute = [0.0; N];
     absolute[MASS] = 1e-3 * relative * initial[MASS].value();
     absolute[ENERGY] = 1e-3 * relative * initial[ENERGY].value();
     for (absolute, nominal) in absolute[OWN..].iter_mut().zip(effects::NOMINALS) {
-        *absolute = 1e-3 * relative * nominal;
+        *absolute = relative * nominal;
     }
     Tolerance { relative, absolute }
 }
@@ -84,7 +85,7 @@ pub fn simulate<R: Scalar>(
     chamber: &Chamber<R>,
     set: EffectSet,
     start: Start<R>,
-    inputs: &impl Inputs,
+    inputs: &impl Inputs<R>,
     times: &[f64],
     relative_tolerance: f64,
 ) -> Result<Vec<Sample<R>>, IntegrationError> {
@@ -100,13 +101,13 @@ fn in_states<R: Scalar, const N: usize>(
     chamber: &Chamber<R>,
     set: EffectSet,
     start: Start<R>,
-    inputs: &impl Inputs,
+    inputs: &impl Inputs<R>,
     times: &[f64],
     relative_tolerance: f64,
 ) -> Result<Vec<Sample<R>>, IntegrationError> {
     let Some(&last) = times.last() else { return Ok(Vec::new()) };
     let begin = inputs.begin();
-    let initial = balance::state_at(chamber, &inputs.boundary(0, begin).lift(), start.pressure, start.temperature);
+    let initial = balance::state_at(chamber, &inputs.boundary(0, begin), start.pressure, start.temperature);
     let initial: [R; N] = core::array::from_fn(|i| initial[i]);
     let readings = Readings::new(chamber, set, times, begin);
     let balance = Balance::of(*chamber);
@@ -114,7 +115,7 @@ fn in_states<R: Scalar, const N: usize>(
     let mut recorder = Recorder { balance: &balance, set, inputs, times, readings, samples };
     recorder.record(0, begin, || |_| initial);
     let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-    let rates = |_: f64, boundary: Boundary, state: &[R; N]| balance.rates(set, &boundary.lift(), state);
+    let rates = |_: f64, boundary: &Boundary<R>, state: &[R; N]| balance.rates(set, boundary, state);
     record::follow(inputs, &mut integrator, last, rates, |stretch, until, step| {
         recorder.record(stretch, until, || {
             let dense = step.dense();
@@ -134,7 +135,7 @@ struct Recorder<'a, R, I> {
     samples: Vec<Sample<R>>,
 }
 
-impl<R: Scalar, I: Inputs> Recorder<'_, R, I> {
+impl<R: Scalar, I: Inputs<R>> Recorder<'_, R, I> {
     /// Takes every sample and reading due until `until`, s, on a stretch, where `states` makes the function that gives
     /// the states.
     #[inline]

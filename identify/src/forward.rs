@@ -5,10 +5,10 @@
 //! ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual numbers give exact sensitivities.
 
 use crate::record::stroke::{Motion, Spline};
-use crate::record::true_stroke::TrueStroke;
+use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
-use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, OWN, STATES};
-use chamber::effects::{self, EffectSet, EffectValues, FEW_OWN_STATES, OWN_STATES, sensor_lag};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, STATES};
+use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
 use chamber::record::{self, Inputs, Readings};
@@ -34,53 +34,23 @@ struct Passing<'a, R> {
     stroke: TrueStroke<'a>,
     /// The window that the stroke was recorded over, s.
     window: R,
-    /// Time constant of the low-pass that it has passed, s, where there may be one.
-    filter: Option<R>,
+    /// Time constant of the low-pass that it has passed, s.
+    filter: R,
+    /// How much warmer than recorded or stated the surroundings are, K.
+    warmer: R,
     near_flow: Cell<usize>,
-    /// The stretch that was asked last.
-    stretch: Cell<usize>,
 }
 
 impl<'a, R: Scalar> Passing<'a, R> {
-    fn new(course: &'a Course, chamber: &Chamber<R>, set: EffectSet) -> Self {
+    fn new(course: &'a Course, chamber: &Chamber<R>, set: EffectSet, warmer: R) -> Self {
         let window = effects::stroke_window(set, &chamber.effects);
         let filter = effects::stroke_filter(set, &chamber.effects);
-        let may_be_filtered = effects::stroke_filter(set, &EffectValues([1.0; effects::PARAMETERS])) > 0.0;
         let stroke = TrueStroke::new(&course.motion, window.value().max(0.0), filter.value().max(0.0));
-        Self {
-            course,
-            stroke,
-            window,
-            filter: may_be_filtered.then_some(filter),
-            near_flow: Cell::new(0),
-            stretch: Cell::new(0),
-        }
-    }
-
-    /// The boundary that was asked last with what the derivatives of the window and the low-pass, if they have any, make of
-    /// position and velocity.
-    #[inline(always)]
-    fn with_tangents(&self, mut boundary: Boundary<R>, time: f64) -> Boundary<R> {
-        if !has_derivatives::<R>() {
-            return boundary;
-        }
-        if let Some(filter) = self.filter {
-            let [position, velocity] = self.stroke.by_filter(self.stretch.get(), time);
-            let slower = filter - filter.value();
-            boundary.position += slower * position;
-            boundary.velocity += slower * velocity;
-        }
-        if self.window.value() > 0.0 {
-            let [position, velocity] = self.stroke.by_window();
-            let wider = self.window - self.window.value();
-            boundary.position += wider * position;
-            boundary.velocity += wider * velocity;
-        }
-        boundary
+        Self { course, stroke, window, filter, warmer, near_flow: Cell::new(0) }
     }
 }
 
-impl<R: Scalar> Inputs for Passing<'_, R> {
+impl<R: Scalar> Inputs<R> for Passing<'_, R> {
     #[inline]
     fn begin(&self) -> f64 {
         self.course.motion.extent().0
@@ -97,20 +67,27 @@ impl<R: Scalar> Inputs for Passing<'_, R> {
     }
 
     #[inline]
-    fn boundary(&self, stretch: usize, time: f64) -> Boundary {
+    fn boundary(&self, stretch: usize, time: f64) -> Boundary<R> {
         let course = self.course;
-        self.stretch.set(stretch);
-        let [position, velocity] = self.stroke.at(stretch, time);
+        let Moment { position, velocity, by_window, by_filter } = self.stroke.at(stretch, time);
+        let (mut position, mut velocity) = (R::from(position), R::from(velocity));
+        for (number, by) in [(self.window, by_window), (self.filter, by_filter)] {
+            // Zero but for its derivatives, which a number without effect does not have.
+            let change = number - number.value();
+            position += change * by[0];
+            velocity += change * by[1];
+        }
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
+        let ambient_temperature = self.warmer + ambient_temperature;
         let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
         Boundary {
             position,
             velocity,
-            mass_flow_in: flow.max(0.0),
+            mass_flow_in: R::from(flow.max(0.0)),
             temperature_in: ambient_temperature,
-            mass_flow_out: (-flow).max(0.0),
+            mass_flow_out: R::from((-flow).max(0.0)),
             ambient_temperature,
-            ambient_pressure: course.ambient_pressure,
+            ambient_pressure: R::from(course.ambient_pressure),
         }
     }
 
@@ -119,11 +96,6 @@ impl<R: Scalar> Inputs for Passing<'_, R> {
     fn first_step(&self, length: f64) -> f64 {
         0.02 * length
     }
-}
-
-/// Whether a number has derivatives beside its value.
-const fn has_derivatives<R: Scalar>() -> bool {
-    size_of::<R>() > size_of::<f64>()
 }
 
 /// A further disturbance of the gas, in the integration's number type: what a residual may be the trace of.
@@ -199,25 +171,23 @@ impl<R: Scalar> Run<'_, R> {
     ) -> Result<Vec<R>, IntegrationError> {
         let Run { chamber, set, start, warmer, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Vec::new()) };
-        let inputs = Passing::new(course, chamber, set);
+        let inputs = Passing::new(course, chamber, set, warmer);
         let begin = inputs.begin();
-        let around = |boundary: Boundary, time: f64| inputs.with_tangents(warmed(boundary, warmer), time);
-        let first = around(inputs.boundary(0, begin), begin);
-        let initial = balance::state_at(chamber, &first, start.pressure, start.temperature);
+        let initial = balance::state_at(chamber, &inputs.boundary(0, begin), start.pressure, start.temperature);
         let initial: [R; N] = core::array::from_fn(|i| initial[i]);
         on_step(begin, &initial);
-        let mut sensor = Sensor::new(chamber, set, course, times, start.pressure);
+        let mut sensor = Sensor::new(chamber, set, Passing::new(course, chamber, set, warmer), times, start.pressure);
         let evaluations = Cell::new(0usize);
         let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
         let most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
         let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
         let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-        let rates = |t: f64, boundary: Boundary, state: &[R; N]| -> [R; N] {
+        let rates = |t: f64, boundary: &Boundary<R>, state: &[R; N]| -> [R; N] {
             evaluations.set(evaluations.get() + 1);
             if evaluations.get() > most_evaluations {
                 return [R::from(f64::NAN); N];
             }
-            disturbed_rates::<R, N, M>(gas_set, &balance, &around(boundary, t), state, disturbance.at(t))
+            disturbed_rates::<R, N, M>(gas_set, &balance, boundary, state, disturbance.at(t))
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
@@ -230,15 +200,6 @@ impl<R: Scalar> Run<'_, R> {
     }
 }
 
-/// A boundary with warmer surroundings.
-#[inline(always)]
-fn warmed<R: Scalar>(boundary: Boundary, warmer: R) -> Boundary<R> {
-    let mut out: Boundary<R> = boundary.lift();
-    out.ambient_temperature += warmer;
-    out.temperature_in += warmer;
-    out
-}
-
 /// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.
 #[inline(always)]
 fn disturbed_rates<R: Scalar, const N: usize, const M: usize>(
@@ -249,35 +210,17 @@ fn disturbed_rates<R: Scalar, const N: usize, const M: usize>(
     disturbance: Option<[R; 4]>,
 ) -> [R; N] {
     let Some([mass, heat, volume, volume_rate]) = disturbance else {
-        return rates::<R, N, M>(set, balance, boundary, state);
+        return balance.rates_with_own::<N, M>(set, boundary, state);
     };
     let chamber = &balance.chamber;
     let area = chamber.geometry.piston_area;
     let mut moved = *boundary;
     moved.position += volume / area;
     moved.velocity += volume_rate / area;
-    let mut rates = rates::<R, N, M>(set, balance, &moved, state);
+    let mut rates = balance.rates_with_own::<N, M>(set, &moved, state);
     rates[MASS] += mass;
     rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
     rates
-}
-
-/// Rates of the states, `M` of them the effects' own: those that are left out cost nothing.
-#[inline(always)]
-fn rates<R: Scalar, const N: usize, const M: usize>(
-    set: EffectSet,
-    balance: &Balance<R>,
-    boundary: &Boundary<R>,
-    state: &[R; N],
-) -> [R; N] {
-    let mut own = [R::ZERO; M];
-    own.copy_from_slice(&state[OWN..]);
-    let (_, rates, own) = balance.evaluate_contents(set, boundary, &balance.contents(boundary, state), &own);
-    let mut out = [R::ZERO; N];
-    out[MASS] = rates.mass;
-    out[ENERGY] = rates.energy;
-    out[OWN..].copy_from_slice(&own);
-    out
 }
 
 /// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
@@ -292,8 +235,7 @@ struct Sensor<'a, R> {
 
 impl<'a, R: Scalar> Sensor<'a, R> {
     /// Before the record the chamber is at rest at its first pressure.
-    fn new(chamber: &'a Chamber<R>, set: EffectSet, course: &'a Course, times: &'a [f64], pressure: R) -> Self {
-        let inputs = Passing::new(course, chamber, set);
+    fn new(chamber: &'a Chamber<R>, set: EffectSet, inputs: Passing<'a, R>, times: &'a [f64], pressure: R) -> Self {
         let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
         let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
         let behind_lag = set.without(sensor_lag.into_iter().collect());
@@ -311,7 +253,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
         let dense = step.dense();
         let pressure = |t: R| {
-            let boundary = self.inputs.with_tangents(record::boundary_at(&self.inputs, stretch, t), t.value());
+            let boundary = record::boundary_at(&self.inputs, stretch, t);
             let mut volume = self.balance.chamber.geometry.volume(boundary.position);
             if let Some([_, _, change, _]) = extra.at(t.value()) {
                 volume += change;

@@ -263,7 +263,7 @@ fn batch(
 /// What the test imposes on the chamber: the push, then the hold.
 struct Motion<'a>(&'a Scenario);
 
-impl Inputs for Motion<'_> {
+impl Inputs<f64> for Motion<'_> {
     fn begin(&self) -> f64 {
         0.0
     }

@@ -30,6 +30,8 @@ const MOST_POINTS: usize = 30_000;
 /// Fewest points that say anything about colour.
 const FEWEST_POINTS: usize = 120;
 
+/// Periods of a hum that the longest window has at least.
+const SHORTEST_HUM: f64 = 0.5;
 /// Periods of a slow hum that the longest hold has at least: fewer may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
 
@@ -64,7 +66,7 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     let start = Noise { colours: Vec::new(), hum: None, ..before.clone() };
     let longest_s = match pure {
         true => data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max),
-        false => windows.iter().map(|w| w.distance_s * w.values.len() as f64).fold(0.0, f64::max),
+        false => likelihood.longest_s(),
     };
     let mut noise = likelihood.best(&start, longest_s);
     if !pure && noise.hum.is_none() {
@@ -87,14 +89,14 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
         rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
     };
     let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
-    let longest_s = windows.iter().map(|w| w.distance_s * w.values.len() as f64).fold(0.0, f64::max);
     let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+    let longest_s = likelihood.longest_s();
     // A colour stands for what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
     let (without, coloured) = colour(&likelihood.scaled(start).1);
     let hum = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS)?;
     let (with, humming) = colour(&likelihood.scaled(&Noise { hum: Some(hum), ..start.clone() }).1);
-    (with + DECISIVE < without).then_some(humming.hum).flatten()
+    (with + DECISIVE < without).then(|| likelihood.tuned((with, humming)).1.hum).flatten()
 }
 
 fn scale_by(noise: &Noise, factor: f64) -> Noise {
@@ -250,7 +252,7 @@ impl Likelihood<'_> {
         if let Some(humming) = self.humming(&white.1).filter(|_| !coloured.1.colours.is_empty()) {
             best = self.better(best, self.coloured(humming, longest_s));
         }
-        best.1
+        self.tuned(best).1
     }
 
     /// The better of two: each process beyond white noise has to pay for its two numbers.
@@ -273,6 +275,38 @@ impl Likelihood<'_> {
     fn humming(&self, noise: &Noise) -> Option<(f64, Noise)> {
         let hum = self.line(noise)?;
         Some(self.scaled(&Noise { hum: Some(hum), ..noise.clone() }))
+    }
+
+    /// The line's frequency and size, where there is one, moved up and down by steps that shrink, as long as that helps: the
+    /// periodogram of a slow hum has few frequencies to choose from, and the polynomial that the windows are free of shifts
+    /// its peak.
+    fn tuned(&self, mut best: (f64, Noise)) -> (f64, Noise) {
+        let (mut step_hz, mut factor) = (0.25 / self.longest_s(), 1.4);
+        while step_hz > 0.01 / self.longest_s() {
+            let mut moved = false;
+            for (by_hz, size) in [(step_hz, 1.0), (-step_hz, 1.0), (0.0, factor), (0.0, 1.0 / factor)] {
+                let mut trial = best.1.clone();
+                let Some(hum) = &mut trial.hum else { return best };
+                hum.frequency_hz += by_hz;
+                hum.sd_pa *= size;
+                if hum.frequency_hz * self.longest_s() < SHORTEST_HUM {
+                    continue;
+                }
+                let trial = self.scaled(&trial);
+                if trial.0 < best.0 - 1e-3 {
+                    (best, moved) = (trial, true);
+                }
+            }
+            if !moved {
+                (step_hz, factor) = (0.5 * step_hz, f64::sqrt(factor));
+            }
+        }
+        best
+    }
+
+    /// Duration of the longest window, s.
+    fn longest_s(&self) -> f64 {
+        self.windows.iter().map(|w| w.distance_s * w.values.len() as f64).fold(0.0, f64::max)
     }
 
     /// The best noise with one more coloured process.
@@ -334,9 +368,9 @@ impl Likelihood<'_> {
             })
             .collect();
         let highest_hz = 0.5 / longest.distance_s;
-        let count = ((2.0 * span_s * highest_hz) as usize).min(600);
+        let count = ((span_s * highest_hz / SHORTEST_HUM) as usize).min(600);
         let powers: Vec<(f64, f64)> = (1..count)
-            .map(|k| 0.5 * k as f64 / span_s)
+            .map(|k| SHORTEST_HUM * k as f64 / span_s)
             .map(|f| (f, whitened.iter().map(|(h, values)| power(values, TAU * f * h)).sum::<f64>()))
             .collect();
         let mean = whitened.len() as f64;
@@ -443,7 +477,7 @@ mod tests {
         assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
         let found = likelihood.best(&Noise::white(1.0), 10.0);
         assert!(found.colours.is_empty(), "{found:?}");
-        assert!(found.hum.is_some_and(|hum| (hum.frequency_hz - 0.2).abs() < 0.1), "{found:?}");
+        assert!(found.hum.is_some_and(|hum| (hum.frequency_hz - 0.2).abs() < 0.005), "{found:?}");
         assert!((found.white_pa / 60.0 - 1.0).abs() < 0.1, "{found:?}");
     }
 
@@ -455,7 +489,8 @@ mod tests {
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");
-        let (_, noise) = likelihood.scaled(&Noise { hum: Some(hum), ..white.1 });
-        assert!((noise.white_pa / 60.0 - 1.0).abs() < 0.1, "{noise:?}");
+        let (_, noise) = likelihood.tuned(likelihood.humming(&white.1).unwrap());
+        assert!((noise.hum.unwrap().frequency_hz - 1.3).abs() < 2e-3, "{noise:?}");
+        assert!((noise.white_pa / 60.0 - 1.0).abs() < 0.05, "{noise:?}");
     }
 }

@@ -7,7 +7,8 @@ use std::cell::Cell;
 pub struct Spline {
     time: Vec<f64>,
     value: Vec<f64>,
-    slope: Vec<f64>,
+    /// Coefficients of the polynomial between each knot and the next, in s since the former: the constant first.
+    pieces: Vec<[f64; 4]>,
 }
 
 impl Spline {
@@ -17,7 +18,7 @@ impl Spline {
     pub fn through(time: Vec<f64>, value: Vec<f64>, ends: [Option<f64>; 2]) -> Self {
         let n = time.len();
         if n < 2 {
-            return Self { slope: vec![0.0; n], time, value };
+            return Self { time, value, pieces: Vec::new() };
         }
         // Unknown slopes s: s[i-1]/h[i-1] + 2 (1/h[i-1] + 1/h[i]) s[i] + s[i+1]/h[i] = 3 (d[i-1]/h[i-1] + d[i]/h[i]),
         // d the chord slopes; Thomas algorithm.
@@ -48,7 +49,11 @@ impl Spline {
         for i in (0..n - 1).rev() {
             slope[i] -= upper[i] * slope[i + 1];
         }
-        Self { time, value, slope }
+        let piece = |i: usize| {
+            let [bend, twist] = [3.0 * d[i] - 2.0 * slope[i] - slope[i + 1], slope[i] + slope[i + 1] - 2.0 * d[i]];
+            [value[i], slope[i], bend / h[i], twist / (h[i] * h[i])]
+        };
+        Self { pieces: (0..n - 1).map(piece).collect(), time, value }
     }
 
     /// Standard deviation of the time by which the whole curve may be early or late, s: ∫ error dt over the way.
@@ -78,7 +83,7 @@ impl Spline {
     /// A straight line between two moments, with its corners there.
     pub fn line([begin, end]: [f64; 2], [from, to]: [f64; 2]) -> Self {
         let speed = (to - from) / (end - begin);
-        Self { time: vec![begin, end], value: vec![from, to], slope: vec![speed; 2] }
+        Self { time: vec![begin, end], value: vec![from, to], pieces: vec![[from, speed, 0.0, 0.0]] }
     }
 
     /// Smallest and largest of its knots' values.
@@ -98,12 +103,7 @@ impl Spline {
         (value, slope)
     }
 
-    /// Second derivative at time `t`; of the later piece at a knot.
-    pub fn curvature(&self, t: f64, near: &Cell<usize>) -> f64 {
-        self.bent(t, near)[2]
-    }
-
-    /// Value, slope and second derivative at time `t`.
+    /// Value, slope and second derivative at time `t`, this one of the later piece at a knot.
     #[inline(always)]
     pub fn bent(&self, t: f64, near: &Cell<usize>) -> [f64; 3] {
         let last = self.time.len() - 1;
@@ -122,14 +122,8 @@ impl Spline {
             };
             near.set(i);
         }
-        let h = self.time[i + 1] - self.time[i];
-        let u = (t - self.time[i]) / h;
-        let (a, b) = (self.value[i], self.value[i + 1]);
-        let (p, q) = (self.slope[i] * h, self.slope[i + 1] * h);
-        let (c2, c3) = (3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q);
-        let value = a + u * (p + u * (c2 + u * c3));
-        let bend = 2.0 * c2 + 6.0 * u * (p + q - 2.0 * (b - a));
-        [value, (p + u * (2.0 * c2 + 3.0 * u * c3)) / h, bend / (h * h)]
+        let (u, [a, b, c, d]) = (t - self.time[i], self.pieces[i]);
+        [a + u * (b + u * (c + u * d)), b + u * (2.0 * c + 3.0 * u * d), 2.0 * c + 6.0 * u * d]
     }
 }
 
@@ -151,9 +145,9 @@ mod tests {
         let near = Cell::new(0);
         for k in 1..40 {
             let t = f64::from(k) * 0.05;
-            let (value, slope) = s.at(t, &near);
+            let [value, slope, bend] = s.bent(t, &near);
             assert!((value - f(t)).abs() < 1e-12 && (slope - g(t)).abs() < 1e-11, "{t}");
-            assert!((s.curvature(t, &near) - (3.0 * t - 4.0)).abs() < 1e-10, "{t}");
+            assert!((bend - (3.0 * t - 4.0)).abs() < 1e-10, "{t}");
         }
     }
 }

@@ -4,7 +4,7 @@
 //!
 //! Where the record has a corner, the stroke has one there and half a window to either side of it.
 
-use crate::record::stroke::{Motion, Segment};
+use crate::record::stroke::Motion;
 use chamber::effects::position_averaging;
 use std::cell::Cell;
 
@@ -16,16 +16,27 @@ pub struct TrueStroke<'a> {
     filter: f64,
     /// Where stretches without a corner end; those of the record itself where it is no average.
     ends: Vec<f64>,
-    near: [Cell<usize>; 4],
-    /// What was read for the bend that was asked last.
-    read: Cell<Read>,
+    near: [Near; 4],
 }
 
-/// Where the record was read for a bend, and its speed, m/s, and acceleration, m/s², there.
-#[derive(Clone, Copy, Default)]
-struct Read {
-    points: Points,
-    rates: [[f64; 2]; 3],
+/// The place in the recorded stroke that was asked last: number of the segment, and of the piece in it.
+#[derive(Default)]
+struct Near {
+    segment: Cell<usize>,
+    piece: Cell<usize>,
+}
+
+/// The stroke at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Position, m.
+    pub position: f64,
+    /// Velocity, m/s.
+    pub velocity: f64,
+    /// Derivatives of position and velocity by the window, 1/s of each; the low-pass's share of the velocity's is left out.
+    pub by_window: [f64; 2],
+    /// Derivatives of position and velocity by the low-pass's time constant, 1/s of each.
+    pub by_filter: [f64; 2],
 }
 
 impl<'a> TrueStroke<'a> {
@@ -41,7 +52,7 @@ impl<'a> TrueStroke<'a> {
             ends.sort_by(f64::total_cmp);
             ends.dedup_by(|later, earlier| *later - *earlier < 1e-9);
         }
-        Self { motion, window, filter, ends, near: Default::default(), read: Cell::default() }
+        Self { motion, window, filter, ends, near: Default::default() }
     }
 
     /// Number of stretches without a corner.
@@ -56,57 +67,58 @@ impl<'a> TrueStroke<'a> {
         self.ends[stretch]
     }
 
-    /// Position, m, and velocity, m/s, at a time on a stretch.
+    /// The stroke at a time on a stretch.
     #[inline]
-    pub fn at(&self, stretch: usize, time: f64) -> [f64; 2] {
-        let [position, velocity] = self.filtered(stretch, time);
-        if self.filter == 0.0 {
-            return [position, velocity];
-        }
-        [position + self.filter * velocity, velocity + self.filter * self.acceleration(stretch, time)]
-    }
-
-    /// Derivatives of position and velocity by the low-pass's time constant, 1/s of each.
-    pub fn by_filter(&self, stretch: usize, time: f64) -> [f64; 2] {
-        [self.filtered(stretch, time)[1], self.acceleration(stretch, time)]
-    }
-
-    /// Acceleration behind the average and before the low-pass, m/s².
-    fn acceleration(&self, stretch: usize, time: f64) -> f64 {
+    pub fn at(&self, stretch: usize, time: f64) -> Moment {
         if self.window == 0.0 {
-            return self.motion.segments[stretch].stroke.curvature(time, &self.near[0]);
+            let stroke = &self.motion.segments[stretch].stroke;
+            return self.before_filter(stroke.bent(time, &self.near[0].piece), [0.0; 2]);
         }
-        let recorded = |time: f64, near: usize| self.segment(time).stroke.curvature(time, &self.near[near]);
-        let Points { times, moves_on, .. } = self.points(time);
-        let bend = if moves_on { position_averaging::bend([0, 1, 2].map(|i| recorded(times[i], i))) } else { 0.0 };
-        recorded(time, 3) - bend
+        let mut averaged = self.recorded(time, 3);
+        let Points { times, by_window, moves_on } = self.points(time);
+        let mut read = [[0.0; 3]; 3];
+        for i in 0..3 {
+            read[i] = self.recorded(times[i], i);
+        }
+        let mut wider = [0.0; 2];
+        for k in 0..3 {
+            if k > 0 && !moves_on {
+                break;
+            }
+            averaged[k] -= position_averaging::bend([read[0][k], read[1][k], read[2][k]]);
+            if k < 2 {
+                let by_window = |i: usize| read[i][k + 1] * by_window[i];
+                wider[k] = -position_averaging::bend([by_window(0), by_window(1), by_window(2)]);
+            }
+        }
+        self.before_filter(averaged, wider)
     }
 
-    /// Position, m, and velocity, m/s, behind the average and before the low-pass.
-    #[inline]
-    fn filtered(&self, stretch: usize, time: f64) -> [f64; 2] {
-        if self.window == 0.0 {
-            let (position, velocity) = self.motion.segments[stretch].stroke.at(time, &self.near[0]);
-            return [position, velocity];
+    /// What has passed the low-pass, taken back: position, m, velocity, m/s, and acceleration, m/s², behind it.
+    #[inline(always)]
+    fn before_filter(
+        &self,
+        [position, velocity, acceleration]: [f64; 3],
+        [position_wider, velocity_wider]: [f64; 2],
+    ) -> Moment {
+        Moment {
+            position: position + self.filter * velocity,
+            velocity: velocity + self.filter * acceleration,
+            by_window: [position_wider + self.filter * velocity_wider, velocity_wider],
+            by_filter: [velocity, acceleration],
         }
-        let recorded = |time: f64, near: usize| self.segment(time).stroke.bent(time, &self.near[near]);
-        let [position, velocity, _] = recorded(time, 3);
-        let points = self.points(time);
-        let [before, middle, after] = [0, 1, 2].map(|i| recorded(points.times[i], i));
-        self.read.set(Read { points, rates: [before, middle, after].map(|[_, speed, bend]| [speed, bend]) });
-        let bend = position_averaging::bend([before[0], middle[0], after[0]]);
-        let bend_rate = if points.moves_on { position_averaging::bend([before[1], middle[1], after[1]]) } else { 0.0 };
-        [position - bend, velocity - bend_rate]
     }
 
-    /// Derivatives of position and velocity by the window, 1/s of each, at the time that was asked last; the low-pass's share
-    /// of the velocity's is left out.
-    pub fn by_window(&self) -> [f64; 2] {
-        let Read { points: Points { by_window, moves_on, .. }, rates } = self.read.get();
-        let rates = [0, 1, 2].map(|i| rates[i].map(|rate| rate * by_window[i]));
-        let of = |k: usize| -position_averaging::bend(rates.map(|r| r[k]));
-        let velocity = if moves_on { of(1) } else { 0.0 };
-        [of(0) + self.filter * velocity, velocity]
+    /// Position, m, velocity, m/s, and acceleration, m/s², of the record.
+    #[inline(always)]
+    fn recorded(&self, time: f64, near: usize) -> [f64; 3] {
+        let (segments, Near { segment, piece }) = (&self.motion.segments, &self.near[near]);
+        let last = segment.get();
+        let is_there = time <= segments[last].to_s && (last == 0 || segments[last - 1].to_s < time);
+        if !is_there {
+            segment.set(segments.partition_point(|s| s.to_s < time).min(segments.len() - 1));
+        }
+        segments[segment.get()].stroke.bent(time, piece)
     }
 
     /// Where the record is read for the bend at a time.
@@ -126,11 +138,6 @@ impl<'a> TrueStroke<'a> {
             by_window: [moves - 0.5, moves, moves + 0.5],
             moves_on: moves == 0.0,
         }
-    }
-
-    fn segment(&self, time: f64) -> &Segment {
-        let segments = &self.motion.segments;
-        &segments[segments.partition_point(|s| s.to_s < time).min(segments.len() - 1)]
     }
 }
 
@@ -159,7 +166,7 @@ mod tests {
         (truth, Motion::detect(&time, &position))
     }
 
-    fn along(stroke: &TrueStroke<'_>, time: f64) -> [f64; 2] {
+    fn along(stroke: &TrueStroke<'_>, time: f64) -> Moment {
         let stretch = (0..stroke.stretches()).find(|s| time <= stroke.end(*s)).unwrap_or(stroke.stretches() - 1);
         stroke.at(stretch, time)
     }
@@ -169,7 +176,10 @@ mod tests {
         let (truth, motion) = record();
         let [plain, behind] = [0.0, WINDOW].map(|window| TrueStroke::new(&motion, window, 0.0));
         let worst = |stroke: &TrueStroke<'_>| {
-            (1..1490).map(|k| f64::from(k) * 1e-3).map(|t| (along(stroke, t)[0] - truth(t)).abs()).fold(0.0, f64::max)
+            (1..1490)
+                .map(|k| f64::from(k) * 1e-3)
+                .map(|t| (along(stroke, t).position - truth(t)).abs())
+                .fold(0.0, f64::max)
         };
         assert!(worst(&plain) > 1e-4, "{}", worst(&plain));
         assert!(worst(&behind) < 0.2 * worst(&plain), "{} {}", worst(&behind), worst(&plain));
@@ -194,11 +204,12 @@ mod tests {
         let motion = Motion::detect(&time, &position);
         let [less, behind, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, 0.0, FILTER + d));
         for t in (1..1490).map(|k| f64::from(k) * 1e-3) {
-            assert!((along(&behind, t)[0] - truth(t)).abs() < 5e-5, "{t}: {} {}", along(&behind, t)[0], truth(t));
-            let stretch = (0..behind.stretches()).find(|s| t <= behind.end(*s)).unwrap_or(behind.stretches() - 1);
-            for (k, exact) in behind.by_filter(stretch, t).into_iter().enumerate() {
-                let by_filter = (along(&more, t)[k] - along(&less, t)[k]) / 2e-6;
-                assert!((by_filter - exact).abs() < 1e-6 * (1.0 + exact.abs()), "{t}: {by_filter} {exact}");
+            let Moment { position, by_filter, .. } = along(&behind, t);
+            assert!((position - truth(t)).abs() < 5e-5, "{t}: {position} {}", truth(t));
+            let [less, more] = [&less, &more].map(|stroke| along(stroke, t));
+            let by_difference = [more.position - less.position, more.velocity - less.velocity].map(|d| d / 2e-6);
+            for (exact, found) in by_filter.into_iter().zip(by_difference) {
+                assert!((found - exact).abs() < 1e-6 * (1.0 + exact.abs()), "{t}: {found} {exact}");
             }
         }
     }
@@ -208,13 +219,14 @@ mod tests {
         let (_, motion) = record();
         let [less, middle, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, WINDOW + d, 0.0));
         for t in [0.005, 0.013, 0.38, 0.45, 0.5123, 0.6, 0.71, 1.0, 1.49] {
-            along(&middle, t);
-            let [position, velocity] = middle.by_window();
-            let by_window = [0, 1].map(|k| (along(&more, t)[k] - along(&less, t)[k]) / 2e-6);
-            assert!((position - by_window[0]).abs() < 1e-6, "{t}: {position} {}", by_window[0]);
-            assert!((velocity - by_window[1]).abs() < 1e-3, "{t}: {velocity} {}", by_window[1]);
-            let rate = (along(&middle, t + 1e-6)[0] - along(&middle, t - 1e-6)[0]) / 2e-6;
-            assert!((rate - along(&middle, t)[1]).abs() < 1e-6, "{t}");
+            let Moment { velocity, by_window, .. } = along(&middle, t);
+            let [narrow, wide] = [&less, &more].map(|stroke| along(stroke, t));
+            let of_position = (wide.position - narrow.position) / 2e-6;
+            let of_velocity = (wide.velocity - narrow.velocity) / 2e-6;
+            assert!((by_window[0] - of_position).abs() < 1e-6, "{t}: {} {of_position}", by_window[0]);
+            assert!((by_window[1] - of_velocity).abs() < 1e-3, "{t}: {} {of_velocity}", by_window[1]);
+            let rate = (along(&middle, t + 1e-6).position - along(&middle, t - 1e-6).position) / 2e-6;
+            assert!((rate - velocity).abs() < 1e-6, "{t}");
         }
     }
 }
