@@ -208,8 +208,8 @@ class Chamber:
 
 
 def true_stroke(chamber, times, positions):
-    """Knots of the true stroke from a recorded one that was late and a moving average: x - (w^2/24) x" with x" the
-    second difference over half the window, near an end that of half a window from it."""
+    """Knots of the true stroke from a recorded one that was late and a moving average: x - (w^2/24) x" + (7 w^4/5760) x""
+    with the differences over half the window that have this error or a smaller one, near an end those of a window from it."""
     delay = chamber.value("position_delay", "delay_s")
     # Behind a low-pass: x + tau dx/dt, the slope at a row the mean of those on both sides, linear between the rows.
     chords = np.concatenate([[0.0], np.diff(positions) / np.diff(times), [0.0]])
@@ -219,11 +219,12 @@ def true_stroke(chamber, times, positions):
     def recorded(t):
         return np.interp(t + delay, times, positions)
 
-    knots = np.concatenate([times] + [times - delay + shift for shift in (0.0, half, -half)])
+    knots = np.concatenate([times] + [times - delay + k * half for k in range(-2, 3)])
     knots = np.unique(np.round(knots[(knots >= times[0]) & (knots <= times[-1])], 9))
-    inside = np.clip(knots, times[0] + half - delay, times[-1] - half - delay)
-    second = (recorded(inside + half) - 2 * recorded(inside) + recorded(inside - half)) / half**2 if half else 0.0
-    return knots, recorded(knots) - (2 * half) ** 2 / 24 * second
+    inside = np.clip(knots, times[0] + 2 * half - delay, times[-1] - 2 * half - delay)
+    # 1/mean = z/sinh z with z = (w/2) d/dt, and the second difference over w/2 is 2 (cosh z - 1).
+    weights = np.array([1 / 30, -3 / 10, 8 / 15, -3 / 10, 1 / 30])
+    return knots, recorded(knots) + sum(weight * recorded(inside + k * half) for k, weight in zip(range(-2, 3), weights))
 
 
 def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):

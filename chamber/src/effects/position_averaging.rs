@@ -1,9 +1,9 @@
 //! Position averaging: the position record is a moving average of the stroke over a time w, centred.
 //!
-//! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2, is x + (w²/24) x″ + O(w⁴), and so x ≈ x_rec − (w²/24) x_rec″.
-//! w ≥ 0 in s. Of a stroke recorded in rows x″ is the second difference over w/2 either side ([`bend`]): it makes noise
-//! of the position larger by 5/3 at most, however short the rows. Nearer than w/2 to an end of the record x″ is taken to
-//! be that of w/2 from it. A filter's delay is `position_delay`'s matter.
+//! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2, is x + (w²/24) x″ + (w⁴/1920) x⁗ + O(w⁶), and so
+//! x ≈ x_rec − (w²/24) x_rec″ + (7 w⁴/5760) x_rec⁗. w ≥ 0 in s. Of a stroke recorded in rows the derivatives are differences
+//! over steps of w/2 ([`bend`]): they make noise of the position larger by 11/5 at most, however short the rows. Nearer than
+//! w to an end of the record they are taken to be those of w from it. A filter's delay is `position_delay`'s matter.
 //! Source: Taylor's expansion; the gas spring of design finding 5 has w near 0.6 s.
 
 use super::Effect;
@@ -17,7 +17,7 @@ impl Effect for PositionAveraging {
     const CARD: Card = Card {
         name: "position_averaging",
         doc: "The position record is a moving average of the stroke",
-        equation: "x = x_rec - (w^2/24) d2x_rec/dt2",
+        equation: "x = x_rec - (w^2/24) d2x_rec/dt2 + (7 w^4/5760) d4x_rec/dt4",
         source: "Taylor expansion of a centred moving average",
         balance: Balance::Volume,
         acts_on: ActsOn::RecordedStroke,
@@ -41,30 +41,48 @@ impl Effect for PositionAveraging {
     }
 }
 
-/// By how much the average is beside the stroke, m, from what it is half a window before a moment, then and half a window
-/// after: (w²/24) x″ with the second difference over half a window, and so a sixth of that.
+/// Moments that a record is read at for its [`bend`].
+pub const READ: usize = 5;
+
+/// How far these moments are apart and go along with the window, in windows from the middle one.
+pub const PLACES: [f64; READ] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// By how much the average is beside the stroke, m, from what it is at [`PLACES`] around a moment: a sixth of the second
+/// difference less a thirtieth of the fourth, exact for polynomials of degree five.
 #[inline]
-pub fn bend([before, here, after]: [f64; 3]) -> f64 {
-    ((after - here) - (here - before)) * (1.0 / 6.0)
+pub fn bend([before, sooner, here, later, after]: [f64; READ]) -> f64 {
+    let second = (later - here) - (here - sooner);
+    let fourth = (after + before) - 4.0 * (later + sooner) + 6.0 * here;
+    second * (1.0 / 6.0) - fourth * (1.0 / 30.0)
 }
 
-/// The moment, s, whose [`bend`] stands for that of `time` where a record with these ends is read `half` a window, s, to
-/// either side.
+/// The moment, s, whose [`bend`] stands for that of `time` in a record with these ends that averages over `window`, s.
 #[inline]
-pub fn middle(time: f64, half: f64, [begin, end]: [f64; 2]) -> f64 {
-    time.min(end - half).max(begin + half)
+pub fn middle(time: f64, window: f64, [begin, end]: [f64; 2]) -> f64 {
+    time.min(end - window).max(begin + window)
 }
 
 /// The stroke at a moment, m, from its moving average over `window`, s, as `recorded` between its two ends, s.
 pub fn undone(recorded: impl Fn(f64) -> f64, window: f64, ends: [f64; 2], time: f64) -> f64 {
-    let half = 0.5 * window;
-    let middle = middle(time, half, ends);
-    recorded(time) - bend([middle - half, middle, middle + half].map(&recorded))
+    let middle = middle(time, window, ends);
+    recorded(time) - bend(PLACES.map(|place| recorded(middle + place * window)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_polynomial_of_degree_five_is_found_again_inside_the_record() {
+        let window = 0.3;
+        let x = |t: f64| 0.1 + t.powi(3) - 2.0 * t.powi(4) + t.powi(5);
+        let primitive = |t: f64| 0.1 * t + t.powi(4) / 4.0 - 0.4 * t.powi(5) + t.powi(6) / 6.0;
+        let averaged = |t: f64| (primitive(t + 0.5 * window) - primitive(t - 0.5 * window)) / window;
+        for t in [-0.6, 0.0, 0.2, 0.7] {
+            assert!((averaged(t) - x(t)).abs() > 1e-4, "{t}");
+            assert!((undone(averaged, window, [-1.0, 1.0], t) - x(t)).abs() < 1e-14, "{t}");
+        }
+    }
 
     #[test]
     fn a_parabola_is_found_again_up_to_the_ends_of_its_record_and_rest_is_rest() {

@@ -2,10 +2,10 @@
 //! and `position_delay` take back, with its derivatives by the window and by the low-pass's time constant. Position in m,
 //! time in s from the record's start.
 //!
-//! Where the record has a corner, the stroke has one there and half a window to either side of it.
+//! Where the record has a corner, the stroke has one there and half a window and a window to either side of it.
 
 use crate::record::stroke::Motion;
-use chamber::effects::position_averaging;
+use chamber::effects::position_averaging::{self, PLACES, READ};
 use std::cell::Cell;
 
 /// A stroke on the way: with the places of the recorded one that were asked last.
@@ -16,7 +16,8 @@ pub struct TrueStroke<'a> {
     filter: f64,
     /// Where stretches without a corner end; those of the record itself where it is no average.
     ends: Vec<f64>,
-    near: [Near; 4],
+    /// For each moment that an average is read at, and the moment itself.
+    near: [Near; READ + 1],
 }
 
 /// The place in the recorded stroke that was asked last: number of the segment, and of the piece in it.
@@ -47,7 +48,7 @@ impl<'a> TrueStroke<'a> {
         if window > 0.0 {
             let (begin, end) = motion.extent();
             ends.push(begin);
-            ends = ends.iter().flat_map(|end| [-0.5, 0.0, 0.5].map(|share| end + share * window)).collect();
+            ends = ends.iter().flat_map(|end| PLACES.map(|place| end + place * window)).collect();
             ends.retain(|time| *time > begin && *time <= end);
             ends.sort_by(f64::total_cmp);
             ends.dedup_by(|later, earlier| *later - *earlier < 1e-9);
@@ -74,21 +75,25 @@ impl<'a> TrueStroke<'a> {
             let stroke = &self.motion.segments[stretch].stroke;
             return self.before_filter(stroke.bent(time, &self.near[0].piece), [0.0; 2]);
         }
-        let mut averaged = self.recorded(time, 3);
-        let Points { times, by_window, moves_on } = self.points(time);
-        let mut read = [[0.0; 3]; 3];
-        for i in 0..3 {
-            read[i] = self.recorded(times[i], i);
+        let mut averaged = self.recorded(time, READ);
+        let (begin, end) = self.motion.extent();
+        let middle = position_averaging::middle(time, self.window, [begin, end]);
+        // Near the ends of the record the moments stay a window from them.
+        let moves_on = middle == time;
+        let along = if moves_on { 0.0 } else { (middle - time).signum() };
+        let mut read = [[0.0; 3]; READ];
+        for i in 0..READ {
+            read[i] = self.recorded(middle + PLACES[i] * self.window, i);
         }
         let mut wider = [0.0; 2];
         for k in 0..3 {
             if k > 0 && !moves_on {
                 break;
             }
-            averaged[k] -= position_averaging::bend([read[0][k], read[1][k], read[2][k]]);
+            averaged[k] -= position_averaging::bend(core::array::from_fn(|i| read[i][k]));
             if k < 2 {
-                let by_window = |i: usize| read[i][k + 1] * by_window[i];
-                wider[k] = -position_averaging::bend([by_window(0), by_window(1), by_window(2)]);
+                let by_window = |i: usize| read[i][k + 1] * (along + PLACES[i]);
+                wider[k] = -position_averaging::bend(core::array::from_fn(by_window));
             }
         }
         self.before_filter(averaged, wider)
@@ -120,33 +125,6 @@ impl<'a> TrueStroke<'a> {
         }
         segments[segment.get()].stroke.bent(time, piece)
     }
-
-    /// Where the record is read for the bend at a time.
-    fn points(&self, time: f64) -> Points {
-        let (begin, end) = self.motion.extent();
-        let half = 0.5 * self.window;
-        let middle = position_averaging::middle(time, half, [begin, end]);
-        let moves = if middle > time {
-            0.5
-        } else if middle < time {
-            -0.5
-        } else {
-            0.0
-        };
-        Points {
-            times: [middle - half, middle, middle + half],
-            by_window: [moves - 0.5, moves, moves + 0.5],
-            moves_on: moves == 0.0,
-        }
-    }
-}
-
-/// Three moments of the record, s, their rates by the window, and whether they go along with time.
-#[derive(Clone, Copy, Default)]
-struct Points {
-    times: [f64; 3],
-    by_window: [f64; 3],
-    moves_on: bool,
 }
 
 #[cfg(test)]
