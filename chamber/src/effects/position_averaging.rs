@@ -44,7 +44,7 @@ impl Effect for PositionAveraging {
 /// Moments that a record is read at for its [`bend`].
 pub const READ: usize = 5;
 
-/// How far these moments are apart and go along with the window, in windows from the middle one.
+/// Where these moments lie: windows from the middle one.
 pub const PLACES: [f64; READ] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
 /// By how much the average is beside the stroke, m, from what it is at [`PLACES`] around a moment: a sixth of the second
