@@ -209,7 +209,7 @@ class Chamber:
 
 def true_stroke(chamber, times, positions):
     """Knots of the true stroke from a recorded one that was late and a moving average: x - (w^2/24) x" + (7 w^4/5760) x""
-    with the differences over half the window that have this error or a smaller one, near an end those of a window from it."""
+    by differences over half the window; nearer than a window to an end of the record, those of a window from it."""
     delay = chamber.value("position_delay", "delay_s")
     # Behind a low-pass: x + tau dx/dt, the slope at a row the mean of those on both sides, linear between the rows.
     chords = np.concatenate([[0.0], np.diff(positions) / np.diff(times), [0.0]])
