@@ -145,6 +145,35 @@ fn a_filtered_record_of_a_fast_stroke_has_no_lagging_sensor() {
 }
 
 #[test]
+fn a_record_averaged_over_nearly_a_whole_push_has_no_lagging_sensor() {
+    // Pushes of 50 to 80 ms, averaged over 40 ms: what cannot be found again of them must not get a name.
+    let averaged = recording::ALL.iter().find(|r| r.name == "position-averaged").unwrap();
+    let recipe = averaged.apply(Recipe::wide(3));
+    let found = traced(&recipe);
+    assert_eq!(found.verdict, Verdict::Explained);
+    assert!(is_told(&found, "position_averaging"), "{:?}", names(found.chosen.model.effects));
+    let lambda0 = found.chosen.fit.chamber().heat_transfer.coefficient;
+    assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 0.01, "{lambda0}");
+}
+
+#[test]
+fn an_interval_holds_the_truth_where_effects_cannot_be_told_apart() {
+    // So faint a surface of the dead volume looks like a longer gas column, which asks for a coefficient 25 % larger.
+    let (surface, _) = effects::find("dead_volume_surface").unwrap();
+    let coarse = recording::ALL.iter().find(|r| r.name == "12-bit-60").unwrap();
+    let recipe = coarse.apply(Recipe::from_seed(952).with_strength(surface, 4.0));
+    let found = identify::diagnose(&recipe.rig(), &|_, _| ()).unwrap();
+    let (name, lambda0) = &found.diagnosis.after.parameters[0];
+    let truth = recipe.chamber.heat_transfer.coefficient;
+    assert!(lambda0.ci95[0] < truth && truth < lambda0.ci95[1], "{name}: {lambda0:?}, {truth}");
+    assert!(found.found.alike.is_empty() || lambda0.ci95[1] > 1.15 * lambda0.ci95[0], "{lambda0:?}");
+    let kept = found.uncertainty();
+    assert_eq!((&kept.parameters[0], kept.ci95[0]), (name, lambda0.ci95));
+    let shares: f64 = found.diagnosis.lambda0_budget.iter().map(|b| b.share).sum();
+    assert!((shares - 1.0).abs() < 1e-9, "{shares}");
+}
+
+#[test]
 fn next_to_a_supply_leak_of_another_critical_ratio_the_surface_of_the_dead_volume_is_not_the_gas_column() {
     let (surface, _) = effects::find("dead_volume_surface").unwrap();
     let leaking = recording::ALL.iter().find(|r| r.name == "supply-leak").unwrap();

@@ -55,7 +55,7 @@ pub struct Row {
     pub lambda0: Option<(f64, [f64; 2])>,
     /// The true λ0.
     pub true_lambda0: f64,
-    /// Whether the interval holds the truth, where the model is the true one and λ0 can be right.
+    /// Whether the interval holds the truth, where the model is the true one or cannot be told from it, and λ0 can be right.
     pub lambda0_inside: Option<bool>,
     /// Duration of the diagnosis, s.
     pub seconds: f64,
@@ -126,7 +126,7 @@ impl Job {
         let outcome = if panicked { Outcome::Refused } else { self.recording.judge(effect, said.as_ref()) };
         let lambda0 = lambda0_of(&json);
         let true_lambda0 = recipe.chamber.heat_transfer.coefficient;
-        let is_judged = self.recording.judges_lambda0 && outcome == Outcome::Right;
+        let is_judged = self.recording.judges_lambda0 && matches!(outcome, Outcome::Right | Outcome::Alike);
         let verdict = match &said {
             Some(said) => said.verdict.clone(),
             None => if panicked { "panic" } else { "refused" }.to_owned(),

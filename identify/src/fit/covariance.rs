@@ -51,7 +51,7 @@ impl Undetermined {
 }
 
 /// Two-sided 95 % quantile of the normal distribution.
-const NORMAL_95: f64 = 1.959_963_985;
+pub const NORMAL_95: f64 = 1.959_963_985;
 
 /// Covariance of the rig's free coordinates as errors of the values at the stated numbers: that of the records, and the
 /// stated numbers' tolerances carried through the fit (JCGM 100:2008, equation 10); of no extent in coordinates at a bound.

@@ -19,7 +19,7 @@ use crate::record::prepare::{Block, Data, Prepared};
 use bordered::System;
 use chamber::Chamber;
 use chamber::dual::Dual;
-use chamber::effects::EffectSet;
+use chamber::effects::{self, EffectSet};
 use chamber::integrate::IntegrationError;
 use chamber::real::{Real, Scalar};
 use nalgebra::{DMatrix, DVector};
@@ -90,6 +90,13 @@ impl Fit {
     /// What a record is simulated with, at the stated numbers.
     pub fn setting(&self, trace: &Prepared, own: &[f64]) -> Setting<f64> {
         self.hypothesis.setting(trace, &self.rig, &[], own)
+    }
+
+    /// Time over which each record's positions are averaged, s; zero where the model says nothing of it.
+    pub fn windows_s(&self, data: &Data) -> Vec<f64> {
+        let records = data.traces.iter().zip(&self.own);
+        let chambers = records.map(|(t, own)| self.setting(t, own).chamber);
+        chambers.map(|chamber| effects::stroke_window(self.hypothesis.model.effects, &chamber.effects)).collect()
     }
 
     /// [`Fit::marginal`] with tolerances so many times as wide.

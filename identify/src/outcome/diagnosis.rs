@@ -6,6 +6,7 @@ use crate::fit::Fit;
 use crate::fit::covariance::{self, Estimate, Undetermined};
 use crate::judge::misfit;
 use crate::outcome::next_experiment::{self, NextExperiment};
+use crate::outcome::over_sets;
 use crate::outcome::probability;
 use crate::outcome::read_off::Empirical;
 use crate::outcome::recording::{self, NoiseFound, RecordFound};
@@ -177,7 +178,15 @@ impl Diagnosed {
 
     /// How well that chamber's numbers are known.
     pub fn uncertainty(&self) -> records::Uncertainty {
-        uncertainty(&settled(&self.found).fit, matches!(self.found.verdict, Verdict::Adequate | Verdict::Explained))
+        let is_noise = matches!(self.found.verdict, Verdict::Adequate | Verdict::Explained);
+        let mut known = uncertainty(&settled(&self.found).fit, is_noise);
+        let told = &self.diagnosis.after.parameters;
+        for (name, ci95) in known.parameters.iter().zip(&mut known.ci95) {
+            if let Some((_, estimate)) = told.iter().find(|(other, _)| other == name) {
+                *ci95 = estimate.ci95;
+            }
+        }
+        known
     }
 }
 
@@ -203,7 +212,11 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     let residuals_after =
         if after.model == Model::PAPER { residuals_before.clone() } else { misfit::residuals(&data, &after.fit) };
     let before = side(&data, &found.baseline, &residuals_before, found.baseline_adequacy.is_adequate());
-    let after_side = side(&data, after, &residuals_after, adequacy.is_adequate());
+    let of_set = side(&data, after, &residuals_after, adequacy.is_adequate());
+    let after_side = match found.verdict {
+        Verdict::Unexplained => of_set.clone(),
+        _ => Side { parameters: over_sets::widened(of_set.parameters.clone(), &data, &found), ..of_set.clone() },
+    };
     let effects: Vec<&'static str> = in_order(&found, after.model.of_rig());
     let open = matches!(found.verdict, Verdict::Unexplained | Verdict::Improved) && !adequacy.is_adequate();
     let missing = if open { unnamed(after, &adequacy.families) } else { Vec::new() };
@@ -219,6 +232,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         },
     };
     let steps = steps(&data, &found);
+    let lambda0_budget = budget(&after.fit, adequacy.is_adequate(), &of_set.parameters, &after_side.parameters);
     let diagnosis = Diagnosis {
         verdict: found.verdict.name(),
         effects,
@@ -234,10 +248,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         before,
         after: after_side,
         candidates: found.tried.iter().map(|c| tried(&data, c)).collect(),
-        lambda0_budget: covariance::budget(&after.fit, 0, adequacy.is_adequate())
-            .into_iter()
-            .map(|(source, share)| Budget { source, share })
-            .collect(),
+        lambda0_budget,
         empirical: found.read_off.as_ref().and_then(|r| Empirical::of(r, r.accepted && adequacy.is_adequate())),
         missing,
         undetermined: covariance::undetermined(&after.fit),
@@ -246,6 +257,19 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     };
     let paths = Search::new(&data, &found.baseline.fit).map(|s| s.paths().to_vec()).unwrap_or_default();
     Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, found }
+}
+
+/// Where the interval of λ0 comes from, which is the first of the numbers of its set and of those over all sets that cannot be
+/// told apart.
+fn budget(fit: &Fit, residual_is_noise: bool, of_set: &Estimates, over_sets: &Estimates) -> Vec<Budget> {
+    let width = |numbers: &Estimates| numbers.first().map_or(0.0, |(_, e)| e.ci95[1] - e.ci95[0]);
+    let of_set = (width(of_set) / width(over_sets)).powi(2).min(1.0);
+    let shares = covariance::budget(fit, 0, residual_is_noise).into_iter();
+    let mut out: Vec<Budget> = shares.map(|(source, share)| Budget { source, share: of_set * share }).collect();
+    if of_set < 1.0 {
+        out.push(Budget { source: "choice_among_indistinguishable_effects".to_owned(), share: 1.0 - of_set });
+    }
+    out
 }
 
 /// What a model file keeps of a fit's intervals: names, 95 % intervals and covariance of the free numbers, SI units.

@@ -3,6 +3,7 @@
 pub mod diagnosis;
 pub mod identification;
 pub mod next_experiment;
+pub mod over_sets;
 pub mod probability;
 pub mod read_off;
 pub mod recording;

@@ -15,6 +15,11 @@ const PRIOR: f64 = 0.05;
 /// What is less probable than this is left out.
 const WORTH_MENTION: f64 = 0.01;
 
+/// Odds of two sets whose BIC differ by that, the former's smaller by `gain`.
+pub fn odds(gain: f64) -> f64 {
+    (gain / (2.0 * TEMPER)).exp()
+}
+
 /// Probability of each effect of the rig, the most probable first.
 pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
     // A curve is a description, no hypothesis with a name.
@@ -28,7 +33,7 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
             continue;
         }
         seen.push(c.model);
-        let weight = ((c.delta_bic - best) / (2.0 * TEMPER)).exp() * PRIOR.powi(c.model.terms() as i32);
+        let weight = odds(c.delta_bic - best) * PRIOR.powi(c.model.terms() as i32);
         sum += weight;
         c.model.of_rig().iter().for_each(|e| each[e] += weight);
     }

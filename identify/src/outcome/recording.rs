@@ -128,6 +128,15 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             data.traces.len()
         ));
     }
+    let averaged = data.traces.iter().filter(|t| t.window_s > 0.0);
+    let open = averaged.clone().flat_map(|t| &t.blocks).map(|b| b.by_position_pa).fold(0.0, f64::max);
+    if let Some(window_s) = averaged.map(|t| t.window_s).reduce(f64::max) {
+        out.push(format!(
+            "the positions are averages over {} s, which hides the course of moves hardly longer than that: the pressures of such moves, uncertain by up to {} Pa, count the less",
+            digits(window_s, 2),
+            digits(open, 2)
+        ));
+    }
     for t in data.traces.iter().filter(|t| !t.starts_at_rest) {
         out.push(format!("{} starts in motion: its initial temperature is fitted", t.path.display()));
     }

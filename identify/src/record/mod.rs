@@ -12,3 +12,4 @@ pub mod readout;
 pub mod spline;
 pub mod stroke;
 pub mod true_stroke;
+pub mod unresolved;

@@ -12,7 +12,7 @@ use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Spline, extent};
-use crate::record::{checks, clock};
+use crate::record::{checks, clock, unresolved};
 use chamber::Gas;
 use records::{Rig, Tolerance, Trace};
 use std::borrow::Cow;
@@ -42,7 +42,8 @@ pub struct Block {
     pub range_pa: [f64; 2],
     /// How long the readings around it stay within that range, s.
     pub dwell_s: f64,
-    /// Standard deviation of the mean by the position's noise while the piston moves, Pa.
+    /// Standard deviation of the mean by the position's noise while the piston moves, and by what its moving average leaves
+    /// open, Pa.
     pub by_position_pa: f64,
     /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, by the
     /// slope of that, and by the time at which the move before it really was over.
@@ -87,6 +88,8 @@ pub struct Prepared {
     pub whitener: Whitener,
     /// Integration error of the model along it, relative to the states: a thousandth of the noise.
     pub relative_tolerance: f64,
+    /// Time over which its positions are taken to be averaged, where that leaves its moves uncertain, s.
+    pub window_s: f64,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,
     /// First guess of the initial temperature, K: where the record starts in motion it is free.
@@ -107,8 +110,9 @@ impl Prepared {
     }
 
     fn lay_out(&mut self, gamma: f64) {
+        let motion = &self.course.motion;
         self.blocks =
-            blocks(&self.time_s, &self.pressure_pa, &self.course.motion, &self.readout, &self.position_m, gamma);
+            blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.window_s);
     }
 
     fn weigh(&mut self, noise: &Noise) {
@@ -264,6 +268,24 @@ impl Data {
         self
     }
 
+    /// The same with positions that are moving averages over these times, s, one for each trace: what they leave open of the
+    /// moves counts as their noise. `None` where that is known already, or the moves are long enough.
+    pub fn averaged_over(&self, windows_s: &[f64]) -> Option<Self> {
+        let hides = |(t, window_s): (&Prepared, &f64)| unresolved::hides_moves(&t.course.motion, *window_s);
+        let is_known = self.traces.iter().any(|t| t.window_s > 0.0);
+        if is_known || !self.traces.iter().zip(windows_s).any(hides) {
+            return None;
+        }
+        let mut data = self.clone();
+        let gamma = self.gas.heat_capacity_ratio;
+        for (t, window_s) in data.traces.iter_mut().zip(windows_s) {
+            t.window_s = *window_s;
+            t.lay_out(gamma);
+            t.weigh(&self.noise);
+        }
+        Some(data)
+    }
+
     /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise.
     pub fn accuracy_pa(&self) -> f64 {
         self.accuracy_pa.unwrap_or(policy::ACCURACY_OF_NOISE * self.noise.total_pa())
@@ -342,6 +364,7 @@ impl<'a> Columns<'a> {
             blocks: Vec::new(),
             whitener: Whitener::default(),
             relative_tolerance: RELATIVE_TOLERANCES[0],
+            window_s: 0.0,
             initial_pressure_pa: initial_pressure(pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
             readout,
@@ -419,6 +442,7 @@ fn blocks(
     readout: &Readout,
     position_m: &[f64],
     gamma: f64,
+    window_s: f64,
 ) -> Vec<Block> {
     const HOLD_PARTS: usize = 20;
     const REST_PARTS: usize = 6;
@@ -455,6 +479,8 @@ fn blocks(
             // The slope of a straight line through the rows of a hold is known to √12/length of its mean.
             let along = 12.0f64.sqrt() * (t - 0.5 * (s.from_s + s.to_s)) / (s.to_s - s.from_s).max(f64::MIN_POSITIVE);
             let moves = s.phase == Phase::Move;
+            let position_sd_m =
+                unresolved::error_m(motion, window_s, t).hypot(if moves { motion.noise_m } else { 0.0 });
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
             let range_pa: [f64; 2] = extent(&values).into();
@@ -467,7 +493,7 @@ fn blocks(
                 mean_pa: p,
                 range_pa,
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
-                by_position_pa: if moves { gamma * per_metre * motion.noise_m } else { 0.0 },
+                by_position_pa: gamma * per_metre * position_sd_m,
                 common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },
                 phase: s.phase,
                 segment,

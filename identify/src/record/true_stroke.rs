@@ -116,7 +116,7 @@ impl<'a> TrueStroke<'a> {
 
     /// Position, m, velocity, m/s, and acceleration, m/s², of the record.
     #[inline(always)]
-    fn recorded(&self, time: f64, near: usize) -> [f64; 3] {
+    pub fn recorded(&self, time: f64, near: usize) -> [f64; 3] {
         let (segments, Near { segment, piece }) = (&self.motion.segments, &self.near[near]);
         let last = segment.get();
         let is_there = time <= segments[last].to_s && (last == 0 || segments[last - 1].to_s < time);

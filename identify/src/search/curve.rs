@@ -14,7 +14,7 @@ use crate::judge::evidence::{bic, bic_widened};
 use crate::judge::left_out;
 use crate::parameters::{Model, curve_of};
 use crate::policy;
-use crate::search::starts::fit_model;
+use crate::search::starts::{fit_by_size, fit_model};
 use chamber::effects::empirical::Curve;
 use chamber::effects::{self, EffectSet};
 use rayon::prelude::*;
@@ -194,14 +194,12 @@ impl Search {
             && before * before - after * after > self.least_gain().powi(2)
     }
 
-    /// A model's fit with that curve beside all else, from zero on; a second one knows how large the curve is, and so how
-    /// straight.
+    /// A model's fit with that curve beside all else, from zero on.
     fn refitted_with(&self, part: &Candidate, empirical: usize, curve: &Curve) -> Option<Fit> {
         let mut from = part.fit.clone();
         from.hypothesis.base.effects.of_mut(empirical).copy_from_slice(&curve.parameters());
         let effects = part.model.effects.union(EffectSet::one(empirical));
         let model = Model { effects, ..part.model };
-        let first = fit_model(&self.data, model, &from, &self.sizes)?;
-        fit_model(&self.data, model, &first, &self.sizes)
+        fit_by_size(&self.data, model, &from, &self.sizes)
     }
 }

@@ -91,6 +91,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
         if !search.round(level) {
             break;
         }
+        search.settle_strokes();
         level = (level + 1).max(search.chosen.model.terms());
     }
     progress("checking what was found", 0.9);
@@ -135,8 +136,8 @@ impl Search {
         let models = terms::added_to(&self.data, &Model::PAPER);
         let mut singles = self.fit_all(&models);
         let best = singles.first().filter(|c| c.delta_bic > policy::DECISIVE).map(|c| c.fit.clone());
-        if best.is_some_and(|best| self.noise_anew(&best)) {
-            singles = self.refitted(singles);
+        if best.is_some_and(|best| self.strokes_anew(&best) | self.noise_anew(&best)) {
+            singles = self.refitted(&singles);
         }
         let strongest = singles.len().min(policy::PAIRED);
         singles[..strongest].par_iter_mut().for_each(|single| {
@@ -342,21 +343,46 @@ impl Search {
         if baseline::is_alike(&noise, &self.data.noise) {
             return false;
         }
-        self.data = self.data.clone().with_noise(noise);
+        self.begin_again(self.data.clone().with_noise(noise));
+        true
+    }
+
+    /// Takes what the moves leave open, where this fit's records are moving averages, out of what counts; whether that is
+    /// anything. The paper's model is then fitted anew.
+    fn strokes_anew(&mut self, best: &Fit) -> bool {
+        let Some(data) = self.data.averaged_over(&best.windows_s(&self.data)) else { return false };
+        self.begin_again(data);
+        true
+    }
+
+    /// The same for the chosen model, in whatever round it found that the records are averages: all that was tried is fitted
+    /// anew.
+    fn settle_strokes(&mut self) {
+        if !self.strokes_anew(&self.chosen.fit.clone()) {
+            return;
+        }
+        let mut tried = self.refitted(&self.tried);
+        self.judge(&mut tried, policy::FITTED);
+        self.tried = tried;
+        self.take_best(self.tried.clone());
+    }
+
+    /// Fits the paper's model to data with other weights, and begins the search with it.
+    fn begin_again(&mut self, data: Data) {
+        self.data = data;
         let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
         self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
         self.chosen = self.baseline.clone();
         self.chosen_adequacy = self.baseline_adequacy.clone();
         self.steps = vec![self.baseline.clone()];
-        true
     }
 
     fn refit(&self, fit: &Fit) -> Option<Fit> {
         fit::fit(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &fit::all_blocks(&self.data)).ok()
     }
 
-    fn refitted(&self, candidates: Vec<Candidate>) -> Vec<Candidate> {
+    fn refitted(&self, candidates: &[Candidate]) -> Vec<Candidate> {
         let mut out: Vec<Candidate> =
             candidates.par_iter().filter_map(|c| Some(self.candidate(self.refit(&c.fit)?))).collect();
         sort(&mut out);

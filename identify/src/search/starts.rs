@@ -11,6 +11,8 @@ use rayon::prelude::*;
 
 /// Iterations of a trial start before the best go on.
 const TRIAL_ITERATIONS: usize = 4;
+/// Iterations that tell how large a curve is.
+const SIZE_ITERATIONS: usize = 4;
 /// How many starts go on to the end.
 const GO_ON: usize = 2;
 /// A start goes on beside the best one if its χ² is less than so many times the best one's...
@@ -30,6 +32,17 @@ pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option
         .take(GO_ON)
         .filter_map(|(h, start)| fit::fit(data, &h, start.rig, start.own, &selection).ok())
         .min_by(|a, b| a.marginal.total_cmp(&b.marginal))
+}
+
+/// Fits `model` where how a hypothesis is put depends on how large its parameters are (a curve is the straighter the smaller it
+/// is): with the size that a few iterations give them.
+pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
+    let selection = fit::all_blocks(data);
+    let (h, start) = begun(data, model, part, sizes).into_iter().next()?;
+    let found = fit::descend(data, &h, start.rig, start.own, &selection, SIZE_ITERATIONS).ok()?;
+    let chamber = h.chamber(&found.rig);
+    let h = Hypothesis::new(data, model, &chamber, sizes);
+    fit::fit(data, &h, h.coordinates(&chamber), found.own, &selection).ok()
 }
 
 /// BIC that `model` would have if the best of its starts kept the promise of its first step: cheap, to choose what to fit.

@@ -1,0 +1,92 @@
+//! Intervals of numbers that several sets of effects have, where the data cannot tell the sets apart.
+//!
+//! Such a number follows the mixture of the sets' distributions, each weighted by its odds ([`probability::odds`]); its 95 %
+//! interval is that of the mixture. The value stays that of the chosen set. Source: J. A. Hoeting et al., Stat. Sci. 14 (1999)
+//! 382 (Bayesian model averaging).
+
+use crate::fit::covariance::{Estimate, NORMAL_95};
+use crate::outcome::diagnosis::{Estimates, parameters};
+use crate::outcome::probability;
+use crate::record::prepare::Data;
+use crate::search::{Candidate, Found};
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// The chosen set's numbers with their intervals over all sets that the data cannot tell from it.
+pub fn widened(mut numbers: Estimates, data: &Data, found: &Found) -> Estimates {
+    let others: Vec<(f64, Estimates)> = alike(found)
+        .map(|c| (probability::odds(c.delta_bic - found.chosen.delta_bic), parameters(data, &c.fit, true)))
+        .collect();
+    for (name, number) in &mut numbers {
+        let same = |(weight, of_set): &(f64, Estimates)| {
+            of_set.iter().find(|(other, _)| other == name).map(|(_, estimate)| (*weight, estimate.clone()))
+        };
+        let mixture: Vec<(f64, Estimate)> =
+            std::iter::once((1.0, number.clone())).chain(others.iter().filter_map(same)).collect();
+        if mixture.len() > 1 {
+            number.ci95 = interval(&mixture);
+        }
+    }
+    numbers
+}
+
+/// The sets that the data cannot tell from the chosen one.
+fn alike(found: &Found) -> impl Iterator<Item = &Candidate> {
+    found.alike.iter().filter_map(|model| found.tried.iter().find(|c| c.model == *model && c.fit.converged))
+}
+
+/// 95 % interval of a mixture of normal distributions, each with its own width to either side, with these weights.
+fn interval(mixture: &[(f64, Estimate)]) -> [f64; 2] {
+    let ends = |i: usize| mixture.iter().map(move |(_, e)| e.ci95[i]);
+    let (low, high) = (ends(0).fold(f64::INFINITY, f64::min), ends(1).fold(f64::NEG_INFINITY, f64::max));
+    let normal = Normal::standard();
+    if !(low.is_finite() && high.is_finite()) {
+        return [low, high];
+    }
+    let all: f64 = mixture.iter().map(|(weight, _)| weight).sum();
+    let below = |x: f64| {
+        let each = mixture.iter().map(|(weight, e)| {
+            let deviation = (if x < e.value { e.value - e.ci95[0] } else { e.ci95[1] - e.value }) / NORMAL_95;
+            weight / all * normal.cdf((x - e.value) / deviation.max(f64::MIN_POSITIVE))
+        });
+        each.sum::<f64>()
+    };
+    [0.025, 0.975].map(|share| {
+        // The interval of a mixture lies within the hull of its parts'.
+        let (mut from, mut to) = (low, high);
+        for _ in 0..60 {
+            let middle = 0.5 * (from + to);
+            *if below(middle) < share { &mut from } else { &mut to } = middle;
+        }
+        0.5 * (from + to)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(value: f64, half: f64) -> Estimate {
+        Estimate { value, ci95: [value - half, value + half], unit: "W/(m2.K)".to_owned() }
+    }
+
+    #[test]
+    fn one_set_alone_keeps_its_interval() {
+        let [low, high] = interval(&[(1.0, estimate(20.0, 0.5))]);
+        assert!((low - 19.5).abs() < 1e-6 && (high - 20.5).abs() < 1e-6, "{low} {high}");
+    }
+
+    #[test]
+    fn two_values_far_apart_are_both_in_the_interval_as_far_as_their_odds_ask() {
+        // Each tail holds 2.5 % of all: 5 % of a set with half of the odds, 3.125 % and 12.5 % of ones with 0.8 and 0.2.
+        let [low, high] = interval(&[(1.0, estimate(20.0, NORMAL_95)), (1.0, estimate(30.0, NORMAL_95))]);
+        assert!((low - (20.0 - 1.644_854)).abs() < 1e-5 && (high - (30.0 + 1.644_854)).abs() < 1e-5, "{low} {high}");
+        let [low, high] = interval(&[(0.8, estimate(20.0, NORMAL_95)), (0.2, estimate(30.0, NORMAL_95))]);
+        assert!((low - (20.0 - 1.862_732)).abs() < 1e-5 && (high - (30.0 + 1.150_349)).abs() < 1e-5, "{low} {high}");
+    }
+
+    #[test]
+    fn a_set_with_next_to_no_odds_changes_nothing() {
+        let [low, high] = interval(&[(1.0, estimate(20.0, 0.5)), (1e-9, estimate(30.0, 0.5))]);
+        assert!((low - 19.5).abs() < 1e-5 && (high - 20.5).abs() < 1e-5, "{low} {high}");
+    }
+}

@@ -1,0 +1,88 @@
+//! What a moving average leaves open of a stroke: moves hardly longer than the window are not found again.
+//!
+//! [`position_averaging`] is exact for polynomials of degree five. Of a sixth power it misses δ⁶/140, δ⁶ the sixth difference
+//! of the record over steps of half a window: with x = t⁶ and w = 1 the stroke comes out as 0.0804 at t = 0, and δ⁶ is 11.25.
+//! Where a move is hardly longer than the window, higher powers miss more; the error's size is then about five times that at
+//! the place of its largest value within half a window, and so much is stated. Position in m, time in s.
+//!
+//! [`position_averaging`]: chamber::effects::position_averaging
+
+use crate::record::stroke::{Motion, Phase, Segment};
+use crate::record::true_stroke::TrueStroke;
+
+/// Binomial weights of the sixth difference.
+const WEIGHTS: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+/// Share of the sixth difference that may be missed.
+const MISSED: f64 = 5.0 / 140.0;
+/// Where the error is looked at around a moment, in windows.
+const AROUND: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+
+/// Recorded moves up to so many windows long are hardly longer than one: the record lengthens them by a window, and their
+/// gentle begins and ends are looked for in some rows more.
+const SHORT: f64 = 6.0;
+
+/// Whether most of the way of a record that is a moving average over `window`, s, is in moves hardly longer than that.
+pub fn hides_moves(motion: &Motion, window: f64) -> bool {
+    let way = |is_asked: &dyn Fn(&Segment) -> bool| -> f64 {
+        let moves = motion.segments.iter().filter(|s| s.phase == Phase::Move && is_asked(s));
+        moves.map(|s| s.stroke.range()).map(|(low, high)| high - low).sum()
+    };
+    way(&|s| s.to_s - s.from_s < SHORT * window) > 0.5 * way(&|_| true)
+}
+
+/// How far the stroke may be off at a time, m, where its record is a moving average over `window`, s.
+pub fn error_m(motion: &Motion, window: f64, time: f64) -> f64 {
+    if window == 0.0 {
+        return 0.0;
+    }
+    let recorded = TrueStroke::new(motion, 0.0, 0.0);
+    let (begin, end) = motion.extent();
+    let at = |time: f64| recorded.recorded(time.clamp(begin, end), 0)[0];
+    let missed = |middle: f64| {
+        let places = WEIGHTS.iter().enumerate();
+        places.map(|(i, weight)| weight * at(middle + 0.5 * window * (i as f64 - 3.0))).sum::<f64>().abs() * MISSED
+    };
+    AROUND.iter().map(|place| missed(time + place * window)).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chamber::effects::position_averaging;
+
+    /// A push of that length, s, recorded at 1 kHz as a moving average over 40 ms, and the stroke itself.
+    fn push(length: f64) -> (impl Fn(f64) -> f64, Motion) {
+        const WINDOW: f64 = 0.04;
+        let truth =
+            move |t: f64| 0.1 - 0.025 * (1.0 - (std::f64::consts::PI * ((t - 0.5) / length).clamp(0.0, 1.0)).cos());
+        let averaged =
+            |t: f64| (0..400).map(|k| truth(t + WINDOW * ((f64::from(k) + 0.5) / 400.0 - 0.5))).sum::<f64>() / 400.0;
+        let (time, position): (Vec<f64>, Vec<f64>) =
+            (0..1200).map(|i| f64::from(i) * 1e-3).map(|t| (t, averaged(t))).unzip();
+        (truth, Motion::detect(&time, &position))
+    }
+
+    #[test]
+    fn the_error_of_a_stroke_taken_back_is_of_the_size_that_is_stated() {
+        for length in [0.05, 0.08, 0.12] {
+            let (truth, motion) = push(length);
+            let stroke = TrueStroke::new(&motion, 0.0, 0.0);
+            let (begin, end) = motion.extent();
+            let found = |t: f64| position_averaging::undone(|t| stroke.recorded(t, 0)[0], 0.04, [begin, end], t);
+            let (mut off, mut stated) = (0.0, 0.0);
+            for t in (0..2000).map(|k| 0.45 + (length + 0.1) * f64::from(k) / 2000.0) {
+                off += (found(t) - truth(t)).powi(2);
+                stated += error_m(&motion, 0.04, t).powi(2);
+            }
+            let ratio: f64 = (off / stated).sqrt();
+            assert!((0.1..1.5).contains(&ratio), "{length}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn short_pushes_are_hidden_and_long_ones_are_not() {
+        let hides = [0.04, 0.12, 0.5].map(|length| hides_moves(&push(length).1, 0.04));
+        assert_eq!(hides, [true, true, false]);
+        assert!(!hides_moves(&push(0.04).1, 0.0));
+    }
+}
