@@ -8,6 +8,7 @@ use crate::parameters::Hypothesis;
 use nalgebra::{DMatrix, DVector};
 
 /// The normal equations.
+#[derive(Clone)]
 pub struct System {
     rig: usize,
     whole: DMatrix<f64>,
@@ -16,6 +17,7 @@ pub struct System {
 }
 
 /// One record's share.
+#[derive(Clone)]
 struct Part {
     coupling: DMatrix<f64>,
     own: DMatrix<f64>,
@@ -28,23 +30,61 @@ impl Part {
     }
 }
 
+/// A step in all coordinates.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// In the rig's.
+    pub rig: Vec<f64>,
+    /// In each record's own.
+    pub own: Vec<Vec<f64>>,
+    /// The decrease of χ² that it promises.
+    pub promised: f64,
+}
+
+impl Step {
+    /// Both one after the other.
+    pub fn and(&self, next: &Step) -> Step {
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Step {
+            rig: sum(&self.rig, &next.rig),
+            own: self.own.iter().zip(&next.own).map(|(a, b)| sum(a, b)).collect(),
+            promised: self.promised + next.promised,
+        }
+    }
+}
+
 impl System {
     /// Of the linearised records; `rig` is the number of their common columns.
     pub fn new(linear: &[Linear], rig: usize) -> Self {
         let mut whole = DMatrix::zeros(rig, rig);
-        let mut right = DVector::zeros(rig);
         let mut parts = Vec::with_capacity(linear.len());
         for l in linear {
-            let r = DVector::from_column_slice(&l.residual);
             whole += l.by_rig.tr_mul(&l.by_rig);
-            right += l.by_rig.tr_mul(&r);
             parts.push(Part {
                 coupling: l.by_rig.tr_mul(&l.by_own),
                 own: l.by_own.tr_mul(&l.by_own),
-                right: l.by_own.tr_mul(&r),
+                right: DVector::zeros(l.by_own.ncols()),
             });
         }
-        Self { rig, whole, right, parts }
+        let mut system = Self { rig, whole, right: DVector::zeros(rig), parts };
+        system.aim_at(linear, linear.iter().map(|l| &l.residual));
+        system
+    }
+
+    /// The same equations with other residuals in the place of the records'.
+    pub fn with_residuals(&self, linear: &[Linear], residuals: &[Vec<f64>]) -> Self {
+        let mut system = self.clone();
+        system.aim_at(linear, residuals.iter());
+        system
+    }
+
+    fn aim_at<'a>(&mut self, linear: &[Linear], residuals: impl Iterator<Item = &'a Vec<f64>>) {
+        self.right.fill(0.0);
+        for ((l, part), residual) in linear.iter().zip(&mut self.parts).zip(residuals) {
+            let r = DVector::from_column_slice(residual);
+            self.right += l.by_rig.tr_mul(&r);
+            part.right = l.by_own.tr_mul(&r);
+        }
     }
 
     /// Normal matrix and right side of the rig's numbers, the records' own eliminated.
@@ -59,8 +99,8 @@ impl System {
         Some((matrix, right))
     }
 
-    /// A step in all coordinates and the decrease of χ² it promises; coordinates at a bound that they push against rest.
-    pub fn step(&self, h: &Hypothesis, x: &[f64], damping: f64) -> Option<(Vec<f64>, Vec<Vec<f64>>, f64)> {
+    /// The step from `x`; coordinates at a bound that it pushes against rest.
+    pub fn step(&self, h: &Hypothesis, x: &[f64], damping: f64) -> Option<Step> {
         let (matrix, right) = self.reduced(damping)?;
         let mut free: Vec<usize> = (0..self.rig).filter(|&i| self.whole[(i, i)] > 0.0).collect();
         let mut step = vec![0.0; self.rig];
@@ -105,7 +145,7 @@ impl System {
             promised += 2.0 * own.dot(&rhs) - own.dot(&(&part.own * &own));
             own_steps.push(own.as_slice().to_vec());
         }
-        Some((step, own_steps, promised))
+        Some(Step { rig: step, own: own_steps, promised })
     }
 }
 

@@ -11,6 +11,7 @@
 
 pub mod bordered;
 pub mod covariance;
+mod descent;
 pub mod whiten;
 
 use crate::forward::Run;
@@ -22,13 +23,11 @@ use chamber::dual::Dual;
 use chamber::effects::{self, EffectSet};
 use chamber::integrate::IntegrationError;
 use chamber::real::{Real, Scalar};
+pub use descent::{Descent, descend};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A step that promises less than this much of χ² ends the fit; so much more as χ² is more than its expectation, since the
-/// evidence counts χ² in that measure.
-const SETTLED: f64 = 2e-3;
 const MOST_ITERATIONS: usize = 40;
 /// Derivatives in one pass of the simulation at the most.
 const WIDEST: usize = 12;
@@ -139,102 +138,11 @@ pub fn fit(
     finish(data, hypothesis, found, selection)
 }
 
-/// Where a descent has come to.
-#[derive(Clone, Debug)]
-pub struct Descent {
-    /// The rig's coordinates.
-    pub rig: Vec<f64>,
-    /// Each record's own coordinates.
-    pub own: Vec<Vec<f64>>,
-    /// Σ of squares.
-    pub chi2: f64,
-    /// Iterations used.
-    pub iterations: usize,
-    /// Whether it ended at a minimum.
-    pub converged: bool,
-    /// The problem linearised there, where that is known.
-    pub linear: Option<Vec<Linear>>,
-}
-
-impl Descent {
-    /// One that begins at these coordinates.
-    pub fn at(rig: Vec<f64>, own: Vec<Vec<f64>>) -> Self {
-        Self { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false, linear: None }
-    }
-}
-
-/// The sum of squares and the coordinates after so many iterations at the most: also to choose among starts.
-///
-/// # Errors
-/// [`Failure`].
-pub fn descend(
-    data: &Data,
-    hypothesis: &Hypothesis,
-    mut rig: Vec<f64>,
-    mut own: Vec<Vec<f64>>,
-    selection: &Selection,
-    most_iterations: usize,
-) -> Result<Descent, Failure> {
-    let free = hypothesis.axes.len();
-    let own_axes: Vec<_> = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
-    let first = linearise(data, hypothesis, &rig, &own, selection)?;
-    let mut chi2 = total(&first);
-    let blocks: usize = first.iter().map(|l| l.blocks).sum();
-    let mut linear = Some(first);
-    let settled = |chi2: f64| SETTLED * (chi2 / blocks.max(1) as f64).max(1.0);
-    let (mut damping, mut iterations, mut converged) = (1e-4, 0, false);
-    'outer: while iterations < most_iterations {
-        let here = match linear.take() {
-            Some(here) => here,
-            None => linearise(data, hypothesis, &rig, &own, selection)?,
-        };
-        let system = System::new(&here, free);
-        linear = Some(here);
-        iterations += 1;
-        for _ in 0..12 {
-            let Some((step, own_steps, promised)) = system.step(hypothesis, &rig, damping) else {
-                damping = (damping * 10.0).max(1e-6);
-                continue;
-            };
-            if promised < settled(chi2) {
-                converged = true;
-                break 'outer;
-            }
-            let trial = moved(&rig, &step, hypothesis.axes.iter().map(|axis| axis.bounds));
-            let trial_own: Vec<Vec<f64>> = own
-                .iter()
-                .zip(&own_steps)
-                .zip(&own_axes)
-                .map(|((x, step), axes)| moved(x, step, axes.iter().map(|axis| axis.bounds)))
-                .collect();
-            // Whether a step leads down is a matter of the residuals alone, at a fraction of the sensitivities' cost.
-            if let Some(next) = squares(data, hypothesis, &trial, &trial_own, selection).filter(|next| *next < chi2) {
-                let gained = chi2 - next;
-                (rig, own, chi2, linear) = (trial, trial_own, next, None);
-                damping = if gained > 0.7 * promised { damping * 0.1 } else { damping }.max(1e-9);
-                if gained < settled(chi2) {
-                    converged = true;
-                    break 'outer;
-                }
-                continue 'outer;
-            }
-            damping = (damping * 10.0).max(1e-3);
-            if damping > 1e8 {
-                // No direction goes down: a minimum to the accuracy of the simulation.
-                converged = true;
-                break 'outer;
-            }
-        }
-        break;
-    }
-    Ok(Descent { rig, own, chi2, iterations, converged, linear })
-}
-
 /// The sum of squares that the first step from these coordinates promises; `None` where the simulation fails.
 pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>]) -> Option<f64> {
     let linear = linearise(data, hypothesis, rig, own, &all_blocks(data)).ok()?;
-    let (_, _, promised) = System::new(&linear, hypothesis.axes.len()).step(hypothesis, rig, 1e-4)?;
-    Some((total(&linear) - promised).max(0.0))
+    let step = System::new(&linear, hypothesis.axes.len()).step(hypothesis, rig, 1e-4)?;
+    Some((total(&linear) - step.promised).max(0.0))
 }
 
 /// Linearises in everything at the solution.
@@ -346,14 +254,22 @@ fn linearised<'a>(
     Ok(records)
 }
 
-/// The sum of squares that [`linearise`] would find there; `None` where the simulation fails.
-fn squares(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>], selection: &Selection) -> Option<f64> {
+/// The residuals that [`linearise`] would find there, record by record and the priors of the rig's numbers behind them, at a
+/// fraction of its cost; `None` where the simulation fails.
+fn residuals(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &[f64],
+    own: &[Vec<f64>],
+    selection: &Selection,
+) -> Option<Vec<Vec<f64>>> {
     let records: Option<Vec<Vec<f64>>> = (0..data.traces.len())
         .into_par_iter()
         .map(|k| residual(&data.traces[k], hypothesis, rig, &own[k], selection[k]))
         .collect();
-    let priors = priors(hypothesis, rig, 0).map(|l| l.residual);
-    Some(records?.iter().chain(&priors).flatten().map(|r| r * r).sum())
+    let mut records = records?;
+    records.extend(priors(hypothesis, rig, 0).map(|l| l.residual));
+    Some(records)
 }
 
 /// One record's whitened residuals, the priors of its own numbers behind them.

@@ -479,8 +479,10 @@ fn blocks(
             // The slope of a straight line through the rows of a hold is known to √12/length of its mean.
             let along = 12.0f64.sqrt() * (t - 0.5 * (s.from_s + s.to_s)) / (s.to_s - s.from_s).max(f64::MIN_POSITIVE);
             let moves = s.phase == Phase::Move;
-            let position_sd_m =
-                unresolved::error_m(motion, window_s, t).hypot(if moves { motion.noise_m } else { 0.0 });
+            // What an average hides is the same over a window, whose rows count as one reading.
+            let in_window = (window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
+            let hidden_m = unresolved::error_m(motion, window_s, t) * in_window;
+            let position_sd_m = hidden_m.hypot(if moves { motion.noise_m } else { 0.0 });
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
             let range_pa: [f64; 2] = extent(&values).into();

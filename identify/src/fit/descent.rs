@@ -1,0 +1,200 @@
+//! The descent to a least sum of squares: Levenberg–Marquardt with bounds, its failing steps bent.
+//!
+//! A step v solves (JᵀJ + μ D) v = Jᵀρ, ρ the residuals, D the diagonal of JᵀJ. Where the sum of squares has a narrow bent
+//! valley, such a step leads up its wall, and the damping μ makes all further steps short. A step that fails is therefore tried
+//! once more with what it has shown of the bend: ρ(x + v) − (ρ − J v) is −½ of the model's second derivative along it, and
+//! (JᵀJ + μ D)⁻¹ Jᵀ times that is added to the step. Source: M. K. Transtrum and J. P. Sethna, arXiv:1201.5885 (2012) (geodesic
+//! acceleration, here with the whole step as the difference).
+
+use super::bordered::{Step, System};
+use super::{Failure, Linear, Selection, linearise, moved, residuals, total};
+use crate::parameters::{Axis, Hypothesis, Own};
+use crate::record::prepare::Data;
+use nalgebra::DVector;
+
+/// A step that promises less than this much of χ² ends the fit; so much more as χ² is more than its expectation, since the
+/// evidence counts χ² in that measure.
+const SETTLED: f64 = 2e-3;
+/// Dampings that are tried before an iteration is given up.
+const MOST_DAMPINGS: usize = 12;
+
+/// Of these, the first so many bend their steps: with more damping the steps are short, and next to straight.
+const BENT: usize = 3;
+
+/// Where a descent has come to.
+#[derive(Clone, Debug)]
+pub struct Descent {
+    /// The rig's coordinates.
+    pub rig: Vec<f64>,
+    /// Each record's own coordinates.
+    pub own: Vec<Vec<f64>>,
+    /// Σ of squares.
+    pub chi2: f64,
+    /// Iterations used.
+    pub iterations: usize,
+    /// Whether it ended at a minimum.
+    pub converged: bool,
+    /// The problem linearised there, where that is known.
+    pub linear: Option<Vec<Linear>>,
+}
+
+impl Descent {
+    /// One that begins at these coordinates.
+    pub fn at(rig: Vec<f64>, own: Vec<Vec<f64>>) -> Self {
+        Self { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false, linear: None }
+    }
+}
+
+/// The sum of squares and the coordinates after so many iterations at the most: also to choose among starts.
+///
+/// # Errors
+/// [`Failure`].
+pub fn descend(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    selection: &Selection,
+    most_iterations: usize,
+) -> Result<Descent, Failure> {
+    let own_axes = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
+    let problem = Problem { data, hypothesis, selection, own_axes };
+    let first = linearise(data, hypothesis, &rig, &own, selection)?;
+    let blocks: usize = first.iter().map(|l| l.blocks).sum();
+    let mut here = Descent { chi2: total(&first), linear: Some(first), ..Descent::at(rig, own) };
+    let mut damping = 1e-4;
+    while here.iterations < most_iterations && !here.converged {
+        let linear = match here.linear.take() {
+            Some(linear) => linear,
+            None => linearise(data, hypothesis, &here.rig, &here.own, selection)?,
+        };
+        here.iterations += 1;
+        let settled = SETTLED * (here.chi2 / blocks.max(1) as f64).max(1.0);
+        match problem.lower(&here, &linear, &mut damping, settled) {
+            Next::Lower(trial) => {
+                here.converged = here.chi2 - trial.chi2 < settled;
+                (here.rig, here.own, here.chi2) = (trial.rig, trial.own, trial.chi2);
+            }
+            Next::Minimum => (here.converged, here.linear) = (true, Some(linear)),
+            Next::Nowhere => {
+                here.linear = Some(linear);
+                break;
+            }
+        }
+    }
+    Ok(here)
+}
+
+/// Coordinates that were tried.
+struct Trial {
+    rig: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    residuals: Vec<Vec<f64>>,
+    chi2: f64,
+}
+
+/// How an iteration ends.
+enum Next {
+    /// At lower coordinates.
+    Lower(Trial),
+    /// No step promises anything that counts, or none leads down, to the accuracy of the simulation.
+    Minimum,
+    /// Too many dampings.
+    Nowhere,
+}
+
+/// What is minimised.
+struct Problem<'a> {
+    data: &'a Data,
+    hypothesis: &'a Hypothesis,
+    selection: &'a Selection,
+    own_axes: Vec<Vec<Axis<Own>>>,
+}
+
+impl Problem<'_> {
+    /// The first step that leads down, from the damping on that led down before.
+    fn lower(&self, here: &Descent, linear: &[Linear], damping: &mut f64, settled: f64) -> Next {
+        let system = System::new(linear, self.hypothesis.axes.len());
+        let leads_down = |trial: &Trial| trial.chi2 < here.chi2;
+        for attempt in 0..MOST_DAMPINGS {
+            let Some(step) = system.step(self.hypothesis, &here.rig, *damping) else {
+                *damping = (*damping * 10.0).max(1e-6);
+                continue;
+            };
+            if step.promised < settled {
+                return Next::Minimum;
+            }
+            let straight = self.trial(here, &step);
+            let bent = match &straight {
+                Some(trial) if attempt < BENT && !leads_down(trial) => system
+                    .with_residuals(linear, &missed(linear, &step, &trial.residuals))
+                    .step(self.hypothesis, &trial.rig, *damping)
+                    .and_then(|bend| self.trial(here, &step.and(&bend))),
+                _ => None,
+            };
+            if let Some(trial) = straight.into_iter().chain(bent).find(leads_down) {
+                if here.chi2 - trial.chi2 > 0.7 * step.promised {
+                    *damping *= 0.1;
+                }
+                *damping = damping.max(1e-9);
+                return Next::Lower(trial);
+            }
+            *damping = (*damping * 10.0).max(1e-3);
+            if *damping > 1e8 {
+                return Next::Minimum;
+            }
+        }
+        Next::Nowhere
+    }
+
+    /// A step from there, within the bounds; `None` where the simulation fails. Whether it leads down is a matter of the
+    /// residuals alone, at a fraction of the sensitivities' cost.
+    fn trial(&self, from: &Descent, step: &Step) -> Option<Trial> {
+        let rig = moved(&from.rig, &step.rig, self.hypothesis.axes.iter().map(|axis| axis.bounds));
+        let steps = from.own.iter().zip(&step.own).zip(&self.own_axes);
+        let own: Vec<Vec<f64>> =
+            steps.map(|((x, step), axes)| moved(x, step, axes.iter().map(|axis| axis.bounds))).collect();
+        let residuals = residuals(self.data, self.hypothesis, &rig, &own, self.selection)?;
+        let chi2 = residuals.iter().flatten().map(|r| r * r).sum();
+        Some(Trial { rig, own, residuals, chi2 })
+    }
+}
+
+/// By how much the residuals after a step differ from those that its linearised problem promises.
+fn missed(linear: &[Linear], step: &Step, after: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let rig = DVector::from_column_slice(&step.rig);
+    let of_record = |((l, own), after): ((&Linear, &Vec<f64>), &Vec<f64>)| {
+        let promised = &l.by_rig * &rig + &l.by_own * DVector::from_column_slice(own);
+        (0..after.len()).map(|i| after[i] - (l.residual[i] - promised[i])).collect()
+    };
+    linear.iter().zip(&step.own).zip(after).map(of_record).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    #[test]
+    fn a_step_that_is_bent_by_what_it_missed_comes_an_order_nearer() {
+        // Model x + x²/2 in two blocks, from zero on.
+        let model = |x: f64| x + 0.5 * x * x;
+        let error = |target: f64| {
+            let residual = |x: f64| vec![model(target) - model(x); 2];
+            let linear = Linear {
+                blocks: 2,
+                residual: residual(0.0),
+                by_rig: DMatrix::from_element(2, 1, 1.0),
+                by_own: DMatrix::zeros(2, 0),
+            };
+            let straight = model(target);
+            let step = Step { rig: vec![straight], own: vec![Vec::new()], promised: 0.0 };
+            let bend = missed(&[linear], &step, &[residual(straight)])[0][0];
+            assert!((bend + 0.5 * straight * straight).abs() < 1e-15, "{bend}");
+            [straight, straight + bend].map(|x| (x - target).abs())
+        };
+        let (far, near) = (error(0.2), error(0.1));
+        assert!(far[1] < 0.25 * far[0] && near[1] < 0.12 * near[0], "{far:?} {near:?}");
+        assert!((far[0] / near[0]).log2() > 1.9 && (far[1] / near[1]).log2() > 2.7, "{far:?} {near:?}");
+    }
+}
