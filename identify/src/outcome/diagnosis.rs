@@ -215,7 +215,10 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     let of_set = side(&data, after, &residuals_after, adequacy.is_adequate());
     let after_side = match found.verdict {
         Verdict::Unexplained => of_set.clone(),
-        _ => Side { parameters: over_sets::widened(of_set.parameters.clone(), &data, &found), ..of_set.clone() },
+        _ => {
+            let numbers = of_set.parameters.clone();
+            Side { parameters: over_sets::widened(numbers, &data, &found, adequacy.is_adequate()), ..of_set.clone() }
+        }
     };
     let effects: Vec<&'static str> = in_order(&found, after.model.of_rig());
     let open = matches!(found.verdict, Verdict::Unexplained | Verdict::Improved) && !adequacy.is_adequate();

@@ -1,8 +1,8 @@
 //! Intervals of numbers that several sets of effects have, where the data cannot tell the sets apart.
 //!
 //! Such a number follows the mixture of the sets' distributions, each weighted by its odds ([`probability::odds`]); its 95 %
-//! interval is that of the mixture. The value stays that of the chosen set. Source: J. A. Hoeting et al., Stat. Sci. 14 (1999)
-//! 382 (Bayesian model averaging).
+//! interval is that of the mixture. The value stays that of the chosen set, and the interval holds it. Source: J. A. Hoeting
+//! et al., Stat. Sci. 14 (1999) 382 (Bayesian model averaging).
 
 use crate::fit::covariance::{Estimate, NORMAL_95};
 use crate::outcome::diagnosis::{Estimates, parameters};
@@ -12,10 +12,10 @@ use crate::search::{Candidate, Found};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// The chosen set's numbers with their intervals over all sets that the data cannot tell from it.
-pub fn widened(mut numbers: Estimates, data: &Data, found: &Found) -> Estimates {
-    let others: Vec<(f64, Estimates)> = alike(found)
-        .map(|c| (probability::odds(c.delta_bic - found.chosen.delta_bic), parameters(data, &c.fit, true)))
-        .collect();
+pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, residual_is_noise: bool) -> Estimates {
+    let odds = |c: &Candidate| probability::odds(c.delta_bic - found.chosen.delta_bic);
+    let others: Vec<(f64, Estimates)> =
+        alike(found).map(|c| (odds(c), parameters(data, &c.fit, residual_is_noise))).collect();
     for (name, number) in &mut numbers {
         let same = |(weight, of_set): &(f64, Estimates)| {
             of_set.iter().find(|(other, _)| other == name).map(|(_, estimate)| (*weight, estimate.clone()))
@@ -23,7 +23,9 @@ pub fn widened(mut numbers: Estimates, data: &Data, found: &Found) -> Estimates 
         let mixture: Vec<(f64, Estimate)> =
             std::iter::once((1.0, number.clone())).chain(others.iter().filter_map(same)).collect();
         if mixture.len() > 1 {
-            number.ci95 = interval(&mixture);
+            let [low, high] = interval(&mixture);
+            // Many others together may leave the chosen set little.
+            number.ci95 = [low.min(number.value), high.max(number.value)];
         }
     }
     numbers

@@ -132,7 +132,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let open = averaged.clone().flat_map(|t| &t.blocks).map(|b| b.by_position_pa).fold(0.0, f64::max);
     if let Some(window_s) = averaged.map(|t| t.window_s).reduce(f64::max) {
         out.push(format!(
-            "the positions are averages over {} s, which hides the course of moves hardly longer than that: the pressures of such moves, uncertain by up to {} Pa, count the less",
+            "the positions look like averages over {} s, which hides the course of moves hardly longer than that: the pressures in such moves, uncertain by up to {} Pa, count less",
             digits(window_s, 2),
             digits(open, 2)
         ));
