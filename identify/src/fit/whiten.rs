@@ -13,12 +13,13 @@
 // Vectors and matrices by index read as their formulas.
 #![allow(clippy::needless_range_loop)]
 
-use crate::record::noise::Noise;
+use crate::record::noise::{FLICKER_COLOURS, Noise};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
-/// Most states of the filter: two coloured processes, the hum's two, three that a segment has in common, one of rounding.
-const MOST: usize = 8;
+/// Most states of the filter: the coloured processes of flicker noise, the hum's two, three that a segment has in common, one of
+/// rounding.
+const MOST: usize = FLICKER_COLOURS + 6;
 
 /// Where and how one mean of readings was taken. Times in s, deviations in Pa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +54,7 @@ struct Layout {
 
 impl Layout {
     fn of(noise: &Noise, places: &[Place]) -> Self {
-        let colours = noise.colours.len().min(2);
+        let colours = noise.colours.len().min(FLICKER_COLOURS);
         let mut count = colours;
         let mut next = |wanted: bool, states: usize| {
             count += if wanted { states } else { 0 };

@@ -3,13 +3,15 @@
 //! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
 //! they have in common (Helmert contrasts, each with the covariance of one record and free of its mean). Without repeats
 //! short windows in the late parts of rests and holds are used, free of a cubic each (restricted likelihood): what is slower
-//! may be the gas. White noise alone, with one or with two Ornstein–Uhlenbeck processes, and with a line are compared by
-//! BIC; each by maximum likelihood, the innovations from a Kalman filter ([`Whitener`]). Source: D. A. Harville, J. Am.
-//! Stat. Assoc. 72 (1977) 320 (restricted likelihood).
+//! may be the gas. White noise alone, with one or with two Ornstein–Uhlenbeck processes, with flicker (1/f) noise, and with a
+//! line are compared by BIC; each by maximum likelihood, the innovations from a Kalman filter ([`Whitener`]). Flicker noise has
+//! two numbers, its size and its shortest time: it is a sum of equally large processes whose times are evenly spaced on a
+//! logarithmic scale up to the length of a record, so that short windows tell its wander over all of it. Sources: D. A.
+//! Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood); M. S. Keshner, Proc. IEEE 70 (1982) 212 (1/f noise).
 
 use crate::fit::whiten::{Place, Whitener};
 use crate::policy::DECISIVE;
-use crate::record::noise::{Colour, Hum, Noise};
+use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
 use nalgebra::{DMatrix, DVector};
@@ -64,11 +66,9 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     }
     let likelihood = Likelihood { windows: &windows, free: if pure { FREE_IN_CONTRAST } else { FREE_ALONE } };
     let start = Noise { colours: Vec::new(), hum: None, ..before.clone() };
-    let longest_s = match pure {
-        true => data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max),
-        false => likelihood.longest_s(),
-    };
-    let mut noise = likelihood.best(&start, longest_s);
+    let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
+    let longest_s = if pure { record_s } else { likelihood.longest_s() };
+    let mut noise = likelihood.best(&start, longest_s, record_s);
     if !pure && noise.hum.is_none() {
         noise.hum = slow_hum(data, residuals, &start);
     }
@@ -240,10 +240,10 @@ impl Likelihood<'_> {
         (freedom * (1.0 + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
     }
 
-    /// White noise with the processes that pay.
-    fn best(&self, start: &Noise, longest_s: f64) -> Noise {
+    /// White noise with the processes that pay: coloured ones of up to `longest_s`, flicker noise of up to `record_s`.
+    fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
         let white = self.scaled(start);
-        let coloured = self.coloured(white.clone(), longest_s);
+        let coloured = self.better(self.coloured(white.clone(), longest_s), self.flickering(&white.1, record_s));
         let mut best = coloured.clone();
         if let Some(humming) = self.humming(&coloured.1) {
             best = self.better(best, humming);
@@ -255,13 +255,14 @@ impl Likelihood<'_> {
         self.tuned(best).1
     }
 
-    /// The better of two: each process beyond white noise has to pay for its two numbers.
+    /// The better of two: each process beyond white noise has to pay for its two numbers, as does flicker noise.
     fn better(&self, a: (f64, Noise), b: (f64, Noise)) -> (f64, Noise) {
-        let processes = |noise: &Noise| (noise.colours.len() + usize::from(noise.hum.is_some())) as f64;
-        let criterion = |(deviance, noise): &(f64, Noise)| {
-            deviance + processes(noise) * (2.0 * (self.points() as f64).ln() + CHOSEN_AMONG_MANY)
+        let price = |noise: &Noise| {
+            let two_numbers = 2.0 * (self.points() as f64).ln() + CHOSEN_AMONG_MANY;
+            let colours = if noise.flickers() { 1.0 } else { noise.colours.len() as f64 };
+            (colours + f64::from(u8::from(noise.hum.is_some()))) * two_numbers
         };
-        if criterion(&b) < criterion(&a) { b } else { a }
+        if b.0 + price(&b.1) < a.0 + price(&a.1) { b } else { a }
     }
 
     /// With up to two coloured processes, as many as pay.
@@ -269,6 +270,45 @@ impl Likelihood<'_> {
         let one = self.with_another_colour(&noise.1, longest_s);
         let best = self.better(noise, one.clone());
         if best.1 == one.1 { self.better(best, self.with_another_colour(&one.1, longest_s)) } else { best }
+    }
+
+    /// With the best flicker noise.
+    fn flickering(&self, white: &Noise, record_s: f64) -> (f64, Noise) {
+        const FACTOR: f64 = 3.0;
+        /// A band narrower than this is a single process.
+        const NARROWEST: f64 = 100.0;
+        let mut best = (f64::INFINITY, white.clone());
+        let mut from_s = self.shortest_s();
+        while from_s * NARROWEST < record_s || !best.0.is_finite() {
+            let found = self.flickering_from(white, [from_s, record_s.max(from_s)]);
+            best = if found.0 < best.0 { found } else { best };
+            from_s *= FACTOR;
+        }
+        best
+    }
+
+    /// With flicker noise of the best size whose processes have times from the one to the other, s.
+    fn flickering_from(&self, white: &Noise, [from_s, to_s]: [f64; 2]) -> (f64, Noise) {
+        let ratio = (to_s / from_s).powf(1.0 / (FLICKER_COLOURS - 1) as f64);
+        let of_size = |share: f64| {
+            let colour = |k: usize| Colour { sd_pa: share * white.white_pa, time_s: from_s * ratio.powi(k as i32) };
+            self.scaled(&Noise { colours: (0..FLICKER_COLOURS).map(colour).collect(), ..white.clone() })
+        };
+        let (mut share, mut factor) = (0.5, 4.0);
+        let mut best = of_size(share);
+        while factor > 1.06 {
+            let tried = [share * factor, share / factor].map(|share| (share, of_size(share)));
+            match tried.into_iter().find(|(_, trial)| trial.0 < best.0 - 1e-3) {
+                Some(better) => (share, best) = better,
+                None => factor = f64::sqrt(factor),
+            }
+        }
+        best
+    }
+
+    /// Twice the shortest distance of two values, s.
+    fn shortest_s(&self) -> f64 {
+        2.0 * self.windows.iter().map(|w| w.distance_s).fold(f64::INFINITY, f64::min)
     }
 
     /// With the line that stands out of what this noise leaves, if there is one.
@@ -311,7 +351,7 @@ impl Likelihood<'_> {
 
     /// The best noise with one more coloured process.
     fn with_another_colour(&self, noise: &Noise, longest_s: f64) -> (f64, Noise) {
-        let shortest_s = 2.0 * self.windows.iter().map(|w| w.distance_s).fold(f64::INFINITY, f64::min);
+        let shortest_s = self.shortest_s();
         let steps = 7;
         let ratio = (2.0 * longest_s / shortest_s).max(4.0).powf(1.0 / f64::from(steps - 1));
         let mut best = (f64::INFINITY, noise.clone());
@@ -475,10 +515,51 @@ mod tests {
         let likelihood = Likelihood { windows: &windows, free: FREE_IN_CONTRAST };
         let coloured = likelihood.coloured(likelihood.scaled(&Noise::white(1.0)), 10.0);
         assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
-        let found = likelihood.best(&Noise::white(1.0), 10.0);
+        let found = likelihood.best(&Noise::white(1.0), 10.0, 10.0);
         assert!(found.colours.is_empty(), "{found:?}");
         assert!(found.hum.is_some_and(|hum| (hum.frequency_hz - 0.2).abs() < 0.005), "{found:?}");
         assert!((found.white_pa / 60.0 - 1.0).abs() < 0.1, "{found:?}");
+    }
+
+    /// Ornstein–Uhlenbeck processes of 40 Pa each with these times, s, and white noise of 60 Pa, in windows far apart.
+    fn coloured_windows(times_s: &[f64], seed: u64) -> Vec<Window> {
+        let mut random = Random::new(seed);
+        let mut states: Vec<f64> = times_s.iter().map(|_| 40.0 * random.normal()).collect();
+        let mut next = || {
+            for (state, time_s) in states.iter_mut().zip(times_s) {
+                let keep = (-ROW_S / time_s).exp();
+                *state = keep * *state + 40.0 * (1.0 - keep * keep).sqrt() * random.normal();
+            }
+            states.iter().sum::<f64>() + 60.0 * random.normal()
+        };
+        let mut window = || {
+            for _ in 0..2000 {
+                next();
+            }
+            Window { values: (0..ALONE).map(|_| next()).collect(), distance_s: ROW_S, averaged: 1 }
+        };
+        (0..40).map(|_| window()).collect()
+    }
+
+    #[test]
+    fn short_windows_tell_how_flicker_noise_wanders_over_a_record() {
+        let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
+        let windows = coloured_windows(&times_s, 6);
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+        let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
+        assert!(found.flickers(), "{found:?}");
+        // 40 Pa in each half of a decade.
+        assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.2, "{found:?}");
+        assert!((found.white_pa / 60.0 - 1.0).abs() < 0.1, "{found:?}");
+    }
+
+    #[test]
+    fn noise_of_one_correlation_time_does_not_flicker() {
+        let windows = coloured_windows(&[0.05; 8], 7);
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+        let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
+        assert_eq!(found.colours.len(), 1, "{found:?}");
+        assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.1, "{found:?}");
     }
 
     #[test]

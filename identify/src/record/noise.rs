@@ -33,7 +33,7 @@ pub struct Hum {
 pub struct Noise {
     /// Standard deviation of the white part of one reading, as the mean of many readings shows it, Pa.
     pub white_pa: f64,
-    /// Coloured parts.
+    /// Coloured parts: at most two of their own, or those of flicker noise.
     pub colours: Vec<Colour>,
     /// Hum.
     pub hum: Option<Hum>,
@@ -46,6 +46,9 @@ pub struct Noise {
     /// What the rig states, Pa.
     pub stated_pa: Option<f64>,
 }
+
+/// Processes that together are flicker (1/f) noise: about one in a decade of time.
+pub const FLICKER_COLOURS: usize = 4;
 
 /// Rows of a window.
 const WINDOW: usize = 40;
@@ -76,6 +79,11 @@ impl Noise {
     pub fn total_pa(&self) -> f64 {
         let coloured = self.coloured_pa();
         (self.white_pa.powi(2) + coloured.powi(2) + self.rounding_pa().powi(2)).sqrt()
+    }
+
+    /// Whether its coloured parts are flicker noise.
+    pub fn flickers(&self) -> bool {
+        self.colours.len() == FLICKER_COLOURS
     }
 
     /// Standard deviation of coloured noise and hum, Pa.
