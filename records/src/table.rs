@@ -62,7 +62,8 @@ impl<'d> Table<'d> {
         Err(field.refuse(problem))
     }
 
-    /// A complaint about a key of this table: at its line, or at the table's where it is missing.
+    /// A complaint about a key of this table: at its line, or at the table's where it is missing. The empty key stands for the
+    /// table itself.
     pub fn refuse(&self, key: &str, problem: KeyProblem) -> Error {
         match self.field(key) {
             Some(field) => field.refuse(problem),
@@ -184,6 +185,10 @@ impl<'d> Table<'d> {
     }
 
     fn dotted(&self, key: &str) -> String {
-        if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) }
+        match (self.name.as_ref(), key) {
+            (name, "") => name.to_owned(),
+            ("", key) => key.to_owned(),
+            (name, key) => format!("{name}.{key}"),
+        }
     }
 }

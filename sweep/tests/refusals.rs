@@ -60,7 +60,7 @@ fn a_range_that_cannot_be_is_named() {
             "hold_time_constants = { values = [3.0] }",
             "duration_s and hold_time_constants both set the length of the test",
         ),
-        ("", "at least one quantity to vary is needed"),
+        ("", "vary: names no quantity; at least one quantity to vary is needed"),
     ] {
         let message = refusal(&text("design = \"factorial\"", vary));
         assert!(message.contains(expected), "{vary}: {message}");

@@ -159,7 +159,7 @@ fn design<'a>(
     }
     let (found, copula) = vary::axes(vary, model)?;
     if found.is_empty() {
-        return Err(vary.missing("…", "at least one quantity to vary"));
+        return Err(vary.because("names no quantity; at least one quantity to vary is needed"));
     }
     if name == "factorial"
         && let Some(Found { entry, axis, .. }) = found.iter().find(|found| found.axis.levels().is_none())

@@ -38,6 +38,11 @@ impl<'a> Section<'a> {
         self.table.missing(key, expected).into()
     }
 
+    /// The error of the table as a whole; `why` says so.
+    pub fn because(&self, why: &str) -> Error {
+        self.table.refuse("", KeyProblem::Contradiction(why.to_owned())).into()
+    }
+
     /// The table under that key, empty where it is absent.
     pub fn section(&self, key: &str) -> Result<Section<'a>, Error> {
         self.get(key);
