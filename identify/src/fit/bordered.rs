@@ -42,14 +42,12 @@ pub struct Step {
 }
 
 impl Step {
-    /// Both one after the other.
-    pub fn and(&self, next: &Step) -> Step {
-        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
-        Step {
-            rig: sum(&self.rig, &next.rig),
-            own: self.own.iter().zip(&next.own).map(|(a, b)| sum(a, b)).collect(),
-            promised: self.promised + next.promised,
-        }
+    /// This step with another one after it; what it promises is not asked again.
+    pub fn bent_by(mut self, bend: &Step) -> Step {
+        let add = |to: &mut [f64], more: &[f64]| to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
+        add(&mut self.rig, &bend.rig);
+        self.own.iter_mut().zip(&bend.own).for_each(|(to, more)| add(to, more));
+        self
     }
 }
 

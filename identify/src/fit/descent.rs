@@ -17,7 +17,6 @@ use nalgebra::DVector;
 const SETTLED: f64 = 2e-3;
 /// Dampings that are tried before an iteration is given up.
 const MOST_DAMPINGS: usize = 12;
-
 /// Of these, the first so many bend their steps: with more damping the steps are short, and next to straight.
 const BENT: usize = 3;
 
@@ -125,15 +124,16 @@ impl Problem<'_> {
                 return Next::Minimum;
             }
             let straight = self.trial(here, &step);
+            let promised = step.promised;
             let bent = match &straight {
                 Some(trial) if attempt < BENT && !leads_down(trial) => system
                     .with_residuals(linear, &missed(linear, &step, &trial.residuals))
                     .step(self.hypothesis, &trial.rig, *damping)
-                    .and_then(|bend| self.trial(here, &step.and(&bend))),
+                    .and_then(|bend| self.trial(here, &step.bent_by(&bend))),
                 _ => None,
             };
             if let Some(trial) = straight.into_iter().chain(bent).find(leads_down) {
-                if here.chi2 - trial.chi2 > 0.7 * step.promised {
+                if here.chi2 - trial.chi2 > 0.7 * promised {
                     *damping *= 0.1;
                 }
                 *damping = damping.max(1e-9);

@@ -212,14 +212,11 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     let residuals_after =
         if after.model == Model::PAPER { residuals_before.clone() } else { misfit::residuals(&data, &after.fit) };
     let before = side(&data, &found.baseline, &residuals_before, found.baseline_adequacy.is_adequate());
-    let of_set = side(&data, after, &residuals_after, adequacy.is_adequate());
-    let after_side = match found.verdict {
-        Verdict::Unexplained => of_set.clone(),
-        _ => {
-            let numbers = of_set.parameters.clone();
-            Side { parameters: over_sets::widened(numbers, &data, &found, adequacy.is_adequate()), ..of_set.clone() }
-        }
-    };
+    let mut after_side = side(&data, after, &residuals_after, adequacy.is_adequate());
+    let of_set = after_side.parameters.clone();
+    if found.verdict != Verdict::Unexplained {
+        after_side.parameters = over_sets::widened(of_set.clone(), &data, &found, adequacy.is_adequate());
+    }
     let effects: Vec<&'static str> = in_order(&found, after.model.of_rig());
     let open = matches!(found.verdict, Verdict::Unexplained | Verdict::Improved) && !adequacy.is_adequate();
     let missing = if open { unnamed(after, &adequacy.families) } else { Vec::new() };
@@ -235,7 +232,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         },
     };
     let steps = steps(&data, &found);
-    let lambda0_budget = budget(&after.fit, adequacy.is_adequate(), &of_set.parameters, &after_side.parameters);
+    let lambda0_budget = budget(&after.fit, adequacy.is_adequate(), &of_set, &after_side.parameters);
     let diagnosis = Diagnosis {
         verdict: found.verdict.name(),
         effects,

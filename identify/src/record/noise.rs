@@ -48,7 +48,7 @@ pub struct Noise {
 }
 
 /// Processes that together are flicker (1/f) noise: about one in a decade of time.
-pub const FLICKER_COLOURS: usize = 4;
+pub const FLICKER_COLOURS: usize = 5;
 
 /// Rows of a window.
 const WINDOW: usize = 40;

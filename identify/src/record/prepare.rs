@@ -12,7 +12,8 @@ use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Spline, extent};
-use crate::record::{checks, clock, unresolved};
+use crate::record::unresolved::{self, Unresolved};
+use crate::record::{checks, clock};
 use chamber::Gas;
 use records::{Rig, Tolerance, Trace};
 use std::borrow::Cow;
@@ -113,6 +114,11 @@ impl Prepared {
         let motion = &self.course.motion;
         self.blocks =
             blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.window_s);
+    }
+
+    fn lay_out_and_weigh(&mut self, gamma: f64, noise: &Noise) {
+        self.lay_out(gamma);
+        self.weigh(noise);
     }
 
     fn weigh(&mut self, noise: &Noise) {
@@ -222,8 +228,7 @@ impl Data {
         let ambient_temperature_assumed = columns.iter().any(|c| c.says_no_ambient(stated));
         let mut traces: Vec<Prepared> = columns.into_iter().map(|c| c.prepared(rig)).collect();
         for t in &mut traces {
-            t.lay_out(rig.gas.gas.heat_capacity_ratio);
-            t.weigh(&noise);
+            t.lay_out_and_weigh(rig.gas.gas.heat_capacity_ratio, &noise);
         }
         let area = rig.cylinder.piston_area_m2;
         let smallest = smallest_position(&traces);
@@ -262,8 +267,7 @@ impl Data {
             t.readout.outliers.extend(rows);
             t.readout.outliers.sort_unstable();
             t.readout.outliers.dedup();
-            t.lay_out(gamma);
-            t.weigh(&self.noise);
+            t.lay_out_and_weigh(gamma, &self.noise);
         }
         self
     }
@@ -280,8 +284,7 @@ impl Data {
         let gamma = self.gas.heat_capacity_ratio;
         for (t, window_s) in data.traces.iter_mut().zip(windows_s) {
             t.window_s = *window_s;
-            t.lay_out(gamma);
-            t.weigh(&self.noise);
+            t.lay_out_and_weigh(gamma, &self.noise);
         }
         Some(data)
     }
@@ -452,6 +455,7 @@ fn blocks(
     let mut out = Vec::new();
     let (low, high) = extent(position_m);
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.period as f64;
+    let unresolved = Unresolved::new(motion, window_s);
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
         let rows = data.len();
@@ -481,7 +485,7 @@ fn blocks(
             let moves = s.phase == Phase::Move;
             // What an average hides is the same over a window, whose rows count as one reading.
             let in_window = (window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
-            let hidden_m = unresolved::error_m(motion, window_s, t) * in_window;
+            let hidden_m = unresolved.error_m(t) * in_window;
             let position_sd_m = hidden_m.hypot(if moves { motion.noise_m } else { 0.0 });
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();

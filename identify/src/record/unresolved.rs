@@ -30,19 +30,36 @@ pub fn hides_moves(motion: &Motion, window: f64) -> bool {
     way(&|s| s.to_s - s.from_s < SHORT * window) > 0.5 * way(&|_| true)
 }
 
-/// How far the stroke may be off at a time, m, where its record is a moving average over `window`, s.
-pub fn error_m(motion: &Motion, window: f64, time: f64) -> f64 {
-    if window == 0.0 {
-        return 0.0;
+/// A stroke whose record is a moving average.
+pub struct Unresolved<'a> {
+    recorded: TrueStroke<'a>,
+    extent: (f64, f64),
+    window: f64,
+}
+
+impl<'a> Unresolved<'a> {
+    /// Behind a record that averages over `window`, s.
+    pub fn new(motion: &'a Motion, window: f64) -> Self {
+        Self { recorded: TrueStroke::new(motion, 0.0, 0.0), extent: motion.extent(), window }
     }
-    let recorded = TrueStroke::new(motion, 0.0, 0.0);
-    let (begin, end) = motion.extent();
-    let at = |time: f64| recorded.recorded(time.clamp(begin, end), 0)[0];
-    let missed = |middle: f64| {
-        let places = WEIGHTS.iter().enumerate();
-        places.map(|(i, weight)| weight * at(middle + 0.5 * window * (i as f64 - 3.0))).sum::<f64>().abs() * MISSED
-    };
-    AROUND.iter().map(|place| missed(time + place * window)).fold(0.0, f64::max)
+
+    /// How far the stroke may be off at a time, m.
+    pub fn error_m(&self, time: f64) -> f64 {
+        if self.window == 0.0 {
+            return 0.0;
+        }
+        AROUND.iter().map(|place| self.missed(time + place * self.window)).fold(0.0, f64::max)
+    }
+
+    /// What of a sixth power is missed at a time, m.
+    fn missed(&self, middle: f64) -> f64 {
+        let (begin, end) = self.extent;
+        let at = |i: usize| {
+            let time = middle + 0.5 * self.window * (i as f64 - 3.0);
+            self.recorded.recorded(time.clamp(begin, end), 0)[0]
+        };
+        MISSED * WEIGHTS.iter().enumerate().map(|(i, weight)| weight * at(i)).sum::<f64>().abs()
+    }
 }
 
 #[cfg(test)]
@@ -68,11 +85,12 @@ mod tests {
             let (truth, motion) = push(length);
             let stroke = TrueStroke::new(&motion, 0.0, 0.0);
             let (begin, end) = motion.extent();
+            let unresolved = Unresolved::new(&motion, 0.04);
             let found = |t: f64| position_averaging::undone(|t| stroke.recorded(t, 0)[0], 0.04, [begin, end], t);
             let (mut off, mut stated) = (0.0, 0.0);
             for t in (0..2000).map(|k| 0.45 + (length + 0.1) * f64::from(k) / 2000.0) {
                 off += (found(t) - truth(t)).powi(2);
-                stated += error_m(&motion, 0.04, t).powi(2);
+                stated += unresolved.error_m(t).powi(2);
             }
             let ratio: f64 = (off / stated).sqrt();
             assert!((0.1..1.5).contains(&ratio), "{length}: {ratio}");

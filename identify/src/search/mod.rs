@@ -136,7 +136,7 @@ impl Search {
         let models = terms::added_to(&self.data, &Model::PAPER);
         let mut singles = self.fit_all(&models);
         let best = singles.first().filter(|c| c.delta_bic > policy::DECISIVE).map(|c| c.fit.clone());
-        if best.is_some_and(|best| self.strokes_anew(&best) | self.noise_anew(&best)) {
+        if best.is_some_and(|best| self.weighs_anew(&best)) {
             singles = self.refitted(&singles);
         }
         let strongest = singles.len().min(policy::PAIRED);
@@ -336,31 +336,31 @@ impl Search {
             .map_or(&self.baseline.fit, |c| &c.fit)
     }
 
-    /// Estimates the noise from what this fit leaves; whether it is another one. The paper's model is then fitted anew.
-    fn noise_anew(&mut self, best: &Fit) -> bool {
+    /// The data with the noise that this fit leaves and, where its records are moving averages, without what these leave open of
+    /// the moves: whether that is other data. The paper's model is then fitted anew.
+    fn weighs_anew(&mut self, best: &Fit) -> bool {
         let residuals = misfit::residuals(&self.data, best);
         let noise = colour::estimate(&self.data, &residuals, &self.data.noise);
-        if baseline::is_alike(&noise, &self.data.noise) {
+        let averaged = self.averaged(best);
+        let is_noisier = !baseline::is_alike(&noise, &self.data.noise);
+        if averaged.is_none() && !is_noisier {
             return false;
         }
-        self.begin_again(self.data.clone().with_noise(noise));
+        let data = averaged.unwrap_or_else(|| self.data.clone());
+        self.begin_again(if is_noisier { data.with_noise(noise) } else { data });
         true
     }
 
-    /// Takes what the moves leave open, where this fit's records are moving averages, out of what counts; whether that is
-    /// anything. The paper's model is then fitted anew.
-    fn strokes_anew(&mut self, best: &Fit) -> bool {
-        let Some(data) = self.data.averaged_over(&best.windows_s(&self.data)) else { return false };
-        self.begin_again(data);
-        true
+    /// The data without what the moves leave open, where this fit's records are moving averages.
+    fn averaged(&self, fit: &Fit) -> Option<Data> {
+        self.data.averaged_over(&fit.windows_s(&self.data))
     }
 
     /// The same for the chosen model, in whatever round it found that the records are averages: all that was tried is fitted
     /// anew.
     fn settle_strokes(&mut self) {
-        if !self.strokes_anew(&self.chosen.fit.clone()) {
-            return;
-        }
+        let Some(data) = self.averaged(&self.chosen.fit) else { return };
+        self.begin_again(data);
         let mut tried = self.refitted(&self.tried);
         self.judge(&mut tried, policy::FITTED);
         self.tried = tried;
