@@ -13,18 +13,19 @@ pub const WIDTH: usize = 16;
 #[repr(align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
 
-/// Evaluates an expression for each lane. A plain loop: what closures and iterators of the standard library compile to
-/// is not inlined into a function with more instructions than the crate's, and would stay scalar there.
+/// Evaluates an expression for each lane, written out: a loop in each operation would become thousands of loops in a function
+/// of the kernel, which the compiler takes minutes to unroll. No closure either: what closures compile to is not inlined into a
+/// function with more instructions than the crate's, and would stay scalar there.
 macro_rules! each_lane {
-    ($i:ident => $value:expr) => {{
-        let mut out = [0.0; WIDTH];
-        let mut $i = 0;
-        while $i < WIDTH {
-            out[$i] = $value;
-            $i += 1;
-        }
-        Lanes(out)
-    }};
+    ($i:ident => $value:expr) => {
+        each_lane!($i => $value; 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
+    };
+    ($i:ident => $value:expr; $($lane:literal),*) => {
+        Lanes([$({
+            let $i: usize = $lane;
+            $value
+        }),*])
+    };
 }
 pub(crate) use each_lane;
 
@@ -32,7 +33,13 @@ impl Lanes {
     /// One number per lane, made from the lane's index.
     #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
-        each_lane!(i => f(i))
+        let mut out = Self::ZERO;
+        let mut lane = 0;
+        while lane < WIDTH {
+            out[lane] = f(lane);
+            lane += 1;
+        }
+        out
     }
 
     /// Sum of all, in an order that does not depend on the machine.
