@@ -6,7 +6,27 @@
 use crate::real::{Real, Scalar};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A value and its derivatives with respect to `N` parameters.
+/// Most derivatives that a number carries along.
+const MOST: usize = 12;
+
+/// Evaluates an expression for each derivative, written out: a loop in each operation would become thousands of loops where an
+/// integrator is compiled for these numbers, which takes the compiler many times as long.
+macro_rules! each_derivative {
+    ($i:ident => $value:expr) => {{
+        const { assert!(N <= MOST) };
+        let mut out = [0.0; N];
+        each_derivative!(out, $i => $value; 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11);
+        out
+    }};
+    ($out:ident, $i:ident => $value:expr; $($index:literal),*) => {
+        $(if const { $index < N } {
+            let $i: usize = $index;
+            $out[$i] = $value;
+        })*
+    };
+}
+
+/// A value and its derivatives with respect to `N` parameters, twelve at the most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize> {
     /// The number itself.
@@ -27,16 +47,13 @@ impl<const N: usize> Dual<N> {
     /// f(self) with the outer derivative f′.
     #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Self {
-        Self { value, tangent: self.tangent.map(|d| slope * d) }
+        Self { value, tangent: each_derivative!(i => slope * self.tangent[i]) }
     }
 
     /// f(self, other) with both partial derivatives.
     #[inline(always)]
     fn chain2(self, other: Self, value: f64, by_self: f64, by_other: f64) -> Self {
-        let mut tangent = [0.0; N];
-        for (t, (a, b)) in tangent.iter_mut().zip(self.tangent.iter().zip(&other.tangent)) {
-            *t = by_self * a + by_other * b;
-        }
+        let tangent = each_derivative!(i => by_self * self.tangent[i] + by_other * other.tangent[i]);
         Self { value, tangent }
     }
 }
