@@ -4,7 +4,7 @@
 //! ln: x = 2^k m, m in [√½, √2), the odd series in s = (m − 1)/(m + 1) (as in fdlibm, 1993, here with its exact
 //! coefficients 2/(2i + 1)).
 
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::{Lanes, each_lane};
 use chamber::real::Real;
 
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;

@@ -1,6 +1,6 @@
 //! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
 
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::{Lanes, each_lane};
 use crate::tableau::{A, C, E3, E5, STAGES};
 use chamber::real::Real;
 use core::ops::Range;
