@@ -243,7 +243,7 @@ macro_rules! sets_with_code_of_their_own {
                     const BITS: u32 = $bits;
                     course::run::<{ general::states(BITS) }, BITS>(arch, memory, set, rows, scenarios, options, out)
                 })*
-                // Unit tests are of the parts. The kernel takes minutes to compile and is tested as it is built: `tests/batches.rs`.
+                // Unit tests are of the parts. The kernel, the longest to compile, is tested as it is built: `tests/batches.rs`.
                 #[cfg(test)]
                 _ => unreachable!("the unit tests solve no batches"),
                 #[cfg(not(test))]
