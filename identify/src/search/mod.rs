@@ -170,7 +170,7 @@ impl Search {
     }
 
     /// The better sets of so many terms, each with every further term; whether that led on: a set entered, or those without
-    /// terms of single records became decisively better.
+    /// terms of single records became so much better that they may enter yet.
     fn round(&mut self, level: usize) -> bool {
         let chosen = self.chosen.model;
         let enough = self.chosen_adequacy.is_adequate() && !chosen.has_terms_of_records();
@@ -188,7 +188,14 @@ impl Search {
         }
         // None of them helps alone: the better ones two by two.
         let more = self.best_of(chosen.terms() + 1, policy::PAIRED, |m| terms::is_part(&chosen, m));
-        self.try_all(terms::pairs(&more, &chosen)) || self.best_of_rig() > of_rig + policy::DECISIVE
+        self.try_all(terms::pairs(&more, &chosen)) || self.catches_up(self.best_of_rig() - of_rig, level + 1)
+    }
+
+    /// Whether sets of the rig's effects, whose evidence grew by `gain` with the last of so many terms, may come to that of the
+    /// chosen one: if each further term gains as much, where later ones mostly gain less.
+    fn catches_up(&self, gain: f64, terms: usize) -> bool {
+        let further = policy::MOST_IN_ALL.saturating_sub(terms) as f64;
+        gain > policy::DECISIVE && self.best_of_rig() + further * gain > self.chosen.delta_bic
     }
 
     /// Sets of so many terms that go on: the chosen one and the best, and the best of those without terms of single records,
