@@ -349,12 +349,12 @@ impl Search {
         let residuals = misfit::residuals(&self.data, best);
         let noise = colour::estimate(&self.data, &residuals, &self.data.noise);
         let averaged = self.averaged(best);
-        let is_noisier = !baseline::is_alike(&noise, &self.data.noise);
-        if averaged.is_none() && !is_noisier {
+        let has_other_noise = !baseline::is_alike(&noise, &self.data.noise);
+        if averaged.is_none() && !has_other_noise {
             return false;
         }
         let data = averaged.unwrap_or_else(|| self.data.clone());
-        self.begin_again(if is_noisier { data.with_noise(noise) } else { data });
+        self.begin_again(if has_other_noise { data.with_noise(noise) } else { data });
         true
     }
 
@@ -363,8 +363,8 @@ impl Search {
         self.data.averaged_over(&fit.windows_s(&self.data))
     }
 
-    /// The same for the chosen model, in whatever round it found that the records are averages: all that was tried is fitted
-    /// anew.
+    /// Begins again without what the moves leave open, in whatever round the chosen model found that the records are averages:
+    /// all that was tried is fitted anew.
     fn settle_strokes(&mut self) {
         let Some(data) = self.averaged(&self.chosen.fit) else { return };
         self.begin_again(data);
