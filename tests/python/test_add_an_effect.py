@@ -42,7 +42,9 @@ def follow(page, workspace):
 
 
 def cargo(*arguments, root, workspace):
-    environment = {**os.environ, "CARGO_TARGET_DIR": str(root / "target" / "guide"), "CARGO_INCREMENTAL": "0"}
+    folder = str(root / "target" / "guide")
+    quick = {"CARGO_INCREMENTAL": "0", "CARGO_PROFILE_DEV_OPT_LEVEL": "0"}
+    environment = {**os.environ, "CARGO_TARGET_DIR": folder, **quick}
     process = subprocess.run(
         ["cargo", *arguments], cwd=workspace, env=environment, capture_output=True, text=True, timeout=900
     )

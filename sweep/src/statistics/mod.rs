@@ -23,6 +23,7 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 
@@ -180,12 +181,14 @@ impl State {
 
 /// A Pareto front, each point with its row and where it is in the design.
 fn described_front(study: &Study, goals: &Goals, front: &Front) -> Result<Value, Error> {
+    let sorted = front.sorted();
+    let at = points_of(study, sorted.iter().map(|(row, _)| *row).collect())?;
     let point = |(row, values): &(u64, Vec<f64>)| {
         let values: Map<String, Value> =
             goals.columns().zip(values).map(|((name, sign), value)| (name.to_owned(), json!(sign * value))).collect();
-        Ok(json!({ "row": row, "values": values, "at": point_of(study, *row)? }))
+        json!({ "row": row, "values": values, "at": at[row] })
     };
-    let points = front.sorted().into_iter().map(point).collect::<Result<Vec<_>, Error>>()?;
+    let points: Vec<Value> = sorted.into_iter().map(point).collect();
     Ok(json!({
         "minimise": goals.minimise,
         "maximise": goals.maximise,
@@ -196,9 +199,27 @@ fn described_front(study: &Study, goals: &Goals, front: &Front) -> Result<Value,
 
 /// The varied quantities of a row by name.
 fn point_of(study: &Study, row: u64) -> Result<Map<String, Value>, Error> {
-    let mut point = vec![Vec::with_capacity(1); study.varied.len()];
-    study.design.fill(row..row + 1, &mut point)?;
-    Ok(study.varied.iter().zip(&point).map(|(varied, value)| (varied.column.clone(), json!(value[0]))).collect())
+    Ok(points_of(study, vec![row])?.remove(&row).unwrap_or_default())
+}
+
+/// The varied quantities of each of some rows by name. Rows that lie near one another are taken from the design at once,
+/// since a table is read from some way before them.
+fn points_of(study: &Study, mut rows: Vec<u64>) -> Result<BTreeMap<u64, Map<String, Value>>, Error> {
+    const NEAR: u64 = 4096;
+    rows.sort_unstable();
+    let mut points = BTreeMap::new();
+    for near in rows.chunk_by(|a, b| a / NEAR == b / NEAR) {
+        let rows = near[0]..near[near.len() - 1] + 1;
+        let mut columns = vec![Vec::with_capacity((rows.end - rows.start) as usize); study.varied.len()];
+        study.design.fill(rows.clone(), &mut columns)?;
+        for &row in near {
+            let value = |column: &Vec<f64>| json!(column[(row - rows.start) as usize]);
+            let named =
+                study.varied.iter().zip(&columns).map(|(varied, column)| (varied.column.clone(), value(column)));
+            points.insert(row, named.collect());
+        }
+    }
+    Ok(points)
 }
 
 /// The state of a part from its stored rows.
