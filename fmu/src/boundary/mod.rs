@@ -64,7 +64,7 @@ pub struct Component<L> {
 
 impl<L: Listener> Component<L> {
     /// Runs `call`; its status, and the messages that the host wants to hear.
-    fn run(&mut self, function: &str, call: impl FnOnce(&mut Self) -> Result<()>) -> (Status, Vec<Message>) {
+    fn run(&mut self, function: &str, call: &mut dyn FnMut(&mut Self) -> Result<()>) -> (Status, Vec<Message>) {
         let outcome = catch_unwind(AssertUnwindSafe(|| if self.broken { Err(Refusal::Broken) } else { call(self) }));
         let mut messages = self.instance.messages();
         let status = match outcome {
@@ -169,7 +169,17 @@ fn said(panic: &(dyn Any + Send)) -> String {
 pub unsafe fn guarded<L: Listener>(
     c: *mut c_void,
     function: &'static str,
-    call: impl FnOnce(&mut Component<L>) -> Result<()>,
+    mut call: impl FnMut(&mut Component<L>) -> Result<()>,
+) -> CEnum {
+    // SAFETY: as the caller promises.
+    unsafe { guarded_call(c, function, &mut call) }
+}
+
+/// [`guarded`], compiled once for all functions of a version of FMI rather than into each of them.
+unsafe fn guarded_call<L: Listener>(
+    c: *mut c_void,
+    function: &'static str,
+    call: &mut dyn FnMut(&mut Component<L>) -> Result<()>,
 ) -> CEnum {
     // SAFETY: as the caller promises; the reference ends before the host's logger is called.
     let Some(component) = (unsafe { c.cast::<Component<L>>().as_mut() }) else { return Status::Error as CEnum };

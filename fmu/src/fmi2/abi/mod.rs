@@ -29,7 +29,7 @@ const _: () = assert!(size_of::<c_uint>() == 4 && size_of::<c_int>() == 4);
 unsafe fn guarded(
     c: *mut c_void,
     function: &'static str,
-    call: impl FnOnce(&mut Component<Host>) -> Result<()>,
+    call: impl FnMut(&mut Component<Host>) -> Result<()>,
 ) -> CEnum {
     // SAFETY: the host's component, as the standard has it.
     unsafe { boundary::guarded::<Host>(c, function, call) }

@@ -32,7 +32,7 @@ use std::ffi::{c_char, c_void};
 unsafe fn guarded(
     c: *mut c_void,
     function: &'static str,
-    call: impl FnOnce(&mut Component<Host>) -> Result<()>,
+    call: impl FnMut(&mut Component<Host>) -> Result<()>,
 ) -> CEnum {
     // SAFETY: the host's instance, as the standard has it.
     unsafe { boundary::guarded::<Host>(c, function, call) }
