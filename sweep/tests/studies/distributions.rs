@@ -1,8 +1,6 @@
 //! Quantities whose values are not known exactly: drawn from a distribution, or from what the model knows of them.
 
-mod common;
-
-use common::{model, text, values};
+use crate::common::{model, text, values};
 use records::{Model, Uncertainty};
 use sweep::{Study, run_in_memory};
 

@@ -1,9 +1,7 @@
 //! Whole studies: what is in the table, and that it does not depend on how it came about.
 
-mod common;
-
+use crate::common::{at, model, read, statuses, study, text, values};
 use arrow::array::Int64Array;
-use common::{at, model, read, statuses, study, text, values};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Shard, Study, run, run_in_memory, run_to_file, verify};

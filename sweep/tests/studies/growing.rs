@@ -1,8 +1,6 @@
 //! Studies that grow: what a smaller one has solved is taken from there, and the result is the one made in one go.
 
-mod common;
-
-use common::{at, model, read, study, text};
+use crate::common::{at, model, read, study, text};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Earlier, Options, Shard, Study, run};

@@ -1,8 +1,6 @@
 //! Constraints between quantities: rows that break one are left out, counted and said; the others are what they were.
 
-mod common;
-
-use common::{at, read, statuses, study, text, values};
+use crate::common::{at, read, statuses, study, text, values};
 use sweep::{Shard, run, run_in_memory, traces};
 
 fn quiet(_: u64) {}
@@ -73,7 +71,7 @@ fn a_constraint_knows_what_is_solved_for() {
 fn a_constraint_that_cannot_be_is_refused_with_its_line() {
     let refusal = |design: &str, list: &str| {
         let text = text(design, &constrained(list));
-        sweep::Study::about(&common::model(), &text).unwrap_err().to_string()
+        sweep::Study::about(&crate::common::model(), &text).unwrap_err().to_string()
     };
     for (list, expected) in [
         ("\"rod_m < bore_m\"", "expected a list of texts"),

@@ -1,8 +1,6 @@
 //! What is wrong with a study file is said with its line and key.
 
-mod common;
-
-use common::{model, text};
+use crate::common::{model, text};
 use sweep::Study;
 
 fn refusal(text: &str) -> String {
