@@ -125,7 +125,7 @@ pub unsafe fn choose<L: Listener>(
 ) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, |component| {
+        guarded::<L>(c, function, &mut |component| {
             let mut chosen = Vec::new();
             for &category in elements(categories, n, "categories")? {
                 chosen.push(text(category).ok_or(Refusal::Null { argument: "categories[i]" })?);
@@ -147,7 +147,7 @@ pub unsafe fn completed_step<L: Listener, F: Default>(
 ) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, |component| {
+        guarded::<L>(c, function, &mut |component| {
             let (enter, end) = (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?);
             component.instance.completed_step()?;
             (*enter, *end) = (F::default(), F::default());
@@ -162,21 +162,12 @@ fn said(panic: &(dyn Any + Send)) -> String {
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
 
-/// Runs `call` on the component; tells its messages; keeps a panic from the host.
+/// Runs `call` on the component; tells its messages; keeps a panic from the host. The call is `dyn`, so that this is compiled
+/// once for all functions of a version of FMI rather than into each of them.
 ///
 /// # Safety
 /// `c` is NULL or a component of [`instantiate`] with this listener that has not been freed, in use by no other thread.
 pub unsafe fn guarded<L: Listener>(
-    c: *mut c_void,
-    function: &'static str,
-    mut call: impl FnMut(&mut Component<L>) -> Result<()>,
-) -> CEnum {
-    // SAFETY: as the caller promises.
-    unsafe { guarded_call(c, function, &mut call) }
-}
-
-/// [`guarded`], compiled once for all functions of a version of FMI rather than into each of them.
-unsafe fn guarded_call<L: Listener>(
     c: *mut c_void,
     function: &'static str,
     call: &mut dyn FnMut(&mut Component<L>) -> Result<()>,
@@ -203,12 +194,12 @@ pub unsafe fn reset<L: Listener>(c: *mut c_void) -> CEnum {
     if let Some(component) = unsafe { c.cast::<Component<L>>().as_mut() } {
         component.broken = false;
     }
-    let reset = |component: &mut Component<L>| {
+    let mut reset = |component: &mut Component<L>| {
         component.instance.reset();
         Ok(())
     };
     // SAFETY: as the caller promises.
-    unsafe { guarded(c, "fmi2Reset", reset) }
+    unsafe { guarded(c, "fmi2Reset", &mut reset) }
 }
 
 /// Makes a component; its listener hears why not.

@@ -12,7 +12,7 @@ use std::slice;
 pub unsafe fn save<L: Listener>(c: *mut c_void, function: &'static str, state: *mut *mut c_void) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, |component| {
+        guarded::<L>(c, function, &mut |component| {
             let state = place(state, "FMUstate")?;
             *state = component.instance.save(state.addr()) as *mut c_void;
             Ok(())
@@ -27,7 +27,7 @@ pub unsafe fn save<L: Listener>(c: *mut c_void, function: &'static str, state: *
 pub unsafe fn free<L: Listener>(c: *mut c_void, function: &'static str, state: *mut *mut c_void) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, |component| {
+        guarded::<L>(c, function, &mut |component| {
             if let Some(state) = state.as_mut().filter(|state| !state.is_null()) {
                 component.instance.free(state.addr())?;
                 *state = std::ptr::null_mut();
@@ -44,7 +44,7 @@ pub unsafe fn free<L: Listener>(c: *mut c_void, function: &'static str, state: *
 pub unsafe fn size<L: Listener>(c: *mut c_void, function: &'static str, state: *mut c_void, size: *mut usize) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, |component| {
+        guarded::<L>(c, function, &mut |component| {
             let size = place(size, "size")?;
             *size = component.instance.serialize(state.addr())?.len();
             Ok(())
@@ -65,7 +65,7 @@ pub unsafe fn serialize<L: Listener>(
 ) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, |component| {
+        guarded::<L>(c, function, &mut |component| {
             let serialized = component.instance.serialize(state.addr())?;
             if size < serialized.len() {
                 return Err(Refusal::BadBytes { why: "size is less than fmi2SerializedFMUstateSize says" });
@@ -92,7 +92,7 @@ pub unsafe fn deserialize<L: Listener>(
 ) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, |component| {
+        guarded::<L>(c, function, &mut |component| {
             let state = place(state, "FMUstate")?;
             if bytes.is_null() || size > isize::MAX as usize {
                 return Err(Refusal::Null { argument: "serializedState" });

@@ -29,8 +29,8 @@ const _: () = assert!(size_of::<c_uint>() == 4 && size_of::<c_int>() == 4);
 unsafe fn guarded(
     c: *mut c_void,
     function: &'static str,
-    call: impl FnMut(&mut Component<Host>) -> Result<()>,
+    mut call: impl FnMut(&mut Component<Host>) -> Result<()>,
 ) -> CEnum {
     // SAFETY: the host's component, as the standard has it.
-    unsafe { boundary::guarded::<Host>(c, function, call) }
+    unsafe { boundary::guarded::<Host>(c, function, &mut call) }
 }

@@ -32,10 +32,10 @@ use std::ffi::{c_char, c_void};
 unsafe fn guarded(
     c: *mut c_void,
     function: &'static str,
-    call: impl FnMut(&mut Component<Host>) -> Result<()>,
+    mut call: impl FnMut(&mut Component<Host>) -> Result<()>,
 ) -> CEnum {
     // SAFETY: the host's instance, as the standard has it.
-    unsafe { boundary::guarded::<Host>(c, function, call) }
+    unsafe { boundary::guarded::<Host>(c, function, &mut call) }
 }
 
 /// The lengths of references and values, equal as every variable is a scalar.
