@@ -239,8 +239,9 @@ impl<const N: usize, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>> WithSimd 
     }
 }
 
+/// As [`advance`], in the instructions of the function around.
 #[inline(always)]
-fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
+pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
     system: &S,
     problems: &mut [Problem<N>],
     relative: f64,

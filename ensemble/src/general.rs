@@ -223,7 +223,7 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::advance::{Nobody, Problem, advance};
+    use crate::advance::{Nobody, Problem, run};
     use crate::outcome::closure;
     use crate::plan::Plan;
     use crate::scenario::{Hold, Scenario};
@@ -271,7 +271,7 @@ mod tests {
                 let rows = [Row { balance: &balance, stretch, counted: 2.0 }];
                 let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
                 let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
-                advance(pulp::Arch::new(), &system, &mut problems, 1e-10, &mut Nobody);
+                run::<2, false, _, _>(&system, &mut problems, 1e-10, &mut Nobody);
                 assert_eq!(problems[0].failure, None);
                 state = problems[0].state;
                 received += problems[0].energy[0] - problems[0].energy[1];

@@ -7,7 +7,7 @@
 
 use fmu::fmi2::abi::*;
 use fmu::fmi2::host::Callbacks;
-use fmu::package::start_values::REFERENCE_GUID;
+use fmu::start_values::REFERENCE_GUID;
 use fmu::table::table;
 use std::ffi::{CString, c_void};
 use std::ptr::{null, null_mut};

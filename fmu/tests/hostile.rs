@@ -1,7 +1,7 @@
 //! Hosts that call anything with anything, and many instances at once.
 //!
-//! 100,000 random call sequences of co-simulation, a twentieth where the environment has `CI`, and 20,000 of Model Exchange.
-//! Those of FMI 3.0 are in `hostile_fmi3.rs`.
+//! Random call sequences of co-simulation and of Model Exchange, other ones in every run: 5,000 of each, or as many as
+//! `PNEUTHERM_FUZZ_CASES` says. Those of FMI 3.0 are in `hostile_fmi3.rs`.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -10,7 +10,7 @@ mod common;
 mod draws;
 
 use common::Host;
-use draws::{change_of_state, equipment, length, number, orderly, step};
+use draws::{cases, change_of_state, equipment, length, number, orderly, step};
 use fmu::boundary::CEnum;
 use fmu::fmi2::abi::*;
 use fmu::fmi2::host::EventInfo;
@@ -229,12 +229,8 @@ fn a_state_after_the_shortest_step_there_is_can_be_read() {
     survives(&host, &Host::new(), &[Call::Step { offset: 0.0, h: 5e-324 }]).unwrap();
 }
 
-fn cases() -> u32 {
-    if std::env::var_os("CI").is_some() { 5_000 } else { 100_000 }
-}
-
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(5_000), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn no_sequence_of_calls_crashes_and_every_refusal_is_explained(equipment in equipment(), orderly in orderly(), calls in prop::collection::vec(call(), 1..25)) {
@@ -247,7 +243,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(5_000), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn no_sequence_of_a_host_that_integrates_crashes(equipment in equipment(), orderly in orderly(), calls in prop::collection::vec(prop_oneof![2 => exchange(), 1 => call()], 1..40)) {

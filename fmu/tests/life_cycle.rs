@@ -83,7 +83,7 @@ fn nothing_is_instantiated_with_a_wrong_guid_name_type_or_without_callbacks() {
         step_finished: None,
         component_environment: null_mut(),
     };
-    let guid = std::ffi::CString::new(fmu::package::start_values::REFERENCE_GUID).unwrap();
+    let guid = std::ffi::CString::new(fmu::start_values::REFERENCE_GUID).unwrap();
     let attempt = |name: *const _, kind, guid: *const _, callbacks| unsafe {
         let c = fmi2Instantiate(name, kind, guid, c"not a uri".as_ptr(), callbacks, 0, 1);
         fmi2FreeInstance(c);
@@ -328,7 +328,7 @@ fn a_logger_may_call_back_into_the_instance_that_it_hears_of() {
         step_finished: None,
         component_environment: std::ptr::from_ref(&heard).cast_mut().cast(),
     };
-    let guid = std::ffi::CString::new(fmu::package::start_values::REFERENCE_GUID).unwrap();
+    let guid = std::ffi::CString::new(fmu::start_values::REFERENCE_GUID).unwrap();
     unsafe {
         let c = fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &callbacks, 0, 0);
         heard.0.set(c);

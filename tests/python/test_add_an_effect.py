@@ -43,7 +43,7 @@ def follow(page, workspace):
 
 def cargo(*arguments, root, workspace):
     folder = str(root / "target" / "guide")
-    quick = {"CARGO_INCREMENTAL": "0", "CARGO_PROFILE_DEV_OPT_LEVEL": "0"}
+    quick = {"CARGO_INCREMENTAL": "0", "CARGO_PROFILE_DEV_OPT_LEVEL": "0", "CARGO_PROFILE_DEV_DEBUG": "0"}
     environment = {**os.environ, "CARGO_TARGET_DIR": folder, **quick}
     process = subprocess.run(
         ["cargo", *arguments], cwd=workspace, env=environment, capture_output=True, text=True, timeout=900

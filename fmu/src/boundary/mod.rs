@@ -12,11 +12,11 @@ pub mod saved;
 
 pub use pointers::{elements, elements_mut, place, text};
 
-use crate::package::start_values::{self, Block};
 use crate::plant::simulation::Kind;
 use crate::protocol::instance::Instance;
 use crate::protocol::message::{Category, Message, Status};
 use crate::protocol::refusal::Refusal;
+use crate::start_values::{self, Block};
 use std::any::Any;
 use std::ffi::{CStr, CString, c_char, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};

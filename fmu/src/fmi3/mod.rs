@@ -4,8 +4,10 @@
 //! indicators, which are variables in FMI 3.0.
 
 pub mod abi;
+#[cfg(feature = "package")]
 pub mod description;
 pub mod host;
+#[cfg(feature = "package")]
 pub mod terminals;
 
 use crate::plant::corners::CORNERS;

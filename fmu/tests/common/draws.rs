@@ -4,6 +4,11 @@ use fmu::plant::states::ALL;
 use fmu::table::table;
 use proptest::prelude::*;
 
+/// How many sequences of calls a test draws: `PNEUTHERM_FUZZ_CASES`, or this many where the environment does not say.
+pub fn cases(unless_told: u32) -> u32 {
+    std::env::var("PNEUTHERM_FUZZ_CASES").map_or(unless_told, |cases| cases.parse().expect("a number of cases"))
+}
+
 /// Numbers, some of which no call can use.
 pub fn number() -> impl Strategy<Value = f64> {
     prop_oneof![

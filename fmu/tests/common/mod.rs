@@ -5,7 +5,7 @@
 use fmu::boundary::CEnum;
 use fmu::fmi2::abi::*;
 use fmu::fmi2::host::{Callbacks, Logger};
-use fmu::package::start_values::REFERENCE_GUID;
+use fmu::start_values::REFERENCE_GUID;
 use fmu::table::{Type, table};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};

@@ -387,8 +387,7 @@ fn columns(
         .par_iter()
         // No wider than need be.
         .map(|&first| match width(first) {
-            ..=3 => pass::<3>(t, h, x, first, blocks),
-            4 => pass::<4>(t, h, x, first, blocks),
+            ..=4 => pass::<4>(t, h, x, first, blocks),
             5..=6 => pass::<6>(t, h, x, first, blocks),
             7..=8 => pass::<8>(t, h, x, first, blocks),
             _ => pass::<WIDEST>(t, h, x, first, blocks),

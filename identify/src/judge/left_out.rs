@@ -102,9 +102,7 @@ pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
 fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<(f64, usize)> {
     let own = own_numbers(data, fitted, k)?;
     match own.len() {
-        1 => halves::<1>(data, fitted, k, &own),
-        2 => halves::<2>(data, fitted, k, &own),
-        3..=4 => halves::<4>(data, fitted, k, &own),
+        ..=4 => halves::<4>(data, fitted, k, &own),
         _ => halves::<8>(data, fitted, k, &own),
     }
 }

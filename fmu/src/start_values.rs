@@ -24,7 +24,7 @@ const CHOICES: usize = Choice::ALL.len();
 const MARK: [u8; 8] = *b"pntChmb1";
 
 /// The guid of the reviewed description, which goes with the block as built.
-pub const REFERENCE_GUID: &str = include_str!("../../../modelDescription/guid.txt").trim_ascii_end();
+pub const REFERENCE_GUID: &str = include_str!("../../modelDescription/guid.txt").trim_ascii_end();
 
 /// The block as built.
 pub const AS_BUILT: [u8; LENGTH] = {
