@@ -13,6 +13,7 @@
 //! | [`record`] | following a chamber along its inputs, and its sensor's readings |
 //! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as a sensor sees it |
 //! | [`exact`] | closed forms of the closed chamber |
+//! | [`seven_steps`] | the paper's evaluation of a push-and-hold test, behind its regression |
 //! | [`paper`] | numbers of Carneiro and Gomes de Almeida (2006) used as defaults |
 //!
 //! Source of the method: J. F. Carneiro and F. Gomes de Almeida, "Heat transfer evaluation of industrial pneumatic
@@ -30,6 +31,7 @@ pub mod integrate;
 pub mod paper;
 pub mod real;
 pub mod record;
+pub mod seven_steps;
 pub mod signals;
 pub mod simulate;
 

@@ -8,7 +8,7 @@ use super::Error;
 use super::decay::{self, Fit, Reciprocal};
 use super::recording::{Recording, Relaxation};
 use super::statistics::Estimate;
-use super::time_constant::{Push, Regression, Setup, Uncertainty, check_push, mass_and_volumes};
+use super::time_constant::{Push, Regression, Setup, Uncertainty, check_push, check_setup, mass_and_volumes};
 use chamber::dual::Dual;
 use chamber::real::Real;
 use serde::Serialize;
@@ -76,7 +76,7 @@ pub struct ExactRegression {
 /// # Errors
 /// A recording that is not a push-and-hold test of a closed chamber.
 pub fn evaluate(setup: &Setup, recording: &Recording) -> Result<ExactRegression, Error> {
-    setup.check()?;
+    check_setup(setup)?;
     let relaxation = recording.relaxation()?;
     let fit = decay::fit::<Reciprocal>(&relaxation.time_s, &relaxation.pressure_pa)?;
     let [pf, _, rate] = fit.parameters.into();

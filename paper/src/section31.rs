@@ -87,11 +87,12 @@ impl Description {
 
     /// What an evaluation knows of it.
     pub fn setup(&self, area_law: AreaLaw) -> Setup {
+        let air = Setup::air(self.bore_m, self.ambient_temperature_k);
         Setup {
-            area_law,
+            geometry: Geometry { area_law, ..air.geometry },
             reference_pressure_pa: self.reference_pressure_pa,
             reference_temperature_k: self.reference_temperature_k,
-            ..Setup::air(self.bore_m, self.ambient_temperature_k)
+            ..air
         }
     }
 

@@ -79,7 +79,7 @@ impl Law {
     /// the printed regression.
     fn coefficient(self, measured: &Measured) -> f64 {
         let ln = |row: &Row| {
-            let column = row.steps.final_volume_m3.value / row.setup.piston_area_m2;
+            let column = row.steps.final_volume_m3.value / row.setup.geometry.piston_area;
             (row.exact_coefficient_0_w_per_m2_k[0] / self.factor(column)).ln()
         };
         (measured.rows.iter().map(ln).sum::<f64>() / measured.rows.len() as f64).exp()
@@ -94,7 +94,7 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
     let of_a: Vec<&Row> = measured.rows.iter().filter(|r| r.test.actuator == "A").collect();
     let first = of_a.first().context("the paper's tables hold no test of actuator A")?;
     let dead_volume = of_a.iter().map(|r| r.steps.dead_volume_m3.value).sum::<f64>() / of_a.len() as f64;
-    let geometry = Geometry::new(first.setup.bore_m, 0.0, rounded(dead_volume, DIGITS), AreaLaw::Total);
+    let geometry = Geometry::new(first.setup.geometry.bore, 0.0, rounded(dead_volume, DIGITS), AreaLaw::Total);
     let heat_transfer = HeatTransfer::at_paper_reference(rounded(law.coefficient(measured), DIGITS));
     let mut chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
     if law == Law::Column {

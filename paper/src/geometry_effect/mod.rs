@@ -102,8 +102,8 @@ pub fn examine(measured: &Measured) -> GeometryEffect {
                 excess_k: s.temperature_av_k.value - row.setup.ambient_temperature_k,
                 volume_m3: s.final_volume_m3.value,
                 area_m2: s.area_m2.value,
-                bore_m: row.setup.bore_m,
-                column_m: s.final_volume_m3.value / row.setup.piston_area_m2,
+                bore_m: row.setup.geometry.bore,
+                column_m: s.final_volume_m3.value / row.setup.geometry.piston_area,
                 time_constant_s: row.test.time_constant_s.0,
                 coefficient_av_w_per_m2_k: s.coefficient_av_w_per_m2_k.value,
             }

@@ -92,7 +92,7 @@ fn points_of_the_paper(measured: &Measured) -> Result<Vec<OfThePaper>> {
 
 /// Length of a test's gas column, m.
 fn column_of(row: &Row) -> f64 {
-    row.steps.final_volume_m3.value / row.setup.piston_area_m2
+    row.steps.final_volume_m3.value / row.setup.geometry.piston_area
 }
 
 fn marker(actuator: &str, filled: bool) -> Mark {
