@@ -1,6 +1,6 @@
 //! Hosts that call anything with anything, and many instances at once.
 //!
-//! Random call sequences of co-simulation and of Model Exchange, other ones in every run: 5,000 of each, or as many as
+//! Random call sequences of co-simulation and of Model Exchange, other ones in every run: 5,000 and 20,000, or as many as
 //! `PNEUTHERM_FUZZ_CASES` says. Those of FMI 3.0 are in `hostile_fmi3.rs`.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
@@ -243,7 +243,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(5_000), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(20_000), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn no_sequence_of_a_host_that_integrates_crashes(equipment in equipment(), orderly in orderly(), calls in prop::collection::vec(prop_oneof![2 => exchange(), 1 => call()], 1..40)) {

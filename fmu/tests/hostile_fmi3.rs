@@ -1,5 +1,5 @@
 //! Hosts of FMI 3.0 that call anything with anything: random call sequences of Model Exchange and of co-simulation, with
-//! and without event mode and early return, other ones in every run: 5,000 and 2,000, or as many as `PNEUTHERM_FUZZ_CASES`
+//! and without event mode and early return, other ones in every run: 20,000 and 2,000, or as many as `PNEUTHERM_FUZZ_CASES`
 //! says.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
@@ -512,7 +512,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(5_000), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(20_000), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn no_sequence_of_a_host_that_integrates_crashes(

@@ -1,7 +1,7 @@
 //! Hostile input: files of a corpus, mutated at random, given to a reader that must neither panic nor run away.
 //!
 //! Each target has a folder in `corpus/`. First every file of it is tried as it is, then mutations for
-//! `PNEUTHERM_FUZZ_SECONDS` (a target; 2 unless told). The seed is printed, and taken from `PNEUTHERM_FUZZ_SEED` when that is
+//! `PNEUTHERM_FUZZ_SECONDS` (a target; 5 unless told). The seed is printed, and taken from `PNEUTHERM_FUZZ_SEED` when that is
 //! set. An input that makes a reader panic is kept in the corpus under a name that begins with `found-`.
 //! Formats that only the program writes have no files to begin from: their first inputs are made in the test.
 
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Seconds of mutation a target where the environment says nothing.
-const SECONDS: f64 = 2.0;
+const SECONDS: f64 = 5.0;
 /// The longest an input of a few kilobytes may take on a machine that has much else to do.
 const SLOW: Duration = Duration::from_secs(30);
 
