@@ -78,6 +78,8 @@ pub const MAX_STEPS: usize = 1_000_000;
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
+/// A planned step may err by so many tolerances before it is cut: numbers that change a little keep the steps.
+const PLANNED: f64 = 2.0;
 
 /// One accepted step, and the states within it.
 #[derive(Clone, Copy, Debug)]
@@ -152,6 +154,8 @@ pub struct Integrator<R, const N: usize> {
     pub state: [R; N],
     /// Next step to try, s; zero asks for a first guess.
     pub step: f64,
+    /// The longest step that it may choose, s: where something short happens that its stages would pass over.
+    pub longest: f64,
     /// Steps that one call of [`Integrator::advance`] may take.
     pub max_steps: usize,
     tolerance: Tolerance<N>,
@@ -160,7 +164,7 @@ pub struct Integrator<R, const N: usize> {
 impl<R: Scalar, const N: usize> Integrator<R, N> {
     /// At `time` with these states.
     pub fn new(time: f64, state: [R; N], tolerance: Tolerance<N>) -> Self {
-        Self { time, state, step: 0.0, max_steps: MAX_STEPS, tolerance }
+        Self { time, state, step: 0.0, longest: f64::INFINITY, max_steps: MAX_STEPS, tolerance }
     }
 
     /// Integrates to `end`, s, over a stretch on which the system is smooth; hands each accepted step to `on_step`.
@@ -173,6 +177,22 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         &mut self,
         system: &impl System<R, N>,
         end: f64,
+        on_step: impl FnMut(&Step<R, N>),
+    ) -> Result<(), IntegrationError> {
+        self.advance_by(system, end, |_| None, on_step)
+    }
+
+    /// The same by planned steps: `planned` gives the end, s, of the one that leads on from a time, no later than `end`; `None`
+    /// leaves the step to the integrator. One that errs by more than twice the tolerance is cut.
+    ///
+    /// # Errors
+    /// As [`Integrator::advance`].
+    #[inline]
+    pub fn advance_by(
+        &mut self,
+        system: &impl System<R, N>,
+        end: f64,
+        planned: impl Fn(f64) -> Option<f64>,
         mut on_step: impl FnMut(&Step<R, N>),
     ) -> Result<(), IntegrationError> {
         if end <= self.time {
@@ -184,14 +204,17 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         }
         let mut rejected = false;
         for _ in 0..self.max_steps {
-            let left = end - self.time;
-            let is_last = self.step >= left * (1.0 - 1e-12);
+            let plan = planned(self.time);
+            let (until, most) = plan.map_or((end, 1.0), |until| (until, PLANNED));
+            let left = until - self.time;
+            let step = if plan.is_some() && !rejected { left } else { self.step.min(self.longest) };
+            let is_last = step >= left * (1.0 - 1e-12);
             // Two even steps rather than one whole and a sliver.
-            let h = if is_last { left } else { self.step.min(0.5 * left) };
+            let h = if is_last { left } else { step.min(0.5 * left) };
             let step = self.attempt(system, first, h);
             let error = self.error(&step);
-            if error <= 1.0 {
-                self.time = if is_last { end } else { self.time + h };
+            if error <= most {
+                self.time = if is_last { until } else { self.time + h };
                 self.state = step.end;
                 first = step.slopes[6];
                 on_step(&step);
@@ -199,7 +222,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
                 // A step cut short by the end says nothing against the longer one that was planned.
                 self.step = if is_last { self.step.max(h * factor) } else { h * factor };
                 rejected = false;
-                if is_last {
+                if is_last && until == end {
                     return Ok(());
                 }
             } else {

@@ -8,6 +8,7 @@ use crate::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use crate::integrate::{IntegrationError, Integrator, Step};
 use crate::model::Chamber;
 use crate::real::Scalar;
+use std::cell::Cell;
 
 /// What is imposed on a chamber over time, in stretches that follow each other, each of them smooth.
 pub trait Inputs<R> {
@@ -23,9 +24,9 @@ pub trait Inputs<R> {
     /// The boundary at `time`, s, on a stretch.
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R>;
 
-    /// The longest first step on a stretch of this length, s.
-    fn first_step(&self, _length: f64) -> f64 {
-        f64::INFINITY
+    /// The longest first step on a stretch and the longest one at all, s, whose stages pass over nothing that happens there.
+    fn longest_steps(&self, _stretch: usize) -> [f64; 2] {
+        [f64::INFINITY; 2]
     }
 }
 
@@ -37,7 +38,27 @@ pub fn boundary_at<R: Scalar>(inputs: &impl Inputs<R>, stretch: usize, time: R) 
     boundary
 }
 
-/// Integrates along the inputs until `last`, s, and hands each accepted step to `on_step` with its stretch and its end, s.
+/// The steps of an integration along inputs, to be taken again: the error is then a smooth function of the chamber's numbers,
+/// as it is not where steps are chosen anew. H. G. Bock, in: Modelling of Chemical Reaction Systems, Springer (1981) 102.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Ends of the steps as shares of the stretch they lie in; 1 ends a stretch.
+    ends: Vec<f64>,
+}
+
+impl Mesh {
+    /// Number of steps.
+    pub fn steps(&self) -> usize {
+        self.ends.len()
+    }
+
+    fn stretches(&self) -> impl Iterator<Item = &[f64]> {
+        self.ends.split_inclusive(|end| *end == 1.0)
+    }
+}
+
+/// Integrates along the inputs until `last`, s, and hands each accepted step to `on_step` with its stretch and its end, s. The
+/// steps are those of `mesh` as far as it goes, cut where they err too much.
 ///
 /// # Errors
 /// Where the state leaves what the equations can follow.
@@ -46,19 +67,35 @@ pub fn follow<R: Scalar, const N: usize>(
     inputs: &impl Inputs<R>,
     integrator: &mut Integrator<R, N>,
     last: f64,
+    mesh: &Mesh,
     rates: impl Fn(f64, &Boundary<R>, &[R; N]) -> [R; N],
     mut on_step: impl FnMut(usize, f64, &Step<R, N>),
-) -> Result<(), IntegrationError> {
+) -> Result<Mesh, IntegrationError> {
+    let mut taken = Mesh { ends: Vec::with_capacity(mesh.ends.len()) };
+    let mut planned = mesh.stretches();
     for stretch in 0..inputs.stretches() {
-        let end = inputs.end(stretch).min(last);
-        if end <= integrator.time {
+        let (from, end) = (integrator.time, inputs.end(stretch).min(last));
+        if end <= from {
             continue;
         }
-        integrator.step = integrator.step.min(inputs.first_step(end - integrator.time));
+        let [first, longest] = inputs.longest_steps(stretch);
+        (integrator.step, integrator.longest) = (integrator.step.min(first), longest);
+        let shares = planned.next().unwrap_or(&[]);
+        let place = |share: f64| if share == 1.0 { end } else { from + share * (end - from) };
+        let passed = Cell::new(0);
+        let next = |time: f64| {
+            passed.set(passed.get() + shares[passed.get()..].iter().take_while(|share| place(**share) <= time).count());
+            shares.get(passed.get()).map(|share| place(*share))
+        };
         let system = |t: f64, state: &[R; N]| rates(t, &inputs.boundary(stretch, t), state);
-        integrator.advance(&system, end, |step| on_step(stretch, step.from + step.length, step))?;
+        integrator.advance_by(&system, end, next, |step| {
+            let until = step.from + step.length;
+            taken.ends.push((until - from) / (end - from));
+            on_step(stretch, until, step);
+        })?;
+        taken.ends.last_mut().into_iter().for_each(|share| *share = 1.0);
     }
-    Ok(())
+    Ok(taken)
 }
 
 /// A moment just behind `until`, s: what rounding puts there is still due.
@@ -124,5 +161,65 @@ impl<'a, R: Scalar> Readings<'a, R> {
     /// The same, for good.
     pub fn into_taken(self) -> Vec<R> {
         self.taken
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::balance::{self, Balance, FEW_STATES};
+    use crate::signals::Signals;
+    use crate::simulate::tolerance;
+    use crate::{AreaLaw, Gas, Geometry, HeatTransfer};
+
+    const PRESSURE_PA: f64 = 2e5;
+
+    /// Energy of the gas after pushes, holds and pulls with that λ0, by the steps of a mesh, and the steps taken.
+    fn energy(coefficient: f64, relative: f64, mesh: &Mesh) -> (f64, Mesh) {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(coefficient));
+        let moves: Vec<(f64, f64)> =
+            (0..16).map(|k| (0.15 * f64::from(k), [0.1, 0.1, 0.05, 0.05][k as usize % 4])).collect();
+        let signals = Signals::closed(&moves, 293.0, 1.013e5);
+        let initial = balance::state_at(&chamber, &signals.boundary(0, 0.0), PRESSURE_PA, 293.0);
+        let initial: [f64; FEW_STATES] = core::array::from_fn(|i| initial[i]);
+        let mut integrator = Integrator::new(0.0, initial, tolerance(relative, &initial));
+        let balance = Balance::of(chamber);
+        let rates = |_: f64, boundary: &Boundary<f64>, state: &[f64; FEW_STATES]| {
+            balance.rates_with_own::<FEW_STATES, { effects::FEW_OWN_STATES }>(EffectSet::NONE, boundary, state)
+        };
+        let taken = follow(&signals, &mut integrator, 2.25, mesh, rates, |_, _, _| ()).unwrap();
+        (integrator.state[balance::ENERGY], taken)
+    }
+
+    #[test]
+    fn the_same_steps_are_taken_again() {
+        let (free, mesh) = energy(26.5, 1e-7, &Mesh::default());
+        let (again, same) = energy(26.5, 1e-7, &mesh);
+        assert!((again / free - 1.0).abs() < 1e-14, "{again} {free}");
+        assert_eq!(same.steps(), mesh.steps());
+    }
+
+    #[test]
+    fn with_the_steps_kept_the_error_is_smooth_in_the_chambers_numbers() {
+        let (_, mesh) = energy(26.5, 1e-8, &Mesh::default());
+        let exact = Mesh::default();
+        let roughness = |mesh: &Mesh| {
+            let coefficients = (0..60).map(|k| 26.5 * 1.005f64.powi(k - 30));
+            let errors: Vec<f64> =
+                coefficients.map(|c| energy(c, 1e-8, mesh).0 / energy(c, 1e-13, &exact).0 - 1.0).collect();
+            errors.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).fold(0.0, f64::max)
+        };
+        let [free, kept] = [&Mesh::default(), &mesh].map(roughness);
+        assert!(kept < 0.1 * free, "{kept:e} {free:e}");
+    }
+
+    #[test]
+    fn planned_steps_that_err_too_much_are_cut() {
+        let (_, coarse) = energy(2.0, 1e-7, &Mesh::default());
+        let (exact, _) = energy(2000.0, 1e-11, &Mesh::default());
+        let (by_mesh, taken) = energy(2000.0, 1e-7, &coarse);
+        assert!((by_mesh / exact - 1.0).abs() < 1e-6, "{by_mesh} {exact}");
+        assert!(taken.steps() > 2 * coarse.steps(), "{} {}", taken.steps(), coarse.steps());
     }
 }

@@ -5,7 +5,7 @@ use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
 use crate::real::{Real, Scalar};
-use crate::record::{self, Inputs, Readings};
+use crate::record::{self, Inputs, Mesh, Readings};
 
 /// One row of a simulation. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +116,7 @@ fn in_states<R: Scalar, const N: usize>(
     recorder.record(0, begin, || |_| initial);
     let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
     let rates = |_: f64, boundary: &Boundary<R>, state: &[R; N]| balance.rates(set, boundary, state);
-    record::follow(inputs, &mut integrator, last, rates, |stretch, until, step| {
+    record::follow(inputs, &mut integrator, last, &Mesh::default(), rates, |stretch, until, step| {
         recorder.record(stretch, until, || {
             let dense = step.dense();
             move |t| dense.at(t)

@@ -15,6 +15,9 @@ use nalgebra::DVector;
 /// A step that promises less than this much of χ² ends the fit; so much more as χ² is more than its expectation, since the
 /// evidence counts χ² in that measure.
 const SETTLED: f64 = 2e-3;
+/// A step that takes less than this share of χ² away leads so little far that the simulations keep their steps: with steps chosen
+/// anew χ² scatters by more than what the last iterations gain.
+const NEAR: f64 = 0.01;
 /// Dampings that are tried before an iteration is given up.
 const MOST_DAMPINGS: usize = 12;
 /// Of these, the first so many bend their steps: with more damping the steps are short, and next to straight.
@@ -33,14 +36,35 @@ pub struct Descent {
     pub iterations: usize,
     /// Whether it ended at a minimum.
     pub converged: bool,
-    /// The problem linearised there, where that is known.
-    pub linear: Option<Vec<Linear>>,
+    /// Where the problem was linearised last.
+    pub at: Linearised,
+}
+
+/// Where a problem was linearised.
+#[derive(Clone, Debug)]
+pub enum Linearised {
+    /// At the coordinates themselves.
+    Here(Vec<Linear>),
+    /// So near to them that the steps of the simulations hold.
+    Near(Vec<Linear>),
+    /// Not yet, or far from there.
+    Nowhere,
+}
+
+impl Linearised {
+    /// What tells the steps of the simulations.
+    fn near(&self) -> Option<&[Linear]> {
+        match self {
+            Linearised::Here(linear) | Linearised::Near(linear) => Some(linear),
+            Linearised::Nowhere => None,
+        }
+    }
 }
 
 impl Descent {
     /// One that begins at these coordinates.
     pub fn at(rig: Vec<f64>, own: Vec<Vec<f64>>) -> Self {
-        Self { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false, linear: None }
+        Self { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false, at: Linearised::Nowhere }
     }
 }
 
@@ -58,25 +82,24 @@ pub fn descend(
 ) -> Result<Descent, Failure> {
     let own_axes = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
     let problem = Problem { data, hypothesis, selection, own_axes };
-    let first = linearise(data, hypothesis, &rig, &own, selection)?;
-    let blocks: usize = first.iter().map(|l| l.blocks).sum();
-    let mut here = Descent { chi2: total(&first), linear: Some(first), ..Descent::at(rig, own) };
+    let mut here = Descent::at(rig, own);
     let mut damping = 1e-4;
     while here.iterations < most_iterations && !here.converged {
-        let linear = match here.linear.take() {
-            Some(linear) => linear,
-            None => linearise(data, hypothesis, &here.rig, &here.own, selection)?,
-        };
+        let linear = linearise(data, hypothesis, &here.rig, &here.own, selection, here.at.near())?;
+        here.chi2 = total(&linear);
         here.iterations += 1;
+        let blocks: usize = linear.iter().map(|l| l.blocks).sum();
         let settled = SETTLED * (here.chi2 / blocks.max(1) as f64).max(1.0);
         match problem.lower(&here, &linear, &mut damping, settled) {
             Next::Lower(trial) => {
-                here.converged = here.chi2 - trial.chi2 < settled;
+                let gain = here.chi2 - trial.chi2;
+                here.converged = gain < settled;
+                here.at = if gain < NEAR * here.chi2 { Linearised::Near(linear) } else { Linearised::Nowhere };
                 (here.rig, here.own, here.chi2) = (trial.rig, trial.own, trial.chi2);
             }
-            Next::Minimum => (here.converged, here.linear) = (true, Some(linear)),
+            Next::Minimum => (here.converged, here.at) = (true, Linearised::Here(linear)),
             Next::Nowhere => {
-                here.linear = Some(linear);
+                here.at = Linearised::Here(linear);
                 break;
             }
         }
@@ -123,13 +146,13 @@ impl Problem<'_> {
             if step.promised < settled {
                 return Next::Minimum;
             }
-            let straight = self.trial(here, &step);
+            let straight = self.trial(here, linear, &step);
             let promised = step.promised;
             let bent = match &straight {
                 Some(trial) if attempt < BENT && !leads_down(trial) => system
                     .with_residuals(linear, &missed(linear, &step, &trial.residuals))
                     .step(self.hypothesis, &trial.rig, *damping)
-                    .and_then(|bend| self.trial(here, &step.bent_by(&bend))),
+                    .and_then(|bend| self.trial(here, linear, &step.bent_by(&bend))),
                 _ => None,
             };
             if let Some(trial) = straight.into_iter().chain(bent).find(leads_down) {
@@ -149,12 +172,12 @@ impl Problem<'_> {
 
     /// A step from there, within the bounds; `None` where the simulation fails. Whether it leads down is a matter of the
     /// residuals alone, at a fraction of the sensitivities' cost.
-    fn trial(&self, from: &Descent, step: &Step) -> Option<Trial> {
+    fn trial(&self, from: &Descent, linear: &[Linear], step: &Step) -> Option<Trial> {
         let rig = moved(&from.rig, &step.rig, self.hypothesis.axes.iter().map(|axis| axis.bounds));
         let steps = from.own.iter().zip(&step.own).zip(&self.own_axes);
         let own: Vec<Vec<f64>> =
             steps.map(|((x, step), axes)| moved(x, step, axes.iter().map(|axis| axis.bounds))).collect();
-        let residuals = residuals(self.data, self.hypothesis, &rig, &own, self.selection)?;
+        let residuals = residuals(self.data, self.hypothesis, &rig, &own, self.selection, linear)?;
         let chi2 = residuals.iter().flatten().map(|r| r * r).sum();
         Some(Trial { rig, own, residuals, chi2 })
     }
@@ -173,6 +196,7 @@ fn missed(linear: &[Linear], step: &Step, after: &[Vec<f64>]) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chamber::record::Mesh;
     use nalgebra::DMatrix;
 
     #[test]
@@ -186,6 +210,7 @@ mod tests {
                 residual: residual(0.0),
                 by_rig: DMatrix::from_element(2, 1, 1.0),
                 by_own: DMatrix::zeros(2, 0),
+                mesh: Mesh::default(),
             };
             let straight = model(target);
             let step = Step { rig: vec![straight], own: vec![Vec::new()], promised: 0.0 };

@@ -23,7 +23,8 @@ use chamber::dual::Dual;
 use chamber::effects::{self, EffectSet};
 use chamber::integrate::IntegrationError;
 use chamber::real::{Real, Scalar};
-pub use descent::{Descent, descend};
+use chamber::record::Mesh;
+pub use descent::{Descent, Linearised, descend};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -47,6 +48,8 @@ pub struct Linear {
     pub by_rig: DMatrix<f64>,
     /// d(model/σ)/d(own coordinate).
     pub by_own: DMatrix<f64>,
+    /// The steps of the simulation.
+    pub mesh: Mesh,
 }
 
 /// A fitted hypothesis.
@@ -140,15 +143,16 @@ pub fn fit(
 
 /// The sum of squares that the first step from these coordinates promises; `None` where the simulation fails.
 pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>]) -> Option<f64> {
-    let linear = linearise(data, hypothesis, rig, own, &all_blocks(data)).ok()?;
+    let linear = linearise(data, hypothesis, rig, own, &all_blocks(data), None).ok()?;
     let step = System::new(&linear, hypothesis.axes.len()).step(hypothesis, rig, 1e-4)?;
     Some((total(&linear) - step.promised).max(0.0))
 }
 
 /// Linearises in everything at the solution.
 fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Selection) -> Result<Fit, Failure> {
-    let Descent { rig, own, chi2, iterations, converged, linear } = found;
-    let linear = linearise_in_all(data, hypothesis, &rig, &own, selection, linear)?;
+    let Descent { rig, own, iterations, converged, at, .. } = found;
+    let linear = linearise_in_all(data, hypothesis, &rig, &own, selection, &at)?;
+    let chi2 = total(&linear);
     let (free, stated) = (hypothesis.axes.len(), hypothesis.stated.len());
     let at_bound: Vec<bool> =
         rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
@@ -206,32 +210,39 @@ pub(crate) fn moved(x: &[f64], step: &[f64], bounds: impl Iterator<Item = [f64; 
     x.iter().zip(step).zip(bounds).map(|((x, step), [low, high])| (x + step).clamp(low, high)).collect()
 }
 
-/// Residuals and sensitivities of all selected blocks, or the record whose simulation failed and why.
+/// Residuals and sensitivities of all selected blocks, or the record whose simulation failed and why; by the steps that the
+/// simulations took `near` these coordinates.
 fn linearise(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: &[f64],
     own: &[Vec<f64>],
     selection: &Selection,
+    near: Option<&[Linear]>,
 ) -> Result<Vec<Linear>, Failure> {
-    linearised(data, hypothesis, rig, own, 0, |k, x| record(&data.traces[k], hypothesis, x, selection[k]))
+    let new = Mesh::default();
+    linearised(data, hypothesis, rig, own, 0, |k, x| {
+        let mesh = near.map_or(&new, |near| &near[k].mesh);
+        record(&data.traces[k], hypothesis, x, selection[k], mesh)
+    })
 }
 
-/// The same with the sensitivities by the stated numbers too; where the others are `known`, by those alone.
+/// The same with the sensitivities by the stated numbers too; where the others are known, by those alone.
 fn linearise_in_all(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: &[f64],
     own: &[Vec<f64>],
     selection: &Selection,
-    known: Option<Vec<Linear>>,
+    at: &Linearised,
 ) -> Result<Vec<Linear>, Failure> {
     let stated = hypothesis.stated.len();
     linearised(data, hypothesis, rig, own, stated, |k, x| {
         let (t, blocks) = (&data.traces[k], selection[k]);
-        match &known {
-            Some(known) => by_stated_too(t, hypothesis, x, blocks, &known[k]),
-            None => record(t, hypothesis, x, blocks),
+        match at {
+            Linearised::Here(known) => by_stated_too(t, hypothesis, x, blocks, &known[k]),
+            Linearised::Near(near) => record(t, hypothesis, x, blocks, &near[k].mesh),
+            Linearised::Nowhere => record(t, hypothesis, x, blocks, &Mesh::default()),
         }
     })
 }
@@ -254,18 +265,19 @@ fn linearised<'a>(
     Ok(records)
 }
 
-/// The residuals that [`linearise`] would find there, record by record and the priors of the rig's numbers behind them, at a
-/// fraction of its cost; `None` where the simulation fails.
+/// The residuals that [`linearise`] would find there by the steps taken `near`, record by record and the priors of the rig's
+/// numbers behind them, at a fraction of its cost; `None` where the simulation fails.
 fn residuals(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: &[f64],
     own: &[Vec<f64>],
     selection: &Selection,
+    near: &[Linear],
 ) -> Option<Vec<Vec<f64>>> {
     let records: Option<Vec<Vec<f64>>> = (0..data.traces.len())
         .into_par_iter()
-        .map(|k| residual(&data.traces[k], hypothesis, rig, &own[k], selection[k]))
+        .map(|k| residual(&data.traces[k], hypothesis, rig, &own[k], selection[k], &near[k].mesh))
         .collect();
     let mut records = records?;
     records.extend(priors(hypothesis, rig, 0).map(|l| l.residual));
@@ -273,12 +285,13 @@ fn residuals(
 }
 
 /// One record's whitened residuals, the priors of its own numbers behind them.
-fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], own: &[f64], blocks: usize) -> Option<Vec<f64>> {
+fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], own: &[f64], blocks: usize, mesh: &Mesh) -> Option<Vec<f64>> {
     let selected = &t.blocks[..blocks];
     let mut out = Vec::new();
     if blocks > 0 {
         let setting = h.setting(t, rig, &[], own);
-        let mut shown = run(t, &setting, h.model.effects).pressures(&points(selected)).ok()?.into_iter();
+        let (shown, _) = run(t, &setting, h.model.effects).pressures_along(&points(selected), mesh).ok()?;
+        let mut shown = shown.into_iter();
         out.extend(selected.iter().map(|block| block.mean_pa - mean(block, &mut shown)));
         t.whitener.apply(&mut out);
     }
@@ -314,7 +327,7 @@ fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear>
         combination.iter().for_each(|(i, weight)| by_rig[(row, *i)] = weight / sd);
     }
     let by_own = DMatrix::zeros(residual.len(), 0);
-    Some(Linear { blocks: 0, residual, by_rig, by_own })
+    Some(Linear { blocks: 0, residual, by_rig, by_own, mesh: Mesh::default() })
 }
 
 /// Where one record is linearised.
@@ -331,9 +344,15 @@ impl Coordinates<'_> {
     }
 }
 
-fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> Result<Linear, IntegrationError> {
+fn record(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    blocks: usize,
+    mesh: &Mesh,
+) -> Result<Linear, IntegrationError> {
     // Columns: residual, free, stated, own.
-    let columns = columns(t, h, x, 0..x.count(), blocks)?;
+    let (columns, mesh) = columns(t, h, x, 0..x.count(), blocks, mesh)?;
     let priors = own_priors(t, h, blocks);
     let rig = x.rig.len() + x.stated;
     let mut columns = columns.resize_vertically(blocks + priors.len(), 0.0);
@@ -346,6 +365,7 @@ fn record(t: &Prepared, h: &Hypothesis, x: &Coordinates<'_>, blocks: usize) -> R
         residual: columns.column(0).iter().copied().collect(),
         by_rig: columns.columns(1, rig).into_owned(),
         by_own: columns.columns(1 + rig, x.own.len()).into_owned(),
+        mesh,
     };
     if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
 }
@@ -362,43 +382,47 @@ fn by_stated_too(
         return Ok(known.clone());
     }
     let free = x.rig.len();
-    let columns = columns(t, h, x, free..free + x.stated, blocks)?;
-    let Linear { residual, by_rig, by_own, .. } = known.clone();
+    let (columns, _) = columns(t, h, x, free..free + x.stated, blocks, &known.mesh)?;
+    let Linear { residual, by_rig, by_own, mesh, .. } = known.clone();
     let mut by_rig = by_rig.resize_horizontally(free + x.stated, 0.0);
     by_rig.view_mut((0, free), (blocks, x.stated)).copy_from(&columns.columns(1, x.stated));
-    Ok(Linear { blocks, residual, by_rig, by_own })
+    Ok(Linear { blocks, residual, by_rig, by_own, mesh })
 }
 
-/// Whitened columns of the residual and of the derivatives by the coordinates at these places, for the first `blocks` blocks.
+/// Whitened columns of the residual and of the derivatives by the coordinates at these places, for the first `blocks` blocks;
+/// with the steps taken.
 fn columns(
     t: &Prepared,
     h: &Hypothesis,
     x: &Coordinates<'_>,
     places: Range<usize>,
     blocks: usize,
-) -> Result<DMatrix<f64>, IntegrationError> {
+    mesh: &Mesh,
+) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
     let mut columns = DMatrix::zeros(blocks, 1 + places.len());
+    let mut taken = Mesh::default();
     if blocks == 0 {
-        return Ok(columns);
+        return Ok((columns, taken));
     }
     let width = |first: usize| (places.end - first).min(WIDEST);
     let firsts: Vec<usize> = (places.start..places.end.max(places.start + 1)).step_by(WIDEST).collect();
-    let passes: Result<Vec<DMatrix<f64>>, IntegrationError> = firsts
+    let passes: Result<Vec<(DMatrix<f64>, Mesh)>, IntegrationError> = firsts
         .par_iter()
         // No wider than need be.
         .map(|&first| match width(first) {
-            ..=4 => pass::<4>(t, h, x, first, blocks),
-            5..=6 => pass::<6>(t, h, x, first, blocks),
-            7..=8 => pass::<8>(t, h, x, first, blocks),
-            _ => pass::<WIDEST>(t, h, x, first, blocks),
+            ..=4 => pass::<4>(t, h, x, first, blocks, mesh),
+            5..=6 => pass::<6>(t, h, x, first, blocks, mesh),
+            7..=8 => pass::<8>(t, h, x, first, blocks, mesh),
+            _ => pass::<WIDEST>(t, h, x, first, blocks, mesh),
         })
         .collect();
-    for (first, passed) in firsts.into_iter().zip(passes?) {
+    for (first, (passed, steps)) in firsts.into_iter().zip(passes?) {
+        taken = steps;
         columns.set_column(0, &passed.column(0));
         columns.columns_mut(1 + first - places.start, width(first)).copy_from(&passed.columns(1, width(first)));
     }
     t.whitener.apply_to(&mut columns);
-    Ok(columns)
+    Ok((columns, taken))
 }
 
 /// Columns of the residual and of the derivatives by N coordinates from the `first` on, for the first `blocks` blocks.
@@ -408,7 +432,8 @@ fn pass<const N: usize>(
     x: &Coordinates<'_>,
     first: usize,
     blocks: usize,
-) -> Result<DMatrix<f64>, IntegrationError> {
+    mesh: &Mesh,
+) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
     let variable = |value: f64, place: usize| -> Dual<N> {
         if (first..first + N).contains(&place) { Dual::variable(value, place - first) } else { Dual::from(value) }
     };
@@ -418,7 +443,8 @@ fn pass<const N: usize>(
     let own: Vec<Dual<N>> = x.own.iter().enumerate().map(|(i, v)| variable(*v, behind + i)).collect();
     let setting = h.setting(t, &rig, &stated, &own);
     let blocks = &t.blocks[..blocks];
-    let mut shown = run(t, &setting, h.model.effects).pressures(&points(blocks))?.into_iter();
+    let (shown, taken) = run(t, &setting, h.model.effects).pressures_along(&points(blocks), mesh)?;
+    let mut shown = shown.into_iter();
     let mut columns = DMatrix::zeros(blocks.len(), 1 + N);
     for (row, block) in blocks.iter().enumerate() {
         let model = mean(block, &mut shown);
@@ -427,7 +453,7 @@ fn pass<const N: usize>(
             columns[(row, 1 + column)] = *tangent;
         }
     }
-    Ok(columns)
+    Ok((columns, taken))
 }
 
 /// The model along a record.

@@ -86,6 +86,18 @@ impl Motion {
         (self.segments[0].from_s, self.segments[self.segments.len() - 1].to_s)
     }
 
+    /// Number of the segment at that time, s: the first or the last one beyond the record's ends.
+    pub fn segment_at(&self, time: f64) -> usize {
+        self.segments.partition_point(|s| s.to_s < time).min(self.segments.len() - 1)
+    }
+
+    /// Mean time from row to row, s.
+    pub fn row_s(&self) -> f64 {
+        let (begin, end) = self.extent();
+        let rows: usize = self.segments.iter().map(|s| s.end - s.first).sum();
+        (end - begin) / rows as f64
+    }
+
     /// Whether the record begins with the piston held.
     pub fn starts_at_rest(&self) -> bool {
         self.segments.first().is_some_and(|s| s.phase == Phase::Rest)

@@ -4,7 +4,7 @@
 //!
 //! Where the record has a corner, the stroke has one there and half a window and a window to either side of it.
 
-use crate::record::stroke::Motion;
+use crate::record::stroke::{Motion, Phase};
 use chamber::effects::position_averaging::{self, PLACES, READ};
 use std::cell::Cell;
 
@@ -68,6 +68,22 @@ impl<'a> TrueStroke<'a> {
         self.ends[stretch]
     }
 
+    /// The longest first step on a stretch and the longest one at all, s: a fiftieth of the shortest part of the record in it, as
+    /// the step before means nothing there, and a fifth of the shortest move. What counts as a move begins and ends with rows of
+    /// rest, and the stages of a longer step may all fall on these.
+    pub fn longest_steps(&self, stretch: usize) -> [f64; 2] {
+        let begin = if stretch == 0 { self.motion.extent().0 } else { self.ends[stretch - 1] };
+        let middle = 0.5 * (begin + self.ends[stretch]);
+        let mut longest = [f64::INFINITY; 2];
+        for place in PLACES {
+            let part = &self.motion.segments[self.motion.segment_at(middle + place * self.window)];
+            let length = part.to_s - part.from_s;
+            let of_move = if part.phase == Phase::Move { 0.2 * length } else { f64::INFINITY };
+            longest = [longest[0].min(0.02 * length), longest[1].min(of_move)];
+        }
+        longest
+    }
+
     /// The stroke at a time on a stretch.
     #[inline]
     pub fn at(&self, stretch: usize, time: f64) -> Moment {
@@ -75,7 +91,6 @@ impl<'a> TrueStroke<'a> {
             let stroke = &self.motion.segments[stretch].stroke;
             return self.before_filter(stroke.bent(time, &self.near[0].piece), [0.0; 2]);
         }
-        let mut averaged = self.recorded(time, READ);
         let (begin, end) = self.motion.extent();
         let middle = position_averaging::middle(time, self.window, [begin, end]);
         // Near the ends of the record the moments stay a window from them.
@@ -85,6 +100,7 @@ impl<'a> TrueStroke<'a> {
         for i in 0..READ {
             read[i] = self.recorded(middle + PLACES[i] * self.window, i);
         }
+        let mut averaged = if moves_on { read[READ / 2] } else { self.recorded(time, READ) };
         let mut wider = [0.0; 2];
         for k in 0..3 {
             if k > 0 && !moves_on {
@@ -121,7 +137,7 @@ impl<'a> TrueStroke<'a> {
         let last = segment.get();
         let is_there = time <= segments[last].to_s && (last == 0 || segments[last - 1].to_s < time);
         if !is_there {
-            segment.set(segments.partition_point(|s| s.to_s < time).min(segments.len() - 1));
+            segment.set(self.motion.segment_at(time));
         }
         segments[segment.get()].stroke.bent(time, piece)
     }
