@@ -14,7 +14,7 @@ use crate::judge::evidence::{bic, bic_widened};
 use crate::judge::left_out;
 use crate::parameters::{Model, curve_of};
 use crate::policy;
-use crate::search::starts::{fit_by_size, fit_model};
+use crate::search::starts::fit_by_size;
 use chamber::effects::empirical::Curve;
 use chamber::effects::{self, EffectSet};
 use rayon::prelude::*;
@@ -22,6 +22,8 @@ use std::cmp::Ordering;
 
 /// Curves that are refitted, on each model.
 const REFITTED: usize = 4;
+/// A refitted curve has at the most so many times the evidence that it has to first order, beside what it is added to.
+const FIRST_ORDER: f64 = 5.0;
 /// Refitted curves that are judged by left-out experiments, on each model.
 const JUDGED: usize = 3;
 /// A name goes out where the model predicts left-out experiments nearly as well without it: its error over that with it.
@@ -71,8 +73,7 @@ impl Search {
     /// A curve in the place of several named effects that together leave no more than noise: one that alone fits the records
     /// decisively better shows that the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
-        let is_better = |c: &Candidate| c.delta_bic > named.delta_bic + policy::DECISIVE;
-        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, is_better);
+        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE);
         let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
         Some(self.told(best, self.left_out(named)?, true))
     }
@@ -85,9 +86,8 @@ impl Search {
             parts.push(&self.chosen);
         }
         let (settled_pa, paper_pa) = (self.left_out(settled)?, self.left_out(&self.baseline)?);
-        let is_likely = |c: &Candidate| c.delta_bic > settled.delta_bic;
         let curves: Vec<Judged> =
-            parts.into_par_iter().flat_map_iter(|part| self.curves_on(part, empirical, is_likely)).collect();
+            parts.into_par_iter().flat_map_iter(|part| self.curves_on(part, empirical, settled.delta_bic)).collect();
         let acceptable = |c: &&Judged| {
             c.is_evident
                 && if c.candidate.model.terms() > settled.model.terms() {
@@ -136,7 +136,8 @@ impl Search {
         let curve: EffectSet = ReadOff::effect().into_iter().collect();
         loop {
             let less = terms::without_one(&best.candidate.model).into_par_iter().filter(|m| m.effects.contains(curve));
-            let fits: Vec<Fit> = less.filter_map(|model| self.refitted_without(&best.candidate.fit, model)).collect();
+            let refitted = |model| self.refitted_without(&best.candidate.fit, model).filter(|fit| fit.converged);
+            let fits: Vec<Fit> = less.filter_map(refitted).collect();
             let Some(candidate) = fits.into_iter().map(|fit| self.candidate(fit)).max_by(by_bic) else { return best };
             let left_out_pa = self.left_out(&candidate).unwrap_or(f64::INFINITY);
             if best.candidate.delta_bic - candidate.delta_bic > policy::DECISIVE
@@ -148,23 +149,13 @@ impl Search {
         }
     }
 
-    /// A fit of a part of a fitted model.
-    fn refitted_without(&self, whole: &Fit, model: Model) -> Option<Fit> {
-        let mut from = whole.clone();
-        let chamber = whole.chamber();
-        let gone = whole.hypothesis.model.effects.without(model.effects);
-        from.hypothesis.base = chamber::Chamber { effects: chamber.effects.without(gone), ..chamber };
-        from.hypothesis.axes.clear();
-        from.rig.clear();
-        fit_model(&self.data, model, &from, &self.sizes).filter(|fit| fit.converged)
-    }
-
-    /// The curves that take most away from what a model leaves, refitted; those `worth_judging` judged.
-    fn curves_on(&self, part: &Candidate, empirical: usize, worth_judging: impl Fn(&Candidate) -> bool) -> Vec<Judged> {
+    /// The curves that take most away from what a model leaves, refitted; those of more than this evidence judged.
+    fn curves_on(&self, part: &Candidate, empirical: usize, least_bic: f64) -> Vec<Judged> {
         let Some(search) = discrepancy::Search::new(&self.data, &part.fit) else { return Vec::new() };
         let mut curves = search.curves();
         curves.sort_by(|a, b| b.worth(&part.fit).total_cmp(&a.worth(&part.fit)));
         curves.truncate(REFITTED);
+        curves.retain(|curve| part.delta_bic + FIRST_ORDER * curve.worth(&part.fit) > least_bic);
         let mut refitted: Vec<(Missing, Candidate)> = curves
             .into_par_iter()
             .filter_map(|missing| {
@@ -172,7 +163,7 @@ impl Search {
                 fit.converged.then(|| (missing, self.candidate(fit)))
             })
             .collect();
-        refitted.retain(|(_, candidate)| worth_judging(candidate));
+        refitted.retain(|(_, candidate)| candidate.delta_bic > least_bic);
         refitted.sort_by(|a, b| by_bic(&b.1, &a.1));
         refitted.truncate(JUDGED);
         let judged = |(first_order, candidate): (Missing, Candidate)| {

@@ -467,9 +467,25 @@ impl Search {
                 if let Some(known) = self.tried.iter().find(|c| c.model == model) {
                     return Some(known.clone());
                 }
-                fit_model(&self.data, model, self.part_of(&model), &self.sizes).map(|fit| self.candidate(fit))
+                self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit))
             })
             .collect()
+    }
+
+    /// A fit of a part of a fitted model, from the numbers that it has there.
+    fn refitted_without(&self, whole: &Fit, model: Model) -> Option<Fit> {
+        let mut from = whole.clone();
+        let chamber = whole.chamber();
+        let gone = whole.hypothesis.model.effects.without(model.effects);
+        let mut effects = chamber.effects.without(gone);
+        for effect in whole.hypothesis.model.secondary.without(model.secondary).iter() {
+            let values = effects.of_mut(effect).iter_mut().zip(CARDS[effect].parameters);
+            values.filter(|(_, p)| !p.fitted).for_each(|(value, p)| *value = p.neutral);
+        }
+        from.hypothesis.base = chamber::Chamber { effects, ..chamber };
+        from.hypothesis.axes.clear();
+        from.rig.clear();
+        fit_model(&self.data, model, &from, &self.sizes)
     }
 
     /// Evidence of the chosen model over one with a term less.

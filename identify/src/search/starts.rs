@@ -9,8 +9,8 @@ use chamber::card::Unit;
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use rayon::prelude::*;
 
-/// Iterations of a trial start before the best go on.
-const TRIAL_ITERATIONS: usize = 4;
+/// Iterations of every trial start, and further ones of those that are not far behind, before the best go on.
+const TRIAL_ITERATIONS: [usize; 2] = [2, 2];
 /// Iterations that tell how large a curve is.
 const SIZE_ITERATIONS: usize = 4;
 /// How many starts go on to the end.
@@ -83,14 +83,19 @@ fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Sele
     // Trials see one repeat of each experiment only.
     let few: Vec<usize> = data.traces.iter().zip(selection).map(|(t, n)| if t.repeat == 0 { *n } else { 0 }).collect();
     let few = if few.iter().all(|n| *n == 0) { selection.to_vec() } else { few };
-    let mut trials: Vec<(Hypothesis, Descent)> = begun
-        .into_par_iter()
-        .filter_map(|(h, start)| {
-            let found = fit::descend(data, &h, start.rig, start.own, &few, TRIAL_ITERATIONS).ok()?;
-            Some((h, found))
-        })
-        .collect();
-    trials.sort_by(|a, b| a.1.chi2.total_cmp(&b.1.chi2));
+    let mut trials = begun;
+    for iterations in TRIAL_ITERATIONS {
+        trials = trials
+            .into_par_iter()
+            .filter_map(|(h, start)| {
+                let found = fit::descend(data, &h, start.rig, start.own, &few, iterations).ok()?;
+                Some((h, found))
+            })
+            .collect();
+        trials.sort_by(|a, b| a.1.chi2.total_cmp(&b.1.chi2));
+        let best = trials.first().map_or(0.0, |(_, found)| found.chi2);
+        trials.retain(|(_, found)| found.chi2 <= best * NOT_FAR_BEHIND);
+    }
     trials
 }
 
