@@ -42,6 +42,8 @@ struct Passing<'a, R> {
     /// How much warmer than recorded or stated the surroundings are, K.
     warmer: R,
     near_flow: Cell<usize>,
+    /// The longest step along the recorded mass flow, s.
+    longest_of_flow: f64,
 }
 
 impl<'a, R: Scalar> Passing<'a, R> {
@@ -49,7 +51,8 @@ impl<'a, R: Scalar> Passing<'a, R> {
         let window = effects::stroke_window(set, &chamber.effects);
         let filter = effects::stroke_filter(set, &chamber.effects);
         let stroke = TrueStroke::new(&course.motion, window.value().max(0.0), filter.value().max(0.0));
-        Self { course, stroke, window, filter, warmer, near_flow: Cell::new(0) }
+        let longest_of_flow = course.mass_flow.as_ref().map_or(f64::INFINITY, |_| ROWS_OF_FLOW * course.motion.row_s());
+        Self { course, stroke, window, filter, warmer, near_flow: Cell::new(0), longest_of_flow }
     }
 }
 
@@ -96,9 +99,7 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
 
     #[inline]
     fn longest_steps(&self, stretch: usize) -> [f64; 2] {
-        let course = self.course;
-        let of_flow = course.mass_flow.as_ref().map_or(f64::INFINITY, |_| ROWS_OF_FLOW * course.motion.row_s());
-        self.stroke.longest_steps(stretch).map(|longest| longest.min(of_flow))
+        self.stroke.longest_steps(stretch).map(|longest| longest.min(self.longest_of_flow))
     }
 }
 
@@ -204,8 +205,7 @@ impl<R: Scalar> Run<'_, R> {
         on_step(begin, &initial);
         let mut sensor = Sensor::new(chamber, set, Passing::new(course, chamber, set, warmer), times, start.pressure);
         let evaluations = Cell::new(0usize);
-        let rows: usize = course.motion.segments.iter().map(|s| s.end - s.first).sum();
-        let mut most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * rows;
+        let mut most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * course.motion.rows();
         if mesh.steps() > 0 {
             most_evaluations = most_evaluations.min(MOST_BY_MESH * mesh.steps());
         }

@@ -91,11 +91,15 @@ impl Motion {
         self.segments.partition_point(|s| s.to_s < time).min(self.segments.len() - 1)
     }
 
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.segments.iter().map(|s| s.end - s.first).sum()
+    }
+
     /// Mean time from row to row, s.
     pub fn row_s(&self) -> f64 {
         let (begin, end) = self.extent();
-        let rows: usize = self.segments.iter().map(|s| s.end - s.first).sum();
-        (end - begin) / rows as f64
+        (end - begin) / self.rows() as f64
     }
 
     /// Whether the record begins with the piston held.
