@@ -48,11 +48,12 @@ def rows_of(study, folder, **changes):
 
 def cases_of(rows):
     """Rows of a study as the contenders read them."""
-    column = lambda name: next((rows[n].to_numpy() for n in rows.column_names if n.split(".")[-1] == name), None)
-    constant = {"push_time_s": 0.04, "duration_s": 5.04, "conductance_m3_per_s_pa": 0.0, "mass_flow_in_kg_per_s": 0.0}
-    columns = [column(name) for name in scenario.COLUMNS]
-    filled = [np.full(rows.num_rows, constant[n]) if c is None else c for n, c in zip(scenario.COLUMNS, columns)]
-    return np.stack(filled, axis=1)
+    names = {name: next((n for n in rows.column_names if n.endswith(name)), None) for name in scenario.COLUMNS}
+    columns = [
+        rows[names[name]].to_numpy() if names[name] else np.full(rows.num_rows, constant)
+        for name, constant in scenario.COLUMNS.items()
+    ]
+    return np.stack(columns, axis=1)
 
 
 class Contender:

@@ -11,23 +11,34 @@ import numpy as np
 GAS_CONSTANT, GAMMA = 287.0, 1.4
 REFERENCE_PRESSURE, REFERENCE_TEMPERATURE = 5.65e5, 293.0
 AMBIENT_TEMPERATURE, AMBIENT_PRESSURE = 293.0, 101325.0
-COLUMNS = [
-    "bore_m",
-    "dead_volume_m3",
-    "initial_pressure_pa",
-    "initial_stroke_m",
-    "final_stroke_m",
-    "coefficient_w_per_m2_k",
-    "push_time_s",
-    "duration_s",
-    "conductance_m3_per_s_pa",
-    "mass_flow_in_kg_per_s",
-]
+REFERENCE_LENGTH = 0.1  # of the gas column, m
+# The columns of a scenario, by their names in a study, and what they are where the study does not vary them.
+COLUMNS = {
+    "bore_m": None,
+    "dead_volume_m3": None,
+    "initial_pressure_pa": None,
+    "initial_stroke_m": None,
+    "final_stroke_m": None,
+    "coefficient_w_per_m2_k": None,
+    "push_time_s": 0.04,
+    "duration_s": 5.04,
+    "mass_flow_in_kg_per_s": 0.0,
+    "leakage.conductance_m3_per_s_pa": 0.0,
+    "natural_convection.exponent": 0.0,
+    "wall_heating.capacity_j_per_k": 0.0,
+    "wall_heating.outer_conductance_w_per_k": 0.0,
+    "gas_column_length.exponent": 0.0,
+}
 
 
 def read(path):
-    """Rows of a scenario file: ten 64-bit floats each, in the order of COLUMNS."""
+    """Rows of a scenario file: 64-bit floats in the order of COLUMNS."""
     return np.fromfile(path).reshape(-1, len(COLUMNS))
+
+
+def column(cases, name):
+    """One of the columns."""
+    return cases[..., list(COLUMNS).index(name)]
 
 
 @dataclasses.dataclass

@@ -1,0 +1,180 @@
+"""The equations of each kind of rows as heyoka integrates them, in the notation of scenario.py; SI units.
+
+A class holds the systems of push and hold and gives, for all rows at once, their parameters, where they begin and end,
+and the pressures of their states. K is the exchange of the hold, dT/dt = K T (Tw − T).
+"""
+
+import dataclasses
+import math
+
+import heyoka as hy
+import numpy as np
+import scenario
+from scenario import AMBIENT_TEMPERATURE as TW
+from scenario import GAMMA, Sealed
+
+T, W = hy.make_vars("T", "W")
+P, S = hy.par, hy.time  # parameters, the independent variable
+
+
+@dataclasses.dataclass
+class Stretch:
+    """A part of the tests: arrays with an element for each row."""
+
+    parameters: list
+    begin: np.ndarray
+    end: np.ndarray
+    start: list
+    stiffness: np.ndarray
+
+
+class Plain:
+    """Sealed, V = V0 + V' t inside the equation."""
+
+    _volume = P[0] + P[1] * S
+    PUSH = [(T, T * ((P[2] * _volume + P[3]) * hy.sqrt(_volume) * (TW - T) - P[4]) * (1.0 / _volume))]
+    HOLD = [(T, P[0] * T * (TW - T))]
+
+    def __init__(self, cases):
+        self.sealed = Sealed.of(cases)
+        self.zero = np.zeros(len(cases))
+        self.column = lambda name: scenario.column(cases, name)
+
+    def push(self):
+        s = self.sealed
+        parameters = [s.volume, s.volume_rate, s.lateral, s.faces, (GAMMA - 1) * s.volume_rate]
+        return Stretch(parameters, self.zero, s.push_time, [self.zero + TW], s.held_exchange)
+
+    def hold(self, middle):
+        s = self.sealed
+        return Stretch([s.held_exchange], self.zero, s.hold_time, middle, s.held_exchange)
+
+    def pressure(self, states, _):
+        return states[0] * self.sealed.mass_gas_constant / self.sealed.held_volume
+
+
+class Root(Plain):
+    """Sealed, s = √V as the independent variable: dT/ds = T ((2/V') (c a1 s² + c a0) (Tw − T) − 2 (γ − 1)/s)."""
+
+    _exchange = P[0] * S * S + P[1]
+    _expansion = 2 * (GAMMA - 1) / S
+    PUSH = [(T, T * (_exchange * (TW - T) - _expansion))]
+
+    def push(self):
+        s = self.sealed
+        parameters = [2 / s.volume_rate * s.lateral, 2 / s.volume_rate * s.faces]
+        return Stretch(parameters, np.sqrt(s.volume), np.sqrt(s.held_volume), [self.zero + TW], s.held_exchange)
+
+
+class WallPlain(Plain):
+    """The wall's temperature W beside T: dW/dt = (m cv/Cw) (heat that cools the gas) − (G/Cw) (W − Tamb)."""
+
+    _volume = Plain._volume
+    _heating = (P[2] * _volume + P[3]) * _volume**-0.5 * T * (W - T)
+    PUSH = [(T, _heating - P[4] * T / _volume), (W, -P[5] * _heating - P[6] * (W - TW))]
+    _heating = P[0] * T * (W - T)
+    HOLD = [(T, _heating), (W, -P[1] * _heating - P[2] * (W - TW))]
+
+    def wall(self):
+        """m cv/Cw and G/Cw."""
+        capacity = self.column("wall_heating.capacity_j_per_k")
+        outer = self.column("wall_heating.outer_conductance_w_per_k")
+        return [self.sealed.mass_gas_constant / (GAMMA - 1) / capacity, outer / capacity]
+
+    def push(self):
+        stretch = super().push()
+        return dataclasses.replace(stretch, parameters=stretch.parameters + self.wall(), start=stretch.start * 2)
+
+    def hold(self, middle):
+        stretch = super().hold(middle)
+        stiffness = stretch.stiffness * (1 + self.wall()[0])
+        return dataclasses.replace(stretch, parameters=stretch.parameters + self.wall(), stiffness=stiffness)
+
+
+class WallRoot(WallPlain):
+    """The same with the root of the volume as the independent variable: dt = 2 s ds/V'."""
+
+    _heating = Root._exchange * T * (W - T)
+    PUSH = [(T, _heating - T * Root._expansion), (W, -P[2] * _heating - P[3] * S * (W - TW))]
+
+    def push(self):
+        stretch = Root.push(self)
+        share, rate = self.wall()
+        parameters = [*stretch.parameters, share, rate * 2 / self.sealed.volume_rate]
+        return dataclasses.replace(stretch, parameters=parameters, start=stretch.start * 2)
+
+
+class ColumnPlain(Plain):
+    """The exchange times (V/(A l_ref))^a."""
+
+    _volume = Plain._volume
+    _exchange = (P[2] * _volume + P[3]) * _volume ** P[5]
+    PUSH = [(T, T * (_exchange * (TW - T) - P[4] / _volume))]
+
+    def __init__(self, cases):
+        super().__init__(cases)
+        self.exponent = self.column("gas_column_length.exponent")
+        area = math.pi / 4 * self.column("bore_m") ** 2
+        self.factor = lambda volume: (volume / (area * scenario.REFERENCE_LENGTH)) ** self.exponent
+        self.sealed.held_exchange = self.sealed.held_exchange * self.factor(self.sealed.held_volume)
+
+    def push(self):
+        stretch, scale = super().push(), self.factor(1.0)
+        volume, rate, lateral, faces, expansion = stretch.parameters
+        parameters = [volume, rate, lateral * scale, faces * scale, expansion, self.exponent - 0.5]
+        return dataclasses.replace(stretch, parameters=parameters)
+
+
+class ColumnLog(ColumnPlain):
+    """The same with u = ln(V/V0) as the independent variable, in which the powers are exponentials."""
+
+    _exchange = (P[0] * hy.exp(S) + P[1]) * hy.exp(P[2] * S)
+    PUSH = [(T, T * (_exchange * (TW - T) - (GAMMA - 1)))]
+
+    def push(self):
+        s = self.sealed
+        scale = np.sqrt(s.volume) / s.volume_rate * self.factor(s.volume)
+        parameters = [s.lateral * s.volume * scale, s.faces * scale, self.exponent + 0.5]
+        end = np.log(s.held_volume / s.volume)
+        return Stretch(parameters, self.zero, end, [self.zero + TW], s.held_exchange)
+
+
+D, E = hy.make_vars("D", "E")
+
+
+class ColumnStates(ColumnLog):
+    """The same, the exponentials as states of their own, and T in units of Tw."""
+
+    PUSH = [
+        (T, T * ((P[0] * D + P[1]) * E * (1.0 - T) - (GAMMA - 1))),
+        (D, D),
+        (E, P[2] * E),
+    ]
+    HOLD = [(T, P[0] * T * (1.0 - T))]
+
+    def push(self):
+        stretch = super().push()
+        a, b, exponent = stretch.parameters
+        one = self.zero + 1
+        return dataclasses.replace(stretch, parameters=[a * TW, b * TW, exponent], start=[one, one, one])
+
+    def hold(self, middle):
+        stretch = super().hold(middle[:1])
+        return dataclasses.replace(stretch, parameters=[stretch.parameters[0] * TW])
+
+    def pressure(self, states, _):
+        return super().pressure(states * TW, _)
+
+
+class ColumnReciprocal(ColumnStates):
+    """The same with Tw/T, whose equation is linear."""
+
+    PUSH = [
+        (T, (P[0] * D + P[1]) * E * (1.0 - T) + (GAMMA - 1) * T),
+        (D, D),
+        (E, P[2] * E),
+    ]
+    HOLD = [(T, P[0] * (1.0 - T))]
+
+    def pressure(self, states, _):
+        return super().pressure(1 / states[:1], _)
