@@ -178,3 +178,71 @@ class ColumnReciprocal(ColumnStates):
 
     def pressure(self, states, _):
         return super().pressure(1 / states[:1], _)
+
+
+class NaturalTime(Plain):
+    """The exchange times ((T − Tw)/20 K)^n. T in units of Tw above Tw; it begins a moment after the start, where the power
+    has no Taylor series, with an adiabatic compression less the heat that went first. The hold with its logarithm."""
+
+    _s = P[2] - S
+    PUSH = [(T, (1.0 + T) * ((P[0] * _s * _s + P[1]) * T ** P[3] + 2 * (GAMMA - 1) / _s))]
+    HOLD = [(T, -P[0] * (1.0 + hy.exp(T)) * hy.exp(P[1] * T))]
+    MOMENT = 1e-4
+    VARIABLE = staticmethod(lambda e: e)
+
+    def __init__(self, cases):
+        super().__init__(cases)
+        self.exponent = self.column("natural_convection.exponent")
+        self.factor = TW * (TW / scenario.REFERENCE_DIFFERENCE) ** self.exponent
+
+    def push(self):
+        s, n = self.sealed, self.exponent
+        lateral, faces = (2 / s.volume_rate * a * self.factor for a in (s.lateral, s.faces))
+        begin, end = np.sqrt(s.volume), np.sqrt(s.held_volume)
+        moment = self.MOMENT * (begin - end)
+        above = (begin / (begin - moment)) ** (2 * (GAMMA - 1)) - 1
+        above = above + (lateral * s.volume + faces) * above ** (1 + n) * moment / (2 + n)
+        span = map(self.VARIABLE, (moment, begin - end))
+        return Stretch([lateral, faces, begin, 1 + n], *span, [above], s.held_exchange)
+
+    def hold(self, middle):
+        s = self.sealed
+        rate = s.held_exchange * self.factor
+        return Stretch([rate, self.exponent], self.zero, s.hold_time, [np.log(middle[0])], rate * middle[0] ** self.exponent)
+
+    def pressure(self, states, stretch):
+        above = states if stretch == "push" else np.exp(states)
+        return super().pressure(TW * (1 + above), stretch)
+
+
+class NaturalLog(NaturalTime):
+    """The same with the logarithm of the way from the start as the independent variable."""
+
+    _e = hy.exp(S)
+    _s = P[2] - _e
+    PUSH = [(T, _e * (1.0 + T) * ((P[0] * _s * _s + P[1]) * T ** P[3] + 2 * (GAMMA - 1) / _s))]
+    VARIABLE = staticmethod(np.log)
+
+
+class NaturalPower(NaturalTime):
+    """The same with the fourth root of the way from the start as the independent variable."""
+
+    _e = S**4.0
+    _s = P[2] - _e
+    PUSH = [(T, 4.0 * S**3.0 * (1.0 + T) * ((P[0] * _s * _s + P[1]) * T ** P[3] + 2 * (GAMMA - 1) / _s))]
+    VARIABLE = staticmethod(lambda e: e**0.25)
+
+
+class NaturalInverse(NaturalLog):
+    """The same, the hold with (T − Tw)^-n."""
+
+    HOLD = [(T, P[0] * (1.0 + T ** P[1]))]
+
+    def hold(self, middle):
+        n = self.exponent
+        stretch = super().hold(middle)
+        return dataclasses.replace(stretch, parameters=[n * stretch.parameters[0], -1 / n], start=[middle[0] ** -n])
+
+    def pressure(self, states, stretch):
+        states = states if stretch == "push" else np.log(states) / -self.exponent
+        return super().pressure(states, stretch)

@@ -2,7 +2,7 @@
 
 use crate::Solve;
 use crate::options;
-use crate::scenario::{AMBIENT_TEMPERATURE_K, Answer, Case};
+use crate::scenario::{AMBIENT_TEMPERATURE_K, Answer, Case, EFFECTS};
 use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver};
 use chamber::effects::{self, EffectSet, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
@@ -16,8 +16,7 @@ pub fn solver(cases: &[Case], asked: &options::Options) -> Solve {
     let scenarios: Vec<Scenario> = cases.iter().map(scenario).collect();
     let solver = if asked.is("exact") { Solver::Auto } else { Solver::Adaptive };
     let options = Options { solver, relative_tolerance: asked.tolerance(), fit: asked.is("fit") };
-    let leaks = cases.iter().any(|c| c.leakage_m3_per_s_pa > 0.0);
-    let set = if leaks { EffectSet::one(leakage()) } else { EffectSet::NONE };
+    let set = scenarios.first().map_or(EffectSet::NONE, |s| s.chamber.effects.active());
     Box::new(move |cases, answers| {
         let pieces = scenarios[..cases.len()].par_chunks(PIECE).zip(answers.par_chunks_mut(PIECE));
         pieces.for_each_init(
@@ -33,18 +32,15 @@ pub fn solver(cases: &[Case], asked: &options::Options) -> Solve {
     })
 }
 
-fn leakage() -> usize {
-    effects::find("leakage").expect("the leakage effect").0
-}
-
 fn scenario(case: &Case) -> Scenario {
     let geometry = Geometry::new(case.bore_m, 0.0, case.dead_volume_m3, AreaLaw::Total);
     let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(case.coefficient));
-    if case.leakage_m3_per_s_pa > 0.0 {
-        let mut values = EffectValues::NEUTRAL;
-        values.of_mut(leakage())[0] = case.leakage_m3_per_s_pa;
-        chamber.effects = values;
+    let mut values = EffectValues::NEUTRAL;
+    for ((name, parameter), value) in EFFECTS.iter().zip(case.effects).filter(|(_, value)| *value != 0.0) {
+        let (effect, _) = effects::find(name).expect("an effect");
+        values.of_mut(effect)[*parameter] = value;
     }
+    chamber.effects = values;
     let positions = [case.initial_stroke_m, case.final_stroke_m];
     let hold = Hold::Duration(case.duration_s);
     let mut scenario = Scenario::push(chamber, case.initial_pressure_pa, positions, case.push_time_s, hold);

@@ -16,9 +16,21 @@ pub struct Case {
     pub coefficient: f64,
     pub push_time_s: f64,
     pub duration_s: f64,
-    pub leakage_m3_per_s_pa: f64,
     pub inflow_kg_per_s: f64,
+    /// Parameters of effects, in the order of [`EFFECTS`]; zero is neutral.
+    pub effects: [f64; EFFECTS.len()],
 }
+
+/// Effects and which of their parameters a scenario gives.
+pub const EFFECTS: [(&str, usize); 5] = [
+    ("leakage", 0),
+    ("natural_convection", 0),
+    ("wall_heating", 0),
+    ("wall_heating", 1),
+    ("gas_column_length", 0),
+];
+/// Numbers of a scenario.
+const COLUMNS: usize = 9 + EFFECTS.len();
 
 /// What the contenders are compared by.
 #[derive(Clone, Copy, Default)]
@@ -28,7 +40,7 @@ pub struct Answer {
 }
 
 impl Case {
-    /// All scenarios of a file: ten 64-bit floats each.
+    /// All scenarios of a file: [`COLUMNS`] 64-bit floats each, as in `../contenders/scenario.py`.
     pub fn read(path: &Path) -> Vec<Self> {
         let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let numbers: Vec<f64> =
@@ -42,9 +54,9 @@ impl Case {
             coefficient: n[5],
             push_time_s: n[6],
             duration_s: n[7],
-            leakage_m3_per_s_pa: n[8],
-            inflow_kg_per_s: n[9],
+            inflow_kg_per_s: n[8],
+            effects: std::array::from_fn(|i| n[9 + i]),
         };
-        numbers.chunks_exact(10).map(one).collect()
+        numbers.chunks_exact(COLUMNS).map(one).collect()
     }
 }
