@@ -26,14 +26,23 @@ class Stretch:
     end: np.ndarray
     start: list
     stiffness: np.ndarray
+    which: np.ndarray = None  # of the systems; by default the first
+
+
+@dataclasses.dataclass
+class System:
+    """Equations, and events in them."""
+
+    equations: list
+    events: list = dataclasses.field(default_factory=list)
 
 
 class Plain:
     """Sealed, V = V0 + V' t inside the equation."""
 
     _volume = P[0] + P[1] * S
-    PUSH = [(T, T * ((P[2] * _volume + P[3]) * hy.sqrt(_volume) * (TW - T) - P[4]) * (1.0 / _volume))]
-    HOLD = [(T, P[0] * T * (TW - T))]
+    PUSH = [System([(T, T * ((P[2] * _volume + P[3]) * hy.sqrt(_volume) * (TW - T) - P[4]) * (1.0 / _volume))])]
+    HOLD = [System([(T, P[0] * T * (TW - T))])]
 
     def __init__(self, cases):
         self.sealed = Sealed.of(cases)
@@ -58,7 +67,7 @@ class Root(Plain):
 
     _exchange = P[0] * S * S + P[1]
     _expansion = 2 * (GAMMA - 1) / S
-    PUSH = [(T, T * (_exchange * (TW - T) - _expansion))]
+    PUSH = [System([(T, T * (_exchange * (TW - T) - _expansion))])]
 
     def push(self):
         s = self.sealed
@@ -71,9 +80,9 @@ class WallPlain(Plain):
 
     _volume = Plain._volume
     _heating = (P[2] * _volume + P[3]) * _volume**-0.5 * T * (W - T)
-    PUSH = [(T, _heating - P[4] * T / _volume), (W, -P[5] * _heating - P[6] * (W - TW))]
+    PUSH = [System([(T, _heating - P[4] * T / _volume), (W, -P[5] * _heating - P[6] * (W - TW))])]
     _heating = P[0] * T * (W - T)
-    HOLD = [(T, _heating), (W, -P[1] * _heating - P[2] * (W - TW))]
+    HOLD = [System([(T, _heating), (W, -P[1] * _heating - P[2] * (W - TW))])]
 
     def wall(self):
         """m cv/Cw and G/Cw."""
@@ -95,7 +104,7 @@ class WallRoot(WallPlain):
     """The same with the root of the volume as the independent variable: dt = 2 s ds/V'."""
 
     _heating = Root._exchange * T * (W - T)
-    PUSH = [(T, _heating - T * Root._expansion), (W, -P[2] * _heating - P[3] * S * (W - TW))]
+    PUSH = [System([(T, _heating - T * Root._expansion), (W, -P[2] * _heating - P[3] * S * (W - TW))])]
 
     def push(self):
         stretch = Root.push(self)
@@ -109,7 +118,7 @@ class ColumnPlain(Plain):
 
     _volume = Plain._volume
     _exchange = (P[2] * _volume + P[3]) * _volume ** P[5]
-    PUSH = [(T, T * (_exchange * (TW - T) - P[4] / _volume))]
+    PUSH = [System([(T, T * (_exchange * (TW - T) - P[4] / _volume))])]
 
     def __init__(self, cases):
         super().__init__(cases)
@@ -129,7 +138,7 @@ class ColumnLog(ColumnPlain):
     """The same with u = ln(V/V0) as the independent variable, in which the powers are exponentials."""
 
     _exchange = (P[0] * hy.exp(S) + P[1]) * hy.exp(P[2] * S)
-    PUSH = [(T, T * (_exchange * (TW - T) - (GAMMA - 1)))]
+    PUSH = [System([(T, T * (_exchange * (TW - T) - (GAMMA - 1)))])]
 
     def push(self):
         s = self.sealed
@@ -145,12 +154,14 @@ D, E = hy.make_vars("D", "E")
 class ColumnStates(ColumnLog):
     """The same, the exponentials as states of their own, and T in units of Tw."""
 
-    PUSH = [
+    PUSH = [System(
+        [
         (T, T * ((P[0] * D + P[1]) * E * (1.0 - T) - (GAMMA - 1))),
         (D, D),
         (E, P[2] * E),
     ]
-    HOLD = [(T, P[0] * T * (1.0 - T))]
+    )]
+    HOLD = [System([(T, P[0] * T * (1.0 - T))])]
 
     def push(self):
         stretch = super().push()
@@ -169,12 +180,14 @@ class ColumnStates(ColumnLog):
 class ColumnReciprocal(ColumnStates):
     """The same with Tw/T, whose equation is linear."""
 
-    PUSH = [
+    PUSH = [System(
+        [
         (T, (P[0] * D + P[1]) * E * (1.0 - T) + (GAMMA - 1) * T),
         (D, D),
         (E, P[2] * E),
     ]
-    HOLD = [(T, P[0] * (1.0 - T))]
+    )]
+    HOLD = [System([(T, P[0] * (1.0 - T))])]
 
     def pressure(self, states, _):
         return super().pressure(1 / states[:1], _)
@@ -185,8 +198,8 @@ class NaturalTime(Plain):
     has no Taylor series, with an adiabatic compression less the heat that went first. The hold with its logarithm."""
 
     _s = P[2] - S
-    PUSH = [(T, (1.0 + T) * ((P[0] * _s * _s + P[1]) * T ** P[3] + 2 * (GAMMA - 1) / _s))]
-    HOLD = [(T, -P[0] * (1.0 + hy.exp(T)) * hy.exp(P[1] * T))]
+    PUSH = [System([(T, (1.0 + T) * ((P[0] * _s * _s + P[1]) * T ** P[3] + 2 * (GAMMA - 1) / _s))])]
+    HOLD = [System([(T, -P[0] * (1.0 + hy.exp(T)) * hy.exp(P[1] * T))])]
     MOMENT = 1e-4
     VARIABLE = staticmethod(lambda e: e)
 
@@ -215,28 +228,10 @@ class NaturalTime(Plain):
         return super().pressure(TW * (1 + above), stretch)
 
 
-class NaturalLog(NaturalTime):
-    """The same with the logarithm of the way from the start as the independent variable."""
-
-    _e = hy.exp(S)
-    _s = P[2] - _e
-    PUSH = [(T, _e * (1.0 + T) * ((P[0] * _s * _s + P[1]) * T ** P[3] + 2 * (GAMMA - 1) / _s))]
-    VARIABLE = staticmethod(np.log)
-
-
-class NaturalPower(NaturalTime):
-    """The same with the fourth root of the way from the start as the independent variable."""
-
-    _e = S**4.0
-    _s = P[2] - _e
-    PUSH = [(T, 4.0 * S**3.0 * (1.0 + T) * ((P[0] * _s * _s + P[1]) * T ** P[3] + 2 * (GAMMA - 1) / _s))]
-    VARIABLE = staticmethod(lambda e: e**0.25)
-
-
-class NaturalInverse(NaturalLog):
+class NaturalInverse(NaturalTime):
     """The same, the hold with (T − Tw)^-n."""
 
-    HOLD = [(T, P[0] * (1.0 + T ** P[1]))]
+    HOLD = [System([(T, P[0] * (1.0 + T ** P[1]))])]
 
     def hold(self, middle):
         n = self.exponent
@@ -246,3 +241,92 @@ class NaturalInverse(NaturalLog):
     def pressure(self, states, stretch):
         states = states if stretch == "push" else np.log(states) / -self.exponent
         return super().pressure(states, stretch)
+
+
+X, R = hy.make_vars("X", "R")
+CRITICAL, LINEAR, SPREAD = 0.3, 0.999, 1 - 0.3
+# Pressures over the surroundings' at which the leak changes its law, and number of the highest law: choked outflow.
+CORNERS = [LINEAR, 1.0, 1 / LINEAR, 1 / CRITICAL]
+CHOKED = len(CORNERS)
+
+
+def leak(ratio, law):
+    """ISO 6358's psi by the number of the law that holds."""
+    r = hy.select(hy.lt(law, 1.5), ratio, 1.0 / ratio)
+    subsonic = lambda r: (1 - ((r - CRITICAL) / SPREAD) ** 2.0) ** 0.5
+    linear = (1 - ((LINEAR - CRITICAL) / SPREAD) ** 2) ** 0.5 / (1 - LINEAR) * (1 - r)
+    near = hy.logical_and([hy.gt(law, 0.5), hy.lt(law, 2.5)])
+    return hy.select(near, linear, subsonic(r))
+
+
+def flows(exchange, expansion, volume, dt, chokes):
+    """Rates of X = √(T/Tw) and R = √(m0/m), in which they are polynomials while the leak chokes, with P[0] (inflow)/m0,
+    P[1] C ρ0 R √(T0 Tw), P[2] P0 V0/Pamb and P[3] the law of the leak; `dt` belongs to the independent variable."""
+    inward, outward = P[0] * R * R, P[1] * X / volume
+    if not chokes:
+        share, out = leak(P[2] * X * X / (R * R * volume), P[3]), hy.gt(P[3], 1.5)
+        inward = inward + hy.select(out, 0.0, P[1] / P[2] * R * R * share)
+        outward = outward * hy.select(hy.gt(P[3], 3.5), 1.0, hy.select(out, share, 0.0))
+    inward, outward = inward * dt, outward * dt
+    gas = X * (exchange * R * (1.0 - X * X) - expansion - (GAMMA - 1) * outward) + inward * (GAMMA / X - X)
+    return [(X, 0.5 * gas), (R, 0.5 * R * (outward - inward))]
+
+
+def corners(volume):
+    """Where the leak changes its law: there a step ends and the other law begins."""
+
+    def other_law(corner):
+        def change(integrator, _, lane):
+            law = integrator.pars[3, lane]
+            integrator.pars[3, lane] = corner + 1 if law == corner else corner
+            return True
+
+        return change
+
+    excess = lambda ratio: P[2] * X * X - ratio * R * R * volume
+    return [hy.t_event_batch(excess(ratio), callback=other_law(i)) for i, ratio in enumerate(CORNERS)]
+
+
+class FlowsRoot(Plain):
+    """A leak after ISO 6358 and a constant inflow, with √V as the independent variable of the push. Rows whose leak
+    chokes all the time go apart, as their equations are simpler; in the others a step ends where the law changes."""
+
+    _push = (P[4] * S * S + P[5], 2 * (GAMMA - 1) / S, S * S, S)
+    _hold = (P[4], 0.0, 1.0, 1.0)
+    PUSH = [System(flows(*_push, chokes=True)), System(flows(*_push, chokes=False), corners(S * S))]
+    HOLD = [System(flows(*_hold, chokes=True)), System(flows(*_hold, chokes=False), corners(1.0))]
+
+    def __init__(self, cases):
+        super().__init__(cases)
+        s = self.sealed
+        self.mass = s.mass_gas_constant / scenario.GAS_CONSTANT
+        self.inflow = self.column("mass_flow_in_kg_per_s") / self.mass
+        conductance = self.column("leakage.conductance_m3_per_s_pa") * scenario.REFERENCE_DENSITY
+        self.leak = conductance * scenario.GAS_CONSTANT * math.sqrt(scenario.LEAK_TEMPERATURE * TW)
+        self.ratio = s.mass_gas_constant * TW / scenario.AMBIENT_PRESSURE
+
+    def stretch(self, volume, span, flows, exchange, states, time):
+        """With the law that holds at first. Even if all the heat went at once and nothing flowed in, the pressure would not
+        fall below the last but one of these figures."""
+        s = self.sealed
+        inflow, leak, ratio = flows
+        pressure = self.ratio * states[0] ** 2 / (states[1] ** 2 * volume)
+        lowest = self.ratio / (states[1] ** 2 * volume) * np.exp(-self.leak / s.held_volume * states[0] * time)
+        law = np.searchsorted(CORNERS, pressure).astype(float)
+        which = (lowest < 1 / CRITICAL).astype(int)
+        return Stretch([inflow, leak, ratio, law, *exchange], *span, states, s.held_exchange, which)
+
+    def push(self):
+        s, rate = self.sealed, 2 / self.sealed.volume_rate
+        span = np.sqrt(s.volume), np.sqrt(s.held_volume)
+        exchange = [rate * s.lateral * TW, rate * s.faces * TW]
+        states = [self.zero + 1, self.zero + 1]
+        return self.stretch(s.volume, span, (rate * self.inflow, rate * self.leak, self.ratio), exchange, states, s.push_time)
+
+    def hold(self, middle):
+        s = self.sealed
+        flows = self.inflow, self.leak / s.held_volume, self.ratio / s.held_volume
+        return self.stretch(s.held_volume, (self.zero, s.hold_time), flows, [s.held_exchange * TW], middle, s.hold_time)
+
+    def pressure(self, states, _):
+        return super().pressure(TW * states[:1] ** 2 / states[1] ** 2, _)

@@ -12,6 +12,7 @@ GAS_CONSTANT, GAMMA = 287.0, 1.4
 REFERENCE_PRESSURE, REFERENCE_TEMPERATURE = 5.65e5, 293.0
 AMBIENT_TEMPERATURE, AMBIENT_PRESSURE = 293.0, 101325.0
 REFERENCE_LENGTH = 0.1  # of the gas column, m
+REFERENCE_DENSITY, LEAK_TEMPERATURE = 1.185, 293.15  # of ISO 6358
 REFERENCE_DIFFERENCE = 20.0  # of natural convection, K
 # The columns of a scenario, by their names in a study, and what they are where the study does not vary them.
 COLUMNS = {
