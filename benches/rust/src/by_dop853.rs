@@ -1,9 +1,9 @@
 //! `differential-equations`, its DOP853, on `WIDTH` scenarios side by side as one system, with nothing kept of the course.
 
 use crate::Solve;
+use crate::equations::{Equations, Sealed};
 use crate::options::Options;
 use crate::scenario::{AMBIENT_TEMPERATURE_K, Answer, Case};
-use crate::sealed::Sealed;
 use differential_equations::ode::solve_ode;
 use differential_equations::prelude::*;
 use differential_equations::solution::Solution;
@@ -22,7 +22,7 @@ impl<const WIDTH: usize> ODE<f64, [f64; WIDTH]> for Pushed<'_, WIDTH> {
     fn diff(&self, t: f64, y: &[f64; WIDTH], rates: &mut [f64; WIDTH]) {
         for i in 0..WIDTH {
             let (length, sealed) = &self.0[i];
-            rates[i] = length * sealed.pushed(t * length, y[i]);
+            rates[i] = length * sealed.pushed(t * length, [y[i]])[0];
         }
     }
 }
@@ -32,7 +32,7 @@ impl<const WIDTH: usize> ODE<f64, [f64; WIDTH]> for Held<'_, WIDTH> {
     fn diff(&self, _: f64, y: &[f64; WIDTH], rates: &mut [f64; WIDTH]) {
         for i in 0..WIDTH {
             let (length, sealed) = &self.0[i];
-            rates[i] = length * sealed.held(y[i]);
+            rates[i] = length * sealed.held([y[i]])[0];
         }
     }
 }
@@ -77,8 +77,8 @@ pub fn solver(options: &Options) -> Solve {
 /// All threads take pieces of the scenarios from the pool; in a piece those alike in stiffness go together.
 fn solve<const WIDTH: usize>(tolerance: f64, cases: &[Case], answers: &mut [Answer]) {
     cases.par_chunks(PIECE).zip(answers.par_chunks_mut(PIECE)).for_each(|(cases, answers)| {
-        let mut sealed: Vec<(usize, Sealed)> = cases.iter().map(Sealed::new).enumerate().collect();
-        sealed.sort_by(|a, b| a.1.held_exchange.total_cmp(&b.1.held_exchange));
+        let mut sealed: Vec<(usize, Sealed)> = cases.iter().map(<Sealed as Equations<1>>::new).enumerate().collect();
+        sealed.sort_by(|a, b| a.1.stiffness().total_cmp(&b.1.stiffness()));
         for group in sealed.chunks(WIDTH) {
             let at = |lane: usize| group[lane.min(group.len() - 1)];
             let push: [_; WIDTH] = std::array::from_fn(|lane| (cases[at(lane).0].push_time_s, at(lane).1));
@@ -89,7 +89,8 @@ fn solve<const WIDTH: usize>(tolerance: f64, cases: &[Case], answers: &mut [Answ
             let peaks = end(tolerance, &Pushed(&push), &[AMBIENT_TEMPERATURE_K; WIDTH]);
             let ends = end(tolerance, &Held(&hold), &peaks);
             for (lane, (row, sealed)) in group.iter().enumerate() {
-                answers[*row] = Answer { peak_pa: sealed.pressure(peaks[lane]), final_pa: sealed.pressure(ends[lane]) };
+                answers[*row] =
+                    Answer { peak_pa: sealed.pressure([peaks[lane]]), final_pa: sealed.pressure([ends[lane]]) };
             }
         }
     });

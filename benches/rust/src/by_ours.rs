@@ -3,9 +3,9 @@
 use crate::Solve;
 use crate::options;
 use crate::scenario::{AMBIENT_TEMPERATURE_K, Answer, Case, EFFECTS};
-use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver};
 use chamber::effects::{self, EffectSet, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver};
 use rayon::prelude::*;
 
 /// Rows that one thread takes at a time, as in `sweep`.

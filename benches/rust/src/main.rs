@@ -9,10 +9,10 @@ mod by_diffsol;
 #[cfg(feature = "peers")]
 mod by_dop853;
 mod by_ours;
+#[cfg(feature = "peers")]
+mod equations;
 mod options;
 mod scenario;
-#[cfg(feature = "peers")]
-mod sealed;
 
 use options::Options;
 use scenario::{Answer, Case};

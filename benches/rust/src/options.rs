@@ -32,6 +32,12 @@ impl Options {
             .map_or(default, |v| v.parse().unwrap_or_else(|_| panic!("{key}={v}: a number was expected")))
     }
 
+    /// A word, or none when not given.
+    #[cfg(feature = "peers")]
+    pub fn word(&self, key: &str) -> Option<&str> {
+        self.values.get(key).map(String::as_str)
+    }
+
     /// Whether `KEY=true` was given.
     pub fn is(&self, key: &str) -> bool {
         self.values.get(key).is_some_and(|v| v == "true")

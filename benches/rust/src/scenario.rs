@@ -4,6 +4,9 @@ use std::path::Path;
 
 /// Of the surroundings, in `../model.toml`.
 pub const AMBIENT_TEMPERATURE_K: f64 = 293.0;
+/// Of the surroundings, in `../model.toml`.
+#[cfg(feature = "peers")]
+pub const AMBIENT_PRESSURE_PA: f64 = 101_325.0;
 
 /// One push-and-hold test.
 #[derive(Clone, Copy)]
@@ -22,13 +25,8 @@ pub struct Case {
 }
 
 /// Effects and which of their parameters a scenario gives.
-pub const EFFECTS: [(&str, usize); 5] = [
-    ("leakage", 0),
-    ("natural_convection", 0),
-    ("wall_heating", 0),
-    ("wall_heating", 1),
-    ("gas_column_length", 0),
-];
+pub const EFFECTS: [(&str, usize); 5] =
+    [("leakage", 0), ("natural_convection", 0), ("wall_heating", 0), ("wall_heating", 1), ("gas_column_length", 0)];
 /// Numbers of a scenario.
 const COLUMNS: usize = 9 + EFFECTS.len();
 
