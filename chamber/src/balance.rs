@@ -245,6 +245,9 @@ pub struct Balance<R = f64> {
 /// What a system around the chamber imposes beyond its [`Boundary`]: a wall held by others, ports to other volumes. Both
 /// hooks run after the effects'.
 pub trait Surroundings<R> {
+    /// Whether no gas enters or leaves: then the boundary's flows and the effects' go unread.
+    const TIGHT: bool = false;
+
     /// Changes what the balance sees of gas and wall.
     #[inline(always)]
     fn conditions(&self, _at: &mut Conditions<R>) {}
@@ -257,6 +260,13 @@ pub trait Surroundings<R> {
 /// Nothing beyond the boundary.
 impl<R> Surroundings<R> for () {}
 
+/// A boundary that no gas crosses, and no effect that lets any pass: the mass stays what it is.
+pub struct Tight;
+
+impl<R> Surroundings<R> for Tight {
+    const TIGHT: bool = true;
+}
+
 /// Conditions from the states: the gas as it is, wall and heat transfer before any effect.
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
@@ -264,21 +274,9 @@ pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R
     Balance::of(*chamber).conditions(effects::CALORIC.union(effects::VOLUMETRIC), boundary, &contents)
 }
 
-/// States of a chamber in equilibrium of its parts, at a pressure, Pa, and temperature, K.
+/// [`Balance::state_at`] of a chamber that is asked only once.
 pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
-    let geometric = chamber.geometry.volume(boundary.position);
-    let [factor, ..] = effects::volume(EffectSet::ALL, &chamber.effects, boundary.position, pressure);
-    let volume = geometric * factor;
-    let mass = pressure * volume / (chamber.gas.gas_constant * temperature);
-    let energy = pressure * volume / (chamber.gas.heat_capacity_ratio - 1.0)
-        * effects::internal_energy(&chamber.effects, temperature);
-    let mut own = [R::ZERO; OWN_STATES];
-    effects::initial(&conditions(chamber, boundary, mass, energy), &mut own);
-    let mut state = [R::ZERO; STATES];
-    state[MASS] = mass;
-    state[ENERGY] = energy;
-    state[OWN..].copy_from_slice(&own);
-    state
+    Balance::of(*chamber).state_at(EffectSet::ALL, boundary, pressure, temperature)
 }
 
 /// [`Balance::evaluate`] of a chamber that is asked only once.
@@ -323,6 +321,22 @@ impl<R: Real> Balance<R> {
             area: chamber.geometry.area_constants(),
             constants: effects::constants(&chamber.effects, &chamber.gas),
         }
+    }
+
+    /// States of the chamber in equilibrium of its parts, with the effects in `set`, at a pressure, Pa, and temperature, K.
+    pub fn state_at(&self, set: EffectSet, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
+        let values = &self.chamber.effects;
+        let [factor, ..] = effects::volume(set, values, boundary.position, pressure);
+        let volume = self.chamber.geometry.volume(boundary.position) * factor;
+        let mass = pressure * volume / (self.chamber.gas.gas_constant * temperature);
+        let energy = pressure * volume / self.expansion * effects::internal_energy(set, values, temperature);
+        let mut state = [R::ZERO; STATES];
+        (state[MASS], state[ENERGY]) = (mass, energy);
+        let contents = self.contents(boundary, &state);
+        let mut own = [R::ZERO; OWN_STATES];
+        effects::initial(&self.conditions(set, boundary, &contents), &mut own);
+        state[OWN..].copy_from_slice(&own);
+        state
     }
 
     /// What the chamber holds in that state.
@@ -443,9 +457,9 @@ impl<R: Real> Balance<R> {
 
     /// [`Balance::evaluate_contents`] within these surroundings.
     #[inline(always)]
-    pub fn evaluate_within<const M: usize>(
+    pub fn evaluate_within<const M: usize, S: Surroundings<R>>(
         &self,
-        surroundings: &impl Surroundings<R>,
+        surroundings: &S,
         set: EffectSet,
         boundary: &Boundary<R>,
         contents: &Contents<R>,
@@ -462,10 +476,13 @@ impl<R: Real> Balance<R> {
         let from_wall = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
         let heat_flow = effects::heat_flow(set, &chamber.effects, &at, from_wall);
 
-        let mut flows = Flows { outflow: boundary.mass_flow_out, ..Flows::NONE };
-        flows.enter(boundary.mass_flow_in, boundary.temperature_in);
-        effects::flows(set, &chamber.effects, &self.constants, &at, &mut flows);
-        surroundings.flows(&at, &mut flows);
+        let mut flows = Flows::NONE;
+        if !S::TIGHT {
+            flows.outflow = boundary.mass_flow_out;
+            flows.enter(boundary.mass_flow_in, boundary.temperature_in);
+            effects::flows(set, &chamber.effects, &self.constants, &at, &mut flows);
+            surroundings.flows(&at, &mut flows);
+        }
 
         let mut volume_rate = at.piston_area * at.velocity;
         // dV/dP, m³/Pa, and what the pressure's rate is less for it.
@@ -478,12 +495,14 @@ impl<R: Real> Balance<R> {
             give = (R::ONE + (at.expansion + 1.0) * at.pressure * by_pressure * at.per_volume).recip();
         }
         let mut work = at.pressure * volume_rate;
-        let [_, for_pressure] = self.enthalpy(set, &at, &flows);
-        let unstored = at.pressure_rate(heat_flow + for_pressure, work);
-        let unstored = if volumetric { unstored * give } else { unstored };
-        effects::storage(set, &chamber.effects, &at, unstored, &mut flows);
+        if !S::TIGHT {
+            let [_, for_pressure] = self.enthalpy(set, &at, &flows);
+            let unstored = at.pressure_rate(heat_flow + for_pressure, work);
+            let unstored = if volumetric { unstored * give } else { unstored };
+            effects::storage(set, &chamber.effects, &at, unstored, &mut flows);
+        }
 
-        let [enthalpy_flow, for_pressure] = self.enthalpy(set, &at, &flows);
+        let [enthalpy_flow, for_pressure] = if S::TIGHT { [R::ZERO; 2] } else { self.enthalpy(set, &at, &flows) };
         let pressure_rate = at.pressure_rate(heat_flow + for_pressure, work);
         let pressure_rate = if volumetric { pressure_rate * give } else { pressure_rate };
         if volumetric {
@@ -491,7 +510,7 @@ impl<R: Real> Balance<R> {
         }
         let rates = Rates {
             mass: flows.inflow - flows.outflow,
-            energy: heat_flow + enthalpy_flow - work,
+            energy: if S::TIGHT { heat_flow - work } else { heat_flow + enthalpy_flow - work },
             pressure: pressure_rate,
             heat_flow,
             heat_transfer_coefficient: coefficient,

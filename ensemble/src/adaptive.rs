@@ -1,6 +1,6 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
-use crate::advance::{Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
+use crate::advance::{LONGEST_OF_MOVE, Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
 use crate::finish;
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH, each_lane};
@@ -74,13 +74,15 @@ pub fn run(
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         tests.push(Test::new(s));
-        problems.push(Problem::new(s.push_time_s, [s.initial_temperature_k.sqrt()], [0.0]));
+        let mut push = Problem::new(s.push_time_s, [s.initial_temperature_k.sqrt()], [0.0]);
+        push.longest = LONGEST_OF_MOVE * push.length;
+        problems.push(push);
     }
     advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
     pushed.clear();
     for (problem, (_, duration)) in problems.iter_mut().zip(rows) {
         pushed.push(Pushed { temperature: problem.state[0] * problem.state[0], energy: problem.energy });
-        problem.length = duration - problem.length;
+        (problem.length, problem.longest) = (duration - problem.length, f64::INFINITY);
     }
     advance(arch, &Held::new(tests), problems, relative, log);
 

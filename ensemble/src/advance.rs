@@ -26,6 +26,9 @@ const FIRST: f64 = 0.6;
 const ERROR_AT_SCALE: f64 = 6.6e-7;
 /// Longest step, as a share of the stretch, of a solution that is looked into: its interpolant needs knots beside.
 pub const LONGEST: f64 = 0.26;
+/// Longest step, as a share of the stretch, where the piston moves: over a whole push both error estimates can vanish at
+/// once, and a step that errs by twenty times its tolerance passes. Longer steps are rejected so often that they gain nothing.
+pub const LONGEST_OF_MOVE: f64 = 0.34;
 /// A step of this share of what is left goes to the end.
 const NEARLY: f64 = 1.0 - 1e-12;
 /// A step shorter than this share of the stretch is no progress.
@@ -48,6 +51,8 @@ pub struct Problem<const N: usize> {
     pub absolute: [f64; N],
     /// Longest step that may be tried, s.
     pub longest: f64,
+    /// Longest first step, s.
+    pub longest_first: f64,
     /// Rates of the states at the stretch's begin, per second.
     slope: [f64; N],
     power: [f64; 2],
@@ -69,8 +74,21 @@ impl<const N: usize> Problem<N> {
         let view = View { value: [0.0; 2], slope: [0.0; 2] };
         let steps = Steps::default();
         let (slope, power, energy) = ([0.0; N], [0.0; 2], [0.0; 2]);
-        let (longest, first) = (f64::INFINITY, 0.0);
-        Self { length, state, absolute, longest, slope, power, view, first, energy, steps, failure: None }
+        let (longest, longest_first, first) = (f64::INFINITY, f64::INFINITY, 0.0);
+        Self {
+            length,
+            state,
+            absolute,
+            longest,
+            longest_first,
+            slope,
+            power,
+            view,
+            first,
+            energy,
+            steps,
+            failure: None,
+        }
     }
 }
 
@@ -303,6 +321,7 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
     watch: &mut W,
 ) {
     let (mut begun, mut next) = (0, 0);
+    let mut all = Stages::NONE;
     loop {
         let begins = begun < problems.len();
         if begins {
@@ -319,7 +338,7 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
         let group = group.through_memory();
         let tried = if begins { Lanes::ZERO } else { group.planned() };
         let stages = black_box(if begins { FEELING } else { 1..STAGES });
-        let mut all = Stages::from(if begins { &Moment::NONE } else { &group.moment });
+        all.begin(&group.moment);
         let (length, y, absolute) = (group.length, group.y, group.absolute);
         let (end, moment, reached) = stages_in_turn::<N, FUSED, S>(
             &group.system,
@@ -388,12 +407,18 @@ fn first_step<const N: usize>(
     probe: Lanes,
     relative: f64,
 ) -> Lanes {
+    // A state that starts from rest has no time scale of its own yet and takes that of the others.
+    let mut common = length;
+    for i in 0..N {
+        let (rate, bend) = (slope[i].abs(), (there[i] - slope[i]).abs());
+        common = (rate - bend).where_positive(common.min(rate * probe / (bend + TINY)), common);
+    }
     let mut first = length;
     for i in 0..N {
-        let rate = slope[i].abs();
-        let bend = (there[i] - slope[i]).abs();
-        // At least the probe, where the rate happens to be nothing.
-        let scale = (rate + bend) * probe / (bend + TINY);
+        let (rate, bend) = (slope[i].abs(), (there[i] - slope[i]).abs());
+        let moves = rate - bend;
+        let scale = moves.where_positive(rate * probe / (bend + TINY), common);
+        let rate = moves.where_positive(rate, bend * scale / probe);
         let size = size(y[i], absolute[i], relative) * (relative / ERROR_AT_SCALE);
         let share = inverse_eighth_root(rate * scale / size + 1e-30);
         first = first.min(scale * (share * FIRST).min(Lanes::ONE));
@@ -446,7 +471,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
                 self.energy[i][lane] = 0.0;
             }
             (self.t[lane], self.length[lane], self.longest[lane]) = (0.0, problem.length, problem.longest);
-            self.h[lane] = problem.first.min(problem.longest);
+            self.h[lane] = problem.first.min(problem.longest).min(problem.longest_first);
             self.attempts[lane] = 0.0;
             self.owner[lane] = *next;
             *next += 1;

@@ -58,6 +58,14 @@ impl<R: Real> Clock<R> {
     }
 }
 
+impl Clock<f64> {
+    /// The time, s, when the clock shows `s`, and dt/ds there; where the piston rests without arithmetic.
+    #[inline(always)]
+    pub fn time_and_pace(&self, s: f64) -> (f64, f64) {
+        if self.root_rate == 0.0 { (s, 1.0) } else { (self.time(s), self.pace(s)) }
+    }
+}
+
 impl Clock<Lanes> {
     /// A clock that stands in every lane, to be loaded lane by lane.
     pub const NONE: Self = Self { start: Lanes::ZERO, root_rate: Lanes::ZERO, pace_factor: Lanes::ZERO };

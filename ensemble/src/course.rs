@@ -1,7 +1,7 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
-use crate::advance::{LONGEST, Problem, Steps, advance};
+use crate::advance::{LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
 use crate::filter::Sensor;
 use crate::finish::SETTLED;
 use crate::fit;
@@ -13,7 +13,7 @@ use crate::reader::{self, Answer, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
 use crate::scenario::{Options, Scenario};
 use crate::step::View;
-use chamber::balance::{self, Balance, ENERGY, MASS, STATES};
+use chamber::balance::{Balance, ENERGY, MASS};
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::simulate::tolerance;
@@ -23,6 +23,11 @@ use pulp::Arch;
 const EMPTY: f64 = 0.01;
 /// Steps of all lanes that are kept at most, 768 bytes each; the fewest rows together keep as many as they need.
 const HISTORY: usize = 1 << 14;
+/// Longest first step, as a share of the stretch, from where gas and wall have one temperature, with an effect that has no
+/// power series there: the error estimate of a longer one promises too much again and again.
+const SINGULAR_FIRST: f64 = 0.01;
+/// Within so many kelvin of it a start is one from there.
+const NEAR_EQUILIBRIUM_K: f64 = 1.0;
 /// The fewest rows that are solved together.
 const FEWEST: usize = 16;
 /// Knots after which traces are read.
@@ -33,24 +38,32 @@ struct Course<'a, const N: usize> {
     row: u32,
     scenario: &'a Scenario,
     plan: &'a Plan,
-    balance: Balance,
+    balance: &'a Balance,
     sensor: Sensor,
     /// Number of states that count in the error norm.
     counted: f64,
-    /// All states at its begin.
-    initial: [f64; STATES],
+    /// Mass, kg, and internal energy, J, at its begin.
+    initial: [f64; 2],
     state: [f64; N],
+    /// Mass, kg, and internal energy, J, in that state.
+    contents: [f64; 2],
     absolute: [f64; N],
     /// Energy that the gas has received as heat and enthalpy less its work, and the magnitudes of its work, J.
     energy: [f64; 2],
-    /// Where the history has each stretch's steps, and what is seen at its begin.
-    steps: Vec<(Steps, View<f64>)>,
+    /// The place of its first stretch among the [`Passed`] ones, and how many it has passed.
+    first: usize,
+    passed: usize,
     failure: Option<Failure>,
 }
+
+/// Where the history has the steps of a stretch that a row has passed, and what is seen at its begin.
+type Passed = (Steps, View<f64>);
 
 /// Working memory, kept from one chunk to the next.
 #[derive(Default)]
 pub struct Memory {
+    balances: Vec<Balance>,
+    passed: Vec<Passed>,
     history: History,
     reader: reader::Memory,
 }
@@ -66,9 +79,12 @@ pub fn run<const N: usize, const BITS: u32>(
     options: &Options,
     out: &mut [Outcome],
 ) {
-    let Memory { history, reader } = memory;
+    let Memory { balances, passed, history, reader } = memory;
+    balances.clear();
+    balances.extend(rows.iter().map(|(row, _)| Balance::of(scenarios[*row as usize].chamber)));
     history.limit = (rows.len() > FEWEST).then_some(HISTORY);
-    let Some(courses) = integrate::<N, BITS>(arch, history, set, rows, scenarios, options) else {
+    let courses: Vec<Course<N>> = Course::all::<BITS>(rows, balances, scenarios, options.relative_tolerance);
+    let Some(courses) = integrate::<N, BITS>(arch, history, passed, set, courses, options.relative_tolerance) else {
         // Too many steps to keep: fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
             run::<N, BITS>(arch, memory, set, rows, scenarios, options, out);
@@ -79,7 +95,7 @@ pub fn run<const N: usize, const BITS: u32>(
     while !rest.is_empty() {
         let mut traces = Traces::new(reader);
         while let Some(course) = rest.get(traces.len()).filter(|_| traces.knots() < KNOTS) {
-            course.trace(history, &mut traces);
+            course.trace(history, passed, &mut traces);
         }
         let (group, others) = rest.split_at(traces.len());
         rest = others;
@@ -103,42 +119,33 @@ pub fn run<const N: usize, const BITS: u32>(
 fn integrate<'a, const N: usize, const BITS: u32>(
     arch: Arch,
     history: &mut History,
+    passed: &mut Vec<Passed>,
     set: EffectSet,
-    rows: &'a [(u32, Plan)],
-    scenarios: &'a [Scenario],
-    options: &Options,
+    mut courses: Vec<Course<'a, N>>,
+    relative: f64,
 ) -> Option<Vec<Course<'a, N>>> {
-    let relative = options.relative_tolerance;
-    let mut courses: Vec<Course<N>> =
-        rows.iter().map(|(row, plan)| Course::new::<BITS>(*row, &scenarios[*row as usize], plan, relative)).collect();
     history.clear();
+    passed.clear();
+    let stretches = courses.last().map_or(0, |last| last.first + last.plan.stretches.len());
+    passed.resize(stretches, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0.. {
-        let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
-        let systems: Vec<Row> = courses
-            .iter()
-            .filter(|c| active(c))
-            .map(|c| Row { balance: &c.balance, stretch: &c.plan.stretches[index], counted: c.counted })
-            .collect();
+        let active = |c: &&Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
+        let systems: Vec<Row> = courses.iter().filter(active).map(|c| c.system(index)).collect();
         if systems.is_empty() {
             break;
         }
         problems.clear();
-        for c in courses.iter().filter(|c| active(c)) {
-            let mut problem = Problem::new(c.plan.stretches[index].length, c.state, c.absolute);
-            if index >= seen_from(c.plan, &c.sensor) {
-                problem.longest = LONGEST * problem.length;
-            }
-            problems.push(problem);
-        }
+        problems.extend(courses.iter().filter(active).map(|c| c.problem(index)));
         let system = General::<N, BITS>::new(&systems, set);
         history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
         advance(arch, &system, &mut problems, relative, history);
         if history.is_at_limit() {
             return None;
         }
-        for (c, problem) in courses.iter_mut().filter(|c| active(c)).zip(&problems) {
-            c.take(problem);
+        for (c, problem) in courses.iter_mut().filter(|c| active(&&**c)).zip(&problems) {
+            passed[c.first + index] = (problem.steps, problem.view);
+            c.take::<BITS>(problem);
         }
     }
     Some(courses)
@@ -152,59 +159,99 @@ struct End {
 }
 
 impl<'a, const N: usize> Course<'a, N> {
-    fn new<const BITS: u32>(row: u32, scenario: &'a Scenario, plan: &'a Plan, relative: f64) -> Self {
-        let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
-        let initial = balance::state_at(&scenario.chamber, &plan.stretches[0].boundary(0.0), pressure, temperature);
-        let absolute = tolerance(relative, &initial).absolute;
-        let active = scenario.chamber.active();
-        let of_gas = crate::on_the_gas(active);
-        Self {
-            row,
-            scenario,
-            plan,
-            balance: Balance::of(scenario.chamber),
-            sensor: Sensor::new(active, &scenario.chamber.effects),
-            counted: general::states(of_gas.bits()) as f64,
-            initial,
-            state: General::<N, BITS>::states(&initial),
-            absolute: General::<N, BITS>::tolerances(&initial, &absolute),
-            energy: [0.0; 2],
-            steps: Vec::with_capacity(plan.stretches.len()),
-            failure: None,
+    /// Rows at their begin.
+    fn all<const BITS: u32>(
+        rows: &'a [(u32, Plan)],
+        balances: &'a [Balance],
+        scenarios: &'a [Scenario],
+        relative: f64,
+    ) -> Vec<Self> {
+        let mut first = 0;
+        let begin = |((row, plan), balance): (&'a (u32, Plan), &'a Balance)| {
+            let scenario = &scenarios[*row as usize];
+            let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
+            let of_gas = crate::on_the_gas(plan.active);
+            let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
+            let absolute = tolerance(relative, &states).absolute;
+            let initial = [states[MASS], states[ENERGY]];
+            first += plan.stretches.len();
+            Self {
+                row: *row,
+                scenario,
+                plan,
+                balance,
+                sensor: Sensor::new(plan.active, &scenario.chamber.effects),
+                counted: general::states(of_gas.bits() | BITS & general::TIGHT) as f64,
+                initial,
+                state: General::<N, BITS>::states(&states),
+                contents: initial,
+                absolute: General::<N, BITS>::tolerances(&states, &absolute),
+                energy: [0.0; 2],
+                first: first - plan.stretches.len(),
+                passed: 0,
+                failure: None,
+            }
+        };
+        rows.iter().zip(balances).map(begin).collect()
+    }
+
+    /// What the integrator needs of it for a stretch.
+    fn system(&self, stretch: usize) -> Row<'_> {
+        let stretch = &self.plan.stretches[stretch];
+        Row { balance: self.balance, stretch, counted: self.counted, mass: self.initial[MASS] }
+    }
+
+    /// The same as an initial value problem.
+    fn problem(&self, index: usize) -> Problem<N> {
+        let stretch = &self.plan.stretches[index];
+        let mut problem = Problem::new(stretch.length, self.state, self.absolute);
+        if index >= seen_from(self.plan, &self.sensor) {
+            problem.longest = LONGEST * stretch.length;
+        } else if stretch.velocity != 0.0 {
+            problem.longest = LONGEST_OF_MOVE * stretch.length;
         }
+        if index == 0 && self.starts_singular() {
+            problem.longest_first = SINGULAR_FIRST * stretch.length;
+        }
+        problem
+    }
+
+    /// Whether it starts where the law of its heat transfer is no power series.
+    fn starts_singular(&self) -> bool {
+        let Scenario { chamber, ambient_temperature_k, initial_temperature_k, .. } = self.scenario;
+        let rest = || effects::rest_temperature(&chamber.effects, *ambient_temperature_k);
+        !self.plan.active.intersection(effects::SINGULAR).is_empty()
+            && (initial_temperature_k - rest()).abs() < NEAR_EQUILIBRIUM_K
     }
 
     /// Goes on from where a stretch has ended.
-    fn take(&mut self, problem: &Problem<N>) {
+    fn take<const BITS: u32>(&mut self, problem: &Problem<N>) {
+        self.contents = General::<N, BITS>::mass_and_energy(&problem.state, self.initial[MASS]);
         self.state = problem.state;
         let [received, work] = problem.energy;
         self.energy = [self.energy[0] + (received - work), self.energy[1] + work.abs()];
-        self.steps.push((problem.steps, problem.view));
-        let left = self.mass() / self.initial[MASS];
+        self.passed += 1;
+        let left = self.contents[MASS] / self.initial[MASS];
         self.failure = match problem.failure {
-            None if !positive(self.state[MASS]) || !positive(self.state[ENERGY]) => Some(Failure::Empty),
+            None if !General::<N, BITS>::holds_gas(&self.state) => Some(Failure::Empty),
             Some(_) if left.is_nan() || left <= EMPTY => Some(Failure::Empty),
             other => other,
         };
     }
 
     /// Hands its trace over.
-    fn trace(&self, history: &History, traces: &mut Traces<'a>) {
+    fn trace(&self, history: &History, passed: &[Passed], traces: &mut Traces<'a>) {
         traces.begin(self.plan, self.sensor, self.scenario.initial_pressure_pa);
         if self.failure.is_some() {
             return;
         }
-        for (stretch, &(steps, view)) in self.steps.iter().enumerate().skip(seen_from(self.plan, &self.sensor)) {
+        let passed = &passed[self.first..self.first + self.passed];
+        for (stretch, &(steps, view)) in passed.iter().enumerate().skip(seen_from(self.plan, &self.sensor)) {
             traces.stretch(stretch, |knots| {
                 knots.push(Knot { at: 0.0, view });
                 history.read(steps, knots);
             });
         }
-    }
-
-    /// Mass of the gas, kg.
-    fn mass(&self) -> f64 {
-        self.state[MASS] * self.state[MASS]
     }
 
     fn end(&self) -> End {
@@ -220,7 +267,7 @@ impl<'a, const N: usize> Course<'a, N> {
     fn at_rest(&self) -> Closed {
         let chamber = &self.scenario.chamber;
         let End { volume, ambient_temperature: ambient, .. } = self.end();
-        let pressure = self.mass() * chamber.gas.gas_constant * ambient / volume;
+        let pressure = self.contents[MASS] * chamber.gas.gas_constant * ambient / volume;
         Closed::filled(chamber, pressure, ambient, volume, ambient)
     }
 
@@ -245,15 +292,10 @@ impl<'a, const N: usize> Course<'a, N> {
             temperature_peak_k: a.temperature_peak,
             fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
             settling_time_s: (unsettled <= SETTLED * distance || stands).then_some(a.settling),
-            energy_error: closure(self.initial[ENERGY], self.state[ENERGY].powi(2), self.energy[0], self.energy[1]),
+            energy_error: closure(self.initial[ENERGY], self.contents[ENERGY], self.energy[0], self.energy[1]),
             duration_s: self.plan.duration,
             exact: false,
             status: Ok(()),
         }
     }
-}
-
-/// Whether a state is a positive number (NaN is not).
-fn positive(value: f64) -> bool {
-    value > 0.0
 }

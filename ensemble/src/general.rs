@@ -8,12 +8,14 @@ use crate::exact_rows::load_chamber;
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use crate::step::{LaneSystem, Moment, View};
-use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 
 /// Beside a set's bits: which of its effects there are is asked at run time.
 pub const ASKED: u32 = 1 << 31;
+/// Beside a set's bits: no gas enters or leaves, so that the mass is a constant and not a state.
+pub const TIGHT: u32 = 1 << 30;
 /// The bits of all effects, so asked.
 pub const AT_RUN_TIME: u32 = EffectSet::ALL.bits() | ASKED;
 
@@ -24,8 +26,10 @@ pub struct Row<'a> {
     pub balance: &'a Balance,
     /// The stretch it is in.
     pub stretch: &'a Stretch,
-    /// How many states it has: mass, energy and those of its own effects.
+    /// How many states it has: mass unless it is tight, energy and those of its own effects.
     pub counted: f64,
+    /// Mass at the start, kg.
+    pub mass: f64,
 }
 
 /// Chambers, one a lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
@@ -35,6 +39,9 @@ pub struct General<'a, const N: usize, const BITS: u32> {
     set: EffectSet,
     balance: Balance<Lanes>,
     per_gas_constant: Lanes,
+    /// Of tight chambers: the mass, kg, and its root.
+    mass: Lanes,
+    root_mass: Lanes,
     /// How many states move, from the first on, where only the run time knows.
     moving: usize,
     /// How many states each has: what its error is the mean of.
@@ -42,11 +49,16 @@ pub struct General<'a, const N: usize, const BITS: u32> {
     stretch: Stretch<Lanes>,
 }
 
-/// Which of all states each of `N` states is: mass, energy, then those of the effects in the set.
+/// Place of the energy among the states of a set: behind the mass, where that is one.
+const fn energy_place(bits: u32) -> usize {
+    if bits & TIGHT == 0 { ENERGY } else { ENERGY - 1 }
+}
+
+/// Which of all states each of `N` states is: mass unless tight, energy, then those of the effects in the set.
 const fn places<const N: usize>(bits: u32) -> [usize; N] {
-    let mut out = [0; N];
-    out[1] = ENERGY;
-    let mut next = OWN;
+    let mut out = [MASS; N];
+    out[energy_place(bits)] = ENERGY;
+    let mut next = energy_place(bits) + 1;
     let mut effect = 0;
     while effect < effects::COUNT {
         let mut own = effects::STATE_OFFSETS[effect];
@@ -64,7 +76,7 @@ const fn places<const N: usize>(bits: u32) -> [usize; N] {
 
 /// Number of states of the set: what `N` must be.
 pub const fn states(bits: u32) -> usize {
-    let mut count = OWN;
+    let mut count = energy_place(bits) + 1;
     let mut effect = 0;
     while effect < effects::COUNT {
         if bits & (1 << effect) != 0 {
@@ -78,6 +90,10 @@ pub const fn states(bits: u32) -> usize {
 impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     /// Which of all states each of this system's is.
     pub const PLACES: [usize; N] = places(BITS);
+    /// Whether the mass is a constant.
+    const TIGHT: bool = BITS & TIGHT != 0;
+    /// Place of the energy among this system's states.
+    const ENERGY: usize = energy_place(BITS);
 
     /// For these rows, all of one area law; lanes are not loaded yet.
     pub fn new(rows: &'a [Row<'a>], set: EffectSet) -> Self {
@@ -85,7 +101,8 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         let Row { balance, stretch, .. } = rows[0];
         let balance = Balance::of(balance.chamber.lift());
         let (moving, stretch) = (balance::moving_states(set), stretch.lift());
-        Self { rows, set, balance, per_gas_constant: Lanes::ONE, moving, counted: Lanes::ONE, stretch }
+        let one = Lanes::ONE;
+        Self { rows, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
     }
 
     #[inline(always)]
@@ -97,17 +114,27 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     /// States to integrate, from all of a chamber's: mass and energy by their roots.
     pub fn states(all: &[f64; STATES]) -> [f64; N] {
         let mut y = Self::PLACES.map(|place| all[place]);
-        for root in [MASS, ENERGY] {
-            y[root] = y[root].sqrt();
+        for root in &mut y[..=Self::ENERGY] {
+            *root = root.sqrt();
         }
         y
+    }
+
+    /// Mass, kg, and internal energy, J, in a state that has come from one of mass `initial`.
+    pub fn mass_and_energy(y: &[f64; N], initial: f64) -> [f64; 2] {
+        [if Self::TIGHT { initial } else { y[MASS] * y[MASS] }, y[Self::ENERGY] * y[Self::ENERGY]]
+    }
+
+    /// Whether a chamber in that state holds gas (not where it is no number).
+    pub fn holds_gas(y: &[f64; N]) -> bool {
+        y[..=Self::ENERGY].iter().all(|root| *root > 0.0)
     }
 
     /// Absolute tolerances of the states to integrate.
     pub fn tolerances(all: &[f64; STATES], absolute: &[f64; STATES]) -> [f64; N] {
         let mut tolerances = Self::PLACES.map(|place| absolute[place]);
-        for root in [MASS, ENERGY] {
-            tolerances[root] *= 0.5 / all[root].sqrt();
+        for (tolerance, place) in tolerances[..=Self::ENERGY].iter_mut().zip(Self::PLACES) {
+            *tolerance *= 0.5 / all[place].sqrt();
         }
         tolerances
     }
@@ -116,7 +143,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     #[inline(always)]
     fn own(y: &[Lanes; N]) -> [Lanes; OWN_STATES] {
         let mut own = [Lanes::ZERO; OWN_STATES];
-        for i in OWN..N {
+        for i in Self::ENERGY + 1..N {
             own[Self::PLACES[i] - OWN] = y[i];
         }
         own
@@ -127,11 +154,13 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     fn contents(&self, s: Lanes, y: &[Lanes; N]) -> (Contents<Lanes>, Lanes) {
         let root = self.stretch.clock.root(s);
         let square = root * root;
-        let (mass, energy) = (y[MASS] * y[MASS], y[ENERGY] * y[ENERGY]);
+        let [mass, root_mass] = if Self::TIGHT { [self.mass, self.root_mass] } else { [y[MASS] * y[MASS], y[MASS]] };
+        let root_energy = y[Self::ENERGY];
         // Two quotients by one division.
-        let root = y[MASS] * square;
-        let per_both = (root * y[ENERGY]).recip();
-        (Contents { mass, energy, volume: square * square, per_root: per_both * y[ENERGY] }, per_both * root)
+        let root = root_mass * square;
+        let per_both = (root * root_energy).recip();
+        let (energy, volume) = (root_energy * root_energy, square * square);
+        (Contents { mass, energy, volume, per_root: per_both * root_energy }, per_both * root)
     }
 
     /// The boundary when the clock shows `s`.
@@ -144,8 +173,12 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
 impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
-        let Row { balance: from, stretch, counted } = self.rows[index];
+        let Row { balance: from, stretch, counted, mass } = self.rows[index];
         let set = self.set();
+        if Self::TIGHT {
+            self.mass[lane] = mass;
+            self.root_mass[lane] = mass.sqrt();
+        }
         self.per_gas_constant[lane] = from.per_cv * from.per_expansion;
         self.counted[lane] = counted;
         let to = &mut self.balance;
@@ -178,25 +211,34 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
 }
 
 impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
-    const CHEAP: bool = false;
+    const CHEAP: bool = BITS & ASKED == 0 && N <= 3;
     const ANYWHERE: bool = BITS == AT_RUN_TIME;
 
     #[inline(always)]
     fn rates(&self, s: Lanes, y: &[Lanes; N]) -> Moment<N> {
         let (contents, per_root_energy) = self.contents(s, y);
         let pace = self.stretch.clock.pace(s);
-        let (at, rates, own) = self.balance.evaluate_contents(self.set(), &self.boundary(s), &contents, &Self::own(y));
+        let (set, boundary, own) = (self.set(), self.boundary(s), Self::own(y));
+        let (at, rates, own) = if Self::TIGHT {
+            self.balance.evaluate_within(&Tight, set, &boundary, &contents, &own)
+        } else {
+            self.balance.evaluate_contents(set, &boundary, &contents, &own)
+        };
         let mut out = [Lanes::ZERO; N];
-        out[MASS] = rates.mass * (y[MASS] * at.per_mass * 0.5) * pace;
-        out[ENERGY] = rates.energy * (per_root_energy * 0.5) * pace;
-        for i in OWN..N {
+        if !Self::TIGHT {
+            out[MASS] = rates.mass * (y[MASS] * at.per_mass * 0.5) * pace;
+        }
+        out[Self::ENERGY] = rates.energy * (per_root_energy * 0.5) * pace;
+        for i in Self::ENERGY + 1..N {
             out[i] = own[Self::PLACES[i] - OWN] * pace;
         }
         // T = P V/(m R).
         let share = rates.pressure * at.volume + at.pressure * at.piston_area * at.velocity;
-        let warming = (share * self.per_gas_constant - at.temperature * rates.mass) * at.per_mass;
+        let by_pressure = share * self.per_gas_constant;
+        let warming = (if Self::TIGHT { by_pressure } else { by_pressure - at.temperature * rates.mass }) * at.per_mass;
         let view = View { value: [at.pressure, at.temperature], slope: [rates.pressure * pace, warming * pace] };
-        let power = [(rates.heat_flow + rates.enthalpy_flow) * pace, rates.work * pace];
+        let received = if Self::TIGHT { rates.heat_flow } else { rates.heat_flow + rates.enthalpy_flow };
+        let power = [received * pace, rates.work * pace];
         Moment { slope: out, view, power }
     }
 
@@ -262,13 +304,13 @@ mod tests {
         let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(1.04));
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
-        let plan = Plan::new(EffectSet::NONE, &scenario).unwrap();
+        let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let balance = Balance::of(chamber);
         let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
         for share in [0.0, 1e-6, 0.01] {
             let (mut state, mut received, mut work) = (General::<2, 0>::states(&all), 0.0, 0.0);
             for stretch in &plan.stretches {
-                let rows = [Row { balance: &balance, stretch, counted: 2.0 }];
+                let rows = [Row { balance: &balance, stretch, counted: 2.0, mass: all[MASS] }];
                 let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
                 let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
                 run::<2, false, _, _>(&system, &mut problems, 1e-10, &mut Nobody);

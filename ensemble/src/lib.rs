@@ -58,7 +58,7 @@ pub use scenario::{Hold, Options, Scenario, Solver};
 
 use chamber::AreaLaw;
 use chamber::balance::STATES;
-use chamber::card::ActsOn;
+use chamber::card::{ActsOn, Balance};
 use chamber::effects::{self, EffectSet};
 use exact_rows::Shown;
 use plan::Plan;
@@ -109,8 +109,8 @@ impl Kernel {
                 let Kind { kept, shown } = Kind::of(kind, set);
                 exact_rows::run(arch, closed, kept, shown, rows, scenarios, options, out);
             }
-            for rows in sorted.others.iter().filter(|rows| !rows.is_empty()) {
-                course(arch, course_memory, set, rows, scenarios, options, out);
+            for (kind, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+                course(arch, course_memory, set, kind / 2 == TIGHT_ROWS, rows, scenarios, options, out);
             }
         }
     }
@@ -145,6 +145,10 @@ impl Kind {
     }
 }
 
+/// Number of the rows that no gas enters or leaves among those that are integrated, beside rows without (0) and with a
+/// profile (1).
+const TIGHT_ROWS: usize = 2;
+
 /// A chunk's rows by the way they are solved.
 #[derive(Default)]
 struct Sorted {
@@ -152,8 +156,8 @@ struct Sorted {
     sealed: Vec<(u32, f64)>,
     /// Tests with closed forms, and their durations, s, by kind.
     closed: [Vec<(u32, f64)>; Kind::COUNT],
-    /// Others, by area law and whether they have a profile: what lanes must have in common.
-    others: [Vec<(u32, Plan)>; 4],
+    /// Others, by area law and whether they have a profile or are tight: what lanes must have in common.
+    others: [Vec<(u32, Plan)>; 6],
 }
 
 impl Sorted {
@@ -167,7 +171,7 @@ impl Sorted {
             let row = row as u32;
             let swept = usize::from(s.chamber.geometry.area_law == AreaLaw::Swept);
             let sealed = s.mass_flow_in_kg_per_s == 0.0 && s.mass_flow_out_kg_per_s == 0.0 && s.profile.is_none();
-            let active = if set.is_empty() { set } else { s.chamber.active() };
+            let active = s.chamber.active();
             let (shown, of_gas) = (active.intersection(of_sensor), active.without(of_sensor));
             let integrates = options.solver == Solver::Adaptive;
             let behind = (!shown.is_empty()).then(|| Behind::new(shown, s));
@@ -183,14 +187,15 @@ impl Sorted {
             if has_closed_form && is_quick && (!integrates || set.is_empty()) {
                 let kind = Kind::number(!of_gas.is_empty(), swept == 1, behind);
                 let list = if integrates { &mut self.sealed } else { &mut self.closed[kind] };
-                match plan::check(set, s).and_then(|()| plan::times(s)) {
+                match plan::check(set, active, s).and_then(|()| plan::times(s)) {
                     Ok((_, duration)) => list.push((row, duration)),
                     Err(reason) => *out = Outcome::failed(reason),
                 }
                 continue;
             }
-            let kind = swept + 2 * usize::from(s.profile.is_some());
-            match Plan::new(set, s) {
+            let tight = sealed && KEEP_THE_MASS.contains(on_the_gas(active));
+            let kind = swept + 2 * if tight { TIGHT_ROWS } else { usize::from(s.profile.is_some()) };
+            match Plan::new(set, active, s) {
                 Ok(plan) => self.others[kind].push((row, plan)),
                 Err(reason) => *out = Outcome::failed(reason),
             }
@@ -222,6 +227,20 @@ fn on_the_gas(set: EffectSet) -> EffectSet {
     set.without(effects::of_sensor()).without(effects::of_recorded_stroke())
 }
 
+/// Effects that let no gas pass: with these alone, and without flows, the mass stays what it is.
+const KEEP_THE_MASS: EffectSet = {
+    let mut set = EffectSet::NONE;
+    let mut effect = 0;
+    while effect < effects::COUNT {
+        let card = &effects::CARDS[effect];
+        if matches!(card.balance, Balance::Energy) && matches!(card.acts_on, ActsOn::Gas) {
+            set = set.union(EffectSet::one(effect));
+        }
+        effect += 1;
+    }
+    set
+};
+
 macro_rules! sets_with_code_of_their_own {
     ($($bits:expr),* $(,)?) => {
         /// Sets of effects that rows are integrated with by code compiled for them, in the order in which they are tried.
@@ -231,6 +250,7 @@ macro_rules! sets_with_code_of_their_own {
             arch: pulp::Arch,
             memory: &mut course::Memory,
             set: EffectSet,
+            tight: bool,
             rows: &[(u32, Plan)],
             scenarios: &[Scenario],
             options: &Options,
@@ -238,7 +258,8 @@ macro_rules! sets_with_code_of_their_own {
         ) {
             // What the sensor does to a known pressure is no matter of the integration.
             let set = on_the_gas(set);
-            match compiled_for(set) {
+            let set = if tight { set.intersection(KEEP_THE_MASS) } else { set };
+            match compiled_for(set, tight) {
                 $(Some(bits) if bits == const { $bits } && !matches!(arch, pulp::Arch::Scalar) => {
                     const BITS: u32 = $bits;
                     course::run::<{ general::states(BITS) }, BITS>(arch, memory, set, rows, scenarios, options, out)
@@ -253,15 +274,18 @@ macro_rules! sets_with_code_of_their_own {
     };
 }
 
-/// Whether there is code compiled for rows with these effects. Rows with others carry the states of all effects along
-/// and take longer.
+/// Whether there is code compiled for rows with these effects that no gas enters or leaves but by them. Rows with others
+/// carry the states of all effects along and take longer.
 pub fn has_code_of_its_own(set: EffectSet) -> bool {
-    compiled_for(on_the_gas(set)).is_some()
+    let set = on_the_gas(set);
+    compiled_for(set, KEEP_THE_MASS.contains(set)).is_some()
 }
 
-/// The bits of the first compiled set that has all effects of a set.
-fn compiled_for(set: EffectSet) -> Option<u32> {
-    COMPILED.iter().copied().find(|bits| EffectSet::from_bits(*bits).contains(set))
+/// The bits of the first compiled set that has all effects of a set; sets of tight rows first where these are.
+fn compiled_for(set: EffectSet, tight: bool) -> Option<u32> {
+    let fits = |bits: &u32, tight| EffectSet::from_bits(*bits).contains(set) && (bits & general::TIGHT != 0) == tight;
+    let of_tight = COMPILED.iter().copied().find(|bits| tight && fits(bits, true));
+    of_tight.or_else(|| COMPILED.iter().copied().find(|bits| fits(bits, false)))
 }
 
 /// All effects on the gas that have no states of their own, but for the curve of any kind, whose code is as long as that of
@@ -282,4 +306,14 @@ const WITHOUT_STATES: u32 = {
 #[cfg(test)]
 sets_with_code_of_their_own![];
 #[cfg(not(test))]
-sets_with_code_of_their_own![0, bit("leakage"), bit("wall_heating"), bit("gas_zones"), WITHOUT_STATES | general::ASKED];
+sets_with_code_of_their_own![
+    0,
+    bit("leakage"),
+    bit("wall_heating"),
+    bit("gas_zones"),
+    WITHOUT_STATES | general::ASKED,
+    general::TIGHT | general::ASKED | WITHOUT_STATES & KEEP_THE_MASS.bits(),
+    general::TIGHT | bit("wall_heating"),
+    general::TIGHT | bit("gas_zones"),
+    general::TIGHT | bit("wall_conduction"),
+];

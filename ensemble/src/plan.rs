@@ -131,6 +131,8 @@ impl Stretch<f64> {
 /// A checked scenario, ready to integrate.
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// Effects that are not neutral.
+    pub active: EffectSet,
     /// Stretches from the start to the end of the test.
     pub stretches: Vec<Stretch>,
     /// End of the push, s.
@@ -149,11 +151,11 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Checks a scenario and cuts it into stretches.
-    pub fn new(set: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
-        check(set, scenario)?;
+    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
+    pub fn new(set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
+        check(set, active, scenario)?;
         let (push_end, duration) = times(scenario)?;
-        let delay = effects::delay(set, &scenario.chamber.effects);
+        let delay = effects::delay(active, &scenario.chamber.effects);
         let mut stretches = match &scenario.profile {
             None => ramp(scenario, duration),
             Some(knots) => along(scenario, knots, duration),
@@ -174,12 +176,12 @@ impl Plan {
         }
         let last = stretches[stretches.len() - 1];
         let expands = last.position + last.velocity * last.length > stretches[0].position;
-        Ok(Self { stretches, push_end, duration, delay, window: [from, to], hold, expands })
+        Ok(Self { active, stretches, push_end, duration, delay, window: [from, to], hold, expands })
     }
 }
 
-/// Whether a scenario's numbers make sense.
-pub fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
+/// Whether a scenario's numbers make sense, and its active effects are in `set`.
+pub fn check(set: EffectSet, active: EffectSet, s: &Scenario) -> Result<(), Failure> {
     const POSITIVE: [&str; 11] = [
         "the bore",
         "the piston area",
@@ -237,7 +239,7 @@ pub fn check(set: EffectSet, s: &Scenario) -> Result<(), Failure> {
     if let Some(first) = fine.iter().position(|fine| !fine) {
         return Err(Failure::NotFinite(FINITE[first]));
     }
-    if !set.contains(c.active()) {
+    if !set.contains(active) {
         return Err(Failure::EffectNotInSet);
     }
     let leaves_gas = |position: f64| {

@@ -124,12 +124,13 @@ pub struct Stages<const N: usize> {
 }
 
 impl<const N: usize> Stages<N> {
-    /// Of a step that begins at that moment.
+    /// Of no step yet.
+    pub const NONE: Self = Self { slopes: [[Lanes::ZERO; N]; STAGES], powers: [[Lanes::ZERO; 2]; STAGES] };
+
+    /// Begins a step at that moment.
     #[inline(always)]
-    pub fn from(begin: &Moment<N>) -> Self {
-        let mut all = Self { slopes: [[Lanes::ZERO; N]; STAGES], powers: [[Lanes::ZERO; 2]; STAGES] };
-        (all.slopes[0], all.powers[0]) = (begin.slope, begin.power);
-        all
+    pub fn begin(&mut self, at: &Moment<N>) {
+        (self.slopes[0], self.powers[0]) = (at.slope, at.power);
     }
 }
 
@@ -209,7 +210,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
             at[i] = multiply_add::<FUSED>(sum, h, y[i]);
         }
         let moment = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
-        if stage <= FEELING.start {
+        if stage == STAGES - 1 || stage == FEELING.start {
             last = moment;
         }
         match stage.checked_sub(FEELING.start) {
@@ -235,7 +236,8 @@ pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     begin: &Moment<N>,
     tolerance: (f64, &[Lanes; N]),
 ) -> Attempt<N> {
-    let mut stages = Stages::from(begin);
+    let mut stages = Stages::NONE;
+    stages.begin(begin);
     let end = stages_unrolled::<N, FUSED, S>(system, t, h, y, &mut stages);
     judge::<N, FUSED, S>(system, h, y, end, &stages, tolerance)
 }

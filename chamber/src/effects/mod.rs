@@ -87,6 +87,10 @@ pub trait Effect {
     #[inline(always)]
     fn flows<R: Real>(_p: &[R], _constant: R, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
 
+    /// Whether its factor of λ has no power series where gas and wall have one temperature: an integration that starts there
+    /// has to begin with short steps.
+    const SINGULAR: bool = false;
+
     /// Whether its flow has corners: [`Effect::corner`].
     const CORNERS: bool = false;
 
@@ -197,11 +201,11 @@ macro_rules! effects {
             set
         };
 
-        /// Internal energy over m cv T at a temperature, K: the product of [`Effect::internal_energy`] of all effects.
+        /// Internal energy over m cv T at a temperature, K: the product of [`Effect::internal_energy`] of the effects in `set`.
         #[inline(always)]
-        pub fn internal_energy<R: Real>(values: &EffectValues<R>, temperature: R) -> R {
+        pub fn internal_energy<R: Real>(set: EffectSet, values: &EffectValues<R>, temperature: R) -> R {
             let mut product = R::ONE;
-            $(if $module::$name::CALORIC {
+            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
                 product = product * $module::$name::internal_energy($module::$name::values(values), temperature);
             })*
             product
@@ -315,6 +319,15 @@ macro_rules! effects {
                 $module::$name::flows($module::$name::values(values), constants[place], at, flows);
             })*
         }
+
+        /// Effects with [`Effect::SINGULAR`].
+        pub const SINGULAR: EffectSet = {
+            let mut set = EffectSet::NONE;
+            $(if $module::$name::SINGULAR {
+                set = set.union(EffectSet::one(Id::$module as usize));
+            })*
+            set
+        };
 
         /// Effects with [`Effect::CORNERS`].
         pub const WITH_CORNERS: EffectSet = {
@@ -478,6 +491,20 @@ pub const PARAMETER_OFFSETS: [usize; COUNT + 1] = offsets(true);
 pub const STATE_OFFSETS: [usize; COUNT + 1] = offsets(false);
 /// Number of parameters of all effects.
 pub const PARAMETERS: usize = PARAMETER_OFFSETS[COUNT];
+/// Which effect each parameter is of, as the bit of [`EffectSet::bits`].
+const OWNERS: [u32; PARAMETERS] = {
+    let mut out = [0; PARAMETERS];
+    let mut i = 0;
+    while i < COUNT {
+        let mut place = PARAMETER_OFFSETS[i];
+        while place < PARAMETER_OFFSETS[i + 1] {
+            out[place] = EffectSet::one(i).bits();
+            place += 1;
+        }
+        i += 1;
+    }
+    out
+};
 /// Number of own states of all effects.
 pub const OWN_STATES: usize = STATE_OFFSETS[COUNT];
 
@@ -559,17 +586,25 @@ pub fn all() -> impl Iterator<Item = (usize, &'static Card)> {
 }
 
 /// The effects that act behind the gas, on what the sensor shows.
-pub fn of_sensor() -> EffectSet {
-    acting_on(ActsOn::Reading)
+pub const fn of_sensor() -> EffectSet {
+    const { acting_on(ActsOn::Reading) }
 }
 
 /// The effects that act on the record of the stroke: of no meaning where the stroke is the true one.
-pub fn of_recorded_stroke() -> EffectSet {
-    acting_on(ActsOn::RecordedStroke)
+pub const fn of_recorded_stroke() -> EffectSet {
+    const { acting_on(ActsOn::RecordedStroke) }
 }
 
-fn acting_on(part: ActsOn) -> EffectSet {
-    all().filter(|(_, card)| card.acts_on == part).map(|(place, _)| place).collect()
+const fn acting_on(part: ActsOn) -> EffectSet {
+    let mut set = EffectSet::NONE;
+    let mut i = 0;
+    while i < COUNT {
+        if CARDS[i].acts_on as u8 == part as u8 {
+            set = set.union(EffectSet::one(i));
+        }
+        i += 1;
+    }
+    set
 }
 
 /// The effect of that name: its place in the list and its declaration.
@@ -670,16 +705,12 @@ impl EffectValues<f64> {
 
     /// The effects whose parameters are not all neutral.
     pub fn active(&self) -> EffectSet {
-        let mut set = EffectSet::NONE;
-        if self.0 == Self::NEUTRAL.0 {
-            return set;
+        // Without branches, as kernels ask this of every row.
+        let mut bits = 0;
+        for (place, owner) in OWNERS.iter().enumerate() {
+            bits |= if self.0[place] != Self::NEUTRAL.0[place] { *owner } else { 0 };
         }
-        for i in 0..COUNT {
-            if self.of(i) != Self::NEUTRAL.of(i) {
-                set = set.union(EffectSet::one(i));
-            }
-        }
-        set
+        EffectSet(bits)
     }
 }
 

@@ -36,6 +36,7 @@ impl Effect for NaturalConvection {
         ..Card::DEFAULT
     };
 
+    const SINGULAR: bool = true;
     const KINKS: usize = 1;
 
     /// |T − Tw| at zero.

@@ -181,33 +181,35 @@ impl<'a> Traces<'a> {
             let stretch = &row.plan.stretches[segment.stretch as usize];
             let Sensor { lag, drift, .. } = row.sensor;
             let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
-            for (knot, pair) in knots[segment.knots.clone()].windows(2).enumerate() {
-                let times = [pair[0].at, pair[1].at].map(|at| stretch.clock.time(at));
+            // Time, what the record shows there and its slope, of a sensor that follows at once.
+            let seen = |knot: &Knot| {
+                let (time, pace) = stretch.clock.time_and_pace(knot.at);
+                let shown = row.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
+                (time, shown, knot.view.slope[PRESSURE] / pace + drift)
+            };
+            let knots = &knots[segment.knots.clone()];
+            let mut begin = seen(&knots[0]);
+            for (knot, to) in knots[1..].iter().enumerate() {
+                let end = seen(to);
                 let mut piece = Piece {
                     segment: index as u32,
                     knot: knot as u32,
-                    times,
-                    shown: [0.0; 2],
-                    slopes: [0.0; 2],
+                    times: [begin.0, end.0],
+                    shown: [begin.1, end.1],
+                    slopes: [begin.2, end.2],
                     lagged: 0.0,
                     turn: None,
                 };
-                if lag > 0.0 {
-                    while let Some(cut) = cuts.next_if(|cut| *cut < times[1]) {
-                        if cut > piece.times[0] {
-                            piece.times[1] = cut;
-                            pieces.push(piece);
-                            piece.times = [cut, times[1]];
-                        }
-                    }
-                } else {
-                    for (end, knot) in pair.iter().enumerate() {
-                        let slope = knot.view.slope[PRESSURE] / stretch.clock.pace(knot.at);
-                        piece.shown[end] = row.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + times[end]);
-                        piece.slopes[end] = slope + drift;
+                // What a lagging sensor shows is found out later: `follow_lags`.
+                while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
+                    if cut > piece.times[0] {
+                        piece.times[1] = cut;
+                        pieces.push(piece);
+                        piece.times = [cut, end.0];
                     }
                 }
                 pieces.push(piece);
+                begin = end;
             }
         }
         while begins.len() <= self.rows.len() {
@@ -387,7 +389,7 @@ mod tests {
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.04));
-        let plan = Plan::new(EffectSet::NONE, &scenario).unwrap();
+        let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let (start, rise, fall, slow) = (1e5, 1e5 / 0.04f64.powi(2), 0.8e5, 0.4);
         let pressure = |t: f64| {
             if t < 0.04 { start + rise * t * t } else { start + 1e5 - fall * (1.0 - (-(t - 0.04) / slow).exp()) }
