@@ -1,5 +1,6 @@
 //! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
 
+use crate::Batch;
 use crate::advance::{LONGEST_OF_MOVE, Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
 use crate::finish;
 use crate::hermite::Hermite;
@@ -7,11 +8,10 @@ use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::Records;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
-use crate::scenario::{Options, Scenario};
 use crate::sealed::{Ending, Held, Moving, Test};
 use chamber::real::Real;
 use core::hint::black_box;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 /// Working memory of a chunk, kept from one to the next.
 #[derive(Default)]
@@ -58,14 +58,8 @@ impl Watch<1> for Vec<Tried<1>> {
 }
 
 /// Runs tests that [`sealed`](crate::sealed) covers and whose numbers are checked; `durations` in s.
-pub fn run(
-    arch: Arch,
-    memory: &mut Memory,
-    rows: &[(u32, f64)],
-    scenarios: &[Scenario],
-    options: &Options,
-    out: &mut [Outcome],
-) {
+pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Outcome]) {
+    let Batch { arch, scenarios, options } = batch;
     let Memory { tests, problems, pushed, log, order, knots, records } = memory;
     let relative = options.relative_tolerance;
     tests.clear();

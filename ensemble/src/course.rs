@@ -1,6 +1,7 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
+use crate::Batch;
 use crate::advance::{LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
 use crate::filter::Sensor;
 use crate::finish::SETTLED;
@@ -11,7 +12,7 @@ use crate::outcome::{Failure, Outcome, closure};
 use crate::plan::Plan;
 use crate::reader::{self, Answer, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
-use crate::scenario::{Options, Scenario};
+use crate::scenario::Scenario;
 use crate::step::View;
 use chamber::balance::{Balance, ENERGY, MASS};
 use chamber::effects::{self, EffectSet};
@@ -71,14 +72,13 @@ pub struct Memory {
 /// Runs checked rows (number and plan) that have their area law, and whether they have a profile, in common. `set` are
 /// the effects on the gas, `BITS` the same.
 pub fn run<const N: usize, const BITS: u32>(
-    arch: Arch,
+    batch: Batch,
     memory: &mut Memory,
     set: EffectSet,
     rows: &[(u32, Plan)],
-    scenarios: &[Scenario],
-    options: &Options,
     out: &mut [Outcome],
 ) {
+    let Batch { arch, scenarios, options } = batch;
     let Memory { balances, passed, history, reader } = memory;
     balances.clear();
     balances.extend(rows.iter().map(|(row, _)| Balance::of(scenarios[*row as usize].chamber)));
@@ -87,7 +87,7 @@ pub fn run<const N: usize, const BITS: u32>(
     let Some(courses) = integrate::<N, BITS>(arch, history, passed, set, courses, options.relative_tolerance) else {
         // Too many steps to keep: fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
-            run::<N, BITS>(arch, memory, set, rows, scenarios, options, out);
+            run::<N, BITS>(batch, memory, set, rows, out);
         }
         return;
     };

@@ -2,6 +2,7 @@
 //! form ([`kept`](crate::kept)), and what a sensor shows of either ([`readings`](crate::readings)). No integration, no
 //! tolerance.
 
+use crate::Batch;
 use crate::finish::SETTLED;
 use crate::fit;
 use crate::kept::{Exchange, Heat, Panel, Part};
@@ -10,12 +11,12 @@ use crate::outcome::{Failure, Outcome};
 use crate::readings::{self, Behind, Readings};
 use crate::regression::{Records, Regression, decay};
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
-use crate::scenario::{Options, Scenario};
+use crate::scenario::Scenario;
 use crate::sealed::Ending;
-use chamber::Chamber;
 use chamber::effects::EffectSet;
 use chamber::exact::Closed;
 use chamber::real::Real;
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -31,44 +32,46 @@ pub struct Shown {
     pub lags: bool,
 }
 
-/// Buffers that are kept from one batch to the next.
+/// What is kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
+    chambers: Chambers,
+    buffers: Buffers,
+}
+
+/// Buffers for what is asked of the records.
+#[derive(Default)]
+struct Buffers {
     records: Records,
     readings: readings::Memory,
 }
 
 /// Solves checked scenarios: numbers and durations, s. `set` are effects that keep the closed form; where there are any,
 /// all rows have their area law in common.
-#[allow(clippy::too_many_arguments)]
-pub fn run(
-    arch: Arch,
-    memory: &mut Memory,
-    set: EffectSet,
-    shown: Shown,
-    rows: &[(u32, f64)],
-    scenarios: &[Scenario],
-    options: &Options,
-    out: &mut [Outcome],
-) {
-    let all: Vec<Test> =
-        rows.iter().map(|&(row, duration)| Test::new(set, row, &scenarios[row as usize], duration)).collect();
+pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: Shown, rows: &[(u32, f64)], out: &mut [Outcome]) {
+    let Batch { arch, scenarios, options } = batch;
+    let Memory { chambers, buffers } = memory;
+    let mut all: Vec<Test> =
+        rows.iter().map(|&(row, duration)| Test::new(row, &scenarios[row as usize], duration)).collect();
+    if !set.is_empty() {
+        exchange(arch, chambers, set, &mut all, scenarios);
+    }
     // Lanes that wait for one with more parts are few where neighbours have as many.
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
     order.sort_unstable_by_key(|&test| all[test as usize].parts as u32);
     for order in order.chunks(WIDTH) {
         let tests = Tests::new(&all, order);
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
-        let effects = (!set.is_empty()).then(|| (set, gather(set, |lane| &scenario(lane).chamber)));
-        let ends = arch.dispatch(Solve { tests: &tests, effects: &effects });
-        let solved = Solved { tests: &tests, ends: &ends, effects: &effects };
+        let effects = (!set.is_empty()).then(|| (set, chambers.gather(set, |lane| &scenario(lane).chamber)));
+        let ends = arch.dispatch(Solve { tests: &tests, effects });
+        let solved = Solved { tests: &tests, ends: &ends, effects };
         let mut outcomes = [Outcome::failed(Failure::StepTooSmall); WIDTH];
         if shown.set.is_empty() {
-            solved.outcomes(arch, &mut memory.records, options.fit, scenario, &mut outcomes);
+            solved.outcomes(arch, &mut buffers.records, options.fit, scenario, &mut outcomes);
         } else if shown.lags {
-            solved.readings::<true>(arch, memory, shown.set, options.fit, scenario, &mut outcomes);
+            solved.readings::<true>(arch, buffers, shown.set, options.fit, scenario, &mut outcomes);
         } else {
-            solved.readings::<false>(arch, memory, shown.set, options.fit, scenario, &mut outcomes);
+            solved.readings::<false>(arch, buffers, shown.set, options.fit, scenario, &mut outcomes);
         }
         for (lane, &test) in order.iter().enumerate() {
             let Test { row, duration, .. } = all[test as usize];
@@ -98,19 +101,52 @@ struct Test {
 }
 
 impl Test {
+    /// Without effects.
     #[inline]
-    fn new(set: EffectSet, row: u32, s: &Scenario, duration: f64) -> Self {
+    fn new(row: u32, s: &Scenario, duration: f64) -> Self {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let start = s.initial_temperature_k;
-        let mut closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        let mut rates = [from, to].map(|volume| closed.rate(volume));
-        if !set.is_empty() {
-            let exchange = Exchange::new(set, &s.chamber, &closed, s.ambient_temperature_k);
-            closed.ambient_temperature = exchange.wall();
-            rates = [from, to].map(|volume| exchange.rate(volume));
+        let (start, push) = (s.initial_temperature_k, s.push_time_s);
+        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
+        let rates = [from, to].map(|volume| closed.rate(volume));
+        let parts = Closed::parts(rates, to / from, push);
+        Self { row, duration, closed, rate: rates[1], parts, start, from, to, push }
+    }
+}
+
+/// Changes the wall's temperature and the rates of tests to those with the effects of a set.
+fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test], scenarios: &[Scenario]) {
+    for tests in all.chunks_mut(WIDTH) {
+        let at = |lane: usize| lane.min(tests.len() - 1);
+        let chamber = chambers.gather(set, |lane| &scenarios[tests[at(lane)].row as usize].chamber);
+        let order: [u32; WIDTH] = core::array::from_fn(|lane| at(lane) as u32);
+        let found = arch.dispatch(Rates { set, chamber, tests: &Tests::new(tests, &order) });
+        for (lane, test) in tests.iter_mut().enumerate() {
+            let [wall, begin, end] = found.map(|all| all[lane]);
+            test.closed.ambient_temperature = wall;
+            test.rate = end;
+            test.parts = Closed::parts([begin, end], test.to / test.from, test.push);
         }
-        let parts = Closed::parts(rates, to / from, s.push_time_s);
-        Self { row, duration, closed, rate: rates[1], parts, start, from, to, push: s.push_time_s }
+    }
+}
+
+/// Temperatures of the walls, K, and 1/τ_f, 1/s, with the piston where it begins and where it ends.
+struct Rates<'a> {
+    set: EffectSet,
+    chamber: &'a Chamber<Lanes>,
+    /// Without the effects.
+    tests: &'a Tests,
+}
+
+impl WithSimd for Rates<'_> {
+    type Output = [Lanes; 3];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 3] {
+        let t = black_box(self.tests);
+        let exchange = Exchange::new(self.set, black_box(self.chamber), &t.closed, t.closed.ambient_temperature);
+        let wall = exchange.wall();
+        let [begin, end] = [t.from, t.to];
+        black_box([wall, wall * exchange.at(begin) / begin.sqrt(), wall * exchange.at(end) / end.sqrt()])
     }
 }
 
@@ -240,27 +276,40 @@ pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
     to.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
 }
 
-/// Chambers, one a lane, of one area law, with the parameters of the effects in a set.
-fn gather<'a>(set: EffectSet, chamber: impl Fn(usize) -> &'a Chamber) -> Chamber<Lanes> {
-    let mut all = chamber(0).lift::<Lanes>();
-    for lane in 1..WIDTH {
-        let from = chamber(lane);
-        load_chamber(&mut all, lane, from);
-        for effect in set.iter() {
-            for (to, from) in all.effects.of_mut(effect).iter_mut().zip(from.effects.of(effect)) {
-                to[lane] = *from;
+/// Chambers, one a lane, of one area law: of their effects those that were asked for last.
+struct Chambers(Chamber<Lanes>);
+
+impl Default for Chambers {
+    fn default() -> Self {
+        let geometry = Geometry::new(1.0, 0.0, 0.0, AreaLaw::Total);
+        Self(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(1.0)).lift())
+    }
+}
+
+impl Chambers {
+    /// Puts a chamber into each lane, with the parameters of the effects in a set.
+    fn gather<'a>(&mut self, set: EffectSet, chamber: impl Fn(usize) -> &'a Chamber) -> &Chamber<Lanes> {
+        let all = &mut self.0;
+        all.geometry.area_law = chamber(0).geometry.area_law;
+        for lane in 0..WIDTH {
+            let from = chamber(lane);
+            load_chamber(all, lane, from);
+            for effect in set.iter() {
+                for (to, from) in all.effects.of_mut(effect).iter_mut().zip(from.effects.of(effect)) {
+                    to[lane] = *from;
+                }
             }
         }
+        all
     }
-    all
 }
 
 /// Effects that keep the closed form, and the chambers with their parameters.
-type Effects = Option<(EffectSet, Chamber<Lanes>)>;
+type Effects<'a> = Option<(EffectSet, &'a Chamber<Lanes>)>;
 
 struct Solve<'a> {
     tests: &'a Tests,
-    effects: &'a Effects,
+    effects: Effects<'a>,
 }
 
 impl WithSimd for Solve<'_> {
@@ -272,7 +321,7 @@ impl WithSimd for Solve<'_> {
         let wall = t.closed.ambient_temperature;
         let pushed = match black_box(self.effects) {
             None => t.pushed(&t.closed),
-            Some((set, chamber)) => t.pushed(&Exchange::new(*set, chamber, &t.closed, wall)),
+            Some((set, chamber)) => t.pushed(&Exchange::new(set, chamber, &t.closed, wall)),
         };
         let rate = t.rate;
         let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());
@@ -287,7 +336,7 @@ impl WithSimd for Solve<'_> {
 struct Solved<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
-    effects: &'a Effects,
+    effects: Effects<'a>,
 }
 
 impl Solved<'_> {
@@ -330,21 +379,21 @@ impl Solved<'_> {
     fn readings<'s, const LAGS: bool>(
         &self,
         arch: Arch,
-        memory: &mut Memory,
+        buffers: &mut Buffers,
         set: EffectSet,
         fit: bool,
         scenario: impl Fn(usize) -> &'s Scenario,
         out: &mut [Outcome; WIDTH],
     ) {
-        let Self { tests, ends, effects } = self;
-        let Memory { records, readings } = memory;
+        let Self { tests, ends, effects } = *self;
+        let Buffers { records, readings } = buffers;
         let wall = tests.closed.ambient_temperature;
         let behind = |lane: usize| Behind::new(set, scenario(lane));
         let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);
         let readings: Readings<LAGS> = match effects {
             None => Readings::new(arch, readings, tests, ends, &tests.closed, behind, before),
             Some((kept, chamber)) => {
-                let heat = Exchange::new(*kept, chamber, &tests.closed, wall);
+                let heat = Exchange::new(kept, chamber, &tests.closed, wall);
                 Readings::new(arch, readings, tests, ends, &heat, behind, before)
             }
         };

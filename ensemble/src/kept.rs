@@ -136,12 +136,6 @@ impl<R: Real> Exchange<R> {
         let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
         self.per_coefficient * coefficient * effects::heat_transfer_area(self.set, &chamber.effects, of_law)
     }
-
-    /// 1/τ_f, 1/s, with the piston held at a volume, m³.
-    #[inline(always)]
-    pub fn rate(&self, volume: R) -> R {
-        self.wall() * self.at(volume) / volume.sqrt()
-    }
 }
 
 /// Heat that is exchanged with a wall at a rate that depends on the volume alone.

@@ -147,6 +147,14 @@ impl Real for Lanes {
         each_lane!(i => f64::abs(self.0[i]))
     }
     #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        each_lane!(i => if self.0[i] > o.0[i] { self.0[i] } else { o.0[i] })
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        each_lane!(i => if self.0[i] > o.0[i] { o.0[i] } else { self.0[i] })
+    }
+    #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
         each_lane!(i => if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] })
     }

@@ -62,6 +62,7 @@ use chamber::card::{ActsOn, Balance};
 use chamber::effects::{self, EffectSet};
 use exact_rows::Shown;
 use plan::Plan;
+use pulp::Arch;
 use readings::Behind;
 
 /// Scenarios that are solved together: as many as keep their working memory in a core's cache.
@@ -101,16 +102,17 @@ impl Kernel {
         let Self { instructions: InstructionSet(arch), adaptive: memory, course: course_memory, closed, sorted } = self;
         let arch = *arch;
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
+            let batch = Batch { arch, scenarios, options };
             sorted.fill(set, scenarios, options, out);
             if !sorted.sealed.is_empty() {
-                adaptive::run(arch, memory, &sorted.sealed, scenarios, options, out);
+                adaptive::run(batch, memory, &sorted.sealed, out);
             }
             for (kind, rows) in sorted.closed.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
                 let Kind { kept, shown } = Kind::of(kind, set);
-                exact_rows::run(arch, closed, kept, shown, rows, scenarios, options, out);
+                exact_rows::run(batch, closed, kept, shown, rows, out);
             }
             for (kind, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-                course(arch, course_memory, set, kind / 2 == TIGHT_ROWS, rows, scenarios, options, out);
+                course(batch, course_memory, set, kind / 2 == TIGHT_ROWS, rows, out);
             }
         }
     }
@@ -143,6 +145,14 @@ impl Kind {
         let of_sensor = if shown == 0 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
         Self { kept, shown: Shown { set: of_sensor, lags: shown.is_multiple_of(2) } }
     }
+}
+
+/// Scenarios that are solved together, how, and with which instructions.
+#[derive(Clone, Copy)]
+struct Batch<'a> {
+    arch: Arch,
+    scenarios: &'a [Scenario],
+    options: &'a Options,
 }
 
 /// Number of the rows that no gas enters or leaves among those that are integrated, beside rows without (0) and with a
@@ -247,28 +257,26 @@ macro_rules! sets_with_code_of_their_own {
         const COMPILED: &[u32] = &[$($bits),*];
 
         fn course(
-            arch: pulp::Arch,
+            batch: Batch,
             memory: &mut course::Memory,
             set: EffectSet,
             tight: bool,
             rows: &[(u32, Plan)],
-            scenarios: &[Scenario],
-            options: &Options,
             out: &mut [Outcome],
         ) {
             // What the sensor does to a known pressure is no matter of the integration.
             let set = on_the_gas(set);
             let set = if tight { set.intersection(KEEP_THE_MASS) } else { set };
             match compiled_for(set, tight) {
-                $(Some(bits) if bits == const { $bits } && !matches!(arch, pulp::Arch::Scalar) => {
+                $(Some(bits) if bits == const { $bits } && !matches!(batch.arch, pulp::Arch::Scalar) => {
                     const BITS: u32 = $bits;
-                    course::run::<{ general::states(BITS) }, BITS>(arch, memory, set, rows, scenarios, options, out)
+                    course::run::<{ general::states(BITS) }, BITS>(batch, memory, set, rows, out)
                 })*
                 // Unit tests are of the parts. The kernel, the longest to compile, is tested as it is built: `tests/batches.rs`.
                 #[cfg(test)]
                 _ => unreachable!("the unit tests solve no batches"),
                 #[cfg(not(test))]
-                _ => course::run::<STATES, { general::AT_RUN_TIME }>(arch, memory, set, rows, scenarios, options, out),
+                _ => course::run::<STATES, { general::AT_RUN_TIME }>(batch, memory, set, rows, out),
             }
         }
     };
