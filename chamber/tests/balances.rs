@@ -5,7 +5,8 @@
 mod any;
 
 use any::{any_boundary, any_chamber};
-use chamber::balance::{self, Boundary, ENERGY, MASS, OWN, STATES};
+use chamber::balance::{self, Balance, Boundary, ENERGY, MASS, OWN, STATES, Tight};
+use chamber::card;
 use chamber::effects;
 use chamber::integrate::{Integrator, Tolerance};
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
@@ -23,6 +24,31 @@ proptest! {
             for i in [MASS, ENERGY] {
                 prop_assert!((with[i] - plain[i]).abs() <= 1e-14 * plain[i].abs(), "{}: {} {}", card.name, with[i], plain[i]);
             }
+        }
+    }
+
+    #[test]
+    fn effects_on_the_energy_let_no_gas_pass_and_a_tight_chamber_has_the_same_rates(
+        chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 240.0..420.0f64,
+    ) {
+        let boundary = Boundary { mass_flow_in: 0.0, mass_flow_out: 0.0, ..boundary };
+        for (index, card) in effects::all() {
+            if card.balance != card::Balance::Energy || card.acts_on != card::ActsOn::Gas {
+                continue;
+            }
+            let mut chamber = chamber;
+            for (to, parameter) in chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
+                *to = parameter.typical;
+            }
+            let set = EffectSet::one(index);
+            let (balance, state) = (Balance::of(chamber), balance::state_at(&chamber, &boundary, p, t));
+            let (_, open, own) = balance.evaluate(set, &boundary, &state);
+            prop_assert_eq!(open.mass, 0.0, "{}", card.name);
+            let contents = balance.contents(&boundary, &state);
+            let (_, tight, tight_own) =
+                balance.evaluate_within(&Tight, set, &boundary, &contents, &balance::own_states(&state));
+            prop_assert_eq!((open.energy, open.pressure), (tight.energy, tight.pressure), "{}", card.name);
+            prop_assert_eq!(own, tight_own, "{}", card.name);
         }
     }
 

@@ -77,6 +77,21 @@ fn sealed_rows_agree_with_the_exact_solution() {
     }
 }
 
+/// Over a whole short push both error estimates of a step can vanish at once, in one row of a few thousand.
+#[test]
+fn no_push_of_many_errs_by_more_than_the_tolerance() {
+    let mut scenarios = sealed(1 << 14);
+    for s in &mut scenarios {
+        s.push_time_s = 0.04;
+    }
+    for (way, outcomes) in three_ways(scenarios, false).windows(2).enumerate() {
+        for (row, (exact, ours)) in outcomes[0].iter().zip(&outcomes[1]).enumerate() {
+            let (expected, tolerance) = (exact.pressure_peak_pa, Options::default().relative_tolerance);
+            assert_close(ours.pressure_peak_pa, expected, tolerance, &format!("way {way}, row {row}"));
+        }
+    }
+}
+
 #[test]
 fn all_three_ways_to_solve_a_sealed_test_read_the_same_from_its_record() {
     let mut scenarios = sealed(256);
