@@ -214,7 +214,7 @@ fn says<R: Real>(p: R, word: usize) -> R {
 }
 
 /// The value at x, and its slope there. One function for all that ask: in each of the hooks, in each of the integrators, it would
-/// be as much code as all other effects.
+/// be as much code as all other effects. Only the piece that x lies in is worked out: most of the cost is its division.
 #[inline(never)]
 fn curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);
@@ -222,12 +222,19 @@ fn curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     let mut open = R::ONE;
     for k in 1..KNOTS {
         let span = knots[k] - knots[k - 1];
-        // The first knot that is not above the one before it ends the table.
-        open = span.where_positive(open, R::ZERO);
-        let steepness = open.where_positive((values[k] - values[k - 1]) / span, R::ZERO);
         let beyond = x - knots[k - 1];
-        value += steepness * beyond.max(R::ZERO).min(span.max(R::ZERO));
-        slope += beyond.where_positive((span - beyond).where_positive(steepness, R::ZERO), R::ZERO);
+        // The first knot that is not above the one before it ends the table.
+        open = beyond.where_positive(span.where_positive(open, R::ZERO), R::ZERO);
+        if !open.any_positive() {
+            break;
+        }
+        value = open.where_positive(values[k], value);
+        let is_within = open.where_positive(span - beyond, R::ZERO);
+        if is_within.any_positive() {
+            let steepness = (values[k] - values[k - 1]) / span;
+            value = is_within.where_positive(values[k - 1] + steepness * beyond, value);
+            slope = is_within.where_positive(steepness, slope);
+        }
     }
     [value, slope]
 }
