@@ -9,12 +9,35 @@
 use super::bordered::{Step, System};
 use super::{Failure, Linear, Selection, linearise, moved, residuals, total};
 use crate::parameters::{Axis, Hypothesis, Own};
+use crate::policy;
 use crate::record::prepare::Data;
 use nalgebra::DVector;
 
-/// A step that promises less than this much of χ² ends the fit; so much more as χ² is more than its expectation, since the
-/// evidence counts χ² in that measure.
-const SETTLED: f64 = 2e-3;
+/// When a descent ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Until {
+    /// After so many iterations at the latest.
+    pub iterations: usize,
+    /// By a step that promises less than this much of χ²; so much more as χ² is more than its expectation, since the evidence
+    /// counts χ² in that measure.
+    pub gain: f64,
+    /// Or after so many iterations in a row that gained less.
+    pub slow_iterations: usize,
+}
+
+impl Until {
+    /// At a minimum.
+    pub const SETTLED: Self = Self { iterations: 40, gain: 2e-3, slow_iterations: 1 };
+    /// Where steps gain next to nothing beside decisive evidence: the far end of a narrow valley is not waited for. A single
+    /// iteration may gain little because its step was damped.
+    pub const ROUGHLY: Self = Self { gain: 1e-3 * policy::DECISIVE, slow_iterations: 2, ..Self::SETTLED };
+
+    /// After a few iterations.
+    pub const fn after(iterations: usize) -> Self {
+        Self { iterations, ..Self::SETTLED }
+    }
+}
+
 /// A step that takes less than this share of χ² away leads so little far that the simulations keep their steps: with steps chosen
 /// anew χ² scatters by more than what the last iterations gain.
 const NEAR: f64 = 0.01;
@@ -68,7 +91,7 @@ impl Descent {
     }
 }
 
-/// The sum of squares and the coordinates after so many iterations at the most: also to choose among starts.
+/// The sum of squares and the coordinates where the descent ends: also to choose among starts.
 ///
 /// # Errors
 /// [`Failure`].
@@ -78,22 +101,23 @@ pub fn descend(
     rig: Vec<f64>,
     own: Vec<Vec<f64>>,
     selection: &Selection,
-    most_iterations: usize,
+    until: Until,
 ) -> Result<Descent, Failure> {
     let own_axes = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
     let problem = Problem { data, hypothesis, selection, own_axes };
     let mut here = Descent::at(rig, own);
-    let mut damping = 1e-4;
-    while here.iterations < most_iterations && !here.converged {
+    let (mut damping, mut slow_iterations) = (1e-4, 0);
+    while here.iterations < until.iterations && !here.converged {
         let linear = linearise(data, hypothesis, &here.rig, &here.own, selection, here.at.near())?;
         here.chi2 = total(&linear);
         here.iterations += 1;
         let blocks: usize = linear.iter().map(|l| l.blocks).sum();
-        let settled = SETTLED * (here.chi2 / blocks.max(1) as f64).max(1.0);
+        let settled = until.gain * (here.chi2 / blocks.max(1) as f64).max(1.0);
         match problem.lower(&here, &linear, &mut damping, settled) {
             Next::Lower(trial) => {
                 let gain = here.chi2 - trial.chi2;
-                here.converged = gain < settled;
+                slow_iterations = if gain < settled { slow_iterations + 1 } else { 0 };
+                here.converged = slow_iterations >= until.slow_iterations;
                 here.at = if gain < NEAR * here.chi2 { Linearised::Near(linear) } else { Linearised::Nowhere };
                 (here.rig, here.own, here.chi2) = (trial.rig, trial.own, trial.chi2);
             }

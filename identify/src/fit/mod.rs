@@ -24,12 +24,11 @@ use chamber::effects::{self, EffectSet};
 use chamber::integrate::IntegrationError;
 use chamber::real::{Real, Scalar};
 use chamber::record::Mesh;
-pub use descent::{Descent, Linearised, descend};
+pub use descent::{Descent, Linearised, Until, descend};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-const MOST_ITERATIONS: usize = 40;
 /// Derivatives in one pass of the simulation at the most.
 const WIDEST: usize = 12;
 
@@ -132,12 +131,24 @@ pub fn fit(
     own: Vec<Vec<f64>>,
     selection: &Selection,
 ) -> Result<Fit, Failure> {
-    let first = descend(data, hypothesis, rig, own, selection, MOST_ITERATIONS)?;
-    let found = if first.converged {
-        first
-    } else {
-        descend(data, hypothesis, first.rig, first.own, selection, MOST_ITERATIONS)?
-    };
+    fit_until(data, hypothesis, rig, own, selection, Until::SETTLED)
+}
+
+/// The same until another end.
+///
+/// # Errors
+/// [`Failure`].
+pub fn fit_until(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    selection: &Selection,
+    until: Until,
+) -> Result<Fit, Failure> {
+    let first = descend(data, hypothesis, rig, own, selection, until)?;
+    let found =
+        if first.converged { first } else { descend(data, hypothesis, first.rig, first.own, selection, until)? };
     finish(data, hypothesis, found, selection)
 }
 

@@ -2,14 +2,15 @@
 //! it carries over.
 //!
 //! The families that a model can hold ([`discrepancy::Search::curves`]) are ranked by what they take away to first order, on
-//! the paper's model and on the one with the named effects. The best are refitted, their values free beside all else. What
-//! experiments leave in common is easily fitted by any curve, so that a curve has to predict whole experiments that took no
-//! part, decisively better than the model without it: [`policy::PREDICTS_BETTER`]. Two or more named effects that together
-//! leave no more than noise give way to a curve that alone is decisively more likely: they only imitated it.
+//! the paper's model and on the one with the named effects. The best are refitted, their values free beside all else: as closely
+//! as the judgement needs, the accepted one to its minimum. What experiments leave in common is easily fitted by any curve, so
+//! that a curve has to predict whole experiments that took no part, decisively better than the model without it:
+//! [`policy::PREDICTS_BETTER`]. Two or more named effects that together leave no more than noise give way to a curve that alone
+//! is decisively more likely: they only imitated it.
 
 use super::{Candidate, Search, terms};
 use crate::discrepancy::{self, Missing};
-use crate::fit::Fit;
+use crate::fit::{Fit, Until};
 use crate::judge::evidence::{bic, bic_widened};
 use crate::judge::left_out;
 use crate::parameters::{Model, curve_of};
@@ -75,7 +76,7 @@ impl Search {
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
         let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE);
         let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
-        Some(self.told(best, self.left_out(named)?, true))
+        Some(self.told(self.settled(best), self.left_out(named)?, true))
     }
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
@@ -105,7 +106,7 @@ impl Search {
         };
         let accepted = curves.iter().filter(acceptable).filter(alike).min_by(by_terms);
         let told = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
-        let best = if accepted.is_some() { self.pruned(told.clone()) } else { told.clone() };
+        let best = if accepted.is_some() { self.pruned(self.settled(told.clone())) } else { told.clone() };
         Some(self.told(best, settled_pa, accepted.is_some()))
     }
 
@@ -185,12 +186,20 @@ impl Search {
             && before * before - after * after > self.least_gain().powi(2)
     }
 
-    /// A model's fit with that curve beside all else, from zero on.
+    /// A model's rough fit with that curve beside all else, from zero on.
     fn refitted_with(&self, part: &Candidate, empirical: usize, curve: &Curve) -> Option<Fit> {
         let mut from = part.fit.clone();
         from.hypothesis.base.effects.of_mut(empirical).copy_from_slice(&curve.parameters());
         let effects = part.model.effects.union(EffectSet::one(empirical));
         let model = Model { effects, ..part.model };
-        fit_by_size(&self.data, model, &from, &self.sizes)
+        fit_by_size(&self.data, model, &from, &self.sizes, Until::ROUGHLY)
+    }
+
+    /// A curve that was refitted roughly, at its minimum.
+    fn settled(&self, rough: Judged) -> Judged {
+        let Some(fit) = self.refit(&rough.candidate.fit).filter(|fit| fit.converged) else { return rough };
+        let candidate = self.judged(self.candidate(fit));
+        let left_out_pa = self.left_out(&candidate).unwrap_or(rough.left_out_pa);
+        Judged { candidate, left_out_pa, ..rough }
     }
 }

@@ -1,6 +1,6 @@
 //! Fits of a model with terms added, each from several starts where its error surface has several valleys.
 
-use crate::fit::{self, Descent, Fit, Selection};
+use crate::fit::{self, Descent, Fit, Selection, Until};
 use crate::judge::evidence;
 use crate::parameters::{Hypothesis, Model, Sizes};
 use crate::record::prepare::Data;
@@ -36,13 +36,13 @@ pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option
 
 /// Fits `model` where how a hypothesis is put depends on how large its parameters are (a curve is the straighter the smaller it
 /// is): with the size that a few iterations give them.
-pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
+pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: Until) -> Option<Fit> {
     let selection = fit::all_blocks(data);
     let (h, start) = begun(data, model, part, sizes).into_iter().next()?;
-    let found = fit::descend(data, &h, start.rig, start.own, &selection, SIZE_ITERATIONS).ok()?;
+    let found = fit::descend(data, &h, start.rig, start.own, &selection, Until::after(SIZE_ITERATIONS)).ok()?;
     let chamber = h.chamber(&found.rig);
     let h = Hypothesis::new(data, model, &chamber, sizes);
-    fit::fit(data, &h, h.coordinates(&chamber), found.own, &selection).ok()
+    fit::fit_until(data, &h, h.coordinates(&chamber), found.own, &selection, until).ok()
 }
 
 /// BIC that `model` would have if the best of its starts kept the promise of its first step: cheap, to choose what to fit.
@@ -88,7 +88,7 @@ fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Sele
         trials = trials
             .into_par_iter()
             .filter_map(|(h, start)| {
-                let found = fit::descend(data, &h, start.rig, start.own, &few, iterations).ok()?;
+                let found = fit::descend(data, &h, start.rig, start.own, &few, Until::after(iterations)).ok()?;
                 Some((h, found))
             })
             .collect();
