@@ -384,7 +384,7 @@ impl<R: Real> Balance<R> {
             per_reference_temperature: self.per_reference[1],
         };
         effects::gas_properties(set, &chamber.effects, &mut at);
-        if !set.intersection(effects::VOLUMETRIC).is_empty() {
+        if effects::is_volumetric(set, &chamber.effects) {
             let factor = self.volume_factor(set, volume, at.pressure);
             let per_factor = factor.recip();
             at.volume = volume * factor;
@@ -428,7 +428,7 @@ impl<R: Real> Balance<R> {
                 * self.chamber.gas.gas_constant
                 / contents.volume
         };
-        if set.intersection(effects::VOLUMETRIC).is_empty() {
+        if !effects::is_volumetric(set, &self.chamber.effects) {
             return pressure;
         }
         pressure / self.volume_factor(set, contents.volume, pressure)
@@ -491,7 +491,7 @@ impl<R: Real> Balance<R> {
         let mut volume_rate = at.piston_area * at.velocity;
         // dV/dP, m³/Pa, and what the pressure's rate is less for it.
         let (mut by_pressure, mut give) = (R::ZERO, R::ONE);
-        let volumetric = !set.intersection(effects::VOLUMETRIC).is_empty();
+        let volumetric = effects::is_volumetric(set, &chamber.effects);
         if volumetric {
             let [factor, by_position, share_by_pressure] = self.volume_at(set, contents.volume, at.pressure);
             volume_rate = volume_rate * factor + contents.volume * by_position * at.velocity;

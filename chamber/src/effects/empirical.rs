@@ -283,6 +283,11 @@ impl Effect for Empirical {
     const VOLUMETRIC: bool = true;
 
     #[inline(always)]
+    fn is_volumetric<R: Real>(p: &[R]) -> bool {
+        says(p[BALANCE], Balance::VolumeShare as usize).any_positive()
+    }
+
+    #[inline(always)]
     fn volume<R: Real>(p: &[R], position: R, pressure: R) -> [R; 3] {
         let is = says(p[BALANCE], Balance::VolumeShare as usize);
         if !is.any_positive() {

@@ -57,8 +57,14 @@ pub trait Effect {
     #[inline(always)]
     fn conditions<R: Real>(_p: &[R], _own: &[R], _at: &mut Conditions<R>) {}
 
-    /// Whether the gas fills another volume than the geometry's: then the next hook says which.
+    /// Whether the gas can fill another volume than the geometry's: then the next hooks say when, and which.
     const VOLUMETRIC: bool = false;
+
+    /// Whether it does with these parameters, in any lane.
+    #[inline(always)]
+    fn is_volumetric<R: Real>(_p: &[R]) -> bool {
+        Self::VOLUMETRIC
+    }
 
     /// The gas's volume over the geometry's at a position, m, and pressure, Pa, and how that changes with the one, 1/m, and
     /// with the other, 1/Pa.
@@ -251,6 +257,14 @@ macro_rules! effects {
             })*
             set
         };
+
+        /// Whether the gas fills another volume than the geometry's by an effect in `set`, with these parameters.
+        #[inline(always)]
+        pub fn is_volumetric<R: Real>(set: EffectSet, values: &EffectValues<R>) -> bool {
+            false $(|| $module::$name::VOLUMETRIC
+                && set.has($module::$name::INDEX)
+                && $module::$name::is_volumetric($module::$name::values(values)))*
+        }
 
         /// [`Effect::volume`] of the effects in `set`.
         #[inline(always)]
