@@ -13,6 +13,7 @@ use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::Scalar;
 use chamber::record::{self, Inputs, Mesh, Readings};
 use chamber::simulate::{Start, tolerance};
+use pulp::{Arch, Simd, WithSimd};
 use std::cell::Cell;
 
 /// What the surroundings do along a record.
@@ -42,6 +43,8 @@ struct Passing<'a, R> {
     /// How much warmer than recorded or stated the surroundings are, K.
     warmer: R,
     near_flow: Cell<usize>,
+    /// The stretch and time, s, that were asked for last, and the stroke there: the last two stages of a step ask for the same.
+    last: Cell<Option<(usize, f64, Moment)>>,
     /// The longest step along the recorded mass flow, s.
     longest_of_flow: f64,
 }
@@ -52,7 +55,17 @@ impl<'a, R: Scalar> Passing<'a, R> {
         let filter = effects::stroke_filter(set, &chamber.effects);
         let stroke = TrueStroke::new(&course.motion, window.value().max(0.0), filter.value().max(0.0));
         let longest_of_flow = course.mass_flow.as_ref().map_or(f64::INFINITY, |_| ROWS_OF_FLOW * course.motion.row_s());
-        Self { course, stroke, window, filter, warmer, near_flow: Cell::new(0), longest_of_flow }
+        Self { course, stroke, window, filter, warmer, near_flow: Cell::new(0), last: Cell::new(None), longest_of_flow }
+    }
+
+    #[inline]
+    fn stroke_at(&self, stretch: usize, time: f64) -> Moment {
+        if let Some((_, _, moment)) = self.last.get().filter(|last| (last.0, last.1) == (stretch, time)) {
+            return moment;
+        }
+        let moment = self.stroke.at(stretch, time);
+        self.last.set(Some((stretch, time, moment)));
+        moment
     }
 }
 
@@ -75,7 +88,7 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
     #[inline]
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R> {
         let course = self.course;
-        let Moment { position, velocity, by_window, by_filter } = self.stroke.at(stretch, time);
+        let Moment { position, velocity, by_window, by_filter } = self.stroke_at(stretch, time);
         let (mut position, mut velocity) = (R::from(position), R::from(velocity));
         for (number, by) in [(self.window, by_window), (self.filter, by_filter)] {
             // Zero but for its derivatives, which a number without effect does not have.
@@ -210,13 +223,15 @@ impl<R: Scalar> Run<'_, R> {
             most_evaluations = most_evaluations.min(MOST_BY_MESH * mesh.steps());
         }
         let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
+        let arch = Arch::new();
         let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
         let rates = |t: f64, boundary: &Boundary<R>, state: &[R; N]| -> [R; N] {
             evaluations.set(evaluations.get() + 1);
             if evaluations.get() > most_evaluations {
                 return [R::from(f64::NAN); N];
             }
-            disturbed_rates::<R, N, M>(gas_set, &balance, boundary, state, disturbance.at(t))
+            let disturbance = disturbance.at(t);
+            arch.dispatch(Moving::<R, N, M> { set: gas_set, balance: &balance, boundary, state, disturbance })
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
@@ -229,27 +244,35 @@ impl<R: Scalar> Run<'_, R> {
     }
 }
 
-/// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.
-#[inline(always)]
-fn disturbed_rates<R: Scalar, const N: usize, const M: usize>(
+/// The balances at one moment: to be worked out with the widest instructions of the processor, which numbers with derivatives use.
+struct Moving<'a, R, const N: usize, const M: usize> {
     set: EffectSet,
-    balance: &Balance<R>,
-    boundary: &Boundary<R>,
-    state: &[R; N],
+    balance: &'a Balance<R>,
+    boundary: &'a Boundary<R>,
+    state: &'a [R; N],
     disturbance: Option<[R; 4]>,
-) -> [R; N] {
-    let Some([mass, heat, volume, volume_rate]) = disturbance else {
-        return balance.rates_with_own::<N, M>(set, boundary, state);
-    };
-    let chamber = &balance.chamber;
-    let area = chamber.geometry.piston_area;
-    let mut moved = *boundary;
-    moved.position += volume / area;
-    moved.velocity += volume_rate / area;
-    let mut rates = balance.rates_with_own::<N, M>(set, &moved, state);
-    rates[MASS] += mass;
-    rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
-    rates
+}
+
+impl<R: Scalar, const N: usize, const M: usize> WithSimd for Moving<'_, R, N, M> {
+    type Output = [R; N];
+
+    /// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [R; N] {
+        let Self { set, balance, boundary, state, disturbance } = self;
+        let Some([mass, heat, volume, volume_rate]) = disturbance else {
+            return balance.rates_with_own::<N, M>(set, boundary, state);
+        };
+        let chamber = &balance.chamber;
+        let area = chamber.geometry.piston_area;
+        let mut moved = *boundary;
+        moved.position += volume / area;
+        moved.velocity += volume_rate / area;
+        let mut rates = balance.rates_with_own::<N, M>(set, &moved, state);
+        rates[MASS] += mass;
+        rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
+        rates
+    }
 }
 
 /// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
