@@ -129,10 +129,10 @@ pub struct Conditions<R> {
     pub cv: R,
     /// Heat capacity at constant pressure, J/(kg K).
     pub cp: R,
-    /// 1/P0 of the heat transfer law, 1/Pa.
-    pub per_reference_pressure: R,
-    /// 1/T0 of the heat transfer law, 1/K.
-    pub per_reference_temperature: R,
+    /// P0 of the heat transfer law, Pa.
+    pub reference_pressure: R,
+    /// T0 of the heat transfer law, K.
+    pub reference_temperature: R,
 }
 
 impl<R: Real> Conditions<R> {
@@ -234,8 +234,6 @@ pub struct Balance<R = f64> {
     pub per_cv: R,
     /// cp, J/(kg K).
     pub cp: R,
-    /// 1/P0, 1/Pa, and 1/T0, 1/K, of the heat transfer law.
-    pub per_reference: [R; 2],
     /// λ √(m V)/U, W/(m² K) × kg^½ m^1.5/J, before any effect: λ0 (γ − 1)/√(R P0 T0), as P T = U² (γ − 1)²/(R m V).
     pub heat_transfer_factor: R,
     /// Lateral area of a volume, 1/m, and area of both ends, m².
@@ -309,9 +307,8 @@ impl<R: Real> Balance<R> {
     pub fn of(chamber: Chamber<R>) -> Self {
         let Gas { gas_constant, heat_capacity_ratio } = chamber.gas;
         let expansion = heat_capacity_ratio - 1.0;
+        let [per_expansion, per_gas_constant] = reciprocals([expansion, gas_constant]);
         let law = &chamber.heat_transfer;
-        let [per_expansion, per_gas_constant, per_pressure, per_temperature] =
-            reciprocals([expansion, gas_constant, law.reference_pressure, law.reference_temperature]);
         let reference = (gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
         Self {
             chamber,
@@ -320,7 +317,6 @@ impl<R: Real> Balance<R> {
             cv: gas_constant * per_expansion,
             per_cv: expansion * per_gas_constant,
             cp: heat_capacity_ratio * gas_constant * per_expansion,
-            per_reference: [per_pressure, per_temperature],
             heat_transfer_factor: law.coefficient * expansion / reference,
             area: chamber.geometry.area_constants(),
             constants: effects::constants(&chamber.effects, &chamber.gas),
@@ -380,8 +376,8 @@ impl<R: Real> Balance<R> {
             per_expansion: self.per_expansion,
             cv: self.cv,
             cp: self.cp,
-            per_reference_pressure: self.per_reference[0],
-            per_reference_temperature: self.per_reference[1],
+            reference_pressure: chamber.heat_transfer.reference_pressure,
+            reference_temperature: chamber.heat_transfer.reference_temperature,
         };
         effects::gas_properties(set, &chamber.effects, &mut at);
         if effects::is_volumetric(set, &chamber.effects) {

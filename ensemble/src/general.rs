@@ -188,8 +188,6 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
         to.per_cv[lane] = from.per_cv;
         to.cp[lane] = from.cp;
         to.heat_transfer_factor[lane] = from.heat_transfer_factor;
-        to.per_reference[0][lane] = from.per_reference[0];
-        to.per_reference[1][lane] = from.per_reference[1];
         for (to, from) in to.area.iter_mut().zip(from.area) {
             to[lane] = from;
         }

@@ -45,8 +45,8 @@ impl Effect for PressureExponent {
 
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(p: &[R], at: &Conditions<R>) -> R {
-        let by_pressure = (p[0] - 0.5) * (at.pressure * at.per_reference_pressure).ln();
-        let by_temperature = (p[1] - 0.5) * (at.gas_temperature_at_wall * at.per_reference_temperature).ln();
+        let by_pressure = (p[0] - 0.5) * (at.pressure / at.reference_pressure).ln();
+        let by_temperature = (p[1] - 0.5) * (at.gas_temperature_at_wall / at.reference_temperature).ln();
         (by_pressure + by_temperature).exp()
     }
 }
