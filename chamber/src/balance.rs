@@ -510,7 +510,7 @@ impl<R: Real> Balance<R> {
         }
         let rates = Rates {
             mass: flows.inflow - flows.outflow,
-            energy: if S::TIGHT { heat_flow - work } else { heat_flow + enthalpy_flow - work },
+            energy: heat_flow + enthalpy_flow - work,
             pressure: pressure_rate,
             heat_flow,
             heat_transfer_coefficient: coefficient,

@@ -130,20 +130,20 @@ fn integrate<'a, const N: usize, const BITS: u32>(
     passed.resize(stretches, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0.. {
-        let active = |c: &&Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
-        let systems: Vec<Row> = courses.iter().filter(active).map(|c| c.system(index)).collect();
+        let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
+        let systems: Vec<Row> = courses.iter().filter(|c| active(c)).map(|c| c.system(index)).collect();
         if systems.is_empty() {
             break;
         }
         problems.clear();
-        problems.extend(courses.iter().filter(active).map(|c| c.problem(index)));
+        problems.extend(courses.iter().filter(|c| active(c)).map(|c| c.problem(index)));
         let system = General::<N, BITS>::new(&systems, set);
         history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
         advance(arch, &system, &mut problems, relative, history);
         if history.is_at_limit() {
             return None;
         }
-        for (c, problem) in courses.iter_mut().filter(|c| active(&&**c)).zip(&problems) {
+        for (c, problem) in courses.iter_mut().filter(|c| active(c)).zip(&problems) {
             passed[c.first + index] = (problem.steps, problem.view);
             c.take::<BITS>(problem);
         }
@@ -219,9 +219,9 @@ impl<'a, const N: usize> Course<'a, N> {
     /// Whether it starts where the law of its heat transfer is no power series.
     fn starts_singular(&self) -> bool {
         let Scenario { chamber, ambient_temperature_k, initial_temperature_k, .. } = self.scenario;
-        let rest = || effects::rest_temperature(&chamber.effects, *ambient_temperature_k);
+        let rest = effects::rest_temperature(&chamber.effects, *ambient_temperature_k);
         !self.plan.active.intersection(effects::SINGULAR).is_empty()
-            && (initial_temperature_k - rest()).abs() < NEAR_EQUILIBRIUM_K
+            && (initial_temperature_k - rest).abs() < NEAR_EQUILIBRIUM_K
     }
 
     /// Goes on from where a stretch has ended.

@@ -53,7 +53,9 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: Shown, rows
     let Memory { chambers, buffers } = memory;
     let mut all: Vec<Test> =
         rows.iter().map(|&(row, duration)| Test::new(row, &scenarios[row as usize], duration)).collect();
-    if !set.is_empty() {
+    if set.is_empty() {
+        all.iter_mut().for_each(|test| test.exchange([test.from, test.to].map(|volume| test.closed.rate(volume))));
+    } else {
         exchange(arch, chambers, set, &mut all, scenarios);
     }
     // Lanes that wait for one with more parts are few where neighbours have as many.
@@ -101,19 +103,24 @@ struct Test {
 }
 
 impl Test {
-    /// Without effects.
+    /// Without effects, and before it is known how fast it exchanges heat: [`Test::exchange`].
     #[inline]
     fn new(row: u32, s: &Scenario, duration: f64) -> Self {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
         let (start, push) = (s.initial_temperature_k, s.push_time_s);
         let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        let rates = [from, to].map(|volume| closed.rate(volume));
-        let parts = Closed::parts(rates, to / from, push);
-        Self { row, duration, closed, rate: rates[1], parts, start, from, to, push }
+        Self { row, duration, closed, rate: 0.0, parts: 0.0, start, from, to, push }
+    }
+
+    /// Takes 1/τ_f, 1/s, with the piston where it begins and where it ends.
+    #[inline]
+    fn exchange(&mut self, rates: [f64; 2]) {
+        self.rate = rates[1];
+        self.parts = Closed::parts(rates, self.to / self.from, self.push);
     }
 }
 
-/// Changes the wall's temperature and the rates of tests to those with the effects of a set.
+/// Gives tests the wall's temperature and the rates that they have with the effects of a set.
 fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test], scenarios: &[Scenario]) {
     for tests in all.chunks_mut(WIDTH) {
         let at = |lane: usize| lane.min(tests.len() - 1);
@@ -123,8 +130,7 @@ fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test
         for (lane, test) in tests.iter_mut().enumerate() {
             let [wall, begin, end] = found.map(|all| all[lane]);
             test.closed.ambient_temperature = wall;
-            test.rate = end;
-            test.parts = Closed::parts([begin, end], test.to / test.from, test.push);
+            test.exchange([begin, end]);
         }
     }
 }

@@ -234,11 +234,9 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
         }
         // T = P V/(m R).
         let share = rates.pressure * at.volume + at.pressure * at.piston_area * at.velocity;
-        let by_pressure = share * self.per_gas_constant;
-        let warming = (if Self::TIGHT { by_pressure } else { by_pressure - at.temperature * rates.mass }) * at.per_mass;
+        let warming = (share * self.per_gas_constant - at.temperature * rates.mass) * at.per_mass;
         let view = View { value: [at.pressure, at.temperature], slope: [rates.pressure * pace, warming * pace] };
-        let received = if Self::TIGHT { rates.heat_flow } else { rates.heat_flow + rates.enthalpy_flow };
-        let power = [received * pace, rates.work * pace];
+        let power = [(rates.heat_flow + rates.enthalpy_flow) * pace, rates.work * pace];
         Moment { slope: out, view, power }
     }
 

@@ -58,7 +58,7 @@ pub use scenario::{Hold, Options, Scenario, Solver};
 
 use chamber::AreaLaw;
 use chamber::balance::STATES;
-use chamber::card::{ActsOn, Balance};
+use chamber::card::ActsOn;
 use chamber::effects::{self, EffectSet};
 use exact_rows::Shown;
 use plan::Plan;
@@ -203,7 +203,7 @@ impl Sorted {
                 }
                 continue;
             }
-            let tight = sealed && KEEP_THE_MASS.contains(on_the_gas(active));
+            let tight = sealed && effects::KEEP_THE_MASS.contains(on_the_gas(active));
             let kind = swept + 2 * if tight { TIGHT_ROWS } else { usize::from(s.profile.is_some()) };
             match Plan::new(set, active, s) {
                 Ok(plan) => self.others[kind].push((row, plan)),
@@ -237,20 +237,6 @@ fn on_the_gas(set: EffectSet) -> EffectSet {
     set.without(effects::of_sensor()).without(effects::of_recorded_stroke())
 }
 
-/// Effects that let no gas pass: with these alone, and without flows, the mass stays what it is.
-const KEEP_THE_MASS: EffectSet = {
-    let mut set = EffectSet::NONE;
-    let mut effect = 0;
-    while effect < effects::COUNT {
-        let card = &effects::CARDS[effect];
-        if matches!(card.balance, Balance::Energy) && matches!(card.acts_on, ActsOn::Gas) {
-            set = set.union(EffectSet::one(effect));
-        }
-        effect += 1;
-    }
-    set
-};
-
 macro_rules! sets_with_code_of_their_own {
     ($($bits:expr),* $(,)?) => {
         /// Sets of effects that rows are integrated with by code compiled for them, in the order in which they are tried.
@@ -266,7 +252,7 @@ macro_rules! sets_with_code_of_their_own {
         ) {
             // What the sensor does to a known pressure is no matter of the integration.
             let set = on_the_gas(set);
-            let set = if tight { set.intersection(KEEP_THE_MASS) } else { set };
+            let set = if tight { set.intersection(effects::KEEP_THE_MASS) } else { set };
             match compiled_for(set, tight) {
                 $(Some(bits) if bits == const { $bits } && !matches!(batch.arch, pulp::Arch::Scalar) => {
                     const BITS: u32 = $bits;
@@ -286,14 +272,13 @@ macro_rules! sets_with_code_of_their_own {
 /// carry the states of all effects along and take longer.
 pub fn has_code_of_its_own(set: EffectSet) -> bool {
     let set = on_the_gas(set);
-    compiled_for(set, KEEP_THE_MASS.contains(set)).is_some()
+    compiled_for(set, effects::KEEP_THE_MASS.contains(set)).is_some()
 }
 
-/// The bits of the first compiled set that has all effects of a set; sets of tight rows first where these are.
+/// The bits of the first compiled set that has all effects of a set; one of tight rows only for such.
 fn compiled_for(set: EffectSet, tight: bool) -> Option<u32> {
-    let fits = |bits: &u32, tight| EffectSet::from_bits(*bits).contains(set) && (bits & general::TIGHT != 0) == tight;
-    let of_tight = COMPILED.iter().copied().find(|bits| tight && fits(bits, true));
-    of_tight.or_else(|| COMPILED.iter().copied().find(|bits| fits(bits, false)))
+    let fits = |bits: &u32| (tight || bits & general::TIGHT == 0) && EffectSet::from_bits(*bits).contains(set);
+    COMPILED.iter().copied().find(fits)
 }
 
 /// All effects on the gas that have no states of their own, but for the curve of any kind, whose code is as long as that of
@@ -315,13 +300,14 @@ const WITHOUT_STATES: u32 = {
 sets_with_code_of_their_own![];
 #[cfg(not(test))]
 sets_with_code_of_their_own![
+    // Tight rows take the first that fits, the others the first that is not of tight ones.
+    general::TIGHT | general::ASKED | WITHOUT_STATES & effects::KEEP_THE_MASS.bits(),
+    general::TIGHT | bit("wall_heating"),
+    general::TIGHT | bit("gas_zones"),
+    general::TIGHT | bit("wall_conduction"),
     0,
     bit("leakage"),
     bit("wall_heating"),
     bit("gas_zones"),
     WITHOUT_STATES | general::ASKED,
-    general::TIGHT | general::ASKED | WITHOUT_STATES & KEEP_THE_MASS.bits(),
-    general::TIGHT | bit("wall_heating"),
-    general::TIGHT | bit("gas_zones"),
-    general::TIGHT | bit("wall_conduction"),
 ];

@@ -4,7 +4,7 @@
 //! hooks of [`Effect`], each neutral by default. Hooks run in the order of the trait's methods, effects in the list's.
 
 use crate::balance::{Conditions, Flows, Rates};
-use crate::card::{ActsOn, Card};
+use crate::card::{ActsOn, Balance, Card};
 use crate::gas::Gas;
 use crate::real::Real;
 
@@ -199,13 +199,7 @@ macro_rules! effects {
         }
 
         /// Effects with [`Effect::CALORIC`].
-        pub const CALORIC: EffectSet = {
-            let mut set = EffectSet::NONE;
-            $(if $module::$name::CALORIC {
-                set = set.union(EffectSet::one(Id::$module as usize));
-            })*
-            set
-        };
+        pub const CALORIC: EffectSet = EffectSet::of([$($module::$name::CALORIC),*]);
 
         /// Internal energy over m cv T at a temperature, K: the product of [`Effect::internal_energy`] of the effects in `set`.
         #[inline(always)]
@@ -250,13 +244,7 @@ macro_rules! effects {
         }
 
         /// Effects with [`Effect::VOLUMETRIC`].
-        pub const VOLUMETRIC: EffectSet = {
-            let mut set = EffectSet::NONE;
-            $(if $module::$name::VOLUMETRIC {
-                set = set.union(EffectSet::one(Id::$module as usize));
-            })*
-            set
-        };
+        pub const VOLUMETRIC: EffectSet = EffectSet::of([$($module::$name::VOLUMETRIC),*]);
 
         /// Whether the gas fills another volume than the geometry's by an effect in `set`, with these parameters.
         #[inline(always)]
@@ -335,22 +323,10 @@ macro_rules! effects {
         }
 
         /// Effects with [`Effect::SINGULAR`].
-        pub const SINGULAR: EffectSet = {
-            let mut set = EffectSet::NONE;
-            $(if $module::$name::SINGULAR {
-                set = set.union(EffectSet::one(Id::$module as usize));
-            })*
-            set
-        };
+        pub const SINGULAR: EffectSet = EffectSet::of([$($module::$name::SINGULAR),*]);
 
         /// Effects with [`Effect::CORNERS`].
-        pub const WITH_CORNERS: EffectSet = {
-            let mut set = EffectSet::NONE;
-            $(if $module::$name::CORNERS {
-                set = set.union(EffectSet::one(Id::$module as usize));
-            })*
-            set
-        };
+        pub const WITH_CORNERS: EffectSet = EffectSet::of([$($module::$name::CORNERS),*]);
 
         /// [`Effect::corner`] of the effects in `set`: the first of all.
         #[inline(always)]
@@ -609,16 +585,26 @@ pub const fn of_recorded_stroke() -> EffectSet {
     const { acting_on(ActsOn::RecordedStroke) }
 }
 
-const fn acting_on(part: ActsOn) -> EffectSet {
-    let mut set = EffectSet::NONE;
+/// Effects that act on the energy of the gas and let none of it pass: with these alone, and without flows, its mass stays
+/// what it is.
+pub const KEEP_THE_MASS: EffectSet = {
+    let mut is_in = [false; COUNT];
     let mut i = 0;
     while i < COUNT {
-        if CARDS[i].acts_on as u8 == part as u8 {
-            set = set.union(EffectSet::one(i));
-        }
+        is_in[i] = matches!(CARDS[i].balance, Balance::Energy) && matches!(CARDS[i].acts_on, ActsOn::Gas);
         i += 1;
     }
-    set
+    EffectSet::of(is_in)
+};
+
+const fn acting_on(part: ActsOn) -> EffectSet {
+    let mut is_in = [false; COUNT];
+    let mut i = 0;
+    while i < COUNT {
+        is_in[i] = CARDS[i].acts_on as u8 == part as u8;
+        i += 1;
+    }
+    EffectSet::of(is_in)
 }
 
 /// The effect of that name: its place in the list and its declaration.
@@ -639,6 +625,15 @@ impl EffectSet {
     /// The set of that one effect, by its place in the list.
     pub const fn one(index: usize) -> Self {
         Self(1 << index)
+    }
+    /// The set of the effects at whose places it says so.
+    const fn of(is_in: [bool; COUNT]) -> Self {
+        let (mut bits, mut i) = (0, 0);
+        while i < COUNT {
+            bits |= (is_in[i] as u32) << i;
+            i += 1;
+        }
+        Self(bits)
     }
     /// The set as a number, one bit an effect by its place in the list.
     pub const fn bits(self) -> u32 {
