@@ -75,6 +75,14 @@ fn cases() -> Vec<Case> {
         case("leakage and inflow", Solver::Auto, &[("leakage", None)], true),
         case("sensor_lag of 1 ms and inflow", Solver::Auto, &[("sensor_lag", Some(1e-3))], true),
         case("sensor_lag of 0.1 ms and inflow", Solver::Auto, &[("sensor_lag", Some(1e-4))], true),
+        case("leakage and sensor_lag", Solver::Auto, &[("leakage", None), ("sensor_lag", None)], false),
+        case("leakage and wall_heating", Solver::Auto, &[("leakage", None), ("wall_heating", None)], false),
+        case(
+            "wall_heating, natural_convection, dead_volume_surface",
+            Solver::Auto,
+            &[("wall_heating", None), ("natural_convection", None), ("dead_volume_surface", None)],
+            false,
+        ),
     ];
     for (_, card) in effects::all().filter(|(_, card)| card.name != "gas_column_length") {
         all.push(case(card.name, Solver::Auto, &[(card.name, None)], false));

@@ -102,6 +102,12 @@ impl ToPowers {
     }
 }
 
+/// e^(−w), what a lagging sensor's reading keeps of itself over w time constants.
+#[inline(always)]
+pub fn kept<R: Real>(w: R) -> R {
+    (-w.min(R::from(700.0))).exp()
+}
+
 /// A lagging sensor's reading over a piece.
 #[derive(Clone, Copy, Debug)]
 pub struct Lagged<R> {
@@ -119,7 +125,7 @@ impl<R: Real> Lagged<R> {
     pub fn at(&self, x: R) -> R {
         const TOP: usize = TERMS - 1;
         let w = self.stiffness * x;
-        let faded = (-w.min(R::from(700.0))).exp();
+        let faded = kept(w);
         // Downwards from the series, where any lane goes that way.
         let mut down = [R::ZERO; TERMS];
         if (R::from(UPWARDS + 1.0) - w).any_positive() {

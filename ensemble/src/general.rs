@@ -100,7 +100,9 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         const { assert!(N == states(BITS)) };
         let Row { balance, stretch, .. } = rows[0];
         let balance = Balance::of(balance.chamber.lift());
-        let (moving, stretch) = (balance::moving_states(set), stretch.lift());
+        let all = balance::moving_states(set);
+        let moving = Self::PLACES.iter().filter(|place| **place < all).count();
+        let stretch = stretch.lift();
         let one = Lanes::ONE;
         Self { rows, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
     }
@@ -242,7 +244,7 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
 
     #[inline(always)]
     fn moving(&self) -> usize {
-        if BITS == AT_RUN_TIME { self.moving } else { N }
+        if BITS & ASKED == 0 { N } else { self.moving }
     }
 
     #[inline(always)]

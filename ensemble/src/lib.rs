@@ -155,6 +155,9 @@ struct Batch<'a> {
     options: &'a Options,
 }
 
+/// States of its own of an effect that rows with any others carry along in code compiled for them.
+const FEW: usize = 2;
+
 /// Number of the rows that no gas enters or leaves among those that are integrated, beside rows without (0) and with a
 /// profile (1).
 const TIGHT_ROWS: usize = 2;
@@ -281,33 +284,36 @@ fn compiled_for(set: EffectSet, tight: bool) -> Option<u32> {
     COMPILED.iter().copied().find(fits)
 }
 
-/// All effects on the gas that have no states of their own, but for the curve of any kind, whose code is as long as that of
-/// the others together.
-const WITHOUT_STATES: u32 = {
+/// The effects on the gas with at most so many states of their own, but for the curve of any kind, whose code is as long as
+/// that of the others together.
+const fn on_the_gas_with(states: usize) -> u32 {
     let mut bits = 0;
     let mut effect = 0;
     while effect < effects::COUNT {
         let card = &effects::CARDS[effect];
-        if card.states.is_empty() && matches!(card.acts_on, ActsOn::Gas) {
+        if matches!(card.acts_on, ActsOn::Gas) && card.states.len() <= states {
             bits |= 1 << effect;
         }
         effect += 1;
     }
     bits & !bit("empirical")
-};
+}
 
 #[cfg(test)]
 sets_with_code_of_their_own![];
 #[cfg(not(test))]
 sets_with_code_of_their_own![
     // Tight rows take the first that fits, the others the first that is not of tight ones.
-    general::TIGHT | general::ASKED | WITHOUT_STATES & effects::KEEP_THE_MASS.bits(),
     general::TIGHT | bit("wall_heating"),
     general::TIGHT | bit("gas_zones"),
+    general::TIGHT | general::ASKED | on_the_gas_with(FEW) & effects::KEEP_THE_MASS.bits(),
     general::TIGHT | bit("wall_conduction"),
     0,
     bit("leakage"),
+    bit("laminar_leakage"),
+    bit("supply_leakage"),
     bit("wall_heating"),
     bit("gas_zones"),
-    WITHOUT_STATES | general::ASKED,
+    on_the_gas_with(0) | general::ASKED,
+    on_the_gas_with(FEW) | general::ASKED,
 ];

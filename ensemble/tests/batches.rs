@@ -288,6 +288,16 @@ fn no_effect_by_itself_falls_back_to_the_slow_way_of_all_effects() {
 }
 
 #[test]
+fn effects_beside_each_other_do_not_fall_back_to_the_slow_way_of_all_effects() {
+    let long = [AT_RUN_TIME, "wall_conduction"].map(|name| effects::find(name).unwrap().0);
+    let others: EffectSet = effects::all().map(|(index, _)| index).filter(|index| !long.contains(index)).collect();
+    assert!(has_code_of_its_own(others));
+    for sealed_ones in [others.intersection(effects::KEEP_THE_MASS), EffectSet::one(long[1])] {
+        assert!(has_code_of_its_own(sealed_ones));
+    }
+}
+
+#[test]
 fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
     let kept: Vec<usize> =
         effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();

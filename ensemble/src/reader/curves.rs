@@ -1,7 +1,7 @@
 //! The records of pieces as curves, one a lane: of sensors that follow at once, and of those that lag.
 
 use super::{Job, PRESSURE, Trace, Traces};
-use crate::filter::{Lagged, TERMS, ToPowers};
+use crate::filter::{Lagged, TERMS, ToPowers, kept};
 use crate::interpolant::{Interpolant, Stencil, Stencils};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question, Reading};
@@ -16,9 +16,9 @@ impl Traces<'_> {
         if self.rows.iter().all(|row| row.sensor.lag == 0.0) {
             return;
         }
-        let mut powers = core::mem::take(&mut self.memory.powers);
-        powers.clear();
-        powers.resize(self.memory.pieces.len(), [0.0; TERMS]);
+        let mut lags = core::mem::take(&mut self.memory.lags);
+        lags.clear();
+        lags.resize(self.memory.pieces.len(), Followed::default());
         let lagging: Vec<usize> = (0..self.rows.len())
             .filter(|&row| self.rows[row].sensor.lag > 0.0)
             .flat_map(|row| self.pieces_of(row))
@@ -28,9 +28,11 @@ impl Traces<'_> {
             let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
             let from = Lanes::from_fn(|lane| piece(lane).times[0]);
             let length = Lanes::from_fn(|lane| piece(lane).times[1] - piece(lane).times[0]);
-            let found = arch.dispatch(Powers { inside, to_powers: &self.memory.to_powers, from, length });
+            let lag = Lanes::from_fn(|lane| self.of_segment(piece(lane).segment).0.sensor.lag);
+            let found = arch.dispatch(Follow { inside, to_powers: &self.memory.to_powers, from, length, lag });
             for (lane, &index) in group.iter().enumerate() {
-                powers[index] = found.map(|term| term[lane]);
+                let Followed { pressure, kept, fed } = found;
+                lags[index] = Followed { pressure: pressure.map(|term| term[lane]), kept: kept[lane], fed: fed[lane] };
             }
         }
         for row in 0..self.rows.len() {
@@ -43,19 +45,18 @@ impl Traces<'_> {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
                 let elapsed = plan.stretches[segment.stretch as usize].elapsed;
                 let piece = &mut self.memory.pieces[index];
-                let pressure = powers[index];
-                let lagged =
-                    Lagged { pressure, begin: reading, stiffness: (piece.times[1] - piece.times[0]) / sensor.lag };
+                let Followed { pressure, kept, fed } = lags[index];
                 piece.lagged = reading;
                 let gas = [pressure[0], pressure.iter().sum()];
-                for (end, share) in [0.0, 1.0].into_iter().enumerate() {
-                    reading = if end == 0 { reading } else { lagged.at(share) };
-                    piece.shown[end] = sensor.shown(reading, elapsed + piece.times[end]);
-                    piece.slopes[end] = (gas[end] - reading) / sensor.lag + sensor.drift;
+                let readings = [reading, reading * kept + fed];
+                for end in 0..2 {
+                    piece.shown[end] = sensor.shown(readings[end], elapsed + piece.times[end]);
+                    piece.slopes[end] = (gas[end] - readings[end]) / sensor.lag + sensor.drift;
                 }
+                reading = readings[1];
             }
         }
-        self.memory.powers = powers;
+        self.memory.lags = lags;
     }
 
     /// A quantity in one interval a lane: segments and knots.
@@ -87,7 +88,7 @@ impl Traces<'_> {
                 let question = question(numbers);
                 let answer = if lagging {
                     let pressure =
-                        core::array::from_fn(|k| Lanes::from_fn(|lane| self.memory.powers[job(lane).piece][k]));
+                        core::array::from_fn(|k| Lanes::from_fn(|lane| self.memory.lags[job(lane).piece].pressure[k]));
                     let length = times[1] - times[0];
                     let stiffness = length / Lanes::from_fn(|lane| sensor(lane).lag);
                     let lagged = Lagged { pressure, begin: Lanes::from_fn(|lane| piece(lane).lagged), stiffness };
@@ -106,20 +107,33 @@ impl Traces<'_> {
     }
 }
 
-/// Coefficients of the pressure over a piece of each lane.
-struct Powers<'a> {
+/// What a piece does to the reading of a sensor that lags: it leaves it as `kept` of what it was, and `fed` Pa beside.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Followed<R> {
+    /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
+    pressure: [R; TERMS],
+    kept: R,
+    fed: R,
+}
+
+/// Finds this out for a piece of each lane.
+struct Follow<'a> {
     inside: Stencils,
     to_powers: &'a ToPowers,
     from: Lanes,
     length: Lanes,
+    lag: Lanes,
 }
 
-impl WithSimd for Powers<'_> {
-    type Output = [Lanes; TERMS];
+impl WithSimd for Follow<'_> {
+    type Output = Followed<Lanes>;
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Self::Output {
-        self.to_powers.of(&Interpolant::new(&self.inside), self.from, self.length)
+        let pressure = self.to_powers.of(&Interpolant::new(&self.inside), self.from, self.length);
+        let stiffness = self.length / self.lag;
+        let fed = Lagged { pressure, begin: Lanes::ZERO, stiffness }.at(Lanes::ONE);
+        Followed { pressure, kept: kept(stiffness), fed }
     }
 }
 

@@ -7,7 +7,7 @@
 mod curves;
 mod regressions;
 
-use crate::filter::{CUTS, Sensor, TERMS, ToPowers};
+use crate::filter::{CUTS, Sensor, ToPowers};
 use crate::finish::SETTLED;
 use crate::history::Knot;
 use crate::lanes::{Lanes, WIDTH};
@@ -16,7 +16,7 @@ use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
 use crate::samples::POINTS;
 use chamber::real::Real;
-use curves::Prompt;
+use curves::{Followed, Prompt};
 use pulp::Arch;
 use std::ops::Range;
 
@@ -60,7 +60,7 @@ pub struct Memory {
     pieces: Vec<Piece>,
     /// Where each row's pieces begin; one more for the end.
     begins: Vec<usize>,
-    powers: Vec<[f64; TERMS]>,
+    lags: Vec<Followed<f64>>,
     to_powers: ToPowers,
     jobs: Vec<Job>,
     records: Records,
