@@ -59,7 +59,6 @@ fn identified_model(rig: &Rig, found: &Identification) -> Model {
     Model {
         gas_name: rig.gas.name.clone(),
         chamber: found.chamber,
-        rod_m: rig.cylinder.rod_through_m,
         ambient_temperature_k: found.ambient_temperature_k,
         ambient_pressure_pa: rig.ambient.pressure_pa,
         uncertainty: found.uncertainty.clone(),
@@ -83,7 +82,6 @@ fn diagnosed_model(rig: &Rig, found: &Diagnosed) -> Model {
     Model {
         gas_name: rig.gas.name.clone(),
         chamber: found.chamber(),
-        rod_m: rig.cylinder.rod_through_m,
         ambient_temperature_k: found.data.ambient_temperature_k,
         ambient_pressure_pa: rig.ambient.pressure_pa,
         uncertainty: Some(found.uncertainty()),

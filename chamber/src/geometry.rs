@@ -95,18 +95,6 @@ impl<R: Real> Geometry<R> {
     }
 }
 
-impl Geometry<f64> {
-    /// A chamber of that bore whose piston face has that area, m and m²: what is missing to the bore's is the rod's.
-    pub fn with_piston_area(bore: f64, piston_area: f64, dead_volume: f64, area_law: AreaLaw) -> Self {
-        let square = bore * bore - piston_area * (4.0 / PI);
-        let rod_diameter = if square > ROUNDING * bore * bore { square.sqrt() } else { 0.0 };
-        Self { bore, rod_diameter, piston_area, dead_volume, area_law }
-    }
-}
-
-/// A share of the bore's square below which the rod's is none.
-const ROUNDING: f64 = 1e-9;
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -136,8 +124,6 @@ mod tests {
         for law in [AreaLaw::Total, AreaLaw::Swept] {
             let g = Geometry::new(0.032, 0.012, 0.0, law);
             assert!((g.heat_transfer_area(g.volume(0.1)) * 1e4 / hand - 1.0).abs() < 1e-14);
-            let by_area = Geometry::with_piston_area(0.032, g.piston_area, 0.0, law);
-            assert!((by_area.rod_diameter / 0.012 - 1.0).abs() < 1e-14);
         }
         // A dead volume that is 20 mm of the same annular column counts as those 20 mm do, or with the other law not at all.
         let dead = Geometry::new(0.032, 0.012, 0.0, AreaLaw::Total).piston_area * 0.02;
@@ -145,14 +131,6 @@ mod tests {
         let [longer, alone] = [total, swept].map(|g| g.heat_transfer_area(g.volume(0.08)) * 1e4);
         assert!((longer / hand - 1.0).abs() < 1e-14);
         assert!((hand - alone - PI * (3.2 + 1.2) * 2.0).abs() < 1e-10);
-    }
-
-    #[test]
-    fn a_cap_side_has_no_rod_however_its_area_is_rounded() {
-        for bore in [0.0123, 0.02, 0.032, 0.1] {
-            let g = Geometry::new(bore, 0.0, 1e-6, AreaLaw::Total);
-            assert_eq!(Geometry::with_piston_area(bore, g.piston_area, 1e-6, AreaLaw::Total), g);
-        }
     }
 
     #[test]

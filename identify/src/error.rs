@@ -38,10 +38,10 @@ pub enum Error {
         median_pa: f64,
     },
     /// A heat transfer coefficient that no gas in a cylinder has.
-    #[error("the records ask for lambda0 = {} W/(m2 K), and a gas in a cylinder has 1 to 1000; check the unit of the time column (the pressure relaxes over {} s) and the bore",
+    #[error("the records ask for lambda0 = {} W/(m2 K), and a gas in a cylinder has 1 to 1000; check the unit of the time column (the pressure relaxes over {} s), the bore, and whether pressure or position is recorded late",
         report::digits(*coefficient, 3), report::digits(*time_constant_s, 3))]
     ImplausibleCoefficient {
-        /// λ0 of the paper's model, W/(m² K).
+        /// λ0 of the model that describes them best, W/(m² K).
         coefficient: f64,
         /// The time constant that goes with it, s.
         time_constant_s: f64,

@@ -14,7 +14,7 @@ use chamber::effects::empirical::{Balance as CurveBalance, Curve, Empirical};
 use chamber::effects::{self, CARDS, Effect, EffectSet, EffectValues, PARAMETER_OFFSETS};
 use chamber::real::Real;
 use chamber::simulate::Start;
-use chamber::{AreaLaw, Chamber, Geometry, HeatTransfer};
+use chamber::{Chamber, HeatTransfer};
 
 /// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
 const FIRST_LAMBDA0: f64 = 30.0;
@@ -290,7 +290,7 @@ impl Hypothesis {
 
     /// That model on a rig; begins from `base` (its free numbers too).
     pub fn new(data: &Data, model: Model, base: &Chamber, sizes: &Sizes) -> Self {
-        let swept = data.piston_area_m2 * data.smallest_position_m();
+        let swept = data.cylinder.piston_area_m2 * data.smallest_position_m();
         let axis = |slot, logarithmic, scale, bounds| Axis { slot, logarithmic, scale, bounds, prior: None };
         let mut axes = vec![axis(Slot::Lambda0, true, FIRST_LAMBDA0, [-12.0, 12.0])];
         if !data.dead_volume_known {
@@ -548,7 +548,7 @@ fn stated(data: &Data, model: &Model) -> Vec<Axis> {
     let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };
     let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
     [
-        (Slot::Bore, t.bore_m / data.bore_m),
+        (Slot::Bore, t.bore_m / data.cylinder.bore_m),
         (Slot::PositionScale, t.position_scale),
         (Slot::PositionZero, zero),
         (Slot::AmbientTemperature, t.ambient_temperature_k),
@@ -562,8 +562,7 @@ fn stated(data: &Data, model: &Model) -> Vec<Axis> {
 
 /// The paper's model of a rig before anything is fitted.
 pub fn first_chamber(data: &Data) -> Chamber {
-    let geometry = Geometry::with_piston_area(data.bore_m, data.piston_area_m2, data.dead_volume_m3, AreaLaw::Total);
-    Chamber::new(data.gas, geometry, HeatTransfer::at_paper_reference(FIRST_LAMBDA0))
+    Chamber::new(data.gas, data.cylinder.geometry(data.dead_volume_m3), HeatTransfer::at_paper_reference(FIRST_LAMBDA0))
 }
 
 /// Places of the effects of a set, by name, in the list's order.

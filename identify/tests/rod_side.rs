@@ -25,7 +25,7 @@ fn a_rod_side_without_any_effect_is_adequate_and_its_coefficient_right() {
     let found = traced(&recipe);
     assert_eq!(found.verdict, Verdict::Adequate);
     let chamber = found.chosen.fit.chamber();
-    assert!((chamber.geometry.rod_diameter - 0.016).abs() < 1e-9);
+    assert_eq!(chamber.geometry.rod_diameter, 0.016, "the rod that a model file would state");
     let lambda0 = chamber.heat_transfer.coefficient / recipe.chamber.heat_transfer.coefficient;
     assert!((lambda0 - 1.0).abs() < 0.01, "{lambda0}");
 }

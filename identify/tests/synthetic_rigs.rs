@@ -70,6 +70,17 @@ fn three_effects_are_named_where_records_with_drifts_of_their_own_would_fit_most
 }
 
 #[test]
+fn a_delay_is_named_that_drives_the_paper_s_coefficient_out_of_bounds() {
+    let (delay, _) = effects::find("record_delay").unwrap();
+    let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(35) };
+    recipe.chamber.effects.of_mut(delay)[0] = 0.1;
+    let (_, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+    assert!(paper.chamber().heat_transfer.coefficient < 0.1);
+    let found = traced(&recipe);
+    assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Explained, vec!["record_delay"]));
+}
+
+#[test]
 fn a_leak_of_another_critical_ratio_is_still_a_leak() {
     let (leak, _) = effects::find("leakage").unwrap();
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(33) }.with_strength(leak, 1.0);

@@ -25,8 +25,6 @@ pub struct Model {
     pub gas_name: Option<String>,
     /// All its constants, effects included.
     pub chamber: Chamber,
-    /// Diameter of the rod that runs through the chamber, m: zero on the cap side.
-    pub rod_m: f64,
     /// Temperature of the surroundings, K.
     pub ambient_temperature_k: f64,
     /// Pressure of the surroundings, Pa.
@@ -56,14 +54,13 @@ impl Model {
         let root = document.root();
         root.allow(&["gas", "chamber", "heat_transfer", "effect", "ambient", "uncertainty", "provenance"])?;
         let NamedGas { name: gas_name, gas } = gas::read(&root)?;
-        let (geometry, rod_m) = read_geometry(&root.required_table("chamber")?)?;
+        let geometry = read_geometry(&root.required_table("chamber")?)?;
         let heat_transfer = read_heat_transfer(&root.required_table("heat_transfer")?)?;
         let effects = root.table("effect")?.map_or(Ok(EffectValues::NEUTRAL), |table| read_effects(&table))?;
         let (ambient_temperature_k, ambient_pressure_pa) = read_ambient(&root)?;
         Ok(Self {
             gas_name,
             chamber: Chamber { gas, geometry, heat_transfer, effects },
-            rod_m,
             ambient_temperature_k,
             ambient_pressure_pa,
             uncertainty: Uncertainty::read(&root)?,
@@ -110,7 +107,7 @@ impl Model {
         writeln!(out, "gas_constant_j_per_kg_k = {}", number(gas.gas_constant))?;
         writeln!(out, "heat_capacity_ratio = {}", number(gas.heat_capacity_ratio))?;
         writeln!(out, "\n[chamber]\nbore_m = {}", number(geometry.bore))?;
-        writeln!(out, "rod_m = {}  # of a rod that runs through this chamber", number(self.rod_m))?;
+        writeln!(out, "rod_m = {}  # of a rod that runs through this chamber", number(geometry.rod_diameter))?;
         writeln!(out, "dead_volume_m3 = {}", number(geometry.dead_volume))?;
         writeln!(out, "area_law = \"{}\"", geometry.area_law.name())?;
         writeln!(out, "\n[heat_transfer]\ncoefficient_w_per_m2_k = {}", number(heat_transfer.coefficient))?;
@@ -153,14 +150,14 @@ pub(crate) fn number(value: f64) -> String {
     if value.is_nan() { "nan".to_owned() } else { format!("{value:?}") }
 }
 
-fn read_geometry(table: &Table<'_>) -> Result<(Geometry, f64), Error> {
+fn read_geometry(table: &Table<'_>) -> Result<Geometry, Error> {
     table.allow(&["bore_m", "rod_m", "dead_volume_m3", "area_law"])?;
     let bore = table.required_number("bore_m", &limits::BORE_M)?;
     let rod = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
     check_rod(table, bore, rod)?;
     let dead_volume = table.number("dead_volume_m3", &limits::DEAD_VOLUME_M3)?.unwrap_or(0.0);
     let area_law = table.choice("area_law", &AREA_LAWS)?.unwrap_or(AreaLaw::Total);
-    Ok((Geometry::new(bore, rod, dead_volume, area_law), rod))
+    Ok(Geometry::new(bore, rod, dead_volume, area_law))
 }
 
 /// Refuses a rod that does not fit into the bore.

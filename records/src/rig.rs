@@ -13,6 +13,7 @@ use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
 use crate::model::check_rod;
 use crate::table::Table;
 use crate::trace::{Need, Reading, Trace, Window};
+use chamber::{AreaLaw, Geometry};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
@@ -54,6 +55,14 @@ pub struct Cylinder {
     pub piston_area_m2: f64,
     /// The cylinder's stroke, m, where it is known.
     pub stroke_m: Option<f64>,
+}
+
+impl Cylinder {
+    /// The measured chamber with a dead volume, m³.
+    pub fn geometry(&self, dead_volume_m3: f64) -> Geometry {
+        let Self { bore_m, rod_through_m, piston_area_m2: piston_area, .. } = *self;
+        Geometry { piston_area, ..Geometry::new(bore_m, rod_through_m, dead_volume_m3, AreaLaw::Total) }
+    }
 }
 
 /// The gas volume at position zero.
@@ -229,7 +238,7 @@ fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
     let rod_m = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
     check_rod(table, bore_m, rod_m)?;
     let rod_through_m = if rod_side { rod_m } else { 0.0 };
-    let piston_area_m2 = chamber::Geometry::new(bore_m, rod_through_m, 0.0, chamber::AreaLaw::Total).piston_area;
+    let piston_area_m2 = Geometry::new(bore_m, rod_through_m, 0.0, AreaLaw::Total).piston_area;
     Ok(Cylinder { bore_m, rod_through_m, piston_area_m2, stroke_m })
 }
 

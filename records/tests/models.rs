@@ -5,7 +5,7 @@ use chamber::effects::empirical::{Balance, Curve, KNOTS, Variable};
 use chamber::effects::{self, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
-use records::{Document, Model, Provenance, Rmse, SourceTrace, Uncertainty, Verdict};
+use records::{Document, Model, Provenance, RigFile, Rmse, SourceTrace, Uncertainty, Verdict};
 use std::path::Path;
 
 const FEW: &str = "[chamber]\nbore_m = 0.02\n[heat_transfer]\ncoefficient_w_per_m2_k = 26.5\n";
@@ -30,7 +30,10 @@ fn a_model_by_hand_needs_two_numbers() {
     assert_eq!(model.chamber.geometry, Geometry::new(0.02, 0.0, 0.0, AreaLaw::Total));
     assert_eq!(model.chamber.heat_transfer, HeatTransfer::at_paper_reference(26.5));
     assert!(model.active().is_empty());
-    assert_eq!((model.rod_m, model.ambient_temperature_k, model.ambient_pressure_pa), (0.0, 293.15, 101325.0));
+    assert_eq!(
+        (model.chamber.geometry.rod_diameter, model.ambient_temperature_k, model.ambient_pressure_pa),
+        (0.0, 293.15, 101325.0)
+    );
     assert_eq!((model.uncertainty, model.provenance), (None, Provenance::default()));
 }
 
@@ -233,7 +236,6 @@ prop_compose! {
                 heat_transfer: HeatTransfer { coefficient: heat.0, reference_pressure: heat.1, reference_temperature: heat.2 },
                 effects,
             },
-            rod_m,
             ambient_temperature_k: ambient.0,
             ambient_pressure_pa: ambient.1,
             uncertainty,
@@ -243,6 +245,18 @@ prop_compose! {
 }
 
 proptest! {
+    #[test]
+    fn the_chamber_of_any_rig_can_be_written_and_read(bore in 0.008..0.2_f64, rod_share in 0.0..0.9_f64, dead_volume in 0.0..1e-3_f64) {
+        // As rig files have them: in tenths of a millimetre.
+        let [bore_m, rod_m] = [bore, bore * rod_share].map(|metres| (metres * 1e4).round() / 1e4);
+        let text = format!("[cylinder]\nbore_m = {bore_m:?}\nrod_m = {rod_m:?}\nchamber = \"rod\"\n[ambient]\ntemperature_k = 293.0\n");
+        let rig = RigFile::from_document(&Document::parse(Path::new("rig.toml"), text).unwrap()).unwrap().rig;
+        let geometry = rig.cylinder.geometry(dead_volume);
+        let model = parse(FEW).unwrap();
+        let model = Model { chamber: Chamber { geometry, ..model.chamber }, ..model };
+        prop_assert_eq!(parse(&model.to_toml().unwrap()).unwrap(), model);
+    }
+
     #[test]
     fn every_bit_of_a_model_survives_its_file(model in any_model()) {
         let read = parse(&model.to_toml().unwrap()).unwrap();

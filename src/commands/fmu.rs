@@ -164,7 +164,7 @@ fn starts(model: &Model) -> Starts {
     let chamber = &model.chamber;
     let mut real = [0.0; REALS];
     real[parameter::BORE] = chamber.geometry.bore;
-    real[parameter::ROD_DIAMETER] = model.rod_m;
+    real[parameter::ROD_DIAMETER] = model.chamber.geometry.rod_diameter;
     real[parameter::DEAD_VOLUME] = chamber.geometry.dead_volume;
     real[parameter::INITIAL_PRESSURE] = model.ambient_pressure_pa;
     real[parameter::INITIAL_TEMPERATURE] =

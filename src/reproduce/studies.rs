@@ -104,7 +104,6 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
     Ok(Model {
         gas_name: Some("air".to_owned()),
         chamber,
-        rod_m: 0.0,
         ambient_temperature_k: rounded(measured.ambient.temperature_k.value, DIGITS),
         ambient_pressure_pa: AMBIENT_PRESSURE_PA,
         uncertainty: None,

@@ -158,7 +158,7 @@ impl Point {
         point.set(Base::GasConstant, c.gas.gas_constant);
         point.set(Base::HeatCapacityRatio, c.gas.heat_capacity_ratio);
         point.set(Base::Bore, c.geometry.bore);
-        point.set(Base::Rod, model.rod_m);
+        point.set(Base::Rod, c.geometry.rod_diameter);
         point.set(Base::DeadVolume, c.geometry.dead_volume);
         point.set(Base::Coefficient, c.heat_transfer.coefficient);
         point.set(Base::ReferencePressure, c.heat_transfer.reference_pressure);
@@ -183,7 +183,6 @@ impl Point {
             reference_temperature: get(Base::ReferenceTemperature),
         };
         chamber.effects.0.copy_from_slice(self.effects());
-        model.rod_m = get(Base::Rod);
         model.ambient_temperature_k = get(Base::AmbientTemperature);
         model.ambient_pressure_pa = get(Base::AmbientPressure);
         model

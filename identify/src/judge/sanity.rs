@@ -13,7 +13,7 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let Some(i) = h.axes.iter().position(|a| a.slot == crate::parameters::Slot::DeadVolume) else { return Ok(()) };
     let dead_volume_m3 = h.axes[i].value(fitted.rig[i]);
     let half_width_m3 = 1.96 * covariance(fitted, false)[(i, i)].sqrt() * h.axes[i].scale;
-    let swept_m3 = data.piston_area_m2 * data.smallest_position_m();
+    let swept_m3 = data.cylinder.piston_area_m2 * data.smallest_position_m();
     if swept_m3 > 0.0
         && (dead_volume_m3 + half_width_m3 < -0.05 * swept_m3 || (fitted.at_bound[i] && dead_volume_m3 < 0.0))
     {
@@ -22,7 +22,8 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     Ok(())
 }
 
-/// Refuses a heat transfer coefficient that no gas in a cylinder has.
+/// Refuses a heat transfer coefficient that no gas in a cylinder has, in the model that is settled on: a lag or a delay that the
+/// model does not have yet can make it anything.
 pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let chamber = fitted.chamber();
     let coefficient = chamber.heat_transfer.coefficient;

@@ -11,7 +11,7 @@ use crate::outcome::recording::notes;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::record::prepare::{Data, Prepared};
 use crate::search::baseline;
-use chamber::{AreaLaw, Chamber, Geometry, HeatTransfer};
+use chamber::{Chamber, HeatTransfer};
 use paper::time_constant::{self, TimeConstant};
 use paper::{Recording, Setup};
 use records::{Rig, Trace};
@@ -111,7 +111,7 @@ pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
 fn seven_steps(data: &Data, trace: &Trace, ambient_k: f64) -> Result<TimeConstant, paper::Error> {
     let setup = Setup {
         gas: data.gas,
-        geometry: Geometry::with_piston_area(data.bore_m, data.piston_area_m2, 0.0, AreaLaw::Total),
+        geometry: data.cylinder.geometry(0.0),
         ambient_temperature_k: ambient_k,
         reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
         reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,

@@ -92,6 +92,14 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             data.ambient_temperature_k, data.tolerance.ambient_temperature_k
         ));
     }
+    let highest = data.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max);
+    if highest < data.ambient_pressure_pa {
+        out.push(format!(
+            "no pressure reaches that of the surroundings: {} bar at most, of {} bar; check the unit of the pressure column",
+            digits(highest * 1e-5, 3),
+            digits(data.ambient_pressure_pa * 1e-5, 3)
+        ));
+    }
     let noise = &data.noise;
     if let Some(stated) = noise.stated_pa.filter(|s| (s / noise.total_pa() - 1.0).abs() > 0.2) {
         out.push(format!("the rig states a noise of {stated:.1} Pa, the records show {:.1} Pa", noise.total_pa()));
@@ -105,12 +113,11 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     for t in data.traces.iter().filter(|t| !t.readout.outliers.is_empty()) {
         let times: Vec<String> = t.readout.outliers.iter().take(3).map(|&i| format!("{:.3} s", t.time_s[i])).collect();
         let more = if t.readout.outliers.len() > 3 { ", …" } else { "" };
-        out.push(format!(
-            "{}: {} readings far off are left out (at {}{more} from its first row)",
-            t.path.display(),
-            t.readout.outliers.len(),
-            times.join(", ")
-        ));
+        let readings = match t.readout.outliers.len() {
+            1 => "one reading far off is left out".to_owned(),
+            count => format!("{count} readings far off are left out"),
+        };
+        out.push(format!("{}: {readings} (at {}{more} from its first row)", t.path.display(), times.join(", ")));
     }
     for t in data.traces.iter().filter(|t| t.backward_rows > 0) {
         out.push(format!("{}: {} rows are left out, as their time does not go on", t.path.display(), t.backward_rows));
@@ -152,7 +159,11 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     let fit = &found.chosen.fit;
     let shown = |slot: Slot, moved: f64, scale: f64| match slot {
         Slot::Bore => {
-            format!("a bore of {:.2} mm for {:.2} mm", 1e3 * data.bore_m * (1.0 + moved * scale), 1e3 * data.bore_m)
+            format!(
+                "a bore of {:.2} mm for {:.2} mm",
+                1e3 * data.cylinder.bore_m * (1.0 + moved * scale),
+                1e3 * data.cylinder.bore_m
+            )
         }
         Slot::PositionScale => format!("positions {:+.2} % larger than recorded", 100.0 * moved * scale),
         Slot::PositionZero => format!("a position zero moved by {:+.2} mm", 1e3 * moved * scale),

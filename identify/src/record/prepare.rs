@@ -15,7 +15,7 @@ use crate::record::stroke::{Motion, Phase, Spline, extent};
 use crate::record::unresolved::{self, Unresolved};
 use crate::record::{checks, clock};
 use chamber::Gas;
-use records::{Rig, Tolerance, Trace};
+use records::{Cylinder, Rig, Tolerance, Trace};
 use std::borrow::Cow;
 use std::path::PathBuf;
 
@@ -159,10 +159,8 @@ impl Prepared {
 pub struct Data {
     /// The rig's gas.
     pub gas: Gas,
-    /// Bore, m.
-    pub bore_m: f64,
-    /// Piston area, m².
-    pub piston_area_m2: f64,
+    /// Its cylinder.
+    pub cylinder: Cylinder,
     /// Dead volume to begin from, m³.
     pub dead_volume_m3: f64,
     /// Whether that is known and stays.
@@ -236,8 +234,7 @@ impl Data {
         let first_guess = (0.05 * area * smallest.abs()).max(-1.2 * area * smallest);
         Ok(Self {
             gas: rig.gas.gas,
-            bore_m: rig.cylinder.bore_m,
-            piston_area_m2: area,
+            cylinder: rig.cylinder,
             dead_volume_m3: rig.dead_volume.map_or(first_guess, |d| d.value_m3),
             dead_volume_known: rig.dead_volume.is_some_and(|d| d.known),
             ambient_temperature_k: traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64,

@@ -77,7 +77,6 @@ pub struct Found {
 pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     progress("fitting the paper's model", 0.0);
     let (data, baseline) = baseline::fitted(data)?;
-    sanity::coefficient(&data, &baseline)?;
     let adequacy = adequacy::test(&data, &baseline);
     if !adequacy.is_adequate() {
         sanity::gauge(&data, &baseline)?;
@@ -439,6 +438,7 @@ impl Search {
         }
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         sanity::dead_volume(&self.data, &settled.fit)?;
+        sanity::coefficient(&self.data, &settled.fit)?;
         let found = Found {
             verdict,
             baseline: self.baseline,
@@ -464,10 +464,10 @@ impl Search {
                 if model == Model::PAPER {
                     return Some(self.baseline.clone());
                 }
-                if let Some(known) = self.tried.iter().find(|c| c.model == model) {
-                    return Some(known.clone());
-                }
-                self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit))
+                // From the chosen numbers too: a fit that ended beside its best would make a term seem needed.
+                let known = self.tried.iter().find(|c| c.model == model).cloned();
+                let anew = self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit));
+                known.into_iter().chain(anew).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
             })
             .collect()
     }

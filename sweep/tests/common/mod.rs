@@ -17,7 +17,6 @@ pub fn model() -> Model {
     Model {
         gas_name: Some("air".into()),
         chamber: Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5)),
-        rod_m: 0.0,
         ambient_temperature_k: 293.0,
         ambient_pressure_pa: 1.013e5,
         uncertainty: None,
