@@ -17,6 +17,12 @@ pub enum Error {
         /// The system's reason.
         source: io::Error,
     },
+    /// A folder that was given in the place of a rig file has none.
+    #[error("{}: this folder has no rig.toml; `pneutherm look TRACE -o rig.toml` writes one", folder.display())]
+    NoRig {
+        /// The folder, as it was given.
+        folder: PathBuf,
+    },
     /// The file cannot be written; what stood there before still stands.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {

@@ -171,9 +171,13 @@ impl RigFile {
     /// The content of a rig file, or of the `rig.toml` of a folder.
     ///
     /// # Errors
-    /// As [`Document::read`].
+    /// As [`Document::read`]; [`Error::NoRig`].
     pub fn document(path: &Path) -> Result<Document, Error> {
-        Document::read(&if path.is_dir() { path.join("rig.toml") } else { path.to_owned() })
+        if !path.is_dir() {
+            return Document::read(path);
+        }
+        let file = path.join("rig.toml");
+        if file.exists() { Document::read(&file) } else { Err(Error::NoRig { folder: path.to_owned() }) }
     }
 
     /// How the trace files of a rig are laid out, and the cylinder's stroke, m, where it is known; a document without

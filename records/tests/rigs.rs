@@ -244,3 +244,10 @@ fn a_missing_rig_is_named() {
     let message = Rig::read(folder.path()).unwrap_err().to_string();
     assert!(message.contains("rig.toml: cannot be read: No such file"), "{message}");
 }
+
+#[test]
+fn a_folder_without_a_rig_file_is_told_how_to_get_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = RigFile::read(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("has no rig.toml; `pneutherm look"), "{message}");
+}

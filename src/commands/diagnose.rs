@@ -85,7 +85,8 @@ fn table(d: &Diagnosis) -> String {
     let mut out = String::new();
     let what = match d.verdict {
         "adequate" => format!(
-            "the residual of the paper's model is noise, or below the accuracy of {} Pa",
+            "the residual of the paper's model{} is noise, or below the accuracy of {} Pa",
+            if d.model().is_empty() { String::new() } else { format!(", with {},", d.model()) },
             digits(d.accuracy_pa, 2)
         ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
@@ -112,11 +113,7 @@ fn table(d: &Diagnosis) -> String {
     };
     let _ = writeln!(out, "error, Pa rms        fit     left out     (noise of the recording {:.1})", d.noise_pa);
     for step in &d.steps {
-        let name = if step.effects.is_empty() {
-            "the paper's model".to_owned()
-        } else {
-            format!("+ {}", step.effects.join(" + "))
-        };
+        let name = if step.terms.is_empty() { "the paper's model".to_owned() } else { format!("+ {}", step.terms) };
         let _ = writeln!(out, "{}   {name}", error(&step.rmse_pa));
     }
     out.push('\n');

@@ -65,7 +65,8 @@ fn verdict(d: &Diagnosis) -> Section {
     let remaining = pressure(d.remaining_pa, 2);
     let text = match d.verdict {
         "adequate" => format!(
-            "**Adequate.** The paper's chamber model describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
+            "**Adequate.** The paper's chamber model{} describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
+            if d.model().is_empty() { String::new() } else { format!(", with {},", spaced(d.model())) },
             pressure(d.accuracy_pa, 2)
         ),
         "explained" => format!(
@@ -98,9 +99,9 @@ fn verdict(d: &Diagnosis) -> Section {
         [name, pressure(rmse.fit, 3), held_out]
     };
     for step in &d.steps {
-        let name = match step.effects.is_empty() {
+        let name = match step.terms.is_empty() {
             true => "before: the paper's model".to_owned(),
-            false => format!("with {}", step.effects.iter().map(|e| spaced(e)).collect::<Vec<_>>().join(" + ")),
+            false => format!("with {}", spaced(&step.terms)),
         };
         table.row(errors(name, &step.rmse_pa));
     }

@@ -46,6 +46,8 @@ pub struct Side {
 pub struct Step {
     /// Names of the effects in the model of this step.
     pub effects: Vec<&'static str>,
+    /// All its terms in words, joined by " + ": which of them each record has for itself, too. Empty for the paper's model.
+    pub terms: String,
     /// Errors on fitted and on left-out data, Pa rms.
     pub rmse_pa: Rmse,
 }
@@ -146,6 +148,11 @@ impl Diagnosis {
     /// The effects of the model found, those that each record has for itself among them.
     pub fn terms(&self) -> &[&'static str] {
         self.steps.last().map_or(&self.effects, |step| &step.effects)
+    }
+
+    /// The terms of the model found, in words.
+    pub fn model(&self) -> &str {
+        self.steps.last().map_or("", |step| &step.terms)
     }
 
     /// Whether a curve is among them.
@@ -305,6 +312,7 @@ fn steps(data: &Data, found: &Found) -> Vec<Step> {
         .iter()
         .map(|c| Step {
             effects: names(c.model.effects),
+            terms: terms(&c.model),
             rmse_pa: Rmse { fit: misfit::rms(data, &misfit::residuals(data, &c.fit)), held_out: c.held_out_pa },
         })
         .collect()
