@@ -138,22 +138,18 @@ pub unsafe fn choose<L: Listener>(
 /// Completes an integrator step; no event follows from its completion, and no end.
 ///
 /// # Safety
-/// As for [`guarded`]; the others are NULL or places for a flag.
-pub unsafe fn completed_step<L: Listener, F: Default>(
-    c: *mut c_void,
-    function: &'static str,
+/// Both pointers are NULL or places for a flag.
+pub unsafe fn completed_step<F: Default>(
+    instance: &mut Instance,
     enter_event_mode: *mut F,
     terminate: *mut F,
-) -> CEnum {
+) -> Result<()> {
     // SAFETY: as the caller promises.
-    unsafe {
-        guarded::<L>(c, function, &mut |component| {
-            let (enter, end) = (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?);
-            component.instance.completed_step()?;
-            (*enter, *end) = (F::default(), F::default());
-            Ok(())
-        })
-    }
+    let (enter, end) =
+        unsafe { (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?) };
+    instance.completed_step()?;
+    (*enter, *end) = (F::default(), F::default());
+    Ok(())
 }
 
 /// The words of a panic.
@@ -184,6 +180,28 @@ pub unsafe fn guarded<L: Listener>(
     }
     status as CEnum
 }
+
+/// C functions of a version of FMI, whose `Host` is in scope: what each does with the instance behind the component `c`,
+/// its first argument. Each returns the status that [`guarded`] gives.
+macro_rules! c_functions {
+    ($(
+        $(#[$doc:meta])+
+        extern "C" fn $function:ident($($argument:ident: $of:ty),* $(,)?) = |$instance:pat_param| $call:expr;
+    )+) => {$(
+        $(#[$doc])+
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $function(c: *mut c_void, $($argument: $of),*) -> CEnum {
+            // SAFETY: the host's component, places, arrays and texts, as the standard has them.
+            unsafe {
+                boundary::guarded::<Host>(c, stringify!($function), &mut |component| {
+                    let $instance = &mut component.instance;
+                    $call
+                })
+            }
+        }
+    )+};
+}
+pub(crate) use c_functions;
 
 /// Resets the component, also after a break-down.
 ///
