@@ -39,7 +39,9 @@ fn of_library() -> Option<Block> {
 /// A host's logger, in a version of FMI. A copy of it stays valid when the instance is gone.
 pub trait Listener: Clone {
     /// A message in the words of that version; it is written in those of FMI 2.0.
-    fn words(text: &str) -> String;
+    fn words(text: &str) -> String {
+        text.to_owned()
+    }
 
     /// A refusal in the terms of that version; it is made in those of FMI 2.0.
     fn terms(refusal: Refusal) -> Refusal {
