@@ -132,7 +132,7 @@ fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
     match &look.found {
         Some(found) => record(&mut out, found, cycles, open),
         None => {
-            let options: Vec<String> = look.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
+            let options: Vec<String> = look.guess.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
             let _ = writeln!(out, "\nnot recognised; name the column with {}", options.join(", "));
         }
     }
@@ -197,7 +197,7 @@ fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {
         "header_line": look.dialect.header,
         "names": look.dialect.names,
         "columns": columns,
-        "missing": look.missing().into_iter().map(Quantity::key).collect::<Vec<_>>(),
+        "missing": look.guess.missing().into_iter().map(Quantity::key).collect::<Vec<_>>(),
         "rig": rig,
     });
     if let Some(Found { trace, readings, phases }) = &look.found {
