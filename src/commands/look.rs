@@ -72,10 +72,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         output::write(path, rig.as_bytes())?;
     }
     if let Some(path) = &args.json {
-        let value = json(&look, &cycles, &rig);
-        output::write(path, &[serde_json::to_vec_pretty(&value)?, b"\n".to_vec()].concat())?;
+        output::write_json(path, &json(&look, &cycles, &rig))?;
     }
-    if [&args.output, &args.json].into_iter().flatten().any(|path| output::is_stdout(path)) {
+    if output::is_stdout_taken([&args.output, &args.json]) {
         return Ok(());
     }
     let mut out = summary(&look, &cycles, open);
