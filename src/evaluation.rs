@@ -1,9 +1,10 @@
 //! What `pneutherm identify`, `diagnose` and `validate` do before they print, for other callers: Python.
 
 use anyhow::{Context, bail};
+use chamber::Chamber;
 use identify::outcome::diagnosis;
 use identify::{Diagnosed, Identification, Method, Validated};
-use records::{Model, Provenance, Rig, Rmse};
+use records::{Model, Provenance, Rig, Rmse, Uncertainty};
 use std::path::Path;
 
 use crate::{diagnosis_page, output};
@@ -56,13 +57,24 @@ pub fn validate(model: &Model, rig: &Rig, whole_record: bool) -> anyhow::Result<
 
 fn identified_model(rig: &Rig, found: &Identification) -> Model {
     let rmse = Some(rmse(&found.rmse_pa));
+    let provenance = Provenance { rmse_before_pa: rmse, rmse_after_pa: rmse, ..Provenance::of_rig(rig) };
+    model(rig, found.chamber, found.ambient_temperature_k, found.uncertainty.clone(), provenance)
+}
+
+fn model(
+    rig: &Rig,
+    chamber: Chamber,
+    ambient_temperature_k: f64,
+    uncertainty: Option<Uncertainty>,
+    provenance: Provenance,
+) -> Model {
     Model {
         gas_name: rig.gas.name.clone(),
-        chamber: found.chamber,
-        ambient_temperature_k: found.ambient_temperature_k,
+        chamber,
+        ambient_temperature_k,
         ambient_pressure_pa: rig.ambient.pressure_pa,
-        uncertainty: found.uncertainty.clone(),
-        provenance: Provenance { rmse_before_pa: rmse, rmse_after_pa: rmse, ..Provenance::of_rig(rig) },
+        uncertainty,
+        provenance,
     }
 }
 
@@ -79,17 +91,11 @@ pub fn write_diagnosed(rig: &Rig, found: &Diagnosed, path: &Path) -> anyhow::Res
 }
 
 fn diagnosed_model(rig: &Rig, found: &Diagnosed) -> Model {
-    Model {
-        gas_name: rig.gas.name.clone(),
-        chamber: found.chamber(),
-        ambient_temperature_k: found.data.ambient_temperature_k,
-        ambient_pressure_pa: rig.ambient.pressure_pa,
-        uncertainty: Some(found.uncertainty()),
-        provenance: Provenance {
-            verdict: Some(found.found.verdict),
-            rmse_before_pa: Some(rmse(&found.diagnosis.before.rmse_pa)),
-            rmse_after_pa: Some(rmse(&found.diagnosis.after.rmse_pa)),
-            ..Provenance::of_rig(rig)
-        },
-    }
+    let provenance = Provenance {
+        verdict: Some(found.found.verdict),
+        rmse_before_pa: Some(rmse(&found.diagnosis.before.rmse_pa)),
+        rmse_after_pa: Some(rmse(&found.diagnosis.after.rmse_pa)),
+        ..Provenance::of_rig(rig)
+    };
+    model(rig, found.chamber(), found.data.ambient_temperature_k, Some(found.uncertainty()), provenance)
 }

@@ -2,7 +2,7 @@
 
 use chamber::effects::{self, EffectSet};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Whether a path given for output means standard output.
 pub fn is_stdout(path: &Path) -> bool {
@@ -12,6 +12,16 @@ pub fn is_stdout(path: &Path) -> bool {
 /// Writes `bytes` to the file, atomically, or to standard output for `-`.
 pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if is_stdout(path) { print(bytes) } else { Ok(records::write_atomically(path, bytes)?) }
+}
+
+/// Writes a result for programs: JSON in lines.
+pub fn write_json(path: &Path, result: &impl serde::Serialize) -> anyhow::Result<()> {
+    write(path, (serde_json::to_string_pretty(result)? + "\n").as_bytes())
+}
+
+/// Whether standard output is one of the places for output that were asked for.
+pub fn is_stdout_taken<const N: usize>(asked: [&Option<PathBuf>; N]) -> bool {
+    asked.into_iter().flatten().any(|path| is_stdout(path))
 }
 
 /// Tells something that is no error, on standard error.

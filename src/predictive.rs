@@ -15,7 +15,7 @@ use sweep::axis::Axis;
 use sweep::design::{Axes, Design};
 use sweep::distribution::{Distribution, Limits, normal};
 use sweep::quantity::Point;
-use sweep::uncertain::Uncertain;
+use sweep::uncertain::{self, Uncertain};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +110,8 @@ pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Resul
 /// Models with drawn parameters, each with the error of its start in standard deviations.
 fn draws(model: &Model, known: &Uncertain, wanted: Wanted) -> anyhow::Result<Vec<(Model, f64)>> {
     let mut axes: Vec<Axis> = known.parameters.iter().map(|p| Axis::Drawn(p.distribution.clone())).collect();
-    let copula = known.copula((0..axes.len()).collect()).map_err(|why| anyhow!("the model {why}"))?;
+    let copula =
+        uncertain::copula((0..axes.len()).collect(), &known.correlation).map_err(|why| anyhow!("the model {why}"))?;
     axes.push(Axis::Drawn(Distribution::Normal { mean: 0.0, sd: 1.0, limits: Limits::default() }));
     let mut columns = vec![Vec::new(); axes.len()];
     let count = u64::from(wanted.samples);

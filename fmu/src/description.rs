@@ -34,7 +34,9 @@ pub trait Dialect {
     const GUID: &'static str;
 
     /// Further attributes of the whole description.
-    fn more() -> Attributes;
+    fn more() -> Attributes {
+        Vec::new()
+    }
     /// What the FMU can do, for Model Exchange and for co-simulation.
     fn capabilities(xml: &mut String, identifier: &str);
     /// The type of a quantity.

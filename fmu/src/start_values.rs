@@ -8,7 +8,7 @@
 //! chamber with the guid of `modelDescription/modelDescription.xml`.
 
 use crate::plant::values::{Choice, INPUTS, REALS, Starts};
-use crate::table::{Role, table};
+use crate::table::admits;
 use chamber::effects::CARDS;
 use thiserror::Error;
 
@@ -17,7 +17,9 @@ pub const LENGTH: usize = VALUES + 8 * (CHOICES + INPUTS + REALS);
 const MAGIC_LENGTH: usize = 16;
 const CHECKSUM: usize = 24;
 const GUID: usize = 32;
-const VALUES: usize = GUID + 40;
+/// Bytes that a guid takes, zeros behind it included.
+pub const GUID_LENGTH: usize = 40;
+const VALUES: usize = GUID + GUID_LENGTH;
 const CHOICES: usize = Choice::ALL.len();
 
 /// The first half of the mark; the second half is its complement, so that the mark stands nowhere but in the block.
@@ -98,9 +100,7 @@ impl Block {
     /// The block as it stands in the library's file: marks, checksum, guid, values.
     pub fn encode(&self) -> [u8; LENGTH] {
         let mut out = AS_BUILT;
-        for (to, from) in out[GUID..VALUES].iter_mut().zip(self.guid.bytes()) {
-            *to = from;
-        }
+        out[GUID..VALUES].copy_from_slice(&padded(&self.guid));
         let choices = Choice::ALL.map(|choice| f64::from(self.starts.parameters.choices.get(choice)));
         let values = choices.into_iter().chain(self.starts.inputs).chain(self.starts.parameters.real);
         for (to, value) in out[VALUES..].chunks_exact_mut(8).zip(values) {
@@ -131,12 +131,7 @@ impl Block {
             .iter_mut()
             .chain(&mut starts.parameters.real)
             .for_each(|to| *to = values.next().unwrap_or(f64::NAN));
-        let admitted = table().iter().all(|v| match v.role {
-            Role::Input(i) => v.admits(starts.inputs[i]),
-            Role::Parameter(i) => v.admits(starts.parameters.real[i]),
-            _ => true,
-        });
-        admitted.then_some(Self { starts, guid })
+        admits(&starts).then_some(Self { starts, guid })
     }
 
     /// Writes the block into a library as built, at each place it has one (a universal binary has two); returns the places.
@@ -160,6 +155,13 @@ impl Block {
         }
         Ok(places)
     }
+}
+
+/// A guid with zeros behind it.
+pub fn padded(guid: &str) -> [u8; GUID_LENGTH] {
+    let mut out = [0; GUID_LENGTH];
+    out.iter_mut().zip(guid.bytes()).for_each(|(to, from)| *to = from);
+    out
 }
 
 /// Places of `needle` in `hay`.

@@ -15,7 +15,6 @@
 //! Whatever cannot be right is refused with file, line and key or column; nothing is guessed silently.
 
 pub mod atomic;
-mod correlation;
 pub mod document;
 mod effect;
 pub mod error;
@@ -31,13 +30,13 @@ pub mod model;
 pub mod names;
 pub mod provenance;
 pub mod rig;
+mod statistics;
 pub mod table;
 pub mod trace;
 pub mod uncertainty;
 pub mod units;
 
 pub use atomic::write_atomically;
-pub use correlation::correlation;
 pub use document::Document;
 pub use error::Error;
 pub use field::Field;
@@ -45,9 +44,10 @@ pub use gas::NamedGas;
 pub use layout::Layout;
 pub use measurement::{Sensor, Tolerance};
 pub use model::Model;
-pub use names::nearest;
+pub use names::{nearest, repeated};
 pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
+pub use statistics::correlation;
 pub use table::Table;
 pub use trace::{LeftOut, Need, Reading, Trace, Window, fields_of_line};
 pub use uncertainty::Uncertainty;

@@ -57,12 +57,12 @@ impl Model {
         let geometry = read_geometry(&root.required_table("chamber")?)?;
         let heat_transfer = read_heat_transfer(&root.required_table("heat_transfer")?)?;
         let effects = root.table("effect")?.map_or(Ok(EffectValues::NEUTRAL), |table| read_effects(&table))?;
-        let (ambient_temperature_k, ambient_pressure_pa) = read_ambient(&root)?;
+        let (temperature_k, pressure_pa) = read_ambient(&root)?;
         Ok(Self {
             gas_name,
             chamber: Chamber { gas, geometry, heat_transfer, effects },
-            ambient_temperature_k,
-            ambient_pressure_pa,
+            ambient_temperature_k: temperature_k.unwrap_or(limits::ROOM_TEMPERATURE_K),
+            ambient_pressure_pa: pressure_pa.unwrap_or(limits::STANDARD_ATMOSPHERE_PA),
             uncertainty: Uncertainty::read(&root)?,
             provenance: Provenance::read(&root)?,
         })
@@ -193,13 +193,9 @@ fn read_effects(table: &Table<'_>) -> Result<EffectValues, Error> {
     Ok(values)
 }
 
-fn read_ambient(root: &Table<'_>) -> Result<(f64, f64), Error> {
-    let Some(table) = root.table("ambient")? else {
-        return Ok((limits::ROOM_TEMPERATURE_K, limits::STANDARD_ATMOSPHERE_PA));
-    };
+/// Temperature, K, and pressure, Pa, of the surroundings, each where the file states it.
+pub(crate) fn read_ambient(root: &Table<'_>) -> Result<(Option<f64>, Option<f64>), Error> {
+    let table = root.table_or_empty("ambient")?;
     table.allow(&["temperature_k", "pressure_pa"])?;
-    Ok((
-        table.number("temperature_k", &limits::TEMPERATURE_K)?.unwrap_or(limits::ROOM_TEMPERATURE_K),
-        table.number("pressure_pa", &limits::PRESSURE_PA)?.unwrap_or(limits::STANDARD_ATMOSPHERE_PA),
-    ))
+    Ok((table.number("temperature_k", &limits::TEMPERATURE_K)?, table.number("pressure_pa", &limits::PRESSURE_PA)?))
 }

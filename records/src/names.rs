@@ -1,4 +1,4 @@
-//! The nearest known name, for a hint beside an unknown one.
+//! Names as people type them: the nearest known one beside an unknown one, one that stands there twice.
 
 /// The candidate most like `name`, if any is like it at all.
 ///
@@ -12,6 +12,11 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .filter(|(likeness, _)| *likeness >= 0.5)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
+}
+
+/// The first of the items that stands there a second time.
+pub fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(i, item)| items[..*i].contains(item)).map(|(_, item)| item)
 }
 
 fn likeness(a: &str, b: &str) -> f64 {

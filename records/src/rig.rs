@@ -10,7 +10,8 @@ use crate::key::{Bounds, KeyProblem};
 use crate::layout::Layout;
 use crate::limits;
 use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
-use crate::model::check_rod;
+use crate::model::{check_rod, read_ambient};
+use crate::names::repeated;
 use crate::table::Table;
 use crate::trace::{Need, Reading, Trace, Window};
 use chamber::{AreaLaw, Geometry};
@@ -192,8 +193,8 @@ impl RigFile {
         }
         let root = document.root();
         root.allow(&TABLES)?;
-        let (ambient, pressure_given) = read_ambient(&root)?;
-        Ok((Layout::read(&root, pressure_given.then_some(ambient.pressure_pa))?, None))
+        let (_, pressure_pa) = read_ambient(&root)?;
+        Ok((Layout::read(&root, pressure_pa)?, None))
     }
 
     /// Reads a rig from a document.
@@ -204,21 +205,21 @@ impl RigFile {
         let root = document.root();
         root.allow(&TABLES)?;
         let cylinder_table = root.required_table("cylinder")?;
-        let (ambient, pressure_given) = read_ambient(&root)?;
+        let (temperature_k, pressure_pa) = read_ambient(&root)?;
         let cylinder = read_cylinder(&cylinder_table)?;
         let stated_tolerance = StatedTolerance::read(&root, cylinder.bore_m)?;
         let rig = Rig {
             path: document.path().to_owned(),
             cylinder,
             dead_volume: read_dead_volume(&cylinder_table)?,
-            ambient,
+            ambient: Ambient { temperature_k, pressure_pa: pressure_pa.unwrap_or(limits::STANDARD_ATMOSPHERE_PA) },
             gas: gas::read(&root)?,
             sensor: Sensor::read(&root)?,
             accuracy_pa: read_accuracy(&root)?,
-            tolerance: stated_tolerance.or(Tolerance::default_of(cylinder.bore_m, ambient.temperature_k.is_some())),
+            tolerance: stated_tolerance.or(Tolerance::default_of(cylinder.bore_m, temperature_k.is_some())),
             experiments: Vec::new(),
         };
-        let layout = Layout::read(&root, pressure_given.then_some(ambient.pressure_pa))?;
+        let layout = Layout::read(&root, pressure_pa)?;
         let folder = document.path().parent().unwrap_or(Path::new(""));
         let plan = root.tables("experiment")?.into_iter().map(|table| read_experiment(&table, folder));
         Ok(Self { rig, stated_tolerance, layout, plan: plan.collect::<Result<_, _>>()? })
@@ -255,19 +256,6 @@ fn read_dead_volume(table: &Table<'_>) -> Result<Option<DeadVolume>, Error> {
     Ok(value.map(|value_m3| DeadVolume { value_m3, known }))
 }
 
-/// The surroundings, and whether the file gives their pressure.
-fn read_ambient(root: &Table<'_>) -> Result<(Ambient, bool), Error> {
-    let none = Ambient { temperature_k: None, pressure_pa: limits::STANDARD_ATMOSPHERE_PA };
-    let Some(table) = root.table("ambient")? else { return Ok((none, false)) };
-    table.allow(&["temperature_k", "pressure_pa"])?;
-    let pressure = table.number("pressure_pa", &limits::PRESSURE_PA)?;
-    let ambient = Ambient {
-        temperature_k: table.number("temperature_k", &limits::TEMPERATURE_K)?,
-        pressure_pa: pressure.unwrap_or(none.pressure_pa),
-    };
-    Ok((ambient, pressure.is_some()))
-}
-
 fn read_experiment(table: &Table<'_>, folder: &Path) -> Result<PlannedExperiment, Error> {
     table.allow(&["name", "traces", "from_s", "to_s"])?;
     let name = table.text("name")?.ok_or_else(|| table.missing("name", "a name for this kind of test"))?;
@@ -277,8 +265,8 @@ fn read_experiment(table: &Table<'_>, folder: &Path) -> Result<PlannedExperiment
         let problem = "an empty list; name at least one trace file";
         return Err(table.refuse("traces", KeyProblem::Contradiction(problem.to_owned())));
     }
-    if let Some(twice) = traces.iter().enumerate().find(|(i, trace)| traces[..*i].contains(trace)) {
-        let problem = format!("`{}` is named twice; repeats are different records", twice.1);
+    if let Some(twice) = repeated(&traces) {
+        let problem = format!("`{twice}` is named twice; repeats are different records");
         return Err(table.refuse("traces", KeyProblem::Contradiction(problem)));
     }
     let window = Window {

@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use crate::key::{Bounds, KeyProblem};
+use crate::names::repeated;
 use crate::provenance::quoted;
 use crate::table::Table;
 use std::fmt::Write;
@@ -39,7 +40,7 @@ impl Uncertainty {
             Err(table.refuse(key, KeyProblem::Contradiction(problem)))
         };
         let contradiction = |key, problem| table.refuse(key, KeyProblem::Contradiction(problem));
-        if let Some((_, twice)) = parameters.iter().enumerate().find(|(i, name)| parameters[..*i].contains(name)) {
+        if let Some(twice) = repeated(&parameters) {
             return Err(contradiction("parameters", format!("`{twice}` is named twice")));
         }
         let ci95 = rows("ci95", "an interval [low, high] for each parameter")?;

@@ -180,7 +180,7 @@ fn what_cannot_be_told_is_asked_for_and_a_named_column_is_taken() {
     let path = folder.path().join("abc.csv");
     std::fs::write(&path, table("a,b,c", |t, p, x| format!("{t},{p},{x}"))).unwrap();
     let look = Look::at(&path, &Names::default()).unwrap();
-    assert_eq!(look.missing(), [Quantity::Time, Quantity::Pressure, Quantity::Position]);
+    assert_eq!(look.guess.missing(), [Quantity::Time, Quantity::Pressure, Quantity::Position]);
     let rig = rig_file(&look, &Stated::default());
     assert!(rig.contains("# pressure = { name = \"...\", unit = \"Pa\" }  # FILL IN"), "{rig}");
     let name = |name: &str| Some(name.to_owned());

@@ -241,7 +241,7 @@ fn a_rig_without_experiments_cannot_be_evaluated() {
 #[test]
 fn a_missing_rig_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    let message = Rig::read(folder.path()).unwrap_err().to_string();
+    let message = Rig::read(&folder.path().join("rig.toml")).unwrap_err().to_string();
     assert!(message.contains("rig.toml: cannot be read: No such file"), "{message}");
 }
 

@@ -1,13 +1,12 @@
 //! `pneutherm diagnose`: closes the loop between measured traces and the model.
 
-use crate::commands::estimates;
+use crate::commands::{estimates, progress};
 use crate::{evaluation, output};
 use identify::outcome::diagnosis::{Diagnosis, Rmse, Unnamed};
 use identify::outcome::read_off::Empirical;
 use records::Rig;
 use report::digits;
 use std::fmt::Write;
-use std::io::IsTerminal;
 use std::path::PathBuf;
 
 /// Find which effects the paper's model lacks, with the error before and after on left-out records
@@ -45,7 +44,7 @@ const SHOWN: usize = 24;
 /// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let rig = Rig::read(&args.rig)?;
-    let bar = progress_bar();
+    let bar = progress::bar(100, "{bar:30} {percent:>3} % {msg}");
     let found = evaluation::diagnose(&rig, args.report.as_deref(), &|what, share| {
         bar.set_message(what.to_owned());
         bar.set_position((share * 100.0) as u64);
@@ -53,7 +52,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let found = found?;
     if let Some(path) = &args.json {
-        output::write(path, &[serde_json::to_vec_pretty(&found.diagnosis)?, b"\n".to_vec()].concat())?;
+        output::write_json(path, &found.diagnosis)?;
     }
     if let Some(path) = &args.output {
         let verdict = found.diagnosis.verdict;
@@ -65,20 +64,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         }
         evaluation::write_diagnosed(&rig, &found, path)?;
     }
-    let taken = [&args.output, &args.json, &args.report].into_iter().flatten().any(|p| output::is_stdout(p));
-    if taken { Ok(()) } else { output::print(table(&found.diagnosis).as_bytes()) }
-}
-
-/// A bar on standard error, on a terminal only.
-fn progress_bar() -> indicatif::ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return indicatif::ProgressBar::hidden();
+    if output::is_stdout_taken([&args.output, &args.json, &args.report]) {
+        Ok(())
+    } else {
+        output::print(table(&found.diagnosis).as_bytes())
     }
-    let bar = indicatif::ProgressBar::new(100);
-    if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 fn table(d: &Diagnosis) -> String {

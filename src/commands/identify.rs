@@ -46,10 +46,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     let result = evaluation::identify(&Rig::read(&args.rig)?, method, args.output.as_deref())?;
     if let Some(path) = &args.json {
-        output::write(path, &[serde_json::to_vec_pretty(&result)?, b"\n".to_vec()].concat())?;
+        output::write_json(path, &result)?;
     }
-    let taken = [&args.output, &args.json].into_iter().flatten().any(|p| output::is_stdout(p));
-    if taken { Ok(()) } else { output::print(table(&result).as_bytes()) }
+    if output::is_stdout_taken([&args.output, &args.json]) { Ok(()) } else { output::print(table(&result).as_bytes()) }
 }
 
 fn table(r: &Identification) -> String {

@@ -72,10 +72,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         output::write(path, rig.as_bytes())?;
     }
     if let Some(path) = &args.json {
-        let value = json(&look, &cycles, &rig);
-        output::write(path, &[serde_json::to_vec_pretty(&value)?, b"\n".to_vec()].concat())?;
+        output::write_json(path, &json(&look, &cycles, &rig))?;
     }
-    if [&args.output, &args.json].into_iter().flatten().any(|path| output::is_stdout(path)) {
+    if output::is_stdout_taken([&args.output, &args.json]) {
         return Ok(());
     }
     let mut out = summary(&look, &cycles, open);
@@ -132,7 +131,7 @@ fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
     match &look.found {
         Some(found) => record(&mut out, found, cycles, open),
         None => {
-            let options: Vec<String> = look.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
+            let options: Vec<String> = look.guess.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
             let _ = writeln!(out, "\nnot recognised; name the column with {}", options.join(", "));
         }
     }
@@ -197,7 +196,7 @@ fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {
         "header_line": look.dialect.header,
         "names": look.dialect.names,
         "columns": columns,
-        "missing": look.missing().into_iter().map(Quantity::key).collect::<Vec<_>>(),
+        "missing": look.guess.missing().into_iter().map(Quantity::key).collect::<Vec<_>>(),
         "rig": rig,
     });
     if let Some(Found { trace, readings, phases }) = &look.found {

@@ -73,7 +73,8 @@ impl Progress {
         std::thread::scope(|scope| {
             let (end, ended) = channel::<()>();
             scope.spawn(move || {
-                let bar = (self.telling == Telling::Bar).then(|| bar(self.rows));
+                let template = "{bar:30} {human_pos} of {human_len} rows, {msg}";
+                let bar = (self.telling == Telling::Bar).then(|| bar(self.rows, template));
                 while ended.recv_timeout(self.telling.pause()) == Err(RecvTimeoutError::Timeout) {
                     self.tell(bar.as_ref());
                 }
@@ -111,10 +112,10 @@ impl Progress {
     }
 }
 
-/// Hidden where standard error is no terminal.
-fn bar(rows: u64) -> ProgressBar {
-    let bar = ProgressBar::new(rows);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {human_pos} of {human_len} rows, {msg}") {
+/// A bar of that template on standard error; hidden where that is no terminal.
+pub fn bar(length: u64, template: &str) -> ProgressBar {
+    let bar = ProgressBar::new(length);
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar

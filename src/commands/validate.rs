@@ -37,13 +37,16 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let found = evaluation::validate(&Model::read(&args.model)?, &Rig::read(&args.rig)?, args.whole_record)?;
     if let Some(path) = &args.json {
-        output::write(path, &[serde_json::to_vec_pretty(&found.validation)?, b"\n".to_vec()].concat())?;
+        output::write_json(path, &found.validation)?;
     }
     if let Some(path) = &args.report {
         output::write(path, validation_page::html(&args.model, &args.rig, &found)?.as_bytes())?;
     }
-    let taken = [&args.json, &args.report].into_iter().flatten().any(|p| output::is_stdout(p));
-    if taken { Ok(()) } else { output::print(table(&found.validation).as_bytes()) }
+    if output::is_stdout_taken([&args.json, &args.report]) {
+        Ok(())
+    } else {
+        output::print(table(&found.validation).as_bytes())
+    }
 }
 
 fn table(v: &Validation) -> String {

@@ -5,7 +5,7 @@ use report::digits;
 
 /// What the curve of a missing term points to; empty where it says nothing in particular.
 pub fn sentence(m: &Unnamed, ambient_pa: f64) -> String {
-    let curve = Curve::of(m);
+    let curve = Curve(m);
     let grows = curve.slope() > 0.0;
     let quantity = m.quantity.trim_start_matches("missing ");
     match (quantity, m.variable) {
@@ -84,11 +84,7 @@ fn flow(curve: &Curve<'_>, ambient_pa: f64) -> String {
 /// A curve and how well it is known.
 struct Curve<'a>(&'a Unnamed);
 
-impl<'a> Curve<'a> {
-    fn of(m: &'a Unnamed) -> Self {
-        Self(m)
-    }
-
+impl Curve<'_> {
     /// Slope of the straight line through the curve, each point weighted by its uncertainty.
     fn slope(&self) -> f64 {
         let m = self.0;

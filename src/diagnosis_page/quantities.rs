@@ -37,13 +37,9 @@ impl Quantity {
 
     /// A value with unit.
     pub fn text(&self, si: f64, significant: usize) -> String {
-        with_unit(self.number(si, significant), self.unit)
+        let number = self.number(si, significant);
+        if self.unit.is_empty() { number } else { format!("{number}\u{a0}{}", self.unit) }
     }
-}
-
-/// A number and its unit.
-pub fn with_unit(number: String, unit: &str) -> String {
-    if unit.is_empty() { number } else { format!("{number}\u{a0}{unit}") }
 }
 
 /// A pressure difference, in the unit that suits it.

@@ -4,36 +4,22 @@ use super::figures;
 use anyhow::{Context, Result};
 use paper::geometry_effect::{COLUMN_HALF, FORMS, GeometryEffect, ONE_LAMBDA0, Outcome, REFERENCE_LENGTH_M};
 use report::{Block, Section, Table, digits, percent};
-use serde::Serialize;
-
-/// One form of λ as the JSON file has it.
-#[derive(Serialize)]
-pub struct Entry<'a> {
-    name: &'a str,
-    equation: &'a str,
-    parameters: usize,
-    rms_fitted: f64,
-    rms_left_out: Option<f64>,
-    values: serde_json::Map<String, serde_json::Value>,
-}
+use serde_json::{Map, Value, json};
 
 /// The list that `geometry_effect.json` holds: every form that was tried.
-pub fn entries(effect: &GeometryEffect) -> Vec<Entry<'_>> {
-    let entry = |o: &'_ Outcome| -> serde_json::Map<String, serde_json::Value> {
-        o.values.iter().map(|v| (v.name.clone(), serde_json::Value::from(v.value))).collect()
-    };
-    effect
-        .outcomes
-        .iter()
-        .map(|o| Entry {
-            name: &o.name,
-            equation: &o.equation,
-            parameters: o.parameters,
-            rms_fitted: o.rms_fitted,
-            rms_left_out: o.rms_left_out,
-            values: entry(o),
+pub fn entries(effect: &GeometryEffect) -> Vec<Value> {
+    let entry = |o: &Outcome| {
+        let values: Map<String, Value> = o.values.iter().map(|v| (v.name.clone(), v.value.into())).collect();
+        json!({
+            "name": o.name,
+            "equation": o.equation,
+            "parameters": o.parameters,
+            "rms_fitted": o.rms_fitted,
+            "rms_left_out": o.rms_left_out,
+            "values": values,
         })
-        .collect()
+    };
+    effect.outcomes.iter().map(entry).collect()
 }
 
 /// The section of the report.

@@ -29,7 +29,7 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
 
     let models = [studies::model(&measured, Law::Column)?, studies::model(&measured, Law::Flat)?];
     for (law, model, file) in [(Law::Column, &models[0], MODEL), (Law::Flat, &models[1], MODEL_ONE_LAMBDA0)] {
-        out.model(file, model)?;
+        out.text(file, &model.to_toml()?)?;
         for (name, text) in studies::files(model, file, law) {
             out.text(&name, &text)?;
         }
@@ -55,7 +55,7 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
             &[],
         )?,
     )?;
-    out.json("section31.json", section31::lines(&section31))?;
+    out.json("section31.json", &section31.lines)?;
     out.text("section31.md", &sections[0].markdown())?;
     out.text("table4.csv", &tables::table4(&measured)?)?;
     out.text("table5.csv", &tables::table5(&measured)?)?;
@@ -95,10 +95,6 @@ impl Output<'_> {
 
     fn text(&mut self, name: &str, text: &str) -> Result<()> {
         self.bytes(name, text.as_bytes())
-    }
-
-    fn model(&mut self, name: &str, model: &records::Model) -> Result<()> {
-        self.text(name, &model.to_toml()?)
     }
 
     fn json<T: serde::Serialize + ?Sized>(&mut self, name: &str, value: &T) -> Result<()> {

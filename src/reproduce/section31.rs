@@ -1,14 +1,9 @@
-//! Section 3.1 of the paper as `section31.json` and as a section of the report.
+//! Section 3.1 of the paper as a section of the report.
 
 use super::figures;
 use anyhow::Result;
-use paper::section31::{Line, Section31, Timing, reproduce};
+use paper::section31::{Section31, Timing, reproduce};
 use report::{Block, Section, Table, digits, percent, signed_percent};
-
-/// The list of quantities that `section31.json` holds.
-pub fn lines(section: &Section31) -> &[Line] {
-    &section.lines
-}
 
 /// The section of the report.
 ///

@@ -96,13 +96,20 @@ pub fn outputs(study: &Study) -> impl Iterator<Item = &'static Output> + '_ {
     OUTPUTS.iter().filter(move |o| has(o.when) && !study.varied.iter().any(|v| v.column == o.name))
 }
 
-/// The schema of a study's table, each field with its `unit` and `description`.
+/// A field with its `unit` and `description`.
+pub fn field(name: &str, kind: DataType, nullable: bool, unit: &str, doc: &str) -> Field {
+    let metadata = [("unit", unit), ("description", doc)].map(|(key, value)| (key.to_owned(), value.to_owned()));
+    Field::new(name, kind, nullable).with_metadata(HashMap::from(metadata))
+}
+
+/// The first column of every table: which row of the study it is.
+pub fn row_number() -> Field {
+    field("row", DataType::Int64, false, "1", "Number of the row in the design, from zero")
+}
+
+/// The schema of a study's table.
 pub fn schema(study: &Study) -> SchemaRef {
-    let field = |name: &str, kind: DataType, nullable: bool, unit: &str, doc: &str| {
-        let metadata = [("unit", unit), ("description", doc)].map(|(key, value)| (key.to_owned(), value.to_owned()));
-        Field::new(name, kind, nullable).with_metadata(HashMap::from(metadata))
-    };
-    let mut fields = vec![field("row", DataType::Int64, false, "1", "Number of the row in the design, from zero")];
+    let mut fields = vec![row_number()];
     for varied in &study.varied {
         let q = &quantity::all()[varied.quantity];
         fields.push(field(&varied.column, DataType::Float64, false, q.unit, q.doc));

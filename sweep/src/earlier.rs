@@ -6,21 +6,19 @@
 
 use crate::design::Design;
 use crate::error::Error;
-use crate::folder::{MANIFEST, RECORDS, ROWS, Record, STUDY, record_name};
+use crate::folder::{MANIFEST, RECORDS, ROWS, STUDY, read_record};
 use crate::hash;
-use crate::part::OnRows;
+use crate::part::{self, OnRows};
 use crate::row::Status;
 use crate::solve::{Rows, Solver};
 use crate::store::{LocalFile, Store};
 use crate::study::{self, Study};
-use arrow::array::{Array, ArrayRef, AsArray};
-use arrow::datatypes::{Float64Type, Int32Type};
+use arrow::array::{Array, AsArray};
+use arrow::datatypes::Int32Type;
 use arrow::record_batch::RecordBatch;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
 use rayon::prelude::*;
 use serde_json::Value;
-use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -65,10 +63,7 @@ impl Earlier {
         let parts = found["study"]["parts"].as_u64().unwrap_or(0);
         let look = |part: u64| {
             let name = study::part_name(part, parts);
-            let record = store.read(&format!("{RECORDS}/{}", record_name(&name))).ok().flatten();
-            let record: Option<Record> = record.and_then(|text| serde_json::from_slice(&text).ok());
-            let record = record.filter(|record| record.study_sha256 == identity);
-            let record = record?;
+            let record = read_record(store, &name).filter(|record| record.study_sha256 == identity)?;
             let digest = record.file?;
             let name = format!("{ROWS}/{name}");
             store.length(&name).ok().flatten()?;
@@ -103,11 +98,11 @@ impl Earlier {
         let names: Vec<&str> = study.varied.iter().map(|varied| varied.column.as_str()).collect();
         let mut at = part.rows.start;
         let mut points = vec![Vec::new(); names.len()];
-        for batch in reader(part.file.path(), 0, Some(&names))? {
+        for batch in part::read(part.file.path(), Some(&names), 0)? {
             let batch = batch.map_err(|error| Error::arrow(part.file.path(), error))?;
             study.design.fill(at..at + batch.num_rows() as u64, &mut points)?;
             for ((name, ours), array) in names.iter().zip(&points).zip(batch.columns()) {
-                let theirs = numbers(array);
+                let theirs = part::numbers(array.as_primitive());
                 if let Some(i) = theirs.iter().zip(ours).position(|(theirs, ours)| theirs != ours) {
                     let (row, theirs, ours) = (at + i as u64, theirs[i], ours[i]);
                     let why = format!("its row {row} is at {name} = {theirs}, this study's at {ours}");
@@ -242,7 +237,7 @@ impl<'a> Taker<'a> {
         let mut open = match self.open.take().filter(|open| (open.part, open.next) == (part, rows.start)) {
             Some(open) => open,
             None => {
-                let reader = reader(place.file.path(), rows.start - place.rows.start, None)?;
+                let reader = part::read(place.file.path(), None, rows.start - place.rows.start)?;
                 Open { part, next: rows.start, reader, rest: None }
             }
         };
@@ -278,7 +273,7 @@ impl<'a> Taker<'a> {
         // The columns of both studies are the same, in the same order.
         let results = &batch.columns()[1 + self.study.varied.len()..];
         for (column, array) in taken.outputs.iter_mut().zip(results) {
-            column.extend(numbers(array));
+            column.extend(part::numbers(array.as_primitive()));
         }
         let statuses = results[taken.outputs.len()].as_dictionary::<Int32Type>();
         let texts = statuses.values().as_string::<i32>();
@@ -299,28 +294,5 @@ impl<'a> Taker<'a> {
             taken.statuses.push(status);
         }
         Ok(())
-    }
-}
-
-/// The rows of a part from some row on; of some columns, or all.
-fn reader(path: &Path, skipped: u64, names: Option<&[&str]>) -> Result<ParquetRecordBatchReader, Error> {
-    let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    let parquet = |source| Error::Parquet { path: path.to_owned(), source };
-    let mut builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?.with_offset(skipped as usize);
-    if let Some(names) = names {
-        let roots = builder.schema().fields().iter().enumerate();
-        let roots: Vec<usize> = roots.filter(|(_, f)| names.contains(&f.name().as_str())).map(|(i, _)| i).collect();
-        let mask = ProjectionMask::roots(builder.parquet_schema(), roots);
-        builder = builder.with_projection(mask);
-    }
-    builder.with_batch_size(crate::part::CHUNK as usize).build().map_err(parquet)
-}
-
-/// A column's numbers, NaN for a null.
-fn numbers(column: &ArrayRef) -> Vec<f64> {
-    let values = column.as_primitive::<Float64Type>();
-    match values.null_count() {
-        0 => values.values().to_vec(),
-        _ => values.iter().map(|value| value.unwrap_or(f64::NAN)).collect(),
     }
 }

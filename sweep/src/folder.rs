@@ -68,14 +68,6 @@ pub enum Found {
 }
 
 impl Found {
-    /// How many rows are there, if the part is whole.
-    pub fn rows(&self) -> Option<u64> {
-        match self {
-            Found::Whole(record) => Some(record.rows),
-            Found::Damaged | Found::Nothing => None,
-        }
-    }
-
     /// The part's record, if it is whole.
     pub fn whole(self) -> Option<Record> {
         match self {
@@ -164,7 +156,7 @@ impl<'a> Folder<'a> {
 
     /// A part's record in the folder.
     fn record_file(&self, part: u64) -> String {
-        format!("{RECORDS}/{}", record_name(&self.study.part_name(part)))
+        record_file(&self.study.part_name(part))
     }
 
     /// A part's record, to be written before the part gets its name.
@@ -241,21 +233,17 @@ impl<'a> Folder<'a> {
         format!("{}, which differs in {}", theirs["name"], different.join(", "))
     }
 
-    fn read_record(&self, part: u64) -> Option<Record> {
-        let text = self.store.read(&self.record_file(part)).ok().flatten()?;
-        serde_json::from_slice(&text).ok()
-    }
-
     /// The statistics in a part's record. [`Folder::find`] leaves them out: those of all parts of a large study are more than
     /// its memory.
     pub fn statistics(&self, part: u64) -> Option<State> {
-        self.read_record(part)?.statistics
+        read_record(self.store, &self.study.part_name(part))?.statistics
     }
 
     /// Looks for a part; with `rows` its file has to be there too.
     pub fn find(&self, part: u64, rows: bool, look: Look) -> Found {
         let rows_of = self.study.rows_of(part);
-        let record = self.read_record(part).map(|record| Record { statistics: None, ..record });
+        let record =
+            read_record(self.store, &self.study.part_name(part)).map(|record| Record { statistics: None, ..record });
         let name = self.part_file(part);
         let length = self.store.length(&name).ok().flatten();
         let Some(record) = record else {
@@ -363,8 +351,19 @@ impl<'a> Folder<'a> {
 }
 
 /// Name of the record of a part.
-pub fn record_name(part: &str) -> String {
+fn record_name(part: &str) -> String {
     format!("{}.json", part.trim_end_matches(".parquet"))
+}
+
+/// Place of the record of a part.
+fn record_file(part: &str) -> String {
+    format!("{RECORDS}/{}", record_name(part))
+}
+
+/// The record of a part of that name, where there is one that can be read.
+pub fn read_record(store: &dyn Store, part: &str) -> Option<Record> {
+    let text = store.read(&record_file(part)).ok().flatten()?;
+    serde_json::from_slice(&text).ok()
 }
 
 /// Number of rows by status, summed over these parts.

@@ -7,10 +7,14 @@ use crate::new_file::{Ended, NewFile};
 use crate::solve::Solver;
 use crate::statistics::{Plan, State};
 use crate::study::Study;
+use arrow::array::{Array, Float64Array};
 use arrow::record_batch::RecordBatch;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
 
@@ -46,8 +50,33 @@ pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
     columns::batch(study, &columns::schema(study), rows, &mut Statuses::new(study))
 }
 
+/// The rows of a part's file after the first `skipped`; of the columns of those names, or all.
+///
+/// # Errors
+/// It cannot be read.
+pub fn read(path: &Path, names: Option<&[&str]>, skipped: u64) -> Result<ParquetRecordBatchReader, Error> {
+    let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    let parquet = |source| Error::Parquet { path: path.to_owned(), source };
+    let mut builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?.with_offset(skipped as usize);
+    if let Some(names) = names {
+        let fields = builder.schema().fields().iter().enumerate();
+        let wanted = fields.filter(|(_, field)| names.contains(&field.name().as_str())).map(|(place, _)| place);
+        let mask = ProjectionMask::roots(builder.parquet_schema(), wanted);
+        builder = builder.with_projection(mask);
+    }
+    builder.with_batch_size(CHUNK as usize).build().map_err(parquet)
+}
+
+/// A column's numbers, NaN for a null.
+pub fn numbers(column: &Float64Array) -> Vec<f64> {
+    match column.null_count() {
+        0 => column.values().to_vec(),
+        _ => column.iter().map(|value| value.unwrap_or(f64::NAN)).collect(),
+    }
+}
+
 /// Cuts rows into chunks. Chunks are counted from row zero of the study, so that they do not depend on the parts.
-fn chunks(rows: Range<u64>) -> Vec<Range<u64>> {
+pub fn chunks(rows: Range<u64>) -> Vec<Range<u64>> {
     let first = rows.start / CHUNK;
     let last = rows.end.div_ceil(CHUNK);
     (first..last).map(|i| rows.start.max(i * CHUNK)..rows.end.min((i + 1) * CHUNK)).filter(|r| !r.is_empty()).collect()

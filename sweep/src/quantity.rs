@@ -5,7 +5,7 @@
 use crate::columns;
 use chamber::card::Kind;
 use chamber::effects::{self, EffectValues, PARAMETERS};
-use chamber::{Gas, Geometry, HeatTransfer};
+use chamber::{Chamber, Gas, Geometry, HeatTransfer};
 use records::Model;
 use report::number::shortest;
 use std::fmt;
@@ -174,18 +174,24 @@ impl Point {
         let get = |base| self.get(base);
         let mut model = model.clone();
         let chamber = &mut model.chamber;
-        chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
+        self.set_gas(chamber);
         chamber.geometry =
             Geometry::new(get(Base::Bore), get(Base::Rod), get(Base::DeadVolume), chamber.geometry.area_law);
+        model.ambient_temperature_k = get(Base::AmbientTemperature);
+        model.ambient_pressure_pa = get(Base::AmbientPressure);
+        model
+    }
+
+    /// Gives a chamber these numbers of its gas, heat transfer and effects; its geometry may have to be solved for.
+    pub fn set_gas(&self, chamber: &mut Chamber) {
+        let get = |base| self.get(base);
+        chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
         chamber.heat_transfer = HeatTransfer {
             coefficient: get(Base::Coefficient),
             reference_pressure: get(Base::ReferencePressure),
             reference_temperature: get(Base::ReferenceTemperature),
         };
         chamber.effects.0.copy_from_slice(self.effects());
-        model.ambient_temperature_k = get(Base::AmbientTemperature);
-        model.ambient_pressure_pa = get(Base::AmbientPressure);
-        model
     }
 
     /// The value of a base quantity.
@@ -291,7 +297,7 @@ pub fn is_beyond_table(place: usize, values: &EffectValues) -> bool {
 }
 
 /// The effect that the quantity at that place belongs to, and its place on the effect's card.
-fn effect_of(place: usize) -> Option<(usize, usize)> {
+pub fn effect_of(place: usize) -> Option<(usize, usize)> {
     let parameter = place.checked_sub(BASE)?;
     let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
     Some((effect, parameter - effects::PARAMETER_OFFSETS[effect]))

@@ -3,9 +3,9 @@
 use crate::constraint::Constraint;
 use crate::quantity::{Base, Point};
 use crate::study::Study;
+use chamber::Geometry;
 use chamber::balance::{self, Boundary};
 use chamber::effects::{self, EffectSet};
-use chamber::{Gas, Geometry, HeatTransfer};
 use ensemble::{Hold, Outcome, Scenario};
 use std::borrow::Cow;
 use thiserror::Error;
@@ -153,36 +153,36 @@ impl Outputs {
 /// The push-and-hold test that a point of the study stands for.
 ///
 /// # Errors
-/// Why there is no such test.
-pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Failure> {
-    let mut scenario = Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN));
+/// How the row ends without it: there is no such test, or the row breaks one of the study's constraints.
+pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Status> {
+    let mut scenario = no_test(study);
     set_scenario(study, point, &mut scenario)?;
     Ok(scenario)
 }
 
-/// The first of the study's constraints that a row breaks.
-pub fn broken(study: &Study, point: &Point, scenario: &Scenario) -> Option<Status> {
-    let broken = study.constraints.iter().position(|constraint| !constraint.holds(point, scenario))?;
-    Some(Status::LeftOut(broken as u8))
+/// A scenario that is none, to be set.
+pub fn no_test(study: &Study) -> Scenario {
+    Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN))
 }
 
-/// The same in place of a scenario that is there already, which spares copies of it. What is left there is of no use
-/// where there is no such test.
+/// As [`scenario`], in place of one that is there already, which spares copies of it. What is left there is of no use
+/// where the row ends without a test.
 ///
 /// # Errors
-/// Why there is no such test.
-pub fn set_scenario(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(), Failure> {
+/// As for [`scenario`].
+pub fn set_scenario(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(), Status> {
+    set_test(study, point, scenario).map_err(Status::Failed)?;
+    match study.constraints.iter().position(|constraint| !constraint.holds(point, scenario)) {
+        Some(broken) => Err(Status::LeftOut(broken as u8)),
+        None => Ok(()),
+    }
+}
+
+fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(), Failure> {
     let get = |base| point.get(base);
     let or_ambient = |value: f64| if value.is_nan() { get(Base::AmbientTemperature) } else { value };
-    let chamber = &mut scenario.chamber;
-    chamber.effects.0.copy_from_slice(point.effects());
-    chamber.heat_transfer = HeatTransfer {
-        coefficient: get(Base::Coefficient),
-        reference_pressure: get(Base::ReferencePressure),
-        reference_temperature: get(Base::ReferenceTemperature),
-    };
-    chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
-    chamber.geometry = geometry(study, point)?;
+    point.set_gas(&mut scenario.chamber);
+    scenario.chamber.geometry = geometry(study, point)?;
     scenario.initial_pressure_pa = get(Base::InitialPressure);
     [scenario.initial_position_m, scenario.final_position_m] = strokes(&scenario.chamber.geometry, point)?;
     scenario.push_time_s = get(Base::PushTime);

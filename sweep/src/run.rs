@@ -12,6 +12,7 @@ use crate::study::Study;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
 use serde_json::Value;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -120,9 +121,10 @@ pub fn run<'a>(
     let mine: Vec<u64> = (0..study.parts).filter(|part| shard.has(*part)).collect();
     let look = |part: &u64| (*part, folder.find(*part, rows, Look::Contents));
     let looked: Vec<(u64, Found)> = mine.par_iter().map(look).collect();
-    let missing: Vec<u64> =
-        looked.iter().filter(|(_, found)| !matches!(found, Found::Whole(_))).map(|(part, _)| *part).collect();
-    on_rows.found(looked.iter().filter_map(|(_, found)| found.rows()).sum());
+    let is_whole = |found: &Found| matches!(found, Found::Whole(_));
+    let missing: Vec<u64> = looked.iter().filter(|(_, found)| !is_whole(found)).map(|(part, _)| *part).collect();
+    let found = looked.iter().filter(|(_, found)| is_whole(found)).map(|(part, _)| study.rows_of(*part));
+    on_rows.found(found.map(|rows| rows.end - rows.start).sum());
     let damaged = looked.iter().filter(|(_, found)| *found == Found::Damaged).count() as u64;
     if !missing.is_empty() {
         folder.prepare()?;
@@ -343,11 +345,7 @@ pub fn statistics(study: &Study, plan: &Plan, on_rows: OnRows<'_>) -> Result<Val
 pub fn batches(study: Arc<Study>) -> impl Iterator<Item = Result<RecordBatch, Error>> + Send {
     let wave = part::CHUNK * 2 * rayon::current_num_threads() as u64;
     let waves = (0..study.rows).step_by(wave as usize);
-    waves.flat_map(move |begin| {
-        let chunks: Vec<u64> = (begin..study.rows.min(begin + wave)).step_by(part::CHUNK as usize).collect();
-        let batch = |first: u64| part::batch(&study, first..study.rows.min(first + part::CHUNK));
-        chunks.into_par_iter().map(batch).collect::<Vec<_>>()
-    })
+    waves.flat_map(move |begin| computed(&study, begin..study.rows.min(begin + wave)))
 }
 
 /// Carries out a whole study in memory.
@@ -355,9 +353,12 @@ pub fn batches(study: Arc<Study>) -> impl Iterator<Item = Result<RecordBatch, Er
 /// # Errors
 /// A table of points cannot be read.
 pub fn run_in_memory(study: &Study) -> Result<Vec<RecordBatch>, Error> {
-    let chunks: Vec<u64> = (0..study.rows.div_ceil(part::CHUNK)).collect();
-    let rows = |chunk: u64| chunk * part::CHUNK..study.rows.min((chunk + 1) * part::CHUNK);
-    chunks.into_par_iter().map(|chunk| part::batch(study, rows(chunk))).collect()
+    computed(study, 0..study.rows).into_iter().collect()
+}
+
+/// Some rows as batches, computed by all threads of the current pool.
+fn computed(study: &Study, rows: Range<u64>) -> Vec<Result<RecordBatch, Error>> {
+    part::chunks(rows).into_par_iter().map(|rows| part::batch(study, rows)).collect()
 }
 
 #[cfg(test)]

@@ -3,11 +3,11 @@
 use crate::columns;
 use crate::error::Error;
 use crate::part::OnRows;
-use crate::quantity::{self, Point};
+use crate::quantity::Point;
 use crate::row::{self, Outputs, Status};
 use crate::study::Study;
-use chamber::effects::{self, EffectSet, EffectValues, PARAMETERS};
-use ensemble::{Hold, Kernel, Options, Outcome, Scenario};
+use chamber::effects::EffectSet;
+use ensemble::{Kernel, Options, Outcome, Scenario};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -62,14 +62,13 @@ const FEWEST: usize = 64;
 impl<'a> Solver<'a> {
     /// A solver for the rows of `study`.
     pub fn new(study: &'a Study) -> Self {
-        let empty = Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN));
         Self {
             study,
-            effects: effects_of(study),
+            effects: study.effects(),
             options: Options { solver: study.solver, relative_tolerance: study.tolerance, fit: study.fit },
             kernel: Kernel::default(),
             point: study.base,
-            scenarios: vec![empty; ensemble::CHUNK],
+            scenarios: vec![row::no_test(study); ensemble::CHUNK],
             outcomes: vec![Outcome::failed(ensemble::Failure::TooManySteps); ensemble::CHUNK],
             outputs: Vec::with_capacity(ensemble::CHUNK),
             on_rows: &|_: u64| {},
@@ -117,16 +116,9 @@ impl<'a> Solver<'a> {
         let count = places.len();
         let mut impossible = Vec::new();
         for (i, place) in places.enumerate() {
-            for (varied, column) in self.study.varied.iter().zip(points) {
-                self.point.0[varied.quantity] = column[place];
-            }
+            self.study.vary(&mut self.point, points, place);
             let scenario = &mut self.scenarios[i];
-            let set = row::set_scenario(self.study, &self.point, scenario);
-            let without = match set {
-                Ok(()) => row::broken(self.study, &self.point, scenario),
-                Err(failure) => Some(Status::Failed(failure)),
-            };
-            if let Some(status) = without {
+            if let Err(status) = row::set_scenario(self.study, &self.point, scenario) {
                 impossible.push((i, status));
                 // What the kernel refuses at once.
                 scenario.initial_pressure_pa = f64::NAN;
@@ -153,19 +145,7 @@ pub fn nothing_is_left(study: &Study) -> Result<bool, Error> {
     study.design.fill(0..study.rows, &mut points)?;
     let mut point = study.base;
     Ok((0..study.rows as usize).all(|i| {
-        for (varied, column) in study.varied.iter().zip(&points) {
-            point.0[varied.quantity] = column[i];
-        }
-        row::scenario(study, &point).map_or(true, |scenario| row::broken(study, &point, &scenario).is_some())
+        study.vary(&mut point, &points, i);
+        row::scenario(study, &point).is_err()
     }))
-}
-
-/// Effects that are on in some row. The same for all rows, whatever the chunk, so that a row's bits are its own.
-pub fn effects_of(study: &Study) -> EffectSet {
-    let mut values = EffectValues::NEUTRAL;
-    values.0.copy_from_slice(study.base.effects());
-    let first = quantity::COUNT - PARAMETERS;
-    let varied = study.varied.iter().filter_map(|v| v.quantity.checked_sub(first));
-    let place = |parameter| effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
-    values.active().union(varied.map(place).collect())
 }

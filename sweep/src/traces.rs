@@ -7,11 +7,11 @@ use crate::columns;
 use crate::error::Error;
 use crate::folder::Folder;
 use crate::new_file::NewFile;
-use crate::row;
+use crate::row::{self, Status};
 use crate::store::Store;
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
-use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use arrow::datatypes::{DataType, Schema, SchemaRef};
 use arrow::record_batch::RecordBatch;
 use chamber::balance::Boundary;
 use chamber::integrate::IntegrationError;
@@ -19,7 +19,6 @@ use chamber::record::Inputs;
 use chamber::simulate::{Sample, Start, simulate};
 use ensemble::{Hold, Scenario};
 use rayon::prelude::*;
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -177,14 +176,10 @@ fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, String>, Error> 
     let mut values = vec![Vec::with_capacity(1); study.varied.len()];
     study.design.fill(row..row + 1, &mut values)?;
     let mut point = study.base;
-    for (varied, value) in study.varied.iter().zip(&values) {
-        point.0[varied.quantity] = value[0];
-    }
-    Ok(row::scenario(study, &point).map_err(|failure| failure.to_string()).and_then(|scenario| {
-        match row::broken(study, &point, &scenario) {
-            Some(status) => Err(status.text(study).into_owned()),
-            None => Ok(scenario),
-        }
+    study.vary(&mut point, &values, 0);
+    Ok(row::scenario(study, &point).map_err(|status| match status {
+        Status::Failed(failure) => failure.to_string(),
+        other => other.text(study).into_owned(),
     }))
 }
 
@@ -233,12 +228,8 @@ fn flush(
 }
 
 fn schema() -> SchemaRef {
-    let field = |name: &str, kind: DataType, unit: &str, doc: &str| {
-        let metadata = [("unit", unit), ("description", doc)].map(|(key, value)| (key.to_owned(), value.to_owned()));
-        Field::new(name, kind, false).with_metadata(HashMap::from(metadata))
-    };
-    let mut fields = vec![field("row", DataType::Int64, "1", "Number of the row in the design, from zero")];
-    fields.extend(COLUMNS.iter().map(|c| field(c.name, DataType::Float64, c.unit, c.doc)));
+    let mut fields = vec![columns::row_number()];
+    fields.extend(COLUMNS.iter().map(|c| columns::field(c.name, DataType::Float64, false, c.unit, c.doc)));
     Arc::new(Schema::new(fields))
 }
 

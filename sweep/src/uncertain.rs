@@ -74,17 +74,17 @@ impl Uncertain {
             correlation: self.correlation.select_rows(&kept).select_columns(&kept),
         }
     }
+}
 
-    /// How shares of these parameters' probabilities, the columns of those numbers, hang together.
-    ///
-    /// # Errors
-    /// The correlations contradict each other, in words that follow "the model".
-    pub fn copula(&self, columns: Vec<usize>) -> Result<Copula, String> {
-        Copula::new(columns, &self.correlation).ok_or_else(|| {
-            "has a covariance in its [uncertainty] that no numbers can have: its correlations contradict each other"
-                .to_owned()
-        })
-    }
+/// How shares of the probabilities of parameters with these correlations, the columns of those numbers, hang together.
+///
+/// # Errors
+/// The correlations contradict each other, in words that follow "the model".
+pub fn copula(columns: Vec<usize>, correlation: &DMatrix<f64>) -> Result<Copula, String> {
+    Copula::new(columns, correlation).ok_or_else(|| {
+        "has a covariance in its [uncertainty] that no numbers can have: its correlations contradict each other"
+            .to_owned()
+    })
 }
 
 /// Place of the quantity behind a name in `[uncertainty]`.

@@ -39,7 +39,9 @@ fn of_library() -> Option<Block> {
 /// A host's logger, in a version of FMI. A copy of it stays valid when the instance is gone.
 pub trait Listener: Clone {
     /// A message in the words of that version; it is written in those of FMI 2.0.
-    fn words(text: &str) -> String;
+    fn words(text: &str) -> String {
+        text.to_owned()
+    }
 
     /// A refusal in the terms of that version; it is made in those of FMI 2.0.
     fn terms(refusal: Refusal) -> Refusal {
@@ -138,22 +140,18 @@ pub unsafe fn choose<L: Listener>(
 /// Completes an integrator step; no event follows from its completion, and no end.
 ///
 /// # Safety
-/// As for [`guarded`]; the others are NULL or places for a flag.
-pub unsafe fn completed_step<L: Listener, F: Default>(
-    c: *mut c_void,
-    function: &'static str,
+/// Both pointers are NULL or places for a flag.
+pub unsafe fn completed_step<F: Default>(
+    instance: &mut Instance,
     enter_event_mode: *mut F,
     terminate: *mut F,
-) -> CEnum {
+) -> Result<()> {
     // SAFETY: as the caller promises.
-    unsafe {
-        guarded::<L>(c, function, &mut |component| {
-            let (enter, end) = (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?);
-            component.instance.completed_step()?;
-            (*enter, *end) = (F::default(), F::default());
-            Ok(())
-        })
-    }
+    let (enter, end) =
+        unsafe { (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?) };
+    instance.completed_step()?;
+    (*enter, *end) = (F::default(), F::default());
+    Ok(())
 }
 
 /// The words of a panic.
@@ -184,6 +182,28 @@ pub unsafe fn guarded<L: Listener>(
     }
     status as CEnum
 }
+
+/// C functions of a version of FMI, whose `Host` is in scope: what each does with the instance behind the component `c`,
+/// its first argument. Each returns the status that [`guarded`] gives.
+macro_rules! c_functions {
+    ($(
+        $(#[$doc:meta])+
+        extern "C" fn $function:ident($($argument:ident: $of:ty),* $(,)?) = |$instance:pat_param| $call:expr;
+    )+) => {$(
+        $(#[$doc])+
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $function(c: *mut c_void, $($argument: $of),*) -> CEnum {
+            // SAFETY: the host's component, places, arrays and texts, as the standard has them.
+            unsafe {
+                boundary::guarded::<Host>(c, stringify!($function), &mut |component| {
+                    let $instance = &mut component.instance;
+                    $call
+                })
+            }
+        }
+    )+};
+}
+pub(crate) use c_functions;
 
 /// Resets the component, also after a break-down.
 ///

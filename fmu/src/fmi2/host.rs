@@ -54,10 +54,6 @@ impl Host {
 }
 
 impl Listener for Host {
-    fn words(text: &str) -> String {
-        text.to_owned()
-    }
-
     unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
         let Some(logger) = self.callbacks.logger else { return };
         // SAFETY: the host's function, with pointers that live until it returns; the text is an argument of "%s".

@@ -23,10 +23,6 @@ impl Dialect for Fmi3 {
     const VERSION: &'static str = "3.0";
     const GUID: &'static str = "instantiationToken";
 
-    fn more() -> Attributes {
-        Vec::new()
-    }
-
     fn capabilities(xml: &mut String, identifier: &str) {
         let yes = || "true".to_owned();
         let common = [

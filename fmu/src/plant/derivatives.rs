@@ -88,7 +88,7 @@ pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
         Parameters { real: lifted(&now.parameters.real, &seed.parameters), choices: now.parameters.choices };
     let balance = Balance::of(parameters.chamber());
     let u = inputs_along(now, seed);
-    let around = Around::of(&u, parameters.choices.external_wall, Some(parameters.critical_ratios()));
+    let around = Around::of(&u, parameters.choices.external_wall, parameters.critical_ratios());
     let mut moment = Moment { balance: &balance, set: now.plant.set, boundary: inputs::boundary(&u), around };
     let (states, sensor, origin) = if now.started {
         (states_along(now, seed, &moment)?, sensor_along(now, seed, &balance), origin(now))
@@ -173,7 +173,7 @@ fn moving(now: &Simulation, seed: &Seed, states: &[f64; ALL], sensor: impl Fn(&B
     let parameters = now.parameters.lift::<D>();
     let balance = Balance::of(parameters.chamber());
     let u = lifted(&now.here(), &seed.inputs);
-    let around = Around::of(&u, parameters.choices.external_wall, Some(parameters.critical_ratios()));
+    let around = Around::of(&u, parameters.choices.external_wall, parameters.critical_ratios());
     let moment = Moment { balance: &balance, set: now.plant.set, boundary: inputs::boundary(&u), around };
     tangents(&moment.evaluate(&lifted(states, &seed.states), &sensor(&balance), &origin(now)))
 }

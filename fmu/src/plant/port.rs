@@ -58,9 +58,9 @@ pub struct Around<R = f64> {
 }
 
 impl<R: Real> Around<R> {
-    /// As these inputs have it.
+    /// As these inputs have it; the ports have these critical ratios.
     #[inline]
-    pub fn of(u: &[R; INPUTS], external_wall: bool, critical_ratios: Option<[R; 2]>) -> Self {
+    pub fn of(u: &[R; INPUTS], external_wall: bool, [supply, exhaust]: [R; 2]) -> Self {
         let port = |first: usize, critical_ratio: R| Port {
             pressure: u[first],
             temperature: u[first + 1],
@@ -69,8 +69,7 @@ impl<R: Real> Around<R> {
         };
         Self {
             wall: external_wall.then_some(u[input::WALL_TEMPERATURE]),
-            ports: critical_ratios
-                .map(|[supply, exhaust]| [port(input::SUPPLY_PORT, supply), port(input::EXHAUST_PORT, exhaust)]),
+            ports: Some([port(input::SUPPLY_PORT, supply), port(input::EXHAUST_PORT, exhaust)]),
         }
     }
 

@@ -158,7 +158,7 @@ impl Simulation {
     /// The plant at these inputs.
     pub fn moment(&self, u: &[f64; INPUTS]) -> Moment<'_> {
         let Plant { balance, set, choices, critical_ratios, .. } = &self.plant;
-        let around = Around::of(u, choices.external_wall, Some(*critical_ratios));
+        let around = Around::of(u, choices.external_wall, *critical_ratios);
         Moment { balance, set: *set, boundary: inputs::boundary(u), around }
     }
 

@@ -234,7 +234,7 @@ impl Course<'_> {
     fn boundary_at(&self, s: f64) -> (Boundary, Around) {
         let mut u = self.inputs.values(s);
         (u[input::POSITION], u[input::VELOCITY]) = self.motion.at(s);
-        let around = Around::of(&u, self.plant.choices.external_wall, Some(self.plant.critical_ratios));
+        let around = Around::of(&u, self.plant.choices.external_wall, self.plant.critical_ratios);
         (inputs::boundary(&u), around)
     }
 
@@ -291,7 +291,7 @@ impl Course<'_> {
     ) -> Result<Outcome, IntegrationError> {
         if self.is_straight {
             let (start, u) = (self.boundary_at_begin(), &self.inputs.value);
-            let around = Around::of(u, self.plant.choices.external_wall, Some(self.plant.critical_ratios));
+            let around = Around::of(u, self.plant.choices.external_wall, self.plant.critical_ratios);
             let along = move |s: f64| (Boundary { position: start.position + start.velocity * s, ..start }, around);
             self.all_along::<N, P, M>(states, time, record, along)
         } else {

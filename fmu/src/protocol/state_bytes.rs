@@ -14,14 +14,14 @@ use crate::plant::simulation::{Completed, Experiment, Kind, Simulation, TOLERANC
 use crate::plant::states::Origin;
 use crate::plant::step::Gas;
 use crate::plant::values::{Choice, INPUTS, Starts};
-use crate::table::{Role, table};
+use crate::start_values::{GUID_LENGTH, padded};
+use crate::table::admits;
 
 const MAGIC: [u8; 8] = *b"PNTFMUS\0";
 const VERSION: u32 = 3;
-const GUID: usize = 40;
 /// How far, relative to the time or 1 s, a record may reach beyond the present time: the host's clock counts, not the sum of steps.
 const CLOCK: f64 = 1e-6;
-const HEAD: usize = 8 + 4 + 4 + GUID;
+const HEAD: usize = 8 + 4 + 4 + GUID_LENGTH;
 
 /// The snapshot as bytes.
 pub fn encode(snapshot: &Snapshot, guid: &str) -> Vec<u8> {
@@ -33,14 +33,6 @@ pub fn encode(snapshot: &Snapshot, guid: &str) -> Vec<u8> {
     payload(snapshot, &mut out);
     let checksum = crc32fast::hash(&out[16..]);
     out[12..16].copy_from_slice(&checksum.to_le_bytes());
-    out
-}
-
-fn padded(guid: &str) -> [u8; GUID] {
-    let mut out = [0; GUID];
-    for (to, from) in out.iter_mut().zip(guid.bytes()) {
-        *to = from;
-    }
     out
 }
 
@@ -213,11 +205,7 @@ impl Reader<'_> {
 /// Whether the numbers are such as an instance can have.
 fn makes_sense(snapshot: &Snapshot) -> bool {
     let Snapshot { phase, simulation: s } = snapshot;
-    let within = table().iter().all(|v| match v.role {
-        Role::Input(i) => v.admits(s.inputs.value[i]),
-        Role::Parameter(i) => v.admits(s.parameters.real[i]),
-        _ => true,
-    });
+    let within = admits(&Starts { parameters: s.parameters, inputs: s.inputs.value });
     let of_its_kind = match phase {
         Phase::Step => s.kind == Kind::CoSimulation,
         Phase::Continuous => s.kind == Kind::ModelExchange,

@@ -46,37 +46,29 @@ pub(super) fn variables(table: &mut Vec<Variable>) {
     }
     let travel = "Travel of the piston since the start: the integral of its velocity";
     own.push(("travel".into(), travel.into(), &units::LENGTH, 0.1));
-    let mut continuous = |name: String, description: String, role, quantity: &'static Quantity, nominal| {
-        table.push(Variable {
-            name,
-            description,
-            role,
-            is: Type::Real,
-            quantity,
-            variability: Variability::Continuous,
-            min: None,
-            max: None,
-            nominal,
-        });
-    };
     for (state, (name, description, quantity, nominal)) in (ENERGY + 1..STATES).chain([TRAVEL]).zip(own) {
-        continuous(name, description, Role::State(state), quantity, nominal);
+        table.push(continuous(name, description, Role::State(state), quantity, nominal));
     }
     for state in 0..ALL {
         let role = role_of_state(state);
         let Some(of) = table.iter().find(|v| v.role == role) else { continue };
-        let (name, quantity) = (of.name.clone(), units::rate_of(of.quantity));
-        table.push(Variable {
-            name: format!("der({name})"),
-            description: format!("Rate of {name}"),
-            role: Role::Rate(state),
-            is: Type::Real,
-            quantity,
-            variability: Variability::Continuous,
-            min: None,
-            max: None,
-            nominal: quantity.nominal,
-        });
+        let quantity = units::rate_of(of.quantity);
+        let (name, description) = (format!("der({})", of.name), format!("Rate of {}", of.name));
+        table.push(continuous(name, description, Role::Rate(state), quantity, quantity.nominal));
+    }
+}
+
+fn continuous(name: String, description: String, role: Role, quantity: &'static Quantity, nominal: f64) -> Variable {
+    Variable {
+        name,
+        description,
+        role,
+        is: Type::Real,
+        quantity,
+        variability: Variability::Continuous,
+        min: None,
+        max: None,
+        nominal,
     }
 }
 

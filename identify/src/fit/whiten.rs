@@ -58,7 +58,7 @@ impl Layout {
         let mut count = colours;
         let mut next = |wanted: bool, states: usize| {
             count += if wanted { states } else { 0 };
-            wanted.then_some(count - states)
+            wanted.then(|| count - states)
         };
         let hum = next(noise.hum.is_some(), 2);
         let held = next(places.iter().any(|p| p.common_sd_pa != [0.0; 3]), 3);

@@ -2,10 +2,10 @@
 //!
 //! What the names leave open is taken from the values and said to be a guess.
 
-use crate::correlation;
 use crate::error::Error;
 use crate::layout::{Column, Layout};
 use crate::limits::STANDARD_ATMOSPHERE_PA;
+use crate::statistics::{correlation, extremes, median};
 use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem};
 use crate::units::{CLOCK, Quantity, Unit, VOLT, says_absolute, says_gauge};
 
@@ -96,9 +96,10 @@ impl Guess {
         self.columns.iter_mut().find(|column| column.quantity == quantity)
     }
 
-    /// Whether time, pressure and position are there.
-    pub fn is_complete(&self) -> bool {
-        [Quantity::Time, Quantity::Pressure, Quantity::Position].iter().all(|quantity| self.of(*quantity).is_some())
+    /// Which of time, pressure and position are not there.
+    pub fn missing(&self) -> Vec<Quantity> {
+        let needed = [Quantity::Time, Quantity::Pressure, Quantity::Position];
+        needed.into_iter().filter(|quantity| self.of(*quantity).is_none()).collect()
     }
 
     /// The layout of a rig file that says so.
@@ -121,20 +122,9 @@ impl Guess {
     pub fn learns_from(&mut self, error: &Error) -> bool {
         let Error::Trace { problem, .. } = error else { return false };
         let TraceProblem::BadRows { problem, .. } = &**problem else { return false };
-        self.learns(problem)
-    }
-
-    fn learns(&mut self, problem: &RowProblem) -> bool {
-        match (problem, self) {
-            (RowProblem::NotAbsolute { .. }, guess) => match guess.of_mut(Quantity::Pressure) {
-                Some(pressure) if !pressure.gauge => {
-                    pressure.gauge = true;
-                    pressure.reference_guessed = false;
-                    true
-                }
-                _ => false,
-            },
-            (RowProblem::NegativePosition { .. }, guess) => match guess.of_mut(Quantity::Position) {
+        match **problem {
+            RowProblem::NotAbsolute { .. } => self.takes_for_gauge(),
+            RowProblem::NegativePosition { .. } => match self.of_mut(Quantity::Position) {
                 Some(position) if position.offset_m == 0.0 => {
                     position.offset_m = FAR_M;
                     true
@@ -145,21 +135,32 @@ impl Guess {
         }
     }
 
+    /// Takes the pressure to count from the surroundings'; whether it was not taken so before.
+    fn takes_for_gauge(&mut self) -> bool {
+        match self.of_mut(Quantity::Pressure) {
+            Some(pressure) if !pressure.gauge => {
+                pressure.gauge = true;
+                pressure.reference_guessed = false;
+                true
+            }
+            _ => false,
+        }
+    }
+
     /// Takes in a record: readings below vacuum, a piston that compresses as its position grows, positions that count
     /// from anywhere. Whether it has to be read again.
     pub fn learns_from_record(&mut self, trace: &Trace) -> bool {
         let gauge = trace.left_out.iter().any(|row| matches!(row.reason, RowProblem::NotAbsolute { .. }))
-            && self.learns(&RowProblem::NotAbsolute { column: String::new(), value: 0.0, hint: "" });
+            && self.takes_for_gauge();
         let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
         let wrong_way = correlation(&trace.position_m, pressure) > 0.5;
-        let extremes =
-            trace.position_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let (lowest, highest) = extremes(&trace.position_m);
         let Some(position) = self.of_mut(Quantity::Position) else { return gauge };
         if !wrong_way && position.offset_m < FAR_M {
             return gauge;
         }
         // What the sensor shows, in metres and the way it counts.
-        let shown = [extremes.0, extremes.1].map(|x| position.sign * (x - position.offset_m));
+        let shown = [lowest, highest].map(|x| position.sign * (x - position.offset_m));
         let (low, high) = (shown[0].min(shown[1]), shown[0].max(shown[1]));
         position.sign = if wrong_way { -position.sign } else { position.sign };
         // Mirrored within where it moves; from zero on where that would be below.
@@ -278,7 +279,7 @@ fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
     let size = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
     let steps = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let name = match quantity {
-        Quantity::Time if super::readings::median(steps) >= 1.0 => "ms",
+        Quantity::Time if median(steps) >= 1.0 => "ms",
         Quantity::Pressure if size > 2e4 => "Pa",
         Quantity::Pressure if size > 50.0 => "kPa",
         Quantity::Pressure => "bar",
@@ -399,6 +400,6 @@ mod tests {
         let guess1 = guess("t,p,x\n0,101325,0.1\n1,101325,0.1\n");
         assert!(guess1.columns.iter().all(|column| column.unit_guessed));
         let guess2 = guess("a,b,c\n0,1,2\n1,1,2\n");
-        assert!(guess2.columns.is_empty() && !guess2.is_complete());
+        assert!(guess2.columns.is_empty() && guess2.missing().len() == 3);
     }
 }

@@ -15,7 +15,6 @@ pub mod readings;
 use crate::Layout;
 use crate::error::Error;
 use crate::format::Encoding;
-use crate::layout::Quantity;
 use crate::trace::{self, Need, Reading, Trace, Window};
 use columns::{Guess, Names};
 use motion::Phase;
@@ -28,7 +27,7 @@ pub use crate::trace::Dialect;
 fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
     for name in [&names.time, &names.pressure, &names.position].into_iter().flatten() {
         if dialect.place(name).0.is_none() {
-            let problem = Box::new(trace::missing_column(dialect, name));
+            let problem = Box::new(trace::missing_column(name, dialect, false));
             return Err(Error::Trace { path: path.to_owned(), problem });
         }
     }
@@ -68,7 +67,7 @@ impl Look {
         let (dialect, encoding, sample) = trace::sample(path, &Layout::default())?;
         check(path, &dialect, names)?;
         let mut guess = Guess::from_names(&dialect, &sample, names);
-        if !guess.is_complete() {
+        if !guess.missing().is_empty() {
             return Ok(Self { dialect, encoding, guess, found: None });
         }
         let read = |guess: &Guess| {
@@ -89,13 +88,5 @@ impl Look {
         let readings = Readings::of(&trace.time_s, pressure);
         let phases = motion::phases(&trace.time_s, &trace.position_m);
         Ok(Self { dialect, encoding, guess, found: Some(Found { trace, readings, phases }) })
-    }
-
-    /// The quantities without a column of their own that a record must have.
-    pub fn missing(&self) -> Vec<Quantity> {
-        [Quantity::Time, Quantity::Pressure, Quantity::Position]
-            .into_iter()
-            .filter(|quantity| self.guess.of(*quantity).is_none())
-            .collect()
     }
 }

@@ -1,5 +1,6 @@
 //! Rests and moves of a piston, and the windows of single push-and-hold tests.
 
+use crate::statistics::{extremes, median};
 use crate::trace::movement_threshold;
 use std::ops::Range;
 
@@ -29,11 +30,10 @@ pub struct Phase {
 pub fn phases(time_s: &[f64], position_m: &[f64]) -> Vec<Phase> {
     let n = position_m.len();
     let threshold = movement_threshold(position_m);
-    let interval = super::readings::median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let interval = median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
     let width = ((REST_S / interval.max(f64::MIN_POSITIVE)) as usize).clamp(REST_ROWS, (n / 10).max(REST_ROWS));
     let spread = |rows: Range<usize>| {
-        let part = &position_m[rows];
-        let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let (low, high) = extremes(&position_m[rows]);
         high - low
     };
     let rests = |row: usize| spread(row..(row + width).min(n)) <= 2.0 * threshold;

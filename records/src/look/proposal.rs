@@ -56,7 +56,7 @@ fn write(out: &mut String, look: &Look, stated: &Stated) -> std::fmt::Result {
     for (quantity, name) in &look.guess.others {
         writeln!(out, "# {} may also be: {}", quantity.key(), quoted(name))?;
     }
-    for quantity in look.missing() {
+    for quantity in look.guess.missing() {
         writeln!(out, "# {} = {{ name = \"...\", unit = \"{}\" }}  # FILL IN", quantity.key(), quantity.si_unit())?;
     }
     if stated.cycles.is_empty() {

@@ -1,5 +1,7 @@
 //! How a record was read: rate, gaps, resolution, and how often the sensor itself was read out.
 
+use crate::statistics::{median, white_noise};
+
 /// A readout is slower than the rows if so large a share of the changes stands at every k-th row ...
 const SHARE: f64 = 0.95;
 /// ... and there are so many of them.
@@ -34,7 +36,7 @@ impl Readings {
             gaps: intervals.iter().filter(|interval| **interval > 1.5 * interval_s).count(),
             step_pa: step(&pressure_pa[..pressure_pa.len().min(RESOLUTION_ROWS)]),
             readout_hz: readout_rows(pressure_pa).map(|rows| 1.0 / (interval_s * rows as f64)),
-            noise_pa: noise(pressure_pa),
+            noise_pa: white_noise(pressure_pa),
         }
     }
 
@@ -96,19 +98,6 @@ fn period(indices: &[usize]) -> Option<usize> {
         indices.iter().for_each(|index| counts[index % k] += 1);
         counts.iter().max().is_some_and(|most| *most as f64 >= SHARE * indices.len() as f64)
     })
-}
-
-/// From second differences, which slow changes do not enter; their median, so that moves do not count.
-fn noise(values: &[f64]) -> f64 {
-    1.4826 * median(values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).collect()) / 6.0_f64.sqrt()
-}
-
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ impl<'a> Header<'a> {
                     found.push((quantity, place, column));
                 }
                 (None, _) if needed(quantity, column, reading.need) => {
-                    return Err(missing(&column.name, dialect, reading.layout.format.separator.is_some()));
+                    return Err(missing_column(&column.name, dialect, reading.layout.format.separator.is_some()));
                 }
                 (None, _) => {}
             }
@@ -70,12 +70,8 @@ fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Colu
     }
 }
 
-/// That a column is not there, with what may help.
-pub fn missing_column(dialect: &Dialect, wanted: &str) -> TraceProblem {
-    missing(wanted, dialect, false)
-}
-
-fn missing(wanted: &str, dialect: &Dialect, stated: bool) -> TraceProblem {
+/// That a column is not there, with what may help; `stated` says whether the rig file states the separator.
+pub fn missing_column(wanted: &str, dialect: &Dialect, stated: bool) -> TraceProblem {
     let line = dialect.header.unwrap_or(dialect.first_row);
     let near = nearest(wanted, dialect.names.iter().map(String::as_str));
     let hint = if dialect.header.is_none() {

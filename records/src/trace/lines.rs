@@ -7,7 +7,6 @@ use encoding_rs_io::DecodeReaderBytesBuilder;
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use std::fmt::Write;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::rc::Rc;
 
@@ -172,10 +171,7 @@ impl<'a> Lines<'a> {
     /// SHA-256 of the bytes read so far, in hexadecimal digits.
     pub fn sha256(&self) -> String {
         let hash = self.hashed.borrow().hash.clone().finalize();
-        hash.iter().fold(String::new(), |mut text, byte| {
-            let _ = write!(text, "{byte:02x}");
-            text
-        })
+        hash.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }
 

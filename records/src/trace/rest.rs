@@ -1,5 +1,7 @@
 //! The rest before the first movement, told from a measured position's own noise.
 
+use crate::statistics::{extremes, median, white_noise};
+
 /// Movements below this share of the whole travel are not told from rest.
 const SHARE_OF_TRAVEL: f64 = 1e-3;
 /// So many standard deviations of the position's noise are movement.
@@ -23,27 +25,12 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
 
 /// What is a movement rather than a position's noise, m.
 pub fn movement_threshold(position_m: &[f64]) -> f64 {
-    (DEVIATIONS * noise(position_m)).max(SHARE_OF_TRAVEL * travel(position_m))
+    (DEVIATIONS * white_noise(position_m)).max(SHARE_OF_TRAVEL * travel(position_m))
 }
 
 fn travel(position_m: &[f64]) -> f64 {
-    let (low, high) = position_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) = extremes(position_m);
     high - low
-}
-
-/// Standard deviation of a position's noise, from second differences, which steady movement does not enter; their
-/// median, so that speeding up and slowing down do not count either.
-fn noise(position_m: &[f64]) -> f64 {
-    let bends = position_m.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).collect();
-    1.4826 * median(bends) / 6.0_f64.sqrt()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use super::read::{MAX_ROWS, Reading};
 use crate::format::{Decimal, Separator};
 use crate::layout::{Column, Quantity};
 use crate::limits;
+use crate::statistics::extremes;
 use std::ops::Range;
 
 /// What a gas in a cylinder can have, K.
@@ -151,7 +152,7 @@ impl<'a> Rows<'a> {
     fn leave_out_negative_positions(&mut self) {
         let Some(place) = self.header.place(Quantity::Position) else { return };
         let (column, values) = (self.header.found[place].2, &self.columns[place]);
-        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let (low, high) = extremes(values);
         let limit = -POSITION_SLACK * self.reading.stroke_m.unwrap_or(high - low);
         if low >= limit {
             return;

@@ -51,11 +51,6 @@ impl Axes {
         Self { list, copula }
     }
 
-    /// Correlations between some of the axes; none where they are independent.
-    pub fn copula(&self) -> Option<&Copula> {
-        self.copula.as_ref()
-    }
-
     /// Puts values in place of shares in [0, 1), one column for each axis.
     pub fn place(&self, columns: &mut [Vec<f64>]) {
         if let Some(copula) = &self.copula {
@@ -119,24 +114,23 @@ impl Design {
         }
     }
 
+    fn all_axes(&self) -> Option<&Axes> {
+        match self {
+            Design::Factorial(axes) | Design::Sobol(axes, ..) => Some(axes),
+            Design::LatinHypercube(cube) => Some(&cube.axes),
+            Design::Saltelli(saltelli) => Some(saltelli.axes()),
+            Design::Table(_) => None,
+        }
+    }
+
     /// The axes; none for a table.
     pub fn axes(&self) -> &[Axis] {
-        match self {
-            Design::Factorial(axes) | Design::Sobol(axes, ..) => axes,
-            Design::LatinHypercube(cube) => &cube.axes,
-            Design::Saltelli(saltelli) => saltelli.axes(),
-            Design::Table(_) => &[],
-        }
+        self.all_axes().map_or(&[], |axes| &axes.list)
     }
 
     /// How some of the axes hang together.
     pub fn copula(&self) -> Option<&Copula> {
-        match self {
-            Design::Factorial(axes) | Design::Sobol(axes, ..) => axes.copula(),
-            Design::LatinHypercube(cube) => cube.axes.copula(),
-            Design::Saltelli(saltelli) => saltelli.axes().copula(),
-            Design::Table(_) => None,
-        }
+        self.all_axes()?.copula.as_ref()
     }
 
     /// Number of rows; `None` where it does not fit.

@@ -152,8 +152,8 @@ impl Table {
     }
 
     fn append(&self, batch: &RecordBatch, first_row: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {
-        for (i, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
-            let (name, allowed) = (&self.names[place], self.allowed.get(i));
+        for (c, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
+            let name = &self.names[place];
             let array = batch
                 .column_by_name(name)
                 .ok_or_else(|| refuse(&self.path, format!("column `{name}` is missing in some row groups")))?;
@@ -169,16 +169,22 @@ impl Table {
                     return Err(refuse(&self.path, format!("column `{name}`, row {row}: expected a finite number")));
                 }
                 let value = numbers.value(i);
-                if let Some(allowed) = allowed.filter(|allowed| !allowed.contains(value)) {
-                    let row = first_row + i as u64;
-                    let message =
-                        format!("column `{name}`, row {row}: is {}, but has to be {allowed}", shortest(value));
-                    return Err(refuse(&self.path, message));
-                }
+                self.check_allowed(c, value, || format!("column `{name}`, row {}", first_row + i as u64))?;
                 column.push(value);
             }
         }
         Ok(())
+    }
+
+    /// Refuses a value that the column in use of that number must not have; `place` says where it stands.
+    fn check_allowed(&self, column: usize, value: f64, place: impl FnOnce() -> String) -> Result<(), Error> {
+        match self.allowed.get(column).filter(|allowed| !allowed.contains(value)) {
+            None => Ok(()),
+            Some(allowed) => {
+                let message = format!("{}: is {}, but has to be {allowed}", place(), shortest(value));
+                Err(refuse(&self.path, message))
+            }
+        }
     }
 
     fn fill_from_csv(&self, places: &[(u64, u64)], rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
@@ -214,7 +220,7 @@ impl Table {
                 format!("line {line}: {found} values; expected {expected}, one for each column of the header"),
             ));
         }
-        for (i, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
+        for (c, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
             let number = fields[place].parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
                 let (text, name) = (fields[place], &self.names[place]);
                 refuse(
@@ -222,11 +228,7 @@ impl Table {
                     format!("line {line}, column `{name}`: `{text}` is not a finite number (decimal point, no unit)"),
                 )
             })?;
-            if let Some(allowed) = self.allowed.get(i).filter(|allowed| !allowed.contains(number)) {
-                let name = &self.names[place];
-                let message = format!("line {line}, column `{name}`: is {}, but has to be {allowed}", shortest(number));
-                return Err(refuse(&self.path, message));
-            }
+            self.check_allowed(c, number, || format!("line {line}, column `{}`", self.names[place]))?;
             column.push(number);
         }
         Ok(())
@@ -246,8 +248,8 @@ fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
     let mut byte = reader.read_line(&mut text).map_err(read)? as u64;
     let header = text.trim_start_matches('\u{feff}').trim();
     let names: Vec<String> = records::fields_of_line(header, COMMA).into_iter().map(str::to_owned).collect();
-    if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
-        return Err(refuse(path, format!("line 1: two columns are named `{}`; expected different names", twice.1)));
+    if let Some(twice) = records::repeated(&names) {
+        return Err(refuse(path, format!("line 1: two columns are named `{twice}`; expected different names")));
     }
     let (mut rows, mut line, mut places) = (0, 1, Vec::new());
     let mut bytes = Vec::new();

@@ -8,16 +8,13 @@ use crate::columns;
 use crate::design::Design;
 use crate::design::saltelli::{REPLICATES, Scheme};
 use crate::error::Error;
+use crate::part;
 use crate::store::LocalFile;
 use crate::study::Study;
-use arrow::array::{Array, AsArray};
-use arrow::datatypes::{DataType, Float64Type};
+use arrow::array::AsArray;
 use indices::{Centre, Indices, Sums};
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use std::fs::File;
 
 /// Name of the file with the indices, beside the parts.
 pub const FILE: &str = "sensitivity.json";
@@ -31,15 +28,13 @@ pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error>) 
     let Design::Saltelli(design) = &study.design else { return Ok(None) };
     let scheme = design.scheme();
     let parts: Vec<LocalFile> = (0..study.parts).map(local).collect::<Result<_, _>>()?;
-    let schema = columns::schema(study);
-    let is_result = |i: &usize| *i > study.varied.len() && *schema.field(*i).data_type() == DataType::Float64;
-    let results: Vec<usize> = (0..schema.fields().len()).filter(is_result).collect();
-    let of_column = |column: &usize| {
+    let results: Vec<&str> = columns::outputs(study).map(|output| output.name).collect();
+    let of_column = |column: &&str| {
         let mut centre = Centre::default();
-        blocks(&parts, *column, scheme.rows() as usize, |_, block| centre.add(block))?;
+        blocks(&parts, column, scheme.rows() as usize, |_, block| centre.add(block))?;
         let mut sums = Sums::new(scheme, centre);
-        blocks(&parts, *column, scheme.rows() as usize, |number, block| sums.add(number, block))?;
-        Ok((schema.field(*column).name().clone(), described(study, scheme, &sums.indices())))
+        blocks(&parts, column, scheme.rows() as usize, |number, block| sums.add(number, block))?;
+        Ok(((*column).to_owned(), described(study, scheme, &sums.indices())))
     };
     let outputs: Map<String, Value> =
         results.par_iter().map(of_column).collect::<Result<Vec<_>, Error>>()?.into_iter().collect();
@@ -75,19 +70,14 @@ fn described(study: &Study, scheme: Scheme, indices: &Indices) -> Value {
 
 /// Hands every block of one column's values that misses none to `take` with its number, in order; blocks may reach across
 /// parts.
-fn blocks(parts: &[LocalFile], column: usize, length: usize, mut take: impl FnMut(u64, &[f64])) -> Result<(), Error> {
+fn blocks(parts: &[LocalFile], column: &str, length: usize, mut take: impl FnMut(u64, &[f64])) -> Result<(), Error> {
     let mut block = Vec::with_capacity(length);
     let mut number = 0;
     for path in parts.iter().map(LocalFile::path) {
-        let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        let parquet = |source| Error::Parquet { path: path.to_owned(), source };
-        let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?;
-        let mask = ProjectionMask::roots(builder.parquet_schema(), [column]);
-        for batch in builder.with_projection(mask).build().map_err(parquet)? {
+        for batch in part::read(path, Some(&[column]), 0)? {
             let batch = batch.map_err(|error| Error::arrow(path, error))?;
-            let values = batch.column(0).as_primitive::<Float64Type>();
-            for i in 0..values.len() {
-                block.push(if values.is_null(i) { f64::NAN } else { values.value(i) });
+            for value in part::numbers(batch.column(0).as_primitive()) {
+                block.push(value);
                 if block.len() == length {
                     if block.iter().all(|value| value.is_finite()) {
                         take(number, &block);

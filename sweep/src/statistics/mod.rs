@@ -14,17 +14,14 @@ pub use sketch::{ERROR, Sketch};
 use crate::columns;
 use crate::error::Error;
 use crate::hash;
-use crate::part::{CHUNK, StatusCounts};
+use crate::part::{self, CHUNK, StatusCounts};
 use crate::study::Study;
-use arrow::array::{Array, AsArray};
+use arrow::array::AsArray;
 use arrow::datatypes::Float64Type;
 use column::Column;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::path::Path;
 
 /// Name of the file with the statistics, beside the rows.
@@ -57,6 +54,13 @@ pub struct Bins {
     pub bins: u64,
 }
 
+/// Why a name is none of a study's results, in words that follow it.
+pub fn no_result(name: &str, results: &[String]) -> String {
+    let hint = records::nearest(name, results.iter().map(String::as_str));
+    let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+    format!("is no result of this study{hint}")
+}
+
 impl Plan {
     /// Every computed column of a study, with the default quantiles.
     pub fn all(study: &Study) -> Self {
@@ -72,9 +76,7 @@ impl Plan {
         let mut plan = Self::all(study);
         if let Some(columns) = columns {
             if let Some(unknown) = columns.iter().find(|name| !plan.columns.contains(name)) {
-                let hint = records::nearest(unknown, plan.columns.iter().map(String::as_str));
-                let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
-                return Err(Error::Option(format!("`{unknown}` is no result of this study{hint}")));
+                return Err(Error::Option(format!("`{unknown}` {}", no_result(unknown, &plan.columns))));
             }
             plan.columns.retain(|column| columns.contains(column));
         }
@@ -227,16 +229,12 @@ fn points_of(study: &Study, mut rows: Vec<u64>) -> Result<BTreeMap<u64, Map<Stri
 /// # Errors
 /// The file cannot be read, or lacks a column of the plan.
 pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error> {
-    let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    let parquet = |source| Error::Parquet { path: path.to_owned(), source };
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?;
-    let mask = ProjectionMask::columns(builder.parquet_schema(), plan.columns.iter().map(String::as_str));
-    let reader = builder.with_projection(mask).build().map_err(parquet)?;
+    let names: Vec<&str> = plan.columns.iter().map(String::as_str).collect();
     let mut state = State::new(plan);
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); plan.columns.len()];
     // Pieces are cut as when the rows are solved, so that the sums are the same bit for bit.
     let mut begin = first_row;
-    for batch in reader {
+    for batch in part::read(path, Some(&names), 0)? {
         let batch = batch.map_err(|error| Error::arrow(path, error))?;
         for (name, values) in plan.columns.iter().zip(&mut columns) {
             let column = batch.column_by_name(name).and_then(|column| column.as_primitive_opt::<Float64Type>());
@@ -244,7 +242,7 @@ pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error>
                 path: path.to_owned(),
                 message: format!("has no column `{name}` of numbers for the statistics"),
             })?;
-            values.extend((0..column.len()).map(|i| if column.is_null(i) { f64::NAN } else { column.value(i) }));
+            values.extend(part::numbers(column));
         }
         loop {
             let length = (CHUNK - begin % CHUNK) as usize;

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::hash;
 use crate::quantity::{self, Base, Point};
 use crate::statistics::Plan;
-use chamber::effects::{EffectSet, PARAMETERS};
+use chamber::effects::{EffectSet, EffectValues};
 use ensemble::Solver;
 use records::Model;
 use serde_json::{Map, Value, json};
@@ -125,78 +125,73 @@ impl Study {
 
     /// The study with every number it rests on, as JSON: what is written beside its rows.
     pub fn json(&self) -> Value {
-        let number = |base: Base| Some(self.base.get(base)).filter(|value| value.is_finite());
         let mut groups: Map<String, Value> = Map::new();
+        let effects = self.effects();
         for (place, q) in quantity::all().iter().enumerate() {
             let value = self.base.0[place];
-            let effect_is_off = place >= quantity::COUNT - PARAMETERS && self.is_off(place);
+            let effect_is_off = quantity::effect_of(place).is_some_and(|(effect, _)| !effects.has(effect));
             if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == place) {
                 groups.insert(q.name.clone(), json!(value));
             }
         }
-        let mut study = Map::new();
-        study.insert("name".into(), json!(self.name));
-        study.insert("design".into(), json!(self.design.name()));
+        let mut study = json!({ "name": self.name, "design": self.design.name() });
         if let Some(samples) = self.samples {
-            study.insert("samples".into(), json!(samples));
+            study["samples"] = json!(samples);
         }
         if let Design::Saltelli(saltelli) = &self.design {
-            study.insert("replicates".into(), json!(REPLICATES));
+            study["replicates"] = json!(REPLICATES);
             if saltelli.scheme().second {
-                study.insert("second_order".into(), json!(true));
+                study["second_order"] = json!(true);
             }
         }
-        study.insert("seed".into(), json!(self.seed));
-        study.insert("rows".into(), json!(self.rows));
-        study.insert("parts".into(), json!(self.parts));
-        study.insert("fit".into(), json!(self.fit));
-        study.insert("solver".into(), json!(self.solver.name()));
-        study.insert("tolerance".into(), json!(self.tolerance));
-        study.insert("gas".into(), json!(self.model.gas_name));
-        study.insert("area_law".into(), json!(self.model.chamber.geometry.area_law.name()));
-        study.insert(
-            "length_of_the_test".into(),
-            json!(if number(Base::Duration).is_some() { "duration_s" } else { "hold_time_constants" }),
-        );
-        study.insert("fixed".into(), Value::Object(groups));
+        study["seed"] = json!(self.seed);
+        study["rows"] = json!(self.rows);
+        study["parts"] = json!(self.parts);
+        study["fit"] = json!(self.fit);
+        study["solver"] = json!(self.solver.name());
+        study["tolerance"] = json!(self.tolerance);
+        study["gas"] = json!(self.model.gas_name);
+        study["area_law"] = json!(self.model.chamber.geometry.area_law.name());
+        let by_duration = self.base.get(Base::Duration).is_finite();
+        study["length_of_the_test"] = json!(if by_duration { "duration_s" } else { "hold_time_constants" });
+        study["fixed"] = Value::Object(groups);
         match &self.design {
             Design::Table(table) => {
                 let name = table.path().file_name().map(|name| name.to_string_lossy().into_owned());
-                study.insert("table".into(), json!({ "file": name, "sha256": self.table_sha256 }));
+                study["table"] = json!({ "file": name, "sha256": self.table_sha256 });
                 let columns: Vec<_> = self.varied.iter().map(|v| &v.column).collect();
-                study.insert("vary".into(), json!(columns));
+                study["vary"] = json!(columns);
             }
             design => {
                 let axes = self.varied.iter().zip(design.axes());
                 let axes: Map<String, Value> = axes.map(|(v, axis)| (v.column.clone(), json!(axis))).collect();
-                study.insert("vary".into(), Value::Object(axes));
+                study["vary"] = Value::Object(axes);
                 if let Some(copula) = design.copula() {
                     let columns: Vec<_> = copula.columns().iter().map(|i| &self.varied[*i].column).collect();
-                    study.insert(
-                        "correlated".into(),
-                        json!({ "quantities": columns, "correlation": copula.correlation() }),
-                    );
+                    study["correlated"] = json!({ "quantities": columns, "correlation": copula.correlation() });
                 }
             }
         }
         if !self.constraints.is_empty() {
             let texts: Vec<_> = self.constraints.iter().map(Constraint::text).collect();
-            study.insert("constraints".into(), json!(texts));
+            study["constraints"] = json!(texts);
         }
-        Value::Object(study)
+        study
     }
 
-    /// Whether the effect of a parameter's place is off throughout the study.
-    fn is_off(&self, place: usize) -> bool {
-        let group = |place: usize| quantity::all()[place].name.rsplit_once('.').map(|(group, _)| group);
-        let varies = self.varied.iter().any(|v| group(v.quantity) == group(place));
-        let mut values = self.model.chamber.effects;
+    /// Effects that are on in some row. The same for all rows, whatever the chunk, so that a row's bits are its own.
+    pub fn effects(&self) -> EffectSet {
+        let mut values = EffectValues::NEUTRAL;
         values.0.copy_from_slice(self.base.effects());
-        let on = values.active().iter().any(|index| {
-            let first = quantity::COUNT - PARAMETERS + chamber::effects::PARAMETER_OFFSETS[index];
-            group(first) == group(place)
-        });
-        !varies && !on
+        let varied = self.varied.iter().filter_map(|v| quantity::effect_of(v.quantity));
+        values.active().union(varied.map(|(effect, _)| effect).collect())
+    }
+
+    /// Gives a point the varied quantities of one row of their columns.
+    pub fn vary(&self, point: &mut Point, columns: &[Vec<f64>], row: usize) {
+        for (varied, column) in self.varied.iter().zip(columns) {
+            point.0[varied.quantity] = column[row];
+        }
     }
 
     /// SHA-256 of the study and the program's version: rows belong together where this is the same.

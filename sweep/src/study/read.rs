@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::hash;
 use crate::quantity::{self, Base, Point};
 use crate::solve;
-use crate::statistics::{Bins, Goals, Plan};
+use crate::statistics::{Bins, Goals, Plan, no_result};
 use crate::uncertain::Uncertain;
 use ensemble::{Options, Solver};
 use records::{Document, Field, Model};
@@ -362,9 +362,7 @@ fn plan(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
         if every.iter().any(|column| column == name) {
             return Ok(());
         }
-        let hint = records::nearest(name, every.iter().map(String::as_str));
-        let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
-        Err(entry.because(format!("names `{name}`, which is no result of this study{hint}")))
+        Err(entry.because(format!("names `{name}`, which {}", no_result(name, &every))))
     };
     if let Some(entry) = section.get("columns") {
         let wanted = entry.texts()?;
@@ -417,7 +415,7 @@ fn plan(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
                 entry.because(format!("names {count} columns in `minimise` and `maximise`: 2 to 4 are expected"))
             );
         }
-        if let Some((_, twice)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+        if let Some(twice) = records::repeated(&names) {
             return Err(entry.because(format!("names `{twice}` twice")));
         }
         if let Some(absent) = names.iter().find(|name| !plan.columns.iter().any(|column| column == *name)) {

@@ -8,7 +8,7 @@ use crate::copula::Copula;
 use crate::distribution::{Distribution, Limits};
 use crate::error::Error;
 use crate::quantity::{self, Base, NotFound};
-use crate::uncertain::{Parameter, Uncertain};
+use crate::uncertain::{self, Parameter, Uncertain};
 use records::Field;
 use report::number::shortest;
 
@@ -101,8 +101,9 @@ fn copula(found: &[Found<'_>], model: &Result<Uncertain, String>) -> Result<Opti
     let place = |column: &usize| model.parameters.iter().position(|p| p.quantity == found[*column].varied.quantity);
     let places: Vec<usize> = columns.iter().filter_map(place).collect();
     let correlation = model.correlation.select_rows(&places).select_columns(&places);
-    let copula = Uncertain { parameters: Vec::new(), correlation }.copula(columns);
-    copula.map(Some).map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
+    uncertain::copula(columns, &correlation)
+        .map(Some)
+        .map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
 }
 
 /// Refuses quantities that set the same thing twice.

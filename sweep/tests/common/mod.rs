@@ -7,6 +7,7 @@ use arrow::record_batch::RecordBatch;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use records::{Model, Provenance};
+use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Local, Study};
 use tempfile::TempDir;
@@ -58,6 +59,19 @@ pub fn read(path: &Path) -> RecordBatch {
     let batches: Vec<_> = builder.build().unwrap().map(|batch| plain(batch.unwrap())).collect();
     arrow::compute::concat_batches(&schema, &batches).unwrap()
 }
+
+/// All parts of a study's folder, their tables by name; none where it has no rows.
+pub fn parts(folder: &Path) -> BTreeMap<String, RecordBatch> {
+    let folder = folder.join("rows");
+    if !folder.exists() {
+        return BTreeMap::new();
+    }
+    let names = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    names.map(|name| (name.clone(), read(&folder.join(&name)))).collect()
+}
+
+/// Hears of rows and says nothing.
+pub fn quiet(_: u64) {}
 
 /// A column's values, NaN for a null.
 pub fn values(batch: &RecordBatch, name: &str) -> Vec<f64> {

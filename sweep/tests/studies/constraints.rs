@@ -1,9 +1,7 @@
 //! Constraints between quantities: rows that break one are left out, counted and said; the others are what they were.
 
-use crate::common::{at, read, statuses, study, text, values};
+use crate::common::{at, quiet, read, statuses, study, text, values};
 use sweep::{Shard, run, run_in_memory, traces};
-
-fn quiet(_: u64) {}
 
 const VARY: &str = "bore_m = { from = 0.016, to = 0.063 }\nrod_m = { from = 0.004, to = 0.04 }\ndead_volume_m3 = { from = 0.0, to = 2e-5 }";
 const HEAD: &str = "design = \"sobol\"\nsamples = 3000\nseed = 2\nfit = false";

@@ -1,18 +1,9 @@
 //! Studies that grow: what a smaller one has solved is taken from there, and the result is the one made in one go.
 
-use crate::common::{at, model, read, study, text};
+use crate::common::{at, model, parts, quiet, study, text};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Earlier, Options, Shard, Study, run};
-
-fn quiet(_: u64) {}
-
-/// All parts of a folder, their tables by name.
-fn parts(folder: &Path) -> BTreeMap<String, arrow::record_batch::RecordBatch> {
-    let folder = folder.join("rows");
-    let names = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-    names.map(|name| (name.clone(), read(&folder.join(&name)))).collect()
-}
 
 /// What every file of a folder holds, by its path there.
 fn files(folder: &Path) -> BTreeMap<std::path::PathBuf, Vec<u8>> {

@@ -1,22 +1,8 @@
 //! Whole studies: what is in the table, and that it does not depend on how it came about.
 
-use crate::common::{at, model, read, statuses, study, text, values};
+use crate::common::{at, model, parts, quiet, read, statuses, study, text, values};
 use arrow::array::Int64Array;
-use std::collections::BTreeMap;
-use std::path::Path;
 use sweep::{Shard, Study, run, run_in_memory, run_to_file, verify};
-
-fn quiet(_: u64) {}
-
-/// All parts of a folder, their tables by name; none where it has no rows.
-fn parts(folder: &Path) -> BTreeMap<String, arrow::record_batch::RecordBatch> {
-    let folder = folder.join("rows");
-    if !folder.exists() {
-        return BTreeMap::new();
-    }
-    let names = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-    names.map(|name| (name.clone(), read(&folder.join(&name)))).collect()
-}
 
 const BORES: &str = "bore_m = { from = 0.016, to = 0.063, count = 40, scale = \"log\" }
 initial_pressure_pa = { from = 1e5, to = 7e5, count = 30 }

@@ -66,55 +66,32 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     unsafe { boundary::choose::<Host>(c, "fmi2SetDebugLogging", logging_on != FALSE, n_categories, categories) }
 }
 
-/// Announces start and stop time, s, and the relative tolerance of the inner integration.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetupExperiment(
-    c: *mut c_void,
-    tolerance_defined: c_int,
-    tolerance: f64,
-    start_time: f64,
-    stop_time_defined: c_int,
-    stop_time: f64,
-) -> CEnum {
-    let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
-    let stop = (stop_time_defined != FALSE).then_some(stop_time);
-    // SAFETY: the host's component and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi2SetupExperiment", |component| component.instance.setup_experiment(tolerance, start_time, stop))
-    }
-}
+c_functions! {
+    /// Announces start and stop time, s, and the relative tolerance of the inner integration.
+    extern "C" fn fmi2SetupExperiment(
+        tolerance_defined: c_int,
+        tolerance: f64,
+        start_time: f64,
+        stop_time_defined: c_int,
+        stop_time: f64,
+    ) = |instance| instance.setup_experiment(
+        (tolerance_defined != FALSE).then_some(tolerance),
+        start_time,
+        (stop_time_defined != FALSE).then_some(stop_time),
+    );
 
-/// From here on outputs are calculated from parameters and inputs as they are set.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2EnterInitializationMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's component.
-    unsafe { guarded(c, "fmi2EnterInitializationMode", |component| component.instance.enter_initialization()) }
-}
+    /// From here on outputs are calculated from parameters and inputs as they are set.
+    extern "C" fn fmi2EnterInitializationMode() = |instance| instance.enter_initialization();
 
-/// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2ExitInitializationMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's component.
-    unsafe { guarded(c, "fmi2ExitInitializationMode", |component| component.instance.exit_initialization()) }
-}
+    /// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
+    extern "C" fn fmi2ExitInitializationMode() = |instance| instance.exit_initialization();
 
-/// Stops continuous time for an event: parameters can be tuned, a jump of position is taken up adiabatically.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2EnterEventMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's component.
-    unsafe { guarded(c, "fmi2EnterEventMode", |component| component.instance.enter_event()) }
-}
+    /// Stops continuous time for an event: parameters can be tuned, a jump of position is taken up adiabatically.
+    extern "C" fn fmi2EnterEventMode() = |instance| instance.enter_event();
 
-/// Goes from event mode on to integration by the host.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's component.
-    unsafe { guarded(c, "fmi2EnterContinuousTimeMode", |component| component.instance.enter_continuous_time()) }
-}
+    /// Goes from event mode on to integration by the host.
+    extern "C" fn fmi2EnterContinuousTimeMode() = |instance| instance.enter_continuous_time();
 
-/// Ends the simulation; its last values can still be read.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Terminate(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's component.
-    unsafe { guarded(c, "fmi2Terminate", |component| component.instance.terminate()) }
+    /// Ends the simulation; its last values can still be read.
+    extern "C" fn fmi2Terminate() = |instance| instance.terminate();
 }

@@ -17,20 +17,10 @@ pub use saved::*;
 pub use values::*;
 
 use super::host::{Callbacks, EventInfo, Host};
-use crate::boundary::{self, CEnum, Component, Result, elements, elements_mut, place, text};
+use crate::boundary::{self, CEnum, c_functions, elements, elements_mut, place, text};
 use crate::plant::simulation::Kind;
 use crate::protocol::refusal::Refusal;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
 const FALSE: c_int = 0;
 const _: () = assert!(size_of::<c_uint>() == 4 && size_of::<c_int>() == 4);
-
-/// Runs `call` on the component behind `c`.
-unsafe fn guarded(
-    c: *mut c_void,
-    function: &'static str,
-    mut call: impl FnMut(&mut Component<Host>) -> Result<()>,
-) -> CEnum {
-    // SAFETY: the host's component, as the standard has it.
-    unsafe { boundary::guarded::<Host>(c, function, &mut call) }
-}

@@ -3,54 +3,25 @@
 use super::*;
 use crate::boundary::saved;
 
-/// Copies the whole instance behind a handle, a new one or one that is filled anew.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
-    // SAFETY: the host's component and places, as the standard has them.
-    unsafe { saved::save::<Host>(c, "fmi2GetFMUstate", state) }
-}
+c_functions! {
+    /// Copies the whole instance behind a handle, a new one or one that is filled anew.
+    extern "C" fn fmi2GetFMUstate(state: *mut *mut c_void) = |instance| saved::save(instance, state);
 
-/// Takes the instance back to a copy; refused for a handle that this instance did not give.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(c: *mut c_void, state: *mut c_void) -> CEnum {
-    // SAFETY: the host's component.
-    unsafe { guarded(c, "fmi2SetFMUstate", |component| component.instance.restore(state.addr())) }
-}
+    /// Takes the instance back to a copy; refused for a handle that this instance did not give.
+    extern "C" fn fmi2SetFMUstate(state: *mut c_void) = |instance| instance.restore(state.addr());
 
-/// `fmi2FreeFMUstate`: nothing happens where there is no state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_void) -> CEnum {
-    // SAFETY: the host's component and places, as the standard has them.
-    unsafe { saved::free::<Host>(c, "fmi2FreeFMUstate", state) }
-}
+    /// `fmi2FreeFMUstate`: nothing happens where there is no state.
+    extern "C" fn fmi2FreeFMUstate(state: *mut *mut c_void) = |instance| saved::free(instance, state);
 
-/// Bytes that a copy takes; it grows with the history of a delayed record.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: *mut c_void, state: *mut c_void, size: *mut usize) -> CEnum {
-    // SAFETY: the host's component and places, as the standard has them.
-    unsafe { saved::size::<Host>(c, "fmi2SerializedFMUstateSize", state, size) }
-}
+    /// Bytes that a copy takes; it grows with the history of a delayed record.
+    extern "C" fn fmi2SerializedFMUstateSize(state: *mut c_void, size: *mut usize) =
+        |instance| saved::size(instance, state, size);
 
-/// Writes a copy as bytes that another process can read.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    c: *mut c_void,
-    state: *mut c_void,
-    bytes: *mut c_char,
-    size: usize,
-) -> CEnum {
-    // SAFETY: the host's component and array, as the standard has them.
-    unsafe { saved::serialize::<Host>(c, "fmi2SerializeFMUstate", state, bytes.cast(), size) }
-}
+    /// Writes a copy as bytes that another process can read.
+    extern "C" fn fmi2SerializeFMUstate(state: *mut c_void, bytes: *mut c_char, size: usize) =
+        |instance| saved::serialize(instance, state, bytes.cast(), size);
 
-/// Reads a copy from bytes; refused where they are damaged or of another FMU.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    c: *mut c_void,
-    bytes: *const c_char,
-    size: usize,
-    state: *mut *mut c_void,
-) -> CEnum {
-    // SAFETY: the host's component and array, as the standard has them.
-    unsafe { saved::deserialize::<Host>(c, "fmi2DeSerializeFMUstate", bytes.cast(), size, state) }
+    /// Reads a copy from bytes; refused where they are damaged or of another FMU.
+    extern "C" fn fmi2DeSerializeFMUstate(bytes: *const c_char, size: usize, state: *mut *mut c_void) =
+        |instance| saved::deserialize(instance, bytes.cast(), size, state);
 }

@@ -5,30 +5,19 @@ use super::*;
 
 /// Functions for variables of a type that there is none of: they refuse whatever reference they are given.
 macro_rules! none_of_type {
-    ($($is:literal: $(extern "C" fn $function:ident($($argument:ident: $of:ty),*);)+)+) => {$($(
+    ($($is:literal: $(extern "C" fn $function:ident($($argument:ident: $of:ty),*);)+)+) => {c_functions! {$($(
         #[doc = concat!("`", stringify!($function), "`: there is no variable of type ", $is, ".")]
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $function(c: *mut c_void, vr: *const u32, nvr: usize, $($argument: $of),*) -> CEnum {
-            // SAFETY: the host's instance and references, as the standard has them.
-            unsafe {
-                guarded(c, stringify!($function), |component| {
-                    component.instance.none_of_type(elements(vr, nvr, "valueReferences")?, $is)
-                })
-            }
-        }
-    )+)+};
+        extern "C" fn $function(vr: *const u32, nvr: usize, $($argument: $of),*) =
+            |instance| instance.none_of_type(elements(vr, nvr, "valueReferences")?, $is);
+    )+)+}};
 }
 
 /// Functions that are not offered, with what they say.
 macro_rules! not_offered {
-    ($($what:literal: $(extern "C" fn $function:ident($($argument:ident: $of:ty),*);)+)+) => {$($(
+    ($($what:literal: $(extern "C" fn $function:ident($($argument:ident: $of:ty),*);)+)+) => {c_functions! {$($(
         #[doc = concat!("`", stringify!($function), "`: not offered.")]
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $function(c: *mut c_void, $($argument: $of),*) -> CEnum {
-            // SAFETY: the host's instance.
-            unsafe { guarded(c, stringify!($function), |_| Err(Refusal::NotOffered { what: $what })) }
-        }
-    )+)+};
+        extern "C" fn $function($($argument: $of),*) = |_| Err(Refusal::NotOffered { what: $what });
+    )+)+}};
 }
 
 none_of_type! {

@@ -112,58 +112,33 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     unsafe { boundary::choose::<Host>(c, "fmi3SetDebugLogging", logging_on != 0, n, categories) }
 }
 
-/// Announces tolerance, start and stop time, s; from here on outputs are calculated from parameters and inputs.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterInitializationMode(
-    c: *mut c_void,
-    tolerance_defined: u8,
-    tolerance: f64,
-    start_time: f64,
-    stop_time_defined: u8,
-    stop_time: f64,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3EnterInitializationMode", |component| {
-            let tolerance = (tolerance_defined != 0).then_some(tolerance);
-            let stop = (stop_time_defined != 0).then_some(stop_time);
-            component.instance.setup_experiment(tolerance, start_time, stop)?;
-            component.instance.enter_initialization()
-        })
-    }
-}
+c_functions! {
+    /// Announces tolerance, start and stop time, s; from here on outputs are calculated from parameters and inputs.
+    extern "C" fn fmi3EnterInitializationMode(
+        tolerance_defined: u8,
+        tolerance: f64,
+        start_time: f64,
+        stop_time_defined: u8,
+        stop_time: f64,
+    ) = |instance| {
+        let tolerance = (tolerance_defined != 0).then_some(tolerance);
+        let stop = (stop_time_defined != 0).then_some(stop_time);
+        instance.setup_experiment(tolerance, start_time, stop)?;
+        instance.enter_initialization()
+    };
 
-/// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3ExitInitializationMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe { guarded(c, "fmi3ExitInitializationMode", |component| component.instance.exit_initialization()) }
-}
+    /// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
+    extern "C" fn fmi3ExitInitializationMode() = |instance| instance.exit_initialization();
 
-/// Stops continuous time or stepping for an event: parameters can be tuned, a jump of position is taken up.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterEventMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe { guarded(c, "fmi3EnterEventMode", |component| component.instance.enter_event()) }
-}
+    /// Stops continuous time or stepping for an event: parameters can be tuned, a jump of position is taken up.
+    extern "C" fn fmi3EnterEventMode() = |instance| instance.enter_event();
 
-/// Goes from event mode on to steps of co-simulation.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterStepMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe { guarded(c, "fmi3EnterStepMode", |component| component.instance.enter_step()) }
-}
+    /// Goes from event mode on to steps of co-simulation.
+    extern "C" fn fmi3EnterStepMode() = |instance| instance.enter_step();
 
-/// Goes from event mode on to integration by the host.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe { guarded(c, "fmi3EnterContinuousTimeMode", |component| component.instance.enter_continuous_time()) }
-}
+    /// Goes from event mode on to integration by the host.
+    extern "C" fn fmi3EnterContinuousTimeMode() = |instance| instance.enter_continuous_time();
 
-/// Ends the simulation; its last values can still be read.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3Terminate(c: *mut c_void) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe { guarded(c, "fmi3Terminate", |component| component.instance.terminate()) }
+    /// Ends the simulation; its last values can still be read.
+    extern "C" fn fmi3Terminate() = |instance| instance.terminate();
 }

@@ -20,28 +20,10 @@ pub use values::*;
 
 use super::host::{Host, LogMessage};
 use super::{indicator_references, time_reference};
-use crate::boundary::{self, CEnum, Component, Result, elements, elements_mut, place, text};
+use crate::boundary::{self, CEnum, Component, Result, c_functions, elements, elements_mut, place, text};
 use crate::plant::corners::CORNERS;
 use crate::plant::simulation::Kind;
 use crate::plant::states::ALL;
 use crate::protocol::instance::Instance;
 use crate::protocol::refusal::Refusal;
 use std::ffi::{c_char, c_void};
-
-/// Runs `call` on the instance behind `c`.
-unsafe fn guarded(
-    c: *mut c_void,
-    function: &'static str,
-    mut call: impl FnMut(&mut Component<Host>) -> Result<()>,
-) -> CEnum {
-    // SAFETY: the host's instance, as the standard has it.
-    unsafe { boundary::guarded::<Host>(c, function, &mut call) }
-}
-
-/// The lengths of references and values, equal as every variable is a scalar.
-fn same_length(references: usize, values: usize) -> Result<()> {
-    if references == values {
-        return Ok(());
-    }
-    Err(Refusal::WrongLength { argument: "nValues", length: values, expected: references })
-}

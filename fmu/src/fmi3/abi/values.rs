@@ -15,162 +15,91 @@ fn float(instance: &mut Instance, reference: u32) -> Result<f64> {
     Ok(value[0])
 }
 
-/// Values of real variables in SI units, the time and the event indicators included: all of them, or none.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetFloat64(
-    c: *mut c_void,
-    vr: *const u32,
-    nvr: usize,
-    values: *mut f64,
-    n: usize,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3GetFloat64", |component| {
-            same_length(nvr, n)?;
-            let (references, values) = (elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?);
-            if references.iter().all(|reference| *reference < time_reference()) {
-                return component.instance.get_real(references, values);
-            }
-            let found: Result<Vec<f64>> =
-                references.iter().map(|reference| float(&mut component.instance, *reference)).collect();
-            values.copy_from_slice(&found?);
-            Ok(())
-        })
+/// The lengths of references and values, equal as every variable is a scalar.
+fn same_length(references: usize, values: usize) -> Result<()> {
+    if references == values {
+        return Ok(());
     }
+    Err(Refusal::WrongLength { argument: "nValues", length: values, expected: references })
 }
 
-/// Sets real inputs and parameters in SI units: all of them, or none where one is refused.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetFloat64(
-    c: *mut c_void,
-    vr: *const u32,
-    nvr: usize,
-    values: *const f64,
-    n: usize,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3SetFloat64", |component| {
-            same_length(nvr, n)?;
-            component.instance.set_real(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
-        })
-    }
-}
+c_functions! {
+    /// Values of real variables in SI units, the time and the event indicators included: all of them, or none.
+    extern "C" fn fmi3GetFloat64(vr: *const u32, nvr: usize, values: *mut f64, n: usize) = |instance| {
+        same_length(nvr, n)?;
+        let (references, values) = (elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?);
+        if references.iter().all(|reference| *reference < time_reference()) {
+            return instance.get_real(references, values);
+        }
+        let found: Result<Vec<f64>> = references.iter().map(|reference| float(instance, *reference)).collect();
+        values.copy_from_slice(&found?);
+        Ok(())
+    };
 
-/// `fmi3GetInt64`: enumerations are read as integers.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetInt64(c: *mut c_void, vr: *const u32, nvr: usize, values: *mut i64, n: usize) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3GetInt64", |component| {
-            same_length(nvr, n)?;
-            component.instance.get_integer(elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?)
-        })
-    }
-}
+    /// Sets real inputs and parameters in SI units: all of them, or none where one is refused.
+    extern "C" fn fmi3SetFloat64(vr: *const u32, nvr: usize, values: *const f64, n: usize) = |instance| {
+        same_length(nvr, n)?;
+        instance.set_real(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
+    };
 
-/// `fmi3SetInt64`: enumerations are set as integers.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetInt64(
-    c: *mut c_void,
-    vr: *const u32,
-    nvr: usize,
-    values: *const i64,
-    n: usize,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3SetInt64", |component| {
-            same_length(nvr, n)?;
-            component.instance.set_integer(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
-        })
-    }
-}
+    /// `fmi3GetInt64`: enumerations are read as integers.
+    extern "C" fn fmi3GetInt64(vr: *const u32, nvr: usize, values: *mut i64, n: usize) = |instance| {
+        same_length(nvr, n)?;
+        instance.get_integer(elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?)
+    };
 
-/// Value of externalWall.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetBoolean(
-    c: *mut c_void,
-    vr: *const u32,
-    nvr: usize,
-    values: *mut u8,
-    n: usize,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3GetBoolean", |component| {
-            same_length(nvr, n)?;
-            component.instance.get_boolean(elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?)
-        })
-    }
-}
+    /// `fmi3SetInt64`: enumerations are set as integers.
+    extern "C" fn fmi3SetInt64(vr: *const u32, nvr: usize, values: *const i64, n: usize) = |instance| {
+        same_length(nvr, n)?;
+        instance.set_integer(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
+    };
 
-/// Sets externalWall, before the end of initialization; any number but zero is true.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetBoolean(
-    c: *mut c_void,
-    vr: *const u32,
-    nvr: usize,
-    values: *const u8,
-    n: usize,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3SetBoolean", |component| {
-            same_length(nvr, n)?;
-            component.instance.set_boolean(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
-        })
-    }
-}
+    /// Value of externalWall.
+    extern "C" fn fmi3GetBoolean(vr: *const u32, nvr: usize, values: *mut u8, n: usize) = |instance| {
+        same_length(nvr, n)?;
+        instance.get_boolean(elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?)
+    };
 
-/// Exact derivatives of outputs, states and rates along a direction of inputs, states and parameters.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
-    c: *mut c_void,
-    unknowns: *const u32,
-    n_unknowns: usize,
-    knowns: *const u32,
-    n_knowns: usize,
-    seed: *const f64,
-    n_seed: usize,
-    sensitivity: *mut f64,
-    n_sensitivity: usize,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3GetDirectionalDerivative", |component| {
-            same_length(n_knowns, n_seed)?;
-            same_length(n_unknowns, n_sensitivity)?;
-            component.instance.directional(
-                elements(unknowns, n_unknowns, "unknowns")?,
-                elements(knowns, n_knowns, "knowns")?,
-                elements(seed, n_seed, "seed")?,
-                elements_mut(sensitivity, n_sensitivity, "sensitivity")?,
-            )
-        })
-    }
-}
+    /// Sets externalWall, before the end of initialization; any number but zero is true.
+    extern "C" fn fmi3SetBoolean(vr: *const u32, nvr: usize, values: *const u8, n: usize) = |instance| {
+        same_length(nvr, n)?;
+        instance.set_boolean(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
+    };
 
-/// First time derivatives of outputs at the end of the last step, SI units per s.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetOutputDerivatives(
-    c: *mut c_void,
-    vr: *const u32,
-    nvr: usize,
-    orders: *const i32,
-    values: *mut f64,
-    n: usize,
-) -> CEnum {
-    // SAFETY: the host's instance and arrays, as the standard has them.
-    unsafe {
-        guarded(c, "fmi3GetOutputDerivatives", |component| {
-            same_length(nvr, n)?;
-            component.instance.output_derivatives(
-                elements(vr, nvr, "valueReferences")?,
-                elements(orders, nvr, "orders")?,
-                elements_mut(values, n, "values")?,
-            )
-        })
-    }
+    /// Exact derivatives of outputs, states and rates along a direction of inputs, states and parameters.
+    extern "C" fn fmi3GetDirectionalDerivative(
+        unknowns: *const u32,
+        n_unknowns: usize,
+        knowns: *const u32,
+        n_knowns: usize,
+        seed: *const f64,
+        n_seed: usize,
+        sensitivity: *mut f64,
+        n_sensitivity: usize,
+    ) = |instance| {
+        same_length(n_knowns, n_seed)?;
+        same_length(n_unknowns, n_sensitivity)?;
+        instance.directional(
+            elements(unknowns, n_unknowns, "unknowns")?,
+            elements(knowns, n_knowns, "knowns")?,
+            elements(seed, n_seed, "seed")?,
+            elements_mut(sensitivity, n_sensitivity, "sensitivity")?,
+        )
+    };
+
+    /// First time derivatives of outputs at the end of the last step, SI units per s.
+    extern "C" fn fmi3GetOutputDerivatives(
+        vr: *const u32,
+        nvr: usize,
+        orders: *const i32,
+        values: *mut f64,
+        n: usize,
+    ) = |instance| {
+        same_length(nvr, n)?;
+        instance.output_derivatives(
+            elements(vr, nvr, "valueReferences")?,
+            elements(orders, nvr, "orders")?,
+            elements_mut(values, n, "values")?,
+        )
+    };
 }

@@ -1,0 +1,48 @@
+//! What is told from a column of a record.
+
+/// Correlation of two series of the same length, -1 to 1; 0 where one of them does not vary.
+pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().max(1) as f64;
+    let (ma, mb) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        ab += (x - ma) * (y - mb);
+        aa += (x - ma).powi(2);
+        bb += (y - mb).powi(2);
+    }
+    ab / (aa * bb).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// Standard deviation of white noise on a signal, from second differences, which steady change does not enter; their
+/// median, so that bends do not count either. 1.4826 medians are a normal distribution's standard deviation, and the
+/// variance of a second difference is 1 + 4 + 1 times that of its values.
+pub(crate) fn white_noise(values: &[f64]) -> f64 {
+    1.4826 * median(values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).collect()) / 6.0_f64.sqrt()
+}
+
+/// The value in the middle; 0 of none.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The least and the greatest value.
+pub(crate) fn extremes(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::correlation;
+
+    #[test]
+    fn series_on_one_line_correlate_fully_and_a_constant_with_nothing() {
+        let a = [1.0, 2.0, 4.0];
+        assert!((correlation(&a, &a.map(|x| 3.0 - 2.0 * x)) + 1.0).abs() < 1e-15);
+        assert_eq!(correlation(&a, &[5.0; 3]), 0.0);
+        assert_eq!(correlation(&[], &[]), 0.0);
+    }
+}
