@@ -46,10 +46,18 @@ def write_trace(
         told = ", ".join(f"{name} ({length})" for name, length in lengths.items())
         raise Error(f"{_said(source)}: its columns differ in length: {told}; say by `columns` which ones make the trace")
     path = pathlib.Path(path)
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(table)
-        writer.writerows(zip(*(map(_text, values) for values in table.values())))
+    # Under another name until it is whole: a failure leaves what stood there before.
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with open(partial, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(table)
+            writer.writerows(zip(*(map(_text, values) for values in table.values())))
+        os.replace(partial, path)
+    except OSError as error:
+        raise Error(f"{path}: cannot be written: {error.strerror}") from error
+    finally:
+        partial.unlink(missing_ok=True)
     return path
 
 

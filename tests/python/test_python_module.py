@@ -3,6 +3,7 @@
 import gc
 import math
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -431,3 +432,18 @@ def test_a_source_that_is_no_trace_is_refused_in_a_sentence(module, tmp_path):
     with pytest.raises(module.Error, match="has no column `p`; it has `t`"):
         module.write_trace({"t": [0.0, 1.0]}, tmp_path / "trace.csv", columns=["t", "p"])
     assert not (tmp_path / "trace.csv").exists()
+
+
+def test_a_trace_that_cannot_be_written_leaves_what_stood_there(module, tmp_path):
+    trace = tmp_path / "trace.csv"
+    trace.write_text("before")
+    limit, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    try:
+        with pytest.raises(module.Error, match="trace.csv: cannot be written: File too large"):
+            module.write_trace({"t": [float(row) for row in range(1000)]}, trace)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+        signal.signal(signal.SIGXFSZ, handler)
+    assert trace.read_text() == "before" and [file.name for file in tmp_path.iterdir()] == ["trace.csv"]
