@@ -52,7 +52,9 @@ pub fn diagnose(rig: &Rig, report: Option<&Path>, progress: &(dyn Fn(&str, f64) 
 /// # Errors
 /// Records that the model cannot follow.
 pub fn validate(model: &Model, rig: &Rig, whole_record: bool) -> anyhow::Result<Validated> {
-    identify::validate(&model.chamber, rig, whole_record).with_context(|| rig.path.display().to_string())
+    // What it left of data that took no part in its fit; a model without any is taken at its word.
+    let error_pa = model.provenance.rmse_after_pa.map_or(0.0, |rmse| rmse.held_out.unwrap_or(rmse.fit));
+    identify::validate(&model.chamber, error_pa, rig, whole_record).with_context(|| rig.path.display().to_string())
 }
 
 fn identified_model(rig: &Rig, found: &Identification) -> Model {

@@ -35,6 +35,9 @@ pub const TOLERANCES: f64 = 3.0;
 /// So many standard deviations a fault of the recording may lie from what instruments have: an offset of 25 kPa may be the
 /// altitude, half a bar has another cause, which it imitates.
 pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;
+/// How far the records of one rig scatter about a number of its instruments, of how far instruments do: the weather and the
+/// room's temperature move a gauge's zero by a kilopascal, its make and the altitude by five.
+pub const BETWEEN_RECORDS: f64 = 0.2;
 /// Probability below which the records' own numbers do not scatter by chance with the kind of test...
 pub const KINDS_PROBABILITY: f64 = 1e-4;
 /// ...where the kinds lie apart by more than so many of the numbers' standard deviations.

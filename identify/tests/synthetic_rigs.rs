@@ -237,6 +237,14 @@ fn what_no_card_describes_is_never_called_explained() {
 }
 
 #[test]
+fn names_that_leave_less_than_anybody_minds_but_a_shape_improve_and_do_not_explain() {
+    // A law of the coefficient stands for half of what a warm diaphragm adds.
+    let found = traced(&Recipe::from_seed(4_000_018).with_outside(Outside::HotGauge(9.0, 0.5)));
+    assert!(found.chosen_adequacy.is_adequate() && !found.chosen_adequacy.is_noise);
+    assert_eq!(found.verdict, Verdict::Improved, "{:?}", names(found.chosen.model.effects));
+}
+
+#[test]
 fn an_offset_beyond_what_gauges_have_is_not_named_as_far_as_it_goes() {
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(41) };
     recipe.faults.offset_pa = Scattered::common(4e4);

@@ -60,11 +60,44 @@ impl Adequacy {
 
     /// Whether what `before` left is accounted for: adequate, or next to nothing beside it.
     pub fn settles(&self, before: &Adequacy) -> bool {
-        self.is_adequate() || self.systematic_pa < NEXT_TO_NOTHING * before.systematic_pa
+        self.is_adequate() || self.is_next_to_nothing(before)
+    }
+
+    /// Whether it explains what `before` left: noise remains, or next to nothing beside that. To be good enough is not enough: a
+    /// remainder with a shape, however small, says that something else is at work, which the named effects may imitate.
+    pub fn explains(&self, before: &Adequacy) -> bool {
+        self.is_noise || self.is_next_to_nothing(before)
+    }
+
+    fn is_next_to_nothing(&self, before: &Adequacy) -> bool {
+        self.systematic_pa < NEXT_TO_NOTHING * before.systematic_pa
     }
 }
 
 /// Probability that noise alone gives a family its gain.
 fn probability(m: &Missing) -> f64 {
     ChiSquared::new(m.rank as f64).map_or(1.0, |c| c.sf(m.gain))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_nobody_minds_settles_a_misfit_and_explains_it_only_where_it_is_noise_or_next_to_nothing() {
+        let left = |systematic_pa, is_noise| Adequacy {
+            is_noise,
+            systematic_pa,
+            is_good_enough: systematic_pa < 20.0,
+            squares_deviations: 1.0,
+            family_probability: if is_noise { 0.1 } else { 1e-9 },
+            families: Vec::new(),
+        };
+        let before = left(100.0, false);
+        let judged = |after: Adequacy| (after.settles(&before), after.explains(&before));
+        assert_eq!(judged(left(15.0, false)), (true, false));
+        assert_eq!(judged(left(15.0, true)), (true, true));
+        assert_eq!(judged(left(1.5, false)), (true, true));
+        assert_eq!(judged(left(30.0, false)), (false, false));
+    }
 }

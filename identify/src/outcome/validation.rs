@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::fit::covariance;
 use crate::judge::{left_out, misfit};
 use crate::parameters::{Hypothesis, Model, Own, Sizes, delays_position};
+use crate::policy;
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
 use crate::search::terms;
@@ -59,11 +60,12 @@ pub struct Validated {
     pub residuals: Vec<Vec<f64>>,
 }
 
-/// Validates a chamber on a rig's records.
+/// Validates a chamber on a rig's records. `error_pa` is the error that it has on data like these, Pa rms, with noise (zero where
+/// that is not known).
 ///
 /// # Errors
 /// [`Error`]: data that cannot be what it should be, a record that the model cannot follow.
-pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
+pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let data = Data::prepare(rig)?;
     // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
     // its own only where the model has it.
@@ -74,20 +76,21 @@ pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Vali
     let mut hypothesis = Hypothesis::new(&data, model, chamber, &Sizes::of(&data, chamber));
     hypothesis.axes.clear();
     hypothesis.stated.clear();
-    // The records of a rig scatter about what the model has found of its logger and gauges.
+    // The records of a rig scatter about what the model has found of its logger and gauges, less than those scatter.
     for axis in &mut hypothesis.own {
         if let (Own::Effect(e, p), Some([_, sd])) = (axis.slot, axis.prior) {
             let mean = axis.coordinate(chamber.effects.of(e)[p]);
-            axis.prior = Some([mean, sd]);
+            axis.prior = Some([mean, policy::BETWEEN_RECORDS * sd]);
         }
     }
+    let weighed = if whole_record { data.clone() } else { weighed(&data, error_pa) };
     let judged_from: Vec<usize> = data.traces.iter().map(|t| if whole_record { 0 } else { begin_of(t) }).collect();
     let until = |k: usize| if whole_record { usize::MAX } else { judged_from[k] };
     let found: Vec<_> = (0..data.traces.len())
         .into_par_iter()
         .map(|k| {
             let t = &data.traces[k];
-            let fit = left_out::own_fit(&data, &hypothesis, k, until(k))
+            let fit = left_out::own_fit(&weighed, &hypothesis, k, until(k))
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
             let residual = misfit::of_record(t, &fit.setting(t, &fit.own[k]), model.effects)
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
@@ -128,6 +131,18 @@ pub fn validate(chamber: &Chamber, rig: &Rig, whole_record: bool) -> Result<Vali
         records,
     };
     Ok(Validated { validation, data, residuals })
+}
+
+/// The data beside what a model with that error leaves of them, Pa rms: where it errs, a begin tells a record's own numbers only
+/// so well. Taken for noise alone, it would bend them until they imitate what the model lacks.
+fn weighed(data: &Data, error_pa: f64) -> Data {
+    let left_pa = (error_pa.powi(2) - data.noise.total_pa().powi(2)).max(0.0).sqrt();
+    let shortest_s = data.traces.iter().map(Prepared::row_s).fold(f64::INFINITY, f64::min);
+    let longest_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
+    match left_pa {
+        0.0 => data.clone(),
+        _ => data.clone().with_noise(data.noise.clone().beside(left_pa, [shortest_s, longest_s])),
+    }
 }
 
 /// The row at which the first whole move of a record is over: up to there its own numbers may be fitted.

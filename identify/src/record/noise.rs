@@ -104,6 +104,20 @@ impl Noise {
         if self.sticks { self.step_pa / 12.0f64.sqrt() } else { 0.0 }
     }
 
+    /// The same beside what a model is known to leave, Pa rms. Nothing tells how fast that changes: it is flicker noise between
+    /// these times, s, from that of a row to that of a record, or has the times of flicker noise that is there already.
+    pub fn beside(mut self, left_pa: f64, [shortest_s, longest_s]: [f64; 2]) -> Self {
+        let known = if self.flickers() { 0 } else { self.colours.len() };
+        if !self.flickers() {
+            let share = |k: usize| k as f64 / (FLICKER_COLOURS - known - 1) as f64;
+            let time_s = |k: usize| shortest_s * (longest_s / shortest_s).powf(share(k));
+            self.colours.extend((0..FLICKER_COLOURS - known).map(|k| Colour { sd_pa: 0.0, time_s: time_s(k) }));
+        }
+        let added = left_pa / ((FLICKER_COLOURS - known) as f64).sqrt();
+        self.colours[known..].iter_mut().for_each(|colour| colour.sd_pa = colour.sd_pa.hypot(added));
+        self
+    }
+
     /// White noise and step from the quiet parts of all records of a rig: late windows of rests and holds.
     ///
     /// The scatter is that about a polynomial of the fourth degree, since a fast relaxation still bends within a window; about
@@ -291,6 +305,21 @@ mod tests {
         let cubic: Vec<f64> = t.iter().map(|t| 1e6 * (t - 5.2).powi(3)).collect();
         assert!(polynomial_residual(&t, &parabola, 3).iter().all(|r| r.abs() < 1e-6));
         assert!(polynomial_residual(&t, &cubic, 3).iter().any(|r| r.abs() > 100.0));
+    }
+
+    #[test]
+    fn what_a_model_leaves_adds_its_power_to_noise_of_any_colour() {
+        let colour = |time_s| Colour { sd_pa: 2.0, time_s };
+        for known in [0, 1, 2, FLICKER_COLOURS] {
+            let noise =
+                Noise { colours: (0..known).map(|k| colour(0.1 * (k + 1) as f64)).collect(), ..Noise::white(3.0) };
+            let beside = noise.clone().beside(5.0, [0.01, 100.0]);
+            assert!((beside.coloured_pa().powi(2) - noise.coloured_pa().powi(2) - 25.0).abs() < 1e-12, "{known}");
+            assert_eq!(beside.colours.len(), FLICKER_COLOURS);
+            let times: Vec<f64> = beside.colours[known..].iter().map(|c| c.time_s).collect();
+            let ends = |times: &[f64]| (times[0] - 0.01).abs() < 1e-12 && (times[times.len() - 1] - 100.0).abs() < 1e-9;
+            assert!(times.is_empty() || ends(&times), "{times:?}");
+        }
     }
 
     #[test]

@@ -505,7 +505,11 @@ impl Search {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
         if !follows_the_test && self.chosen_adequacy.settles(&self.baseline_adequacy) {
-            return if nothing_named { Verdict::Adequate } else { Verdict::Explained };
+            return match self.chosen_adequacy.explains(&self.baseline_adequacy) {
+                _ if nothing_named => Verdict::Adequate,
+                true => Verdict::Explained,
+                false => Verdict::Improved,
+            };
         }
         let noise = self.data.noise.total_pa();
         let systematic = |rms: Option<f64>| rms.map(|r| (r * r - noise * noise).max(0.0).sqrt());

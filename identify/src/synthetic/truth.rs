@@ -13,6 +13,9 @@ use chamber::effects::{self, EffectSet};
 /// Step of the integration; moves begin and end at its multiples, s.
 pub const STEP_S: f64 = 2.5e-4;
 
+/// Pressure above that of the surroundings at which the lip of a seal lifts, Pa.
+const LIFTS_PA: f64 = 1.5e5;
+
 /// A chamber on a stroke.
 pub struct Truth<'a> {
     /// The chamber, effects included.
@@ -48,14 +51,20 @@ impl Truth<'_> {
         let start_k = effects::rest_temperature(&self.chamber.effects, self.ambient_k) + self.start_warmer_k;
         let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, start_k);
         let steps = (times.last().copied().unwrap_or(0.0) / STEP_S).ceil() as usize + 2;
-        let mut sensor = Sensor { lag: self.parameter("sensor_lag"), lagged: pressure, gas: pressure, hang: 0.0 };
+        let mut sensor = Sensor {
+            lag: self.parameter("sensor_lag"),
+            lagged: pressure,
+            gas: pressure,
+            hang: 0.0,
+            warmer_k: start_k - self.ambient_k,
+        };
         let mut shown = Vec::with_capacity(steps + 1);
         for i in 0..=steps {
             let t = i as f64 * STEP_S;
             let mut at = self.boundary(t, t);
             at.position = self.true_position(at.position, &state);
-            let gas = balance::conditions(self.chamber, &at, state[MASS], state[ENERGY]).pressure;
-            shown.push(sensor.shows(gas, self.outside));
+            let gas = balance::conditions(self.chamber, &at, state[MASS], state[ENERGY]);
+            shown.push(sensor.shows(gas.pressure, gas.temperature - self.ambient_at(t), self.outside));
             state = self.runge_kutta(set, &state, t);
         }
         let (delay, drift) = (self.parameter("record_delay"), self.parameter("sensor_drift"));
@@ -132,7 +141,9 @@ impl Truth<'_> {
         };
         let flow = match self.outside {
             Some(Outside::NeighbourLeak(conductance)) => conductance * (3e5 - gas.pressure),
-            Some(Outside::LaminarLeak(conductance)) => conductance * (self.ambient_pa - gas.pressure),
+            Some(Outside::LiftingSeal(conductance)) => {
+                -conductance * (gas.pressure - self.ambient_pa - LIFTS_PA).max(0.0)
+            }
             Some(Outside::SupplyLeak(conductance)) => {
                 supplied(conductance, [gas.pressure, gas.temperature], self.ambient_at(t))
             }
@@ -195,16 +206,19 @@ fn air_cp_over_r(t: f64) -> f64 {
     3.653 + t * (-1.337e-3 + t * (3.294e-6 + t * (-1.913e-9 + t * 0.2763e-12)))
 }
 
-/// Lag and hysteresis, step by step.
+/// Lag, hysteresis and warmth, step by step.
 struct Sensor {
     lag: f64,
     lagged: f64,
     gas: f64,
     hang: f64,
+    /// How much warmer than the surroundings the diaphragm is, K.
+    warmer_k: f64,
 }
 
 impl Sensor {
-    fn shows(&mut self, gas: f64, outside: Option<Outside>) -> f64 {
+    /// The reading of a gas of that pressure, Pa, which is so much warmer than the surroundings, K.
+    fn shows(&mut self, gas: f64, gas_warmer_k: f64, outside: Option<Outside>) -> f64 {
         let before = self.lagged;
         if self.lag > 0.0 {
             // τ y' = P − y with P linear over the step, exactly.
@@ -221,6 +235,11 @@ impl Sensor {
                 self.hang = (self.hang + (self.lagged - before) / 1e3).clamp(-1.0, 1.0);
                 self.lagged - pa * self.hang
             }
+            Some(Outside::HotGauge(pa_per_k, time_s)) => {
+                let shown = self.lagged + pa_per_k * self.warmer_k;
+                self.warmer_k += (gas_warmer_k - self.warmer_k) * (1.0 - (-STEP_S / time_s).exp());
+                shown
+            }
             _ => self.lagged,
         }
     }
@@ -231,4 +250,49 @@ fn cubic([a, b, c, d]: [f64; 4], u: f64) -> f64 {
     let (p, q) = (0.5 * (c - a), 0.5 * (d - b));
     let u2 = u * u;
     b + u * p + u2 * (3.0 * (c - b) - 2.0 * p - q) + u2 * u * (2.0 * (b - c) + p + q)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::{Move, Recipe};
+
+    /// What something outside the list adds to the readings of a test at the end of its rest and 0.3 s after its push, Pa.
+    fn added(outside: Outside, name: &str) -> [f64; 2] {
+        let recipe = Recipe::from_seed(3);
+        let test = recipe.tests.iter().find(|t| t.name == name).unwrap();
+        let (to, length_s, shape, _) = test.moves[0];
+        let push = Move { begin_s: 0.3, length_s, ends_m: [test.from_m, to], shape };
+        let stroke = Stroke { moves: vec![push], creep_m_per_s: 0.0 };
+        let readings = |outside| {
+            let truth = Truth {
+                chamber: &recipe.chamber,
+                outside,
+                ambient_k: recipe.ambient_k,
+                ambient_rate_k_per_s: 0.0,
+                start_warmer_k: 0.0,
+                ambient_pa: recipe.ambient_pa,
+                stroke: &stroke,
+            };
+            truth.readings(&[0.29, 0.6 + length_s], test.pressure_pa)
+        };
+        let [with, without] = [Some(outside), None].map(readings);
+        [with[0] - without[0], with[1] - without[1]]
+    }
+
+    #[test]
+    fn a_lifting_seal_is_tight_below_its_threshold() {
+        let seal = Outside::LiftingSeal(1e-12);
+        let [rest, held] = added(seal, "compress-3bar");
+        assert!(rest < -1.0 && held < 2.0 * rest, "{rest} {held}");
+        assert_eq!(added(seal, "expand-ambient"), [0.0; 2]);
+    }
+
+    #[test]
+    fn a_hot_gauge_reads_true_at_rest_and_high_beside_a_gas_that_a_push_has_warmed() {
+        let gauge = Outside::HotGauge(30.0, 0.5);
+        let [rest, pushed] = added(gauge, "compress-3bar");
+        assert!(rest.abs() < 1e-6 && (50.0..3000.0).contains(&pushed), "{rest} {pushed}");
+        assert!(added(gauge, "expand-5bar")[1] < -50.0);
+    }
 }
