@@ -116,6 +116,17 @@ fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
 }
 
 #[test]
+fn an_effect_is_named_beside_delays_of_each_record_in_noise_that_remembers() {
+    // Noise of 3 s and more: parts of a record that long would leave its move in one half alone.
+    let (conduction, _) = effects::find("wall_conduction").unwrap();
+    let mut recipe = Recipe { repeats: 2, noise_pa: 60.0, ..Recipe::from_seed(64) }.with_strength(conduction, 1.0);
+    recipe.faults.pressure_delay_s.between = 0.01;
+    recipe.faults.disturbances.push(Disturbance::OneOverF { sd_pa: 100.0 });
+    let found = traced(&recipe);
+    assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Explained, vec!["wall_conduction"]));
+}
+
+#[test]
 fn a_random_walk_of_the_readings_is_no_drift() {
     for seed in 81..84 {
         let mut recipe = Recipe::from_seed(seed);
