@@ -19,6 +19,10 @@ pub const FITTED: usize = 8;
 /// Better sets of each round whose error on left-out data is judged.
 pub const JUDGED: usize = 4;
 
+/// Probability below which outliers lie at moves no longer by chance: one rig in a thousand keeps its spikes there, which
+/// costs little beside leaving out the rows that show a delay.
+pub const AT_MOVES_PROBABILITY: f64 = 1e-3;
+
 /// A family of missing terms whose gain has less than this probability under noise is no noise: well under one false alarm
 /// in a thousand clean rigs with nineteen families each.
 pub const FAMILY_PROBABILITY: f64 = 2e-5;

@@ -127,6 +127,41 @@ fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
 }
 
 #[test]
+fn a_delay_of_few_rows_of_a_slow_logger_is_named() {
+    // All that a delay changes are the few rows of a fast move, which look like outliers of the paper's model.
+    for seed in [61, 62] {
+        let mut recipe = Recipe { repeats: 2, rate_hz: 50.0, ..Recipe::from_seed(seed) };
+        recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|m| (m.1, m.2) = (0.1, Shape::Ramp));
+        recipe.faults.pressure_delay_s = Scattered::common(0.025);
+        let found = traced(&recipe);
+        assert_eq!(found.verdict, Verdict::Explained, "{seed}");
+        assert!(is_told(&found, "record_delay"), "{seed}: {:?}", names(found.chosen.model.effects));
+    }
+}
+
+#[test]
+fn an_effect_is_named_beside_delays_of_each_record_in_noise_that_remembers() {
+    // Noise of 3 s and more: parts of a record that long would leave its move in one half alone.
+    let (conduction, _) = effects::find("wall_conduction").unwrap();
+    let mut recipe = Recipe { repeats: 2, noise_pa: 60.0, ..Recipe::from_seed(64) }.with_strength(conduction, 1.0);
+    recipe.faults.pressure_delay_s.between = 0.01;
+    recipe.faults.disturbances.push(Disturbance::OneOverF { sd_pa: 100.0 });
+    let found = traced(&recipe);
+    assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Explained, vec!["wall_conduction"]));
+}
+
+#[test]
+fn delays_of_each_record_are_no_colour_of_the_noise() {
+    // Repeats that are read at other times differ by more than noise until their delays are in the model.
+    let (zones, _) = effects::find("gas_zones").unwrap();
+    let mut recipe = Recipe { repeats: 3, noise_pa: 150.0, ..Recipe::from_seed(66) }.with_strength(zones, 1.0);
+    recipe.faults.pressure_delay_s.between = 0.01;
+    let (data, found) = search::search(Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap();
+    assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Explained, vec!["gas_zones"]));
+    assert!((data.noise.total_pa() / 150.0 - 1.0).abs() < 0.1, "{:?}", data.noise);
+}
+
+#[test]
 fn a_random_walk_of_the_readings_is_no_drift() {
     for seed in 81..84 {
         let mut recipe = Recipe::from_seed(seed);

@@ -2,12 +2,13 @@
 //! record, simulated on from its beginning.
 //!
 //! A left-out record brings its own initial pressure (and temperature, where it starts in motion): no row is judged by
-//! what it helped to find, but each half of a record's rows, in alternating runs, with the initial state that the other
-//! half asks for. The mean before the first move alone would be a few rows' noise, several times as large after a push.
+//! what it helped to find, but each half of a record's rows, in alternating runs, with the numbers of its own that the other
+//! half asks for, given what is known of them beforehand. The mean before the first move alone would be a few rows' noise, several times as large after a push.
 
 use crate::fit::{self, Fit, readings};
 use crate::parameters::{Hypothesis, Own};
 use crate::record::prepare::{Data, Prepared};
+use crate::record::stroke::extent;
 use chamber::dual::Dual;
 use chamber::integrate::IntegrationError;
 use nalgebra::{SMatrix, SVector};
@@ -108,7 +109,6 @@ fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<(f64, usize)> {
 }
 
 fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> Option<(f64, usize)> {
-    const RUN: usize = 16;
     let (t, h) = (&data.traces[k], &fitted.hypothesis);
     let variables: Vec<Dual<N>> = own.iter().enumerate().map(|(i, x)| Dual::variable(*x, i)).collect();
     let rig: Vec<Dual<N>> = fitted.rig.iter().map(|x| Dual::from(*x)).collect();
@@ -116,15 +116,23 @@ fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> O
     // Runs longer than the noise remembers, but several of them in each half.
     let memory = (4.0 * data.noise.correlation_s() / t.row_s()) as usize;
     let length = RUN.max(memory).min(t.time_s.len() / 8).max(1);
-    let half = |i: usize| (i / length) % 2;
+    let values: Vec<f64> = model.iter().map(|m| m.value).collect();
+    let half = alternating(&values, length);
+    let variance = data.noise.total_pa().powi(2);
     // Close to the best the readings are linear in the record's own numbers: one step each.
     let steps: Option<Vec<SVector<f64, N>>> = (0..2)
         .map(|other| {
             let (mut square, mut right) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
-            for i in (0..model.len()).filter(|&i| half(i) == other && t.readout.is_data(i)) {
+            for i in (0..model.len()).filter(|&i| half[i] == other && t.readout.is_data(i)) {
                 let slope = SVector::<f64, N>::from(model[i].tangent);
                 square += slope * slope.transpose();
                 right += slope * (t.pressure_pa[i] - model[i].value);
+            }
+            for (i, axis) in h.own_of(t).iter().enumerate() {
+                if let Some([mean, sd]) = axis.prior {
+                    square[(i, i)] += variance / (sd * sd);
+                    right[i] += variance * (mean - own[i]) / (sd * sd);
+                }
             }
             for i in own.len()..N {
                 square[(i, i)] = 1.0;
@@ -135,10 +143,34 @@ fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> O
     let steps = steps?;
     let judged = (0..model.len()).filter(|&i| t.readout.is_data(i));
     Some(judged.fold((0.0, 0), |(sum, n), i| {
-        let step = &steps[1 - half(i)];
+        let step = &steps[1 - half[i]];
         let left = t.pressure_pa[i] - model[i].value - SVector::<f64, N>::from(model[i].tangent).dot(step);
         (sum + left * left, n + 1)
     }))
+}
+
+/// Rows of a run at the least, where the pressure hardly changes.
+const RUN: usize = 16;
+/// Runs that the whole range of a record's pressure makes: eight of each half in a move through it, so that each half knows
+/// when the move was.
+const RUNS_IN_RANGE: f64 = 16.0;
+
+/// To which of two halves each row belongs, in alternating runs: of so many rows, or fewer where the pressure of the model
+/// changes fast. What a record's delay or average does shows in its moves, of which each half has to see its part.
+fn alternating(model: &[f64], rows: usize) -> Vec<usize> {
+    let (low, high) = extent(model);
+    let change = ((high - low) / RUNS_IN_RANGE).max(f64::MIN_POSITIVE);
+    let mut half = 0;
+    let (mut begun, mut way) = (0, 0.0);
+    (0..model.len())
+        .map(|i| {
+            way += (model[i] - model[i.saturating_sub(1)]).abs();
+            if i - begun >= rows || way >= change {
+                (half, begun, way) = (1 - half, i, 0.0);
+            }
+            half
+        })
+        .collect()
 }
 
 /// A record's own numbers from all of it, the rig's held.
@@ -173,4 +205,20 @@ fn from_rest(t: &Prepared, held: &Hypothesis, own: &[f64]) -> Option<f64> {
     let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);
     let run = fit::run(t, &held.setting(t, &[], &[], own), held.model.effects).pressures(&t.time_s[..rest]).ok()?;
     Some(t.pressure_pa[..rest].iter().sum::<f64>() / run.iter().sum::<f64>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_halves_see_a_move_of_few_rows_and_rests_are_cut_as_the_noise_remembers() {
+        let model: Vec<f64> = (0..400).map(|i| 1e5 + 5e4 * f64::from((i - 103).clamp(0, 6))).collect();
+        let half = alternating(&model, 50);
+        let of_move = &half[103..110];
+        assert_eq!(of_move.iter().filter(|h| **h == of_move[0]).count().abs_diff(3), 1, "{of_move:?}");
+        assert_eq!(half[..50], [0; 50]);
+        assert_eq!(half[50..100], [1; 50]);
+        assert_eq!(half[120..150], [half[120]; 30]);
+    }
 }

@@ -1,10 +1,14 @@
 //! Readings that are far off: spikes, left out and counted.
 //!
 //! Before a fit, a reading that stands out of both its neighbours; after it, a residual far from the median of those around it,
-//! in units of their scatter (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383).
+//! in units of their scatter (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383). The residuals are judged again whenever
+//! a model with more terms leaves others.
 
-use crate::record::prepare::Prepared;
+use crate::policy;
+use crate::record::prepare::{Data, Prepared};
 use crate::record::readout::Readout;
+use crate::record::stroke::{Motion, Phase};
+use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// A reading this many standard deviations from both its neighbours stands out.
 const FROM_NEIGHBOURS: f64 = 9.0;
@@ -20,19 +24,101 @@ pub fn spikes(pressure_pa: &[f64], readout: &Readout, noise_pa: f64) -> Vec<usiz
     let rows: Vec<usize> = (0..pressure_pa.len()).filter(|&i| readout.is_data(i)).collect();
     let found: Vec<usize> = rows
         .windows(3)
-        .filter(|w| {
-            let [a, b, c] = [pressure_pa[w[0]], pressure_pa[w[1]], pressure_pa[w[2]]];
-            (b - a) * (b - c) > 0.0
-                && (b - a).abs().min((b - c).abs()) > FROM_NEIGHBOURS * noise_pa + 3.0 * (c - a).abs()
-        })
+        .filter(|w| stands_out([pressure_pa[w[0]], pressure_pa[w[1]], pressure_pa[w[2]]], noise_pa))
         .map(|w| w[1])
         .collect();
     accidental(found, rows.len())
 }
 
-/// Rows whose residual (measured − model, Pa) is far from those around it.
-pub fn in_residuals(t: &Prepared, residual: &[f64], noise_pa: f64) -> Vec<usize> {
-    let rows: Vec<usize> = (0..residual.len()).filter(|&i| t.readout.is_data(i)).collect();
+/// Rows of each record whose residual (measured − model, Pa) is far from those around it.
+///
+/// At a move the model errs too, in the few rows of a fast one: a delay, a low-pass or an average that it lacks yet. Rows in
+/// its reach are outliers where they stand alone and out of both neighbours only, and where the moves have no more of them
+/// than the rest of the records: spikes know nothing of the piston.
+pub fn in_residuals(data: &Data, residuals: &[Vec<f64>]) -> Vec<Vec<usize>> {
+    let noise_pa = data.noise.white_pa.max(data.noise.step_pa);
+    let records: Vec<Far> = data.traces.iter().zip(residuals).map(|(t, r)| Far::of(t, r, noise_pa)).collect();
+    let sum = |of: fn(&Far) -> usize| records.iter().map(of).sum::<usize>();
+    let [at_moves, elsewhere] = [sum(|far| far.at_moves.len()), sum(|far| far.elsewhere.len())];
+    let [known_at_moves, known_elsewhere] = [sum(|far| far.known[0]), sum(|far| far.known[1])];
+    let [rows_at_moves, rows_elsewhere] = [sum(|far| far.rows[0]), sum(|far| far.rows[1])];
+    let by_chance = more_at_moves(
+        [at_moves + known_at_moves, elsewhere + known_elsewhere],
+        rows_at_moves as f64 / (rows_at_moves + rows_elsewhere).max(1) as f64,
+    );
+    let of_moves_too = by_chance > policy::AT_MOVES_PROBABILITY;
+    records
+        .into_iter()
+        .map(|far| {
+            let rows = far.rows[0] + far.rows[1];
+            let mut found = far.elsewhere;
+            found.extend(far.at_moves.iter().filter(|_| of_moves_too));
+            found.sort_unstable();
+            accidental(found, rows)
+        })
+        .collect()
+}
+
+/// Probability that so many of the outliers at moves and elsewhere lie at moves, which have this share of the rows.
+fn more_at_moves([at_moves, elsewhere]: [usize; 2], share: f64) -> f64 {
+    let Some(fewer) = at_moves.checked_sub(1) else { return 1.0 };
+    Binomial::new(share, (at_moves + elsewhere) as u64).map_or(1.0, |binomial| binomial.sf(fewer as u64))
+}
+
+/// Readings of a record that are far from those around them.
+struct Far {
+    /// Those in reach of a move that stand alone, ...
+    at_moves: Vec<usize>,
+    /// ... and those that are not.
+    elsewhere: Vec<usize>,
+    /// Spikes that were known before, at moves and elsewhere.
+    known: [usize; 2],
+    /// Rows that are looked at, at moves and elsewhere.
+    rows: [usize; 2],
+}
+
+impl Far {
+    fn of(t: &Prepared, residual: &[f64], noise_pa: f64) -> Self {
+        let rows: Vec<usize> =
+            (0..residual.len()).filter(|&i| t.readout.is_reading(i) && t.spikes.binary_search(&i).is_err()).collect();
+        let at_moves = reach_of_moves(&t.course.motion, &rows);
+        let far = far_from_median(&rows, residual, noise_pa);
+        let is_far = |k: usize| far.binary_search(&k).is_ok();
+        let is_alone = |k: usize| {
+            let (Some(before), Some(after)) = (k.checked_sub(1), rows.get(k + 1)) else { return false };
+            let [a, b, c] = [residual[rows[before]], residual[rows[k]], residual[*after]];
+            !is_far(before) && !is_far(k + 1) && stands_out([a, b, c], noise_pa)
+        };
+        let known_at_moves = t
+            .spikes
+            .iter()
+            .filter(|spike| at_moves.get(rows.partition_point(|row| row < spike)).copied().unwrap_or(false))
+            .count();
+        let rows_at_moves = at_moves.iter().filter(|at| **at).count();
+        let row = |k: &usize| rows[*k];
+        Self {
+            at_moves: far.iter().filter(|&&k| at_moves[k] && is_alone(k)).map(row).collect(),
+            elsewhere: far.iter().filter(|&&k| !at_moves[k]).map(row).collect(),
+            known: [known_at_moves, t.spikes.len() - known_at_moves],
+            rows: [rows_at_moves, rows.len() - rows_at_moves],
+        }
+    }
+}
+
+/// Which of these rows an error of the model at a move can reach that is too short for the median of [`REACH`] rows on each
+/// side: it begins no more than so many rows before the move, where the position is late, and ends no more than twice as many
+/// after it.
+fn reach_of_moves(motion: &Motion, rows: &[usize]) -> Vec<bool> {
+    let mut out = vec![false; rows.len()];
+    for s in motion.segments.iter().filter(|s| s.phase == Phase::Move) {
+        let [first, end] = [s.first, s.end].map(|of| rows.partition_point(|row| *row < of));
+        out[first.saturating_sub(REACH)..(end + 2 * REACH).min(rows.len())].fill(true);
+    }
+    out
+}
+
+/// Places among these rows whose residual is far from the median of those around it.
+fn far_from_median(rows: &[usize], residual: &[f64], noise_pa: f64) -> Vec<usize> {
     let mut around = Vec::with_capacity(2 * REACH + 1);
     let mut found = Vec::new();
     for k in 0..rows.len() {
@@ -49,10 +135,15 @@ pub fn in_residuals(t: &Prepared, residual: &[f64], noise_pa: f64) -> Vec<usize>
         around.iter_mut().for_each(|r| *r = (*r - middle).abs());
         let scatter = (1.4826 * median(&mut around)).max(noise_pa);
         if (off - middle).abs() > FROM_MEDIAN * scatter {
-            found.push(rows[k]);
+            found.push(k);
         }
     }
-    accidental(found, rows.len())
+    found
+}
+
+/// Whether the middle one of three stands out of both neighbours by much more than these differ and than the noise.
+fn stands_out([a, b, c]: [f64; 3], noise_pa: f64) -> bool {
+    (b - a) * (b - c) > 0.0 && (b - a).abs().min((b - c).abs()) > FROM_NEIGHBOURS * noise_pa + 3.0 * (c - a).abs()
 }
 
 fn accidental(found: Vec<usize>, rows: usize) -> Vec<usize> {
@@ -67,7 +158,42 @@ fn median(values: &mut [f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synthetic::Random;
+    use crate::synthetic::{Random, Recipe};
+
+    /// A rig, residuals of it that are noise, and the first row of each record's first move.
+    fn noise_of_a_rig() -> (Data, Vec<Vec<f64>>, Vec<usize>) {
+        let data = Data::prepare(&Recipe { repeats: 2, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let mut random = Random::new(6);
+        let noise = |t: &Prepared| t.time_s.iter().map(|_| data.noise.white_pa * random.normal()).collect();
+        let residuals = data.traces.iter().map(noise).collect();
+        let first_move = |t: &Prepared| t.course.motion.segments.iter().find(|s| s.phase == Phase::Move).unwrap().first;
+        let moves = data.traces.iter().map(first_move).collect();
+        (data, residuals, moves)
+    }
+
+    #[test]
+    fn rows_in_which_a_model_misses_the_move_are_no_outliers_and_lone_spikes_there_and_elsewhere_are() {
+        let (data, mut residuals, moves) = noise_of_a_rig();
+        let sd_pa = data.noise.white_pa;
+        for (residual, first) in residuals.iter_mut().zip(&moves) {
+            residual[first + 2..first + 6].iter_mut().for_each(|r| *r += 40.0 * sd_pa);
+        }
+        let (at_move, at_rest) = (moves[0] + 12, residuals[1].len() - 30);
+        residuals[0][at_move] -= 30.0 * sd_pa;
+        residuals[1][at_rest] += 30.0 * sd_pa;
+        let found = in_residuals(&data, &residuals);
+        assert_eq!(found[..2], [vec![at_move], vec![at_rest]]);
+        assert!(found[2..].iter().all(Vec::is_empty), "{found:?}");
+    }
+
+    #[test]
+    fn lone_rows_that_are_far_off_at_move_after_move_are_no_outliers() {
+        let (data, mut residuals, moves) = noise_of_a_rig();
+        for (residual, first) in residuals.iter_mut().zip(&moves) {
+            residual[first + 4] += 40.0 * data.noise.white_pa;
+        }
+        assert!(in_residuals(&data, &residuals).iter().all(Vec::is_empty));
+    }
 
     #[test]
     fn lone_spikes_are_found_and_a_fast_rise_is_none() {

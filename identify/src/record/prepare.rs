@@ -81,6 +81,8 @@ pub struct Prepared {
     pub position_m: Vec<f64>,
     /// Which rows are data.
     pub readout: Readout,
+    /// Outliers among them that were known before anything was fitted.
+    pub spikes: Vec<usize>,
     /// Stroke and surroundings.
     pub course: Course,
     /// The blocks, in time order.
@@ -108,6 +110,14 @@ impl Prepared {
     /// Time from row to row, s.
     pub fn row_s(&self) -> f64 {
         mean_row_s(&self.time_s)
+    }
+
+    /// These rows and those of the spikes, in order.
+    fn with_spikes(&self, rows: &[usize]) -> Vec<usize> {
+        let mut out = [self.spikes.as_slice(), rows].concat();
+        out.sort_unstable();
+        out.dedup();
+        out
     }
 
     fn lay_out(&mut self, gamma: f64) {
@@ -257,16 +267,22 @@ impl Data {
         self
     }
 
-    /// The same with these rows of each trace left out as outliers too.
+    /// The same with these rows of each trace left out as outliers, beside the spikes that were known before.
     pub fn without(mut self, rows: &[Vec<usize>]) -> Self {
         let gamma = self.gas.heat_capacity_ratio;
-        for (t, rows) in self.traces.iter_mut().zip(rows).filter(|(_, rows)| !rows.is_empty()) {
-            t.readout.outliers.extend(rows);
-            t.readout.outliers.sort_unstable();
-            t.readout.outliers.dedup();
-            t.lay_out_and_weigh(gamma, &self.noise);
+        for (t, rows) in self.traces.iter_mut().zip(rows) {
+            let outliers = t.with_spikes(rows);
+            if t.readout.outliers != outliers {
+                t.readout.outliers = outliers;
+                t.lay_out_and_weigh(gamma, &self.noise);
+            }
         }
         self
+    }
+
+    /// Whether just these rows of each trace are left out as outliers, beside the spikes that were known before.
+    pub fn is_without(&self, rows: &[Vec<usize>]) -> bool {
+        self.traces.iter().zip(rows).all(|(t, rows)| t.readout.outliers == t.with_spikes(rows))
     }
 
     /// The same with positions that are moving averages over these times, s, one for each trace: what they leave open of the
@@ -367,6 +383,7 @@ impl<'a> Columns<'a> {
             window_s: 0.0,
             initial_pressure_pa: initial_pressure(pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
+            spikes: readout.outliers.clone(),
             readout,
             initial_temperature_k: ambient_temperature.at(0.0, &Default::default()).0,
             starts_at_rest: motion.starts_at_rest(),

@@ -102,9 +102,13 @@ impl Readout {
     /// Whether a row is data.
     #[inline]
     pub fn is_data(&self, row: usize) -> bool {
-        row >= self.first % self.period
-            && (row - self.first % self.period).is_multiple_of(self.period)
-            && self.outliers.binary_search(&row).is_err()
+        self.is_reading(row) && self.outliers.binary_search(&row).is_err()
+    }
+
+    /// Whether a row was really read, be it an outlier or not.
+    #[inline]
+    pub fn is_reading(&self, row: usize) -> bool {
+        row >= self.first % self.period && (row - self.first % self.period).is_multiple_of(self.period)
     }
 
     /// Readings in a second where rows come `row_s` apart; `None` where every row is a reading.

@@ -16,14 +16,9 @@ use rayon::prelude::*;
 pub fn fitted(data: Data) -> Result<(Data, Fit), Error> {
     let first = from_scratch(&data)?;
     let residuals = misfit::residuals(&data, &first);
-    let spikes: Vec<Vec<usize>> = data
-        .traces
-        .iter()
-        .zip(&residuals)
-        .map(|(t, r)| outliers::in_residuals(t, r, data.noise.white_pa.max(data.noise.step_pa)))
-        .collect();
-    let cleaned = spikes.iter().any(|s| !s.is_empty());
-    let data = if cleaned { data.without(&spikes) } else { data };
+    let found = outliers::in_residuals(&data, &residuals);
+    let cleaned = !data.is_without(&found);
+    let data = if cleaned { data.without(&found) } else { data };
     let noise = colour::estimate(&data, &residuals, &data.noise);
     if !cleaned && is_alike(&noise, &data.noise) {
         return Ok((data, first));

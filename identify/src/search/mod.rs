@@ -21,8 +21,8 @@ use crate::judge::left_out::{self, Fold};
 use crate::judge::{kinds, misfit, sanity};
 use crate::parameters::{Model, Sizes};
 use crate::policy;
-use crate::record::colour;
 use crate::record::prepare::Data;
+use crate::record::{colour, outliers};
 use chamber::effects::{CARDS, EffectSet};
 use curve::ReadOff;
 use rayon::prelude::*;
@@ -84,13 +84,14 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     let mut search = Search::new(data, baseline, adequacy);
     progress("one term at a time", 0.1);
     search.first_round();
+    search.settle();
     let mut level = 1;
     while search.goes_on(level) {
         progress("further terms", 0.1 + 0.8 * (level + 1) as f64 / (1 + policy::MOST_IN_ALL) as f64);
         if !search.round(level) {
             break;
         }
-        search.settle_strokes();
+        search.settle();
         level = (level + 1).max(search.chosen.model.terms());
     }
     progress("checking what was found", 0.9);
@@ -342,30 +343,40 @@ impl Search {
             .map_or(&self.baseline.fit, |c| &c.fit)
     }
 
-    /// The data with the noise that this fit leaves and, where its records are moving averages, without what these leave open of
-    /// the moves: whether that is other data. The paper's model is then fitted anew.
+    /// Begins again with the outliers and the noise that this fit leaves and, where its records are moving averages, without what
+    /// these leave open of the moves; whether that is other data. The paper's model is then fitted anew.
     fn weighs_anew(&mut self, best: &Fit) -> bool {
-        let residuals = misfit::residuals(&self.data, best);
-        let noise = colour::estimate(&self.data, &residuals, &self.data.noise);
-        let averaged = self.averaged(best);
-        let has_other_noise = !baseline::is_alike(&noise, &self.data.noise);
-        if averaged.is_none() && !has_other_noise {
-            return false;
-        }
-        let data = averaged.unwrap_or_else(|| self.data.clone());
-        self.begin_again(if has_other_noise { data.with_noise(noise) } else { data });
+        let Some(data) = self.as_shown_by(best, true) else { return false };
+        self.begin_again(data);
         true
     }
 
-    /// The data without what the moves leave open, where this fit's records are moving averages.
-    fn averaged(&self, fit: &Fit) -> Option<Data> {
-        self.data.averaged_over(&fit.windows_s(&self.data))
+    /// The data as a fit shows them; `None` where that is as they are taken.
+    fn as_shown_by(&self, fit: &Fit, has_other_noise: bool) -> Option<Data> {
+        let residuals = misfit::residuals(&self.data, fit);
+        let found = outliers::in_residuals(&self.data, &residuals);
+        let averaged = self.data.averaged_over(&fit.windows_s(&self.data));
+        let is_cleaned = !self.data.is_without(&found);
+        let is_averaged = averaged.is_some();
+        let mut data = averaged.unwrap_or_else(|| self.data.clone());
+        if is_cleaned {
+            data = data.without(&found);
+        }
+        let noise = if has_other_noise { colour::estimate(&data, &residuals, &data.noise) } else { data.noise.clone() };
+        let has_other_noise = !baseline::is_alike(&noise, &data.noise);
+        if has_other_noise {
+            data = data.with_noise(noise);
+        }
+        (is_cleaned || is_averaged || has_other_noise).then_some(data)
     }
 
-    /// Begins again without what the moves leave open, in whatever round the chosen model found that the records are averages:
-    /// all that was tried is fitted anew.
-    fn settle_strokes(&mut self) {
-        let Some(data) = self.averaged(&self.chosen.fit) else { return };
+    /// Begins again with the data as the chosen model shows them, in whatever round that was found: without what the moves leave
+    /// open where the records are averages, without its outliers, and with the noise that it leaves where it has found when each
+    /// record was read. Before, repeats that are read at different times differ by more than noise. All that was tried is fitted
+    /// anew.
+    fn settle(&mut self) {
+        let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
+        let Some(data) = self.as_shown_by(&self.chosen.fit, has_own_times) else { return };
         self.begin_again(data);
         let mut tried = self.refitted(&self.tried);
         self.judge(&mut tried, policy::FITTED);
@@ -376,6 +387,8 @@ impl Search {
     /// Fits the paper's model to data with other weights, and begins the search with it.
     fn begin_again(&mut self, data: Data) {
         self.data = data;
+        // Without other outliers there are other blocks.
+        self.folds = left_out::folds(&self.data);
         let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
         self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
