@@ -526,7 +526,7 @@ fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2])
 }
 
 /// Whether the effect shows the pressure late.
-fn delays_pressure(effect: usize) -> bool {
+pub fn delays_pressure(effect: usize) -> bool {
     effects::delay(EffectSet::one(effect), &ones(effect)) > 0.0
 }
 

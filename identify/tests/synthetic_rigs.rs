@@ -162,6 +162,16 @@ fn delays_of_each_record_are_no_colour_of_the_noise() {
 }
 
 #[test]
+fn a_delay_in_which_the_records_agree_is_one_of_the_rig() {
+    let (leak, _) = effects::find("leakage").unwrap();
+    let mut recipe = Recipe { repeats: 3, rate_hz: 500.0, ..Recipe::from_seed(67) }.with_strength(leak, 1.0);
+    recipe.faults.position_delay_s = 0.015;
+    let found = traced(&recipe);
+    let named = names(found.chosen.model.of_rig());
+    assert_eq!((found.verdict, named), (Verdict::Explained, vec!["leakage", "position_delay"]));
+}
+
+#[test]
 fn a_random_walk_of_the_readings_is_no_drift() {
     for seed in 81..84 {
         let mut recipe = Recipe::from_seed(seed);

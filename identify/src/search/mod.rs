@@ -10,6 +10,7 @@
 
 pub mod baseline;
 pub mod curve;
+mod fold;
 pub mod starts;
 pub mod terms;
 
@@ -85,6 +86,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     progress("one term at a time", 0.1);
     search.first_round();
     search.settle();
+    search.fold();
     let mut level = 1;
     while search.goes_on(level) {
         progress("further terms", 0.1 + 0.8 * (level + 1) as f64 / (1 + policy::MOST_IN_ALL) as f64);
@@ -92,6 +94,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
             break;
         }
         search.settle();
+        search.fold();
         level = (level + 1).max(search.chosen.model.terms());
     }
     progress("checking what was found", 0.9);

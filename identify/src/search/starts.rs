@@ -100,7 +100,7 @@ fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Sele
 }
 
 /// Each record's own numbers to begin from: what the part has found of them, first guesses of the rest.
-fn owns(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
+pub fn owns(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
     data.traces
         .iter()
         .zip(&part.own)
