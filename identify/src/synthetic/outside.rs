@@ -25,7 +25,7 @@ pub enum Outside {
     /// Inflow past a closed valve from a supply at 7 bar, always choked below 2.1 bar: sonic conductance, m³/(s Pa).
     SupplyLeak(f64),
     /// The gas warms the gauge's diaphragm, which follows it with this time constant, s, and reads this much high for each K
-    /// above the surroundings, Pa/K (thermal shock of a pressure transducer: ISA-37.16.01, thermal zero shift).
+    /// above the surroundings, Pa/K (thermal shock of a pressure transducer).
     HotGauge(f64, f64),
     /// A seal whose lip lifts at 1.5 bar above ambient: laminar flow to the surroundings in proportion to what is above that,
     /// kg/(s Pa), and none below.
