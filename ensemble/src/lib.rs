@@ -155,9 +155,6 @@ struct Batch<'a> {
     options: &'a Options,
 }
 
-/// States of its own of an effect that rows with any others carry along in code compiled for them.
-const FEW: usize = 2;
-
 /// Number of the rows that no gas enters or leaves among those that are integrated, beside rows without (0) and with a
 /// profile (1).
 const TIGHT_ROWS: usize = 2;
@@ -306,7 +303,7 @@ sets_with_code_of_their_own![
     // Tight rows take the first that fits, the others the first that is not of tight ones.
     general::TIGHT | bit("wall_heating"),
     general::TIGHT | bit("gas_zones"),
-    general::TIGHT | general::ASKED | on_the_gas_with(FEW) & effects::KEEP_THE_MASS.bits(),
+    general::TIGHT | general::ASKED | on_the_gas_with(effects::MANY) & effects::KEEP_THE_MASS.bits(),
     general::TIGHT | bit("wall_conduction"),
     0,
     bit("leakage"),
@@ -315,5 +312,5 @@ sets_with_code_of_their_own![
     bit("wall_heating"),
     bit("gas_zones"),
     on_the_gas_with(0) | general::ASKED,
-    on_the_gas_with(FEW) | general::ASKED,
+    on_the_gas_with(effects::MANY) | general::ASKED,
 ];

@@ -76,18 +76,18 @@ fn table(d: &Diagnosis) -> String {
     let what = match d.verdict {
         "adequate" => format!(
             "the residual of the paper's model{} is noise, or below the accuracy of {} Pa",
-            if d.model().is_empty() { String::new() } else { format!(", with {},", d.model()) },
+            if d.terms().is_empty() { String::new() } else { format!(", with {},", d.terms()) },
             digits(d.accuracy_pa, 2)
         ),
         "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
         "improved" if d.has_curve() => format!(
             "with {} the model predicts left-out experiments decisively better; the curve describes the records and names no cause (a systematic misfit of {} Pa rms remains)",
-            d.terms().join(" and "),
+            d.effects_of_model().join(" and "),
             digits(d.remaining_pa, 3)
         ),
         "improved" => format!(
             "with {} the model predicts left-out data decisively better, but a systematic misfit of {} Pa rms remains: it describes the records, and its effects need not be the cause",
-            d.terms().join(" and "),
+            d.effects_of_model().join(" and "),
             digits(d.remaining_pa, 3)
         ),
         _ => format!(

@@ -66,7 +66,7 @@ fn verdict(d: &Diagnosis) -> Section {
     let text = match d.verdict {
         "adequate" => format!(
             "**Adequate.** The paper's chamber model{} describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
-            if d.model().is_empty() { String::new() } else { format!(", with {},", spaced(d.model())) },
+            if d.terms().is_empty() { String::new() } else { format!(", with {},", spaced(d.terms())) },
             pressure(d.accuracy_pa, 2)
         ),
         "explained" => format!(
@@ -77,14 +77,14 @@ fn verdict(d: &Diagnosis) -> Section {
         "improved" if d.has_curve() => format!(
             "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out experiments decisively better. \
              The curve describes the records and names no cause; a systematic misfit of {remaining} rms remains.",
-            effect_names(d.terms()),
-            documented(d.terms())
+            effect_names(d.effects_of_model()),
+            documented(d.effects_of_model())
         ),
         "improved" => format!(
             "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better. \
              A systematic misfit of {remaining} rms remains: the model describes the records, and its effects need not be the cause.",
-            effect_names(d.terms()),
-            documented(d.terms())
+            effect_names(d.effects_of_model()),
+            documented(d.effects_of_model())
         ),
         _ => format!(
             "**Unexplained.** The paper's chamber model does not describe these records, and no known effect predicts left-out records decisively better. \

@@ -507,7 +507,7 @@ pub const FEW_OWN_STATES: usize = {
     STATE_OFFSETS[i]
 };
 /// An effect with more own states than this is integrated in code of its own, so that the others do not carry them along.
-const MANY: usize = 4;
+pub const MANY: usize = 4;
 
 /// Nominal sizes of all effects' own states.
 pub const NOMINALS: [f64; OWN_STATES] = {

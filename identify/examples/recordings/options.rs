@@ -29,7 +29,7 @@ pub struct Options {
     pub tolerances: bool,
     /// Folder for the results; absent: standard output alone.
     pub out: Option<PathBuf>,
-    /// The arguments as they were given.
+    /// The arguments as they were given, but for the folder, which has no part in the results.
     pub command: String,
 }
 
@@ -58,7 +58,11 @@ impl Options {
                 "--seed" => options.seed = number(value()?)?,
                 "--only" => options.only = value()?.split(',').map(str::to_owned).collect(),
                 "--tolerances" => options.tolerances = true,
-                "--out" => options.out = Some(value()?.into()),
+                "--out" => {
+                    let folder = value()?;
+                    options.command = options.command.replace(&format!("--out {folder}"), "--out results");
+                    options.out = Some(folder.into());
+                }
                 "--effects" => {
                     options.effects = match value()?.as_str() {
                         "none" => Effects::None,

@@ -146,12 +146,12 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// The effects of the model found, those that each record has for itself among them.
-    pub fn terms(&self) -> &[&'static str] {
+    pub fn effects_of_model(&self) -> &[&'static str] {
         self.steps.last().map_or(&self.effects, |step| &step.effects)
     }
 
     /// The terms of the model found, in words.
-    pub fn model(&self) -> &str {
+    pub fn terms(&self) -> &str {
         self.steps.last().map_or("", |step| &step.terms)
     }
 

@@ -83,14 +83,15 @@ pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool)
             axis.prior = Some([mean, policy::BETWEEN_RECORDS * sd]);
         }
     }
-    let weighed = if whole_record { data.clone() } else { weighed(&data, error_pa) };
+    let weighed = if whole_record { None } else { weighed(&data, error_pa) };
+    let weighed = weighed.as_ref().unwrap_or(&data);
     let judged_from: Vec<usize> = data.traces.iter().map(|t| if whole_record { 0 } else { begin_of(t) }).collect();
     let until = |k: usize| if whole_record { usize::MAX } else { judged_from[k] };
     let found: Vec<_> = (0..data.traces.len())
         .into_par_iter()
         .map(|k| {
             let t = &data.traces[k];
-            let fit = left_out::own_fit(&weighed, &hypothesis, k, until(k))
+            let fit = left_out::own_fit(weighed, &hypothesis, k, until(k))
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
             let residual = misfit::of_record(t, &fit.setting(t, &fit.own[k]), model.effects)
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
@@ -134,15 +135,12 @@ pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool)
 }
 
 /// The data beside what a model with that error leaves of them, Pa rms: where it errs, a begin tells a record's own numbers only
-/// so well. Taken for noise alone, it would bend them until they imitate what the model lacks.
-fn weighed(data: &Data, error_pa: f64) -> Data {
+/// so well. Taken for noise alone, it would bend them until they imitate what the model lacks. `None` where it leaves nothing.
+fn weighed(data: &Data, error_pa: f64) -> Option<Data> {
     let left_pa = (error_pa.powi(2) - data.noise.total_pa().powi(2)).max(0.0).sqrt();
     let shortest_s = data.traces.iter().map(Prepared::row_s).fold(f64::INFINITY, f64::min);
     let longest_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
-    match left_pa {
-        0.0 => data.clone(),
-        _ => data.clone().with_noise(data.noise.clone().beside(left_pa, [shortest_s, longest_s])),
-    }
+    (left_pa > 0.0).then(|| data.clone().with_noise(data.noise.clone().beside(left_pa, [shortest_s, longest_s])))
 }
 
 /// The row at which the first whole move of a record is over: up to there its own numbers may be fitted.

@@ -169,7 +169,7 @@ impl Prepared {
 pub struct Data {
     /// The rig's gas.
     pub gas: Gas,
-    /// Its cylinder.
+    /// Bore and rod, m, and piston area, m², of the measured chamber.
     pub cylinder: Cylinder,
     /// Dead volume to begin from, m³.
     pub dead_volume_m3: f64,

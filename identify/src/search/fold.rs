@@ -29,18 +29,13 @@ impl Search {
         if self.take_best(folded.clone()) {
             return;
         }
-        let best = folded.into_iter().filter(|c| c.fit.converged && self.errs_less_on_left_out(c));
+        let accuracy_pa = self.data.accuracy_pa();
+        let best = folded.into_iter().filter(|c| c.fit.converged && self.errs_less_on_left_out(c, accuracy_pa));
         let Some(best) = best.max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic)) else { return };
         self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
         self.steps.pop();
         self.steps.push(best.clone());
         self.chosen = best;
-    }
-
-    /// Whether the left-out error of a model is below that of the chosen one by more than nobody minds.
-    fn errs_less_on_left_out(&self, c: &Candidate) -> bool {
-        let (Some(a), Some(b)) = (c.held_out_pa, self.chosen.held_out_pa) else { return false };
-        b * b - a * a > self.data.accuracy_pa().powi(2)
     }
 
     /// The chosen model fitted with an effect in common that its records have for themselves.

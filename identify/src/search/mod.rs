@@ -275,12 +275,17 @@ impl Search {
         // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
         let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
         let least_gain = if in_place { 0.0 } else { self.least_gain() };
-        let lower = match (c.held_out_pa, over.held_out_pa) {
-            (Some(a), Some(b)) => b * b - a * a > least_gain.powi(2),
-            (Some(_), None) => true,
-            _ => false,
+        let lower = match over.held_out_pa {
+            Some(_) => self.errs_less_on_left_out(c, least_gain),
+            None => c.held_out_pa.is_some(),
         };
         c.fit.converged && lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
+    }
+
+    /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
+    fn errs_less_on_left_out(&self, c: &Candidate, least_gain: f64) -> bool {
+        let (Some(a), Some(b)) = (c.held_out_pa, self.chosen.held_out_pa) else { return false };
+        b * b - a * a > least_gain.powi(2)
     }
 
     /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic.
@@ -354,23 +359,22 @@ impl Search {
         true
     }
 
-    /// The data as a fit shows them; `None` where that is as they are taken.
-    fn as_shown_by(&self, fit: &Fit, has_other_noise: bool) -> Option<Data> {
+    /// The data as a fit shows them, with the noise that it leaves where it tells that; `None` where that is as they are taken.
+    fn as_shown_by(&self, fit: &Fit, tells_noise: bool) -> Option<Data> {
         let residuals = misfit::residuals(&self.data, fit);
         let found = outliers::in_residuals(&self.data, &residuals);
-        let averaged = self.data.averaged_over(&fit.windows_s(&self.data));
-        let is_cleaned = !self.data.is_without(&found);
-        let is_averaged = averaged.is_some();
-        let mut data = averaged.unwrap_or_else(|| self.data.clone());
-        if is_cleaned {
-            data = data.without(&found);
+        let mut other = self.data.averaged_over(&fit.windows_s(&self.data));
+        if !self.data.is_without(&found) {
+            other = Some(other.unwrap_or_else(|| self.data.clone()).without(&found));
         }
-        let noise = if has_other_noise { colour::estimate(&data, &residuals, &data.noise) } else { data.noise.clone() };
-        let has_other_noise = !baseline::is_alike(&noise, &data.noise);
-        if has_other_noise {
-            data = data.with_noise(noise);
+        if tells_noise {
+            let data = other.as_ref().unwrap_or(&self.data);
+            let noise = colour::estimate(data, &residuals, &data.noise);
+            if !baseline::is_alike(&noise, &data.noise) {
+                other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
+            }
         }
-        (is_cleaned || is_averaged || has_other_noise).then_some(data)
+        other
     }
 
     /// Begins again with the data as the chosen model shows them, in whatever round that was found: without what the moves leave
