@@ -23,15 +23,6 @@ use pulp::{Arch, Simd, WithSimd};
 /// Ends of the parts in which the regression's sums are taken, in 1/k after the push; the last ends with the record.
 pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
 
-/// What sensors do to the records of some rows, all alike in that.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
-    /// Effects on the reading; none where the record shows the gas.
-    pub set: EffectSet,
-    /// Whether the sensors lag.
-    pub lags: bool,
-}
-
 /// What is kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
@@ -47,8 +38,16 @@ struct Buffers {
 }
 
 /// Solves checked scenarios: numbers and durations, s. `set` are effects that keep the closed form; where there are any,
-/// all rows have their area law in common.
-pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: Shown, rows: &[(u32, f64)], out: &mut [Outcome]) {
+/// all rows have their area law in common. `shown` are effects on the reading, none where the record shows the gas; all
+/// sensors lag or none, and all are delayed or none.
+pub fn run(
+    batch: Batch,
+    memory: &mut Memory,
+    set: EffectSet,
+    shown: EffectSet,
+    rows: &[(u32, f64)],
+    out: &mut [Outcome],
+) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { chambers, buffers } = memory;
     let mut all: Vec<Test> =
@@ -65,15 +64,16 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: Shown, rows
         let tests = Tests::new(&all, order);
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(set, |lane| &scenario(lane).chamber)));
-        let ends = arch.dispatch(Solve { tests: &tests, effects });
-        let solved = Solved { tests: &tests, ends: &ends, effects };
+        // Only a sensor that lags or is late shows what was before the end of the push.
+        let behind = (!shown.is_empty()).then(|| Behind::new(shown, scenario(0)));
+        let panels = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.panels);
+        let ends = arch.dispatch(Solve { tests: &tests, effects, panels });
+        let solved = Solved { tests: &tests, ends: &ends };
         let mut outcomes = [Outcome::failed(Failure::StepTooSmall); WIDTH];
-        if shown.set.is_empty() {
+        if shown.is_empty() {
             solved.outcomes(arch, &mut buffers.records, options.fit, scenario, &mut outcomes);
-        } else if shown.lags {
-            solved.readings::<true>(arch, buffers, shown.set, options.fit, scenario, &mut outcomes);
         } else {
-            solved.readings::<false>(arch, buffers, shown.set, options.fit, scenario, &mut outcomes);
+            solved.readings(arch, buffers, shown, options.fit, scenario, &mut outcomes);
         }
         for (lane, &test) in order.iter().enumerate() {
             let Test { row, duration, .. } = all[test as usize];
@@ -229,18 +229,23 @@ impl Tests {
         tests
     }
 
-    /// 1/T along each part of the push, into `panels`; how many parts there are at most.
+    /// 1/T along each part of the push, into `panels`; temperatures at its end, K.
     #[inline(always)]
-    pub fn panels(&self, heat: &impl Heat<Lanes>, panels: &mut Vec<Panel<Lanes>>) -> usize {
+    fn panels(&self, heat: &impl Heat<Lanes>, panels: &mut Vec<Panel<Lanes>>) -> Lanes {
         panels.clear();
-        let most = self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b)) as usize;
         let mut inverse = self.start.recip();
-        for index in 0..most {
+        for index in 0..self.most_parts() {
             let (panel, next) = self.part(index).panel(heat, inverse);
             panels.push(black_box(panel));
-            inverse = black_box(next);
+            inverse = black_box((self.parts - index as f64).where_positive(next, inverse));
         }
-        most
+        inverse.recip()
+    }
+
+    /// In how many parts the push of any of them is taken at most.
+    #[inline(always)]
+    pub fn most_parts(&self) -> usize {
+        self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b)) as usize
     }
 
     /// One of the equal parts of the push.
@@ -258,8 +263,7 @@ impl Tests {
     fn pushed(&self, ramp: &impl Ramp) -> Lanes {
         let first = self.part(0);
         let mut inverse = self.start.recip();
-        let most = self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b));
-        for index in 0..most as usize {
+        for index in 0..self.most_parts() {
             let part = Part { root: first.root + first.step * index as f64, ..first };
             let next = ramp.part(&part, inverse);
             inverse = (self.parts - index as f64).where_positive(next, inverse);
@@ -316,6 +320,8 @@ type Effects<'a> = Option<(EffectSet, &'a Chamber<Lanes>)>;
 struct Solve<'a> {
     tests: &'a Tests,
     effects: Effects<'a>,
+    /// For 1/T along the push, where it is asked for.
+    panels: Option<&'a mut Vec<Panel<Lanes>>>,
 }
 
 impl WithSimd for Solve<'_> {
@@ -325,9 +331,12 @@ impl WithSimd for Solve<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.tests);
         let wall = t.closed.ambient_temperature;
-        let pushed = match black_box(self.effects) {
-            None => t.pushed(&t.closed),
-            Some((set, chamber)) => t.pushed(&Exchange::new(set, chamber, &t.closed, wall)),
+        let kept = black_box(self.effects).map(|(set, chamber)| Exchange::new(set, chamber, &t.closed, wall));
+        let pushed = match (&kept, self.panels) {
+            (None, None) => t.pushed(&t.closed),
+            (Some(exchange), None) => t.pushed(exchange),
+            (None, Some(panels)) => t.panels(&t.closed, panels),
+            (Some(exchange), Some(panels)) => t.panels(exchange, panels),
         };
         let rate = t.rate;
         let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());
@@ -342,7 +351,6 @@ impl WithSimd for Solve<'_> {
 struct Solved<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
-    effects: Effects<'a>,
 }
 
 impl Solved<'_> {
@@ -382,7 +390,7 @@ impl Solved<'_> {
     }
 
     /// The outcomes behind sensors, with effects on the reading.
-    fn readings<'s, const LAGS: bool>(
+    fn readings<'s>(
         &self,
         arch: Arch,
         buffers: &mut Buffers,
@@ -391,18 +399,12 @@ impl Solved<'_> {
         scenario: impl Fn(usize) -> &'s Scenario,
         out: &mut [Outcome; WIDTH],
     ) {
-        let Self { tests, ends, effects } = *self;
+        let Self { tests, ends } = *self;
         let Buffers { records, readings } = buffers;
         let wall = tests.closed.ambient_temperature;
         let behind = |lane: usize| Behind::new(set, scenario(lane));
         let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);
-        let readings: Readings<LAGS> = match effects {
-            None => Readings::new(arch, readings, tests, ends, &tests.closed, behind, before),
-            Some((kept, chamber)) => {
-                let heat = Exchange::new(kept, chamber, &tests.closed, wall);
-                Readings::new(arch, readings, tests, ends, &heat, behind, before)
-            }
-        };
+        let readings = Readings::new(arch, readings, tests, ends, behind, before);
         let answers = readings.answers();
         let found = fit.then(|| {
             readings.lay_out(&answers, records);

@@ -16,7 +16,7 @@ use core::hint::black_box;
 use std::sync::LazyLock;
 
 /// Nodes of the rule.
-const NODES: usize = 16;
+pub const NODES: usize = 16;
 
 /// Effects that keep the closed form.
 pub static EFFECTS: LazyLock<EffectSet> = LazyLock::new(|| {
@@ -77,7 +77,7 @@ static RULE: LazyLock<Rule> = LazyLock::new(|| {
 });
 
 /// Place, from 0 to 1, and weight of a node.
-fn node(index: usize) -> (f64, f64) {
+pub fn node(index: usize) -> (f64, f64) {
     let (x, weight) = GAUSS_16[index / 2];
     let side = if index.is_multiple_of(2) { -0.5 } else { 0.5 };
     (0.5 + side * x, 0.5 * weight)
@@ -239,14 +239,16 @@ impl<R: Real> Panel<R> {
     /// no digits.
     #[inline(always)]
     fn through(values: &[R; NODES], rule: &Rule) -> Self {
-        let mut powers = [R::ZERO; NODES];
+        // Inner loops are sums: any other the compiler would vectorise by gathering numbers from all lanes.
+        let [mut terms, mut powers] = [[R::ZERO; NODES]; 2];
         for order in 0..black_box(NODES) {
-            let mut term = R::ZERO;
             for index in 0..NODES {
-                term += values[index] * rule.legendre[order][index];
+                terms[order] += values[index] * rule.legendre[order][index];
             }
-            for power in 0..NODES {
-                powers[power] += term * rule.powers[order][power];
+        }
+        for power in 0..black_box(NODES) {
+            for order in 0..NODES {
+                powers[power] += terms[order] * rule.powers[order][power];
             }
         }
         Self(powers)

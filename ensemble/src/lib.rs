@@ -60,7 +60,6 @@ use chamber::AreaLaw;
 use chamber::balance::STATES;
 use chamber::card::ActsOn;
 use chamber::effects::{self, EffectSet};
-use exact_rows::Shown;
 use plan::Plan;
 use pulp::Arch;
 use readings::Behind;
@@ -122,8 +121,8 @@ impl Kernel {
 struct Kind {
     /// Effects that keep the closed form.
     kept: EffectSet,
-    /// What their sensors do.
-    shown: Shown,
+    /// Effects on the reading.
+    shown: EffectSet,
 }
 
 impl Kind {
@@ -141,9 +140,8 @@ impl Kind {
     /// That kind of the rows with a set of effects.
     fn of(kind: usize, set: EffectSet) -> Self {
         let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(*kept::EFFECTS) };
-        let shown = kind / 3;
-        let of_sensor = if shown == 0 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
-        Self { kept, shown: Shown { set: of_sensor, lags: shown.is_multiple_of(2) } }
+        let shown = if kind < 3 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
+        Self { kept, shown }
     }
 }
 

@@ -38,7 +38,7 @@ pub struct Look<R> {
     pub question: Question,
 }
 
-/// Where a curve turns round: its rise over a short time, positive before a summit or after a bottom.
+/// Where a curve turns round: its rise, positive before a summit or after a bottom.
 struct Turning<'a, C> {
     curve: &'a C,
     beside: Lanes,
@@ -49,7 +49,7 @@ struct Turning<'a, C> {
 impl<C: Curve> Curve for Turning<'_, C> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
-        (self.curve.at(time + self.beside) - self.curve.at(time - self.beside)) * self.side
+        self.curve.rise(time, self.beside) * self.side
     }
 }
 

@@ -12,6 +12,12 @@ const NOTHING: f64 = 1e-13;
 pub trait Curve {
     /// Value of the function at `place`, by lane.
     fn at(&self, place: Lanes) -> Lanes;
+
+    /// A measure of its rise around `place`, positive where it rises: over a short way to both sides, or its slope.
+    #[inline(always)]
+    fn rise(&self, place: Lanes, beside: Lanes) -> Lanes {
+        self.at(place + beside) - self.at(place - beside)
+    }
 }
 
 /// A root between `low`, where the curve is positive, and `high`, where it is not.

@@ -2,17 +2,21 @@
 //!
 //! While the piston rests P = Pf/(1 − z), z = ε e^(−kt); while it moves P = m R/(u V) with u = 1/T from the nodes of the
 //! quadrature ([`Panel`]). The record shows it a delay later, behind a lag, with an offset and a drift. Without a lag it turns
-//! where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. Behind a lag it is cut into pieces over which
-//! the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
+//! where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. Behind a lag the push is integrated ([`push`])
+//! and the hold has a closed form ([`hold`]). What a late record still shows of the push is cut into pieces over which the
+//! pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
 
+mod events;
+mod hold;
 mod pieces;
+mod push;
 mod samples;
 
 use crate::exact_rows::{Ends, Tests};
-use crate::filter::{Sensor, TERMS, ToPowers};
+use crate::filter::{Sensor, ToPowers};
 use crate::finish::SETTLED;
 use crate::fit;
-use crate::kept::{Heat, Panel};
+use crate::kept::Panel;
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::outcome::Outcome;
@@ -22,7 +26,9 @@ use crate::scenario::Scenario;
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::real::Real;
-use pieces::{Build, Held, Hold, Piece, Sensors, Shown};
+use events::{Events, Turn};
+use hold::{HoldRecord, Relaxation};
+use pieces::{Build, Corners, Piece, Polynomial, Sensors, Shown};
 use pulp::Arch;
 
 /// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
@@ -57,10 +63,15 @@ impl Behind {
         Self { sensor: Sensor::new(set, values), delay: effects::delay(set, values) }
     }
 
+    /// Whether the record shows what was before its time.
+    pub fn looks_back(&self) -> bool {
+        self.sensor.lag > 0.0 || self.delay > 0.0
+    }
+
     /// Whether the closed form is the quicker way to what is shown of a sealed test. With a lag or a delay the push is read
     /// in parts; their number grows with the push over the relaxation, and the time and memory they take with it.
     pub fn is_quick(&self, scenario: &Scenario) -> bool {
-        if self.sensor.lag == 0.0 && self.delay == 0.0 {
+        if !self.looks_back() {
             return true;
         }
         let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
@@ -92,37 +103,39 @@ impl Answer {
 /// Working memory, kept from one group to the next.
 #[derive(Default)]
 pub struct Memory {
-    panels: Vec<Panel<Lanes>>,
+    /// 1/T along the push.
+    pub panels: Vec<Panel<Lanes>>,
     pieces: Vec<Piece>,
-    /// By piece and lane, where the record turns inside: time and value; NaN where it does not.
-    turns: Vec<[f64; 2]>,
+    /// Of the first pieces, those of the push.
+    polynomials: Vec<Polynomial>,
+    /// By piece, where the records turn inside.
+    turns: Vec<Turn>,
     to_powers: ToPowers,
 }
 
 /// Records, one a lane; all of them lag or none, and all of them are delayed or none.
-pub struct Readings<'a, const LAGS: bool> {
+pub struct Readings<'a> {
     arch: Arch,
     tests: &'a Tests,
     memory: &'a mut Memory,
-    held: Held,
+    hold: HoldRecord,
     sensors: Sensors,
     duration: Lanes,
 }
 
-impl<'a, const LAGS: bool> Readings<'a, LAGS> {
-    /// Of these tests, whose heat is exchanged as `heat` says, with their sensors; `before` is the gas's pressure before the
-    /// test, Pa.
+impl<'a> Readings<'a> {
+    /// Of these tests with their sensors; `before` is the gas's pressure before the test, Pa. Where a sensor looks back,
+    /// `memory` has the panels of the push.
     pub fn new(
         arch: Arch,
         memory: &'a mut Memory,
         tests: &'a Tests,
         ends: &Ends,
-        heat: &(impl Heat<Lanes> + Sync),
         behind: impl Fn(usize) -> Behind,
         before: Lanes,
     ) -> Self {
         let wall = tests.closed.ambient_temperature;
-        let held = Held {
+        let gas = Relaxation {
             at_rest: tests.closed.mass_gas_constant * wall / tests.to,
             excess: Lanes::ONE - wall / ends.pushed,
             rate: ends.rate,
@@ -135,12 +148,13 @@ impl<'a, const LAGS: bool> Readings<'a, LAGS> {
         }
         let sensors = Sensors { lag, delay, offset, drift };
         memory.pieces.clear();
-        let mut readings = Self { arch, tests, memory, held, sensors, duration: tests.hold };
-        let delayed = delay[0] > 0.0;
-        if LAGS || delayed {
-            arch.dispatch(Build { readings: &mut readings, heat, delayed, before });
+        memory.polynomials.clear();
+        let hold = HoldRecord { gas, behind: None };
+        let mut readings = Self { arch, tests, memory, hold, sensors, duration: tests.hold };
+        if sensors.lag() || sensors.are_late() {
+            arch.dispatch(Build { readings: &mut readings, before });
         }
-        if !LAGS {
+        if !sensors.lag() {
             readings.add_hold();
         }
         readings.find_turns();
@@ -149,39 +163,37 @@ impl<'a, const LAGS: bool> Readings<'a, LAGS> {
 
     /// The hold without a lag: pieces between the turns, which the closed form has.
     fn add_hold(&mut self) {
-        let Self { held, sensors, duration, .. } = *self;
-        let mut corners = [sensors.delay, duration, duration, duration];
+        let Self { hold, sensors, duration, .. } = self;
+        let mut corners = [sensors.delay, *duration, *duration, *duration];
         for lane in 0..WIDTH {
             let end = duration[lane] - sensors.delay[lane];
-            let turns = turns(held.at_rest[lane], held.excess[lane], held.rate[lane], sensors.drift[lane], end);
+            let turns =
+                turns(hold.gas.at_rest[lane], hold.gas.excess[lane], hold.gas.rate[lane], sensors.drift[lane], end);
             corners[1][lane] = sensors.delay[lane] + turns[0];
             corners[2][lane] = sensors.delay[lane] + turns[1];
         }
-        self.arch.dispatch(Hold { held, sensors, corners, pieces: &mut self.memory.pieces });
+        self.arch.dispatch(Corners { hold, sensors, corners, pieces: &mut self.memory.pieces });
     }
 
     /// A piece of each lane, not the same one of all.
-    fn gather(&self, piece: impl Fn(usize) -> usize) -> Shown<LAGS> {
-        let mut all = self.memory.pieces[piece(0)];
-        for lane in 1..WIDTH {
-            let from = &self.memory.pieces[piece(lane)];
-            for end in 0..2 {
-                all.times[end][lane] = from.times[end][lane];
-            }
-            for term in 0..TERMS {
-                all.gas[term][lane] = from.gas[term][lane];
-            }
-            all.lagged[lane] = from.lagged[lane];
-            all.exact[lane] = from.exact[lane];
-        }
-        Shown { piece: all, held: self.held, sensors: self.sensors }
+    fn gather(&self, piece: impl Fn(usize) -> usize) -> Shown<'_> {
+        let Memory { pieces, polynomials, .. } = &*self.memory;
+        let piece: [usize; WIDTH] = core::array::from_fn(piece);
+        let times = [0, 1].map(|end| Lanes::from_fn(|lane| pieces[piece[lane]].times[end][lane]));
+        let pushed = Lanes::from_fn(|lane| if piece[lane] < polynomials.len() { 1.0 } else { 0.0 });
+        let polynomial = polynomials.first().map(|_| {
+            let of = |lane: usize| &polynomials[piece[lane].min(polynomials.len() - 1)];
+            let gas = core::array::from_fn(|term| Lanes::from_fn(|lane| of(lane).gas[term][lane]));
+            Polynomial { gas, lagged: Lanes::from_fn(|lane| of(lane).lagged[lane]) }
+        });
+        Shown { times, pushed, polynomial, hold: &self.hold, sensors: &self.sensors }
     }
 
     /// Where the records turn round inside a piece: of each lane the first such piece, then the second, and so on.
     fn find_turns(&mut self) {
         let count = self.memory.pieces.len();
         self.memory.turns.clear();
-        self.memory.turns.resize(count * WIDTH, [f64::NAN; 2]);
+        self.memory.turns.resize(count, Turn::NONE);
         let mut next = [0; WIDTH];
         loop {
             for lane in 0..WIDTH {
@@ -193,9 +205,9 @@ impl<'a, const LAGS: bool> Readings<'a, LAGS> {
             }
             let reading = self.gather(|lane| next[lane].min(count - 1));
             let [times, values, ..] =
-                self.arch.dispatch(Look { times: reading.piece.times, reading, question: Question::Turn });
+                self.arch.dispatch(Look { times: reading.times, reading, question: Question::Turn });
             for lane in (0..WIDTH).filter(|lane| next[*lane] < count) {
-                self.memory.turns[next[lane] * WIDTH + lane] = [times[lane], values[lane]];
+                self.memory.turns[next[lane]].put(lane, times[lane], values[lane]);
             }
             for next in &mut next {
                 *next = (*next + 1).min(count);
@@ -203,54 +215,20 @@ impl<'a, const LAGS: bool> Readings<'a, LAGS> {
         }
     }
 
-    /// A lane's corners in the order of their times: piece, time and value. Between them the record is monotone.
-    fn corners(&self, lane: usize) -> impl DoubleEndedIterator<Item = (usize, f64, f64)> {
-        self.memory.pieces.iter().enumerate().flat_map(move |(index, piece)| {
-            let [time, value] = self.memory.turns[index * WIDTH + lane];
-            let turn = (!time.is_nan()).then_some((index, time, value));
-            let [begin, end] = [0, 1].map(|end| Some((index, piece.times[end][lane], piece.shown[end][lane])));
-            [begin, turn, end].into_iter().flatten()
-        })
-    }
-
     /// The answers about each record; an expansion's peak is its smallest pressure.
     pub fn answers(&self) -> [Answer; WIDTH] {
-        let mut answers = [Answer::default(); WIDTH];
-        let mut within = [(0, [0.0; 2]); WIDTH];
-        let mut band = Lanes::ZERO;
-        for lane in 0..WIDTH {
-            let answer = &mut answers[lane];
-            let sign = if self.tests.to[lane] > self.tests.from[lane] { -1.0 } else { 1.0 };
-            answer.peak = f64::NEG_INFINITY;
-            for (_, time, value) in self.corners(lane) {
-                if sign * value > answer.peak {
-                    (answer.peak, answer.peak_time) = (sign * value, time);
-                }
-                answer.last = value;
-            }
-            answer.peak *= sign;
-            band[lane] = (SETTLED * (answer.peak - answer.last).abs()).max(ROUNDING * answer.last.abs());
-            // From the end back to the last corner outside.
-            let mut later = self.duration[lane];
-            for (piece, time, value) in self.corners(lane).rev() {
-                if (value - answer.last).abs() > band[lane] {
-                    within[lane] = (piece, [time, later]);
-                    break;
-                }
-                later = time;
-            }
-        }
-        let between = [0, 1].map(|end| Lanes::from_fn(|lane| within[lane].1[end]));
-        let reading = self.gather(|lane| within[lane].0);
-        let value = Lanes::from_fn(|lane| answers[lane].last);
-        let question = Question::Enter { between, value, band };
-        let [settled, ..] = self.arch.dispatch(Look { times: reading.piece.times, reading, question });
-        for lane in 0..WIDTH {
+        let Memory { pieces, turns, .. } = &*self.memory;
+        let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
+        let (last, between) = (found.last, found.between);
+        let reading = self.gather(|lane| found.piece[lane] as usize);
+        let question = Question::Enter { between, value: last, band: found.band };
+        let [settled, ..] = self.arch.dispatch(Look { times: reading.times, reading, question });
+        core::array::from_fn(|lane| {
             // A record that never is outside has no piece to enter from.
-            let outside = within[lane].1[1] > within[lane].1[0];
-            answers[lane].settling = if outside { settled[lane].max(0.0) } else { within[lane].1[0] };
-        }
-        answers
+            let outside = between[1][lane] > between[0][lane];
+            let settling = if outside { settled[lane].max(0.0) } else { between[0][lane] };
+            Answer { peak: found.peak[lane], peak_time: found.peak_time[lane], last: last[lane], settling }
+        })
     }
 }
 

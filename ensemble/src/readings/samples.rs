@@ -1,7 +1,8 @@
 //! The samples of records from their peaks on, laid out for the regression.
 
-use super::pieces::{Piece, Shown};
-use super::{Answer, Readings};
+use super::pieces::{Piece, Polynomial, Shown, hold_ends};
+use super::{Answer, Memory, Readings};
+use crate::exact_rows::ENDS;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::look::{Look, Question};
 use crate::regression::Records;
@@ -11,7 +12,10 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-impl<const LAGS: bool> Readings<'_, LAGS> {
+/// Pieces of the hold behind a lag in which its samples are summed.
+const PIECES_BEHIND_A_LAG: usize = 24;
+
+impl Readings<'_> {
     /// Number of the first sample that counts: the larger of those beside the peak.
     fn first_samples(&self, answers: &[Answer; WIDTH]) -> Lanes {
         let push = self.tests.push;
@@ -28,7 +32,7 @@ impl<const LAGS: bool> Readings<'_, LAGS> {
             };
             let question = Question::Pressures([times.max(Lanes::ZERO); POINTS]);
             let reading = self.gather(holds);
-            self.arch.dispatch(Look { times: reading.piece.times, reading, question })[0]
+            self.arch.dispatch(Look { times: reading.times, reading, question })[0]
         });
         Lanes::from_fn(|lane| {
             let sign = if self.tests.to[lane] > self.tests.from[lane] { -1.0 } else { 1.0 };
@@ -46,49 +50,55 @@ impl<const LAGS: bool> Readings<'_, LAGS> {
 }
 
 /// Samples, from the first that counts on, for the regression.
-struct Sample<'b, 'a, const LAGS: bool> {
-    readings: &'b Readings<'a, LAGS>,
+struct Sample<'b, 'a> {
+    readings: &'b Readings<'a>,
     first: Lanes,
     records: &'b mut Records,
 }
 
-impl<const LAGS: bool> WithSimd for Sample<'_, '_, LAGS> {
+impl WithSimd for Sample<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<I: Simd>(mut self, _: I) {
-        let Readings { memory, held, sensors, duration, .. } = self.readings;
-        let held_from = memory.pieces.iter().position(|piece| piece.exact == Lanes::ONE);
-        let (pieces, rest) = memory.pieces.split_at(held_from.unwrap_or(memory.pieces.len()));
-        for piece in pieces {
-            self.add(black_box(piece));
+        let Readings { memory, hold, sensors, duration, .. } = self.readings;
+        let Memory { pieces, polynomials, .. } = &**memory;
+        for (piece, polynomial) in pieces.iter().zip(polynomials) {
+            self.add(black_box(piece.times), Some(*black_box(polynomial)));
         }
-        // Without a lag the hold's pieces are as long as from turn to turn.
-        let Some(piece) = rest.first() else { return };
-        let (mut from, slowness) = (piece.times[0], held.rate.recip());
-        for end in black_box(&crate::exact_rows::ENDS) {
-            let to = (sensors.delay + slowness * *end).min(*duration);
-            self.add(black_box(&Piece { times: [from, to], ..*piece }));
+        // The hold's pieces are as long as from turn to turn.
+        let (rate, length) = (hold.gas.rate, *duration - sensors.delay);
+        let ends: &[Lanes] = if sensors.lag() {
+            &hold_ends::<PIECES_BEHIND_A_LAG>(rate, sensors.lag, length)
+        } else {
+            let slowness = rate.recip();
+            &ENDS.map(|end| (slowness * end).min(length))
+        };
+        let mut from = sensors.delay;
+        for end in black_box(ends) {
+            let to = *end + sensors.delay;
+            self.add(black_box([from, to]), None);
             from = to;
         }
     }
 }
 
-impl<const LAGS: bool> Sample<'_, '_, LAGS> {
+impl Sample<'_, '_> {
     #[inline(always)]
-    fn add(&mut self, piece: &Piece) {
-        let Readings { tests, held, sensors, .. } = self.readings;
+    fn add(&mut self, times: [Lanes; 2], polynomial: Option<Polynomial>) {
+        let Readings { tests, hold, sensors, .. } = self.readings;
         let (push, first) = (tests.push, black_box(self.first));
-        let end = black_box(push + piece.times[1]);
+        let end = black_box(push + times[1]);
         let next = black_box(each_lane!(i => samples::after(end.0[i])));
         let count = black_box((next - first).max(Lanes::ZERO));
         let nodes = black_box(Samples { first, count }.nodes());
-        let curve = Shown::<LAGS> { piece: *piece, held: *held, sensors: *sensors };
+        let pushed = if polynomial.is_some() { Lanes::ONE } else { Lanes::ZERO };
+        let curve = Shown { times, pushed, polynomial, hold, sensors };
         let mut pressure = [Lanes::ZERO; POINTS];
         for k in 0..POINTS {
             let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
             // Nodes without weight may stand anywhere.
-            pressure[k] = black_box(curve.at(time.max(piece.times[0]).min(piece.times[1])));
+            pressure[k] = black_box(curve.at(time.max(times[0]).min(times[1])));
         }
         self.records.push(first, &nodes, &pressure);
         self.first = black_box(first.max(next));

@@ -1,0 +1,98 @@
+//! The extremes of records and the last moment at which they are outside the band around their ends, from the corners of their
+//! pieces: begin, turn and end. Between corners a record is monotone.
+
+use super::pieces::Piece;
+use crate::exact_rows::Tests;
+use crate::finish::SETTLED;
+use crate::lanes::Lanes;
+use crate::reader::ROUNDING;
+use chamber::real::Real;
+use pulp::{Simd, WithSimd};
+
+/// Where records turn inside a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// 1 where they do, else 0.
+    is: Lanes,
+    /// When, s.
+    time: Lanes,
+    /// What is shown there, Pa.
+    value: Lanes,
+}
+
+impl Turn {
+    /// None of them does.
+    pub const NONE: Self = Self { is: Lanes::ZERO, time: Lanes::ZERO, value: Lanes::ZERO };
+
+    /// That of a lane.
+    pub fn put(&mut self, lane: usize, time: f64, value: f64) {
+        (self.is[lane], self.time[lane], self.value[lane]) = (1.0, time, value);
+    }
+}
+
+/// Finds them.
+pub struct Events<'a> {
+    pub tests: &'a Tests,
+    pub pieces: &'a [Piece],
+    pub turns: &'a [Turn],
+    /// End of the records, s.
+    pub end: Lanes,
+}
+
+/// What is found.
+pub struct Found {
+    /// Extreme reading, Pa, the smallest of an expansion, and when it is shown, s.
+    pub peak: Lanes,
+    pub peak_time: Lanes,
+    /// Reading at the end, Pa.
+    pub last: Lanes,
+    /// Half of the band around that, Pa.
+    pub band: Lanes,
+    /// The last piece with a corner outside the band.
+    pub piece: Lanes,
+    /// Times of the last corner outside, s, and of the one after it; 0 and 0 where none is.
+    pub between: [Lanes; 2],
+}
+
+impl WithSimd for Events<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Found {
+        let Self { tests, pieces, turns, end } = self;
+        let sign = (tests.to - tests.from).where_positive(-Lanes::ONE, Lanes::ONE);
+        let (mut peak, mut peak_time, mut last) = (Lanes::from(f64::MIN), Lanes::ZERO, Lanes::ZERO);
+        for (piece, turn) in pieces.iter().zip(turns) {
+            for [is, time, value] in corners(piece, turn) {
+                let height = value * sign;
+                let above = is.where_positive(height - peak, Lanes::ZERO);
+                peak = above.where_positive(height, peak);
+                peak_time = above.where_positive(time, peak_time);
+            }
+            last = piece.shown[1];
+        }
+        let peak = peak * sign;
+        let band = ((peak - last).abs() * SETTLED).max(last.abs() * ROUNDING);
+        // From the end back to the last corner outside.
+        let (mut found, mut later) = (Lanes::ZERO, end);
+        let (mut at, mut between) = (Lanes::ZERO, [Lanes::ZERO; 2]);
+        for (index, (piece, turn)) in pieces.iter().zip(turns).enumerate().rev() {
+            for [is, time, value] in corners(piece, turn).into_iter().rev() {
+                let seen = found.where_positive(Lanes::ZERO, is);
+                let outside = seen.where_positive((value - last).abs() - band, Lanes::ZERO);
+                at = outside.where_positive(Lanes::from(index as f64), at);
+                between = [outside.where_positive(time, between[0]), outside.where_positive(later, between[1])];
+                found = outside.where_positive(Lanes::ONE, found);
+                later = seen.where_positive(time, later);
+            }
+        }
+        Found { peak, peak_time, last, band, piece: at, between }
+    }
+}
+
+/// Corners of a piece in the order of their times: whether there is one (1 or 0), time and value.
+#[inline(always)]
+fn corners(piece: &Piece, turn: &Turn) -> [[Lanes; 3]; 3] {
+    let [begin, end] = [0, 1].map(|end| [Lanes::ONE, piece.times[end], piece.shown[end]]);
+    [begin, [turn.is, turn.time, turn.value], end]
+}
