@@ -44,7 +44,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Choice::Exact => Method::Exact,
         Choice::TimeConstant => Method::TimeConstant,
     };
-    let result = evaluation::identify(&Rig::read(&args.rig)?, method, args.output.as_deref())?;
+    let rig = Rig::read(&args.rig)?;
+    output::check(args.output.iter().chain(&args.json), output::files(&rig))?;
+    let result = evaluation::identify(&rig, method, args.output.as_deref())?;
     if let Some(path) = &args.json {
         output::write_json(path, &result)?;
     }

@@ -35,7 +35,9 @@ pub struct Args {
 
 /// Validates, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let found = evaluation::validate(&Model::read(&args.model)?, &Rig::read(&args.rig)?, args.whole_record)?;
+    let (model, rig) = (Model::read(&args.model)?, Rig::read(&args.rig)?);
+    output::check(args.json.iter().chain(&args.report), output::files(&rig).chain([args.model.as_path()]))?;
+    let found = evaluation::validate(&model, &rig, args.whole_record)?;
     if let Some(path) = &args.json {
         output::write_json(path, &found.validation)?;
     }

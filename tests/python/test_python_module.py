@@ -82,7 +82,7 @@ def test_what_is_wrong_is_raised_as_the_program_s_sentence(module, root, tmp_pat
         module.simulate(tmp_path / "absent.toml", tmp_path / "absent.csv")
     with pytest.raises(module.Error, match="unknown value `exakt`; expected one of: exact, time-constant"):
         module.identify(root / "examples/cylinder", method="exakt")
-    with pytest.raises(module.Error, match="-1 Pa; expected a pressure in Pa, absolute and above zero"):
+    with pytest.raises(module.Error, match="the initial pressure is -1; expected a number from 1000.0 to 100000000.0, in Pa, absolute"):
         module.simulate(
             root / "fuzz/corpus/model/paper.toml", root / "examples/cylinder/validation.csv", initial_pressure_pa=-1
         )
