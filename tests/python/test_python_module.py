@@ -250,7 +250,7 @@ def test_statistics_of_a_study_are_those_of_numpy(module, study, tmp_path):
     ("change", "sentence"),
     [
         ({"vary": {"boer_m": {"values": [0.02]}}}, "did you mean `bore_m`?"),
-        ({"vary": {"bore_m": {"values": [-0.02]}}}, "has to be above 0"),
+        ({"vary": {"bore_m": {"values": [-0.02]}}}, "has to be from 1e-4 to 5"),
         ({"vary": {"bore_m": {"values": [object()]}}}, "a value of type object is not allowed in a study"),
         ({"vary": {"bore_m": {"values": [None]}}}, "study"),
         ({"study": {"model": "absent.toml", "design": "factorial"}}, "absent.toml: cannot be read"),

@@ -167,6 +167,7 @@ def test_every_axis_names_its_unit(shown):
 
 
 def test_it_prints_on_several_pages(shown):
+    shown.size(*PAPER)
     pdf = shown.pdf()
     assert pdf.startswith(b"%PDF") and 3 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 10
 
