@@ -1,6 +1,8 @@
 //! How results leave the program: files that appear whole, or standard output for `-`.
 
+use anyhow::{Context, bail};
 use chamber::effects::{self, EffectSet};
+use records::Rig;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -24,6 +26,50 @@ pub fn is_stdout_taken<const N: usize>(asked: [&Option<PathBuf>; N]) -> bool {
     asked.into_iter().flatten().any(|path| is_stdout(path))
 }
 
+/// Refuses, before any work, results that cannot be written: into a folder that is not there, over an input, two in one place.
+pub fn check<'a>(
+    results: impl IntoIterator<Item = &'a PathBuf>,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> anyhow::Result<()> {
+    // A device, as /dev/null, takes any number of results.
+    let results = results.into_iter().filter(|path| path.is_file() || !path.exists());
+    let results: Vec<(&Path, PathBuf)> = results.map(|path| (path.as_path(), place(path))).collect();
+    for (nth, (path, at)) in results.iter().enumerate() {
+        if !is_stdout(path) {
+            folder(path).metadata().with_context(|| format!("{}: cannot be written", path.display()))?;
+        }
+        if results[..nth].iter().any(|(_, other)| other == at) {
+            match is_stdout(path) {
+                true => bail!("standard output can take one result only; name a file for the others"),
+                false => bail!("{}: two results cannot go to one file", path.display()),
+            }
+        }
+    }
+    let inputs: Vec<PathBuf> = inputs.into_iter().map(place).collect();
+    match results.iter().find(|(_, at)| inputs.contains(at)) {
+        Some((path, _)) => {
+            bail!("{}: not written, because it is read by this command; name another file", path.display())
+        }
+        None => Ok(()),
+    }
+}
+
+/// The files that a rig consists of.
+pub fn files(rig: &Rig) -> impl Iterator<Item = &Path> {
+    let traces = rig.experiments.iter().flat_map(|experiment| &experiment.traces);
+    std::iter::once(rig.path.as_path()).chain(traces.map(|trace| trace.path.as_path()))
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|parent| *parent != Path::new("")).unwrap_or(Path::new("."))
+}
+
+/// One path for each file, however it is named; that of a file to come, if its folder is there.
+fn place(path: &Path) -> PathBuf {
+    let of_folder = || Some(folder(path).canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(of_folder).unwrap_or_else(|| path.to_owned())
+}
+
 /// Tells something that is no error, on standard error.
 pub fn note(text: &str) {
     // When standard error is gone there is nobody to tell.
@@ -33,8 +79,7 @@ pub fn note(text: &str) {
 /// Writes to standard output. Unlike `print!` it does not panic when the reader has gone.
 pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(bytes)?;
-    Ok(out.flush()?)
+    out.write_all(bytes).and_then(|()| out.flush()).context("standard output cannot be written")
 }
 
 /// A line on the effects of a model that a use of it leaves out, if there are any.

@@ -4,6 +4,7 @@ use crate::predictive::{self, Band, Wanted};
 use anyhow::{Context, bail};
 use chamber::signals::{Knot, Signals};
 use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
+use records::limits::PRESSURE_PA;
 use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
 use std::path::{Path, PathBuf};
 
@@ -195,8 +196,8 @@ fn start(
     let ambient = ambient.unwrap_or(model.ambient_temperature_k);
     let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
     if let Some(pressure) = initial_pressure_pa {
-        if !(pressure.is_finite() && pressure > 0.0) {
-            bail!("the initial pressure is {pressure} Pa; expected a pressure in Pa, absolute and above zero");
+        if !PRESSURE_PA.allow(pressure) {
+            bail!("the initial pressure is {pressure}; expected {}", PRESSURE_PA.words());
         }
         return Ok(at(pressure));
     }

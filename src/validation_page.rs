@@ -1,6 +1,7 @@
 //! The page that `validate --report` writes: a model on records that took no part in its fit.
 
-use crate::diagnosis_page::quantities::{Quantity, pressure};
+use crate::diagnosis_page::quantities::pressure;
+use crate::diagnosis_page::{file, own};
 use identify::outcome::validation::Validated;
 use report::document::{Block, Drawing, Section, Table};
 use report::{Axis, Chart, Colour, Error, Mark, Series, chart, digits, page};
@@ -39,26 +40,11 @@ pub fn html(model: &Path, rig: &Path, found: &Validated) -> Result<String, Error
 }
 
 fn records(found: &Validated) -> Table {
-    let records = &found.validation.records;
-    let mut table = Table::new(&["record", "error, Pa", "compared from, s"]);
-    let own = records.first().map_or(&[][..], |r| r.parameters.as_slice());
-    let quantities: Vec<(&String, Quantity)> =
-        own.iter().map(|(name, e)| (name, Quantity::of(name, &e.unit, e.value))).collect();
-    table.head.extend(quantities.iter().map(|(_, q)| q.headed()));
-    for r in records {
-        let mut cells = vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3), digits(r.judged_from_s, 3)];
-        for (name, q) in &quantities {
-            let value = r.parameters.iter().find(|(n, _)| n == *name);
-            cells.push(value.map_or("–".to_owned(), |(_, e)| q.number(e.value, 5)));
-        }
-        table.rows.push(cells);
-    }
-    table
-}
-
-/// The last part of a path.
-fn file(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
+    let records = found.validation.records.iter().map(|r| {
+        let cells = vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3), digits(r.judged_from_s, 3)];
+        (cells, &r.parameters)
+    });
+    own::table(&["record", "error, Pa", "compared from, s"], &records.collect::<Vec<_>>())
 }
 
 /// A record's pressure with the model's, above its residual.

@@ -31,7 +31,7 @@ figure { margin: 1.5rem 0; max-width: 62rem; } figure svg { width: 100%; height:
 code { background: #f3f3f3; padding: 0 .25em; border-radius: 3px; font-size: .92em; }
 @media (max-width: 40rem) { body { margin: 1rem auto; } table { font-size: .82rem; } th, td { padding: .2rem .4rem; } td.n { white-space: normal; } .wide { overflow-x: auto; } .wide svg { width: 44rem; } }
 @page { margin: 15mm; }
-@media print { body { margin: 0; max-width: none; font-size: 10pt; } table { font-size: 7.5pt; } th, td { padding: .1rem .35rem; } figure { break-inside: avoid; } h2 { break-after: avoid; } p { orphans: 3; widows: 3; } .scroll { overflow: visible; } figcaption, .lead { font-size: 1em; } }
+@media print { body { margin: 0; max-width: none; font-size: 10pt; } table { font-size: 7.5pt; } th, td { padding: .1rem .35rem; } figure { break-inside: avoid; } h2 { break-after: avoid; } p { orphans: 3; widows: 3; } .scroll { overflow: visible; } figcaption, .lead { font-size: 1em; } .charts { grid-template-columns: 1fr 1fr; gap: 4mm; } p:has(+ .charts) { break-after: avoid; } }
 ";
 
 fn section(of: &Section) -> String {

@@ -44,6 +44,7 @@ const SHOWN: usize = 24;
 /// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let rig = Rig::read(&args.rig)?;
+    output::check(args.output.iter().chain(&args.json).chain(&args.report), output::files(&rig))?;
     let bar = progress::bar(100, "{bar:30} {percent:>3} % {msg}");
     let found = evaluation::diagnose(&rig, args.report.as_deref(), &|what, share| {
         bar.set_message(what.to_owned());

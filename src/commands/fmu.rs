@@ -64,10 +64,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
     let identity = Identity::of(name.unwrap_or("Chamber"));
-    let validations = match &args.validation {
-        None => Vec::new(),
-        Some(rig) => measured::validations(&model, &Rig::read(rig)?)?,
-    };
+    let rig = args.validation.as_deref().map(Rig::read).transpose()?;
+    output::check([&args.output], rig.iter().flat_map(output::files).chain([args.model.as_path()]))?;
+    let validations = rig.map_or_else(|| Ok(Vec::new()), |rig| measured::validations(&model, &rig))?;
     let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?, &validations)
         .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;

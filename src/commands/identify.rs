@@ -1,6 +1,6 @@
 //! `pneutherm identify`: heat transfer coefficient, dead volume and mass from measured traces.
 
-use crate::commands::estimates;
+use crate::commands::{estimates, progress};
 use crate::{evaluation, output};
 use identify::{Identification, Method};
 use records::Rig;
@@ -44,7 +44,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Choice::Exact => Method::Exact,
         Choice::TimeConstant => Method::TimeConstant,
     };
-    let result = evaluation::identify(&Rig::read(&args.rig)?, method, args.output.as_deref())?;
+    let rig = Rig::read(&args.rig)?;
+    output::check(args.output.iter().chain(&args.json), output::files(&rig))?;
+    let work = || evaluation::identify(&rig, method, args.output.as_deref());
+    let result = progress::while_turning("fitting the model to the records", work)?;
     if let Some(path) = &args.json {
         output::write_json(path, &result)?;
     }

@@ -56,6 +56,7 @@ fn bore(text: &str) -> Result<f64, String> {
 
 /// Looks, writes what was asked for, and prints what was found unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    output::check(args.output.iter().chain(&args.json), [args.trace.as_path()])?;
     let names = Names { time: args.time.clone(), pressure: args.pressure.clone(), position: args.position.clone() };
     let look = Look::at(&args.trace, &names)?;
     let (cycles, open) = look.found.as_ref().map(cycles).unwrap_or_default();
@@ -132,31 +133,48 @@ fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
         Some(found) => record(&mut out, found, cycles, open),
         None => {
             let options: Vec<String> = look.guess.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
-            let _ = writeln!(out, "\nnot recognised; name the column with {}", options.join(", "));
+            let name = if dialect.header.is_none() { ", by its number: \"column 1\"" } else { "" };
+            let _ = writeln!(out, "\nnot recognised; name the column with {}{name}", options.join(", "));
         }
     }
     out
 }
 
+/// Digits of a time: microseconds of a day's seconds, milliseconds of those since 1970.
+const TIME_DIGITS: usize = 12;
+
 fn record(out: &mut String, found: &Found, cycles: &[Cycle], open: usize) {
     let (trace, readings) = (&found.trace, &found.readings);
     let (first, last) = (trace.time_s[0], trace.time_s[trace.len() - 1]);
     let gaps = if readings.gaps > 0 { format!(", {} gaps", readings.gaps) } else { String::new() };
-    let _ = writeln!(out, "\n{} rows, {} Hz{gaps}, {first} s to {last} s", trace.len(), digits(readings.rate_hz()));
+    let _ = writeln!(
+        out,
+        "\n{} rows, {} Hz{gaps}, {} s to {} s",
+        trace.len(),
+        digits(readings.rate_hz()),
+        rounded(first, TIME_DIGITS),
+        rounded(last, TIME_DIGITS),
+    );
     let step = readings.step_pa.map_or("no steps seen".to_owned(), |step| format!("in steps of {} Pa", digits(step)));
     let readout = readings.readout_hz.map_or(String::new(), |hz| format!(", read out at only {} Hz", digits(hz)));
     let _ = writeln!(out, "pressure: {step}, noise from row to row {} Pa{readout}", digits(readings.noise_pa));
     for note in trace.notes() {
         let _ = writeln!(out, "note: {note}");
     }
-    let _ = writeln!(out, "\n{:<6} {:>10} {:>10} {:>22} {:>24}", "", "from s", "to s", "position mm", "pressure bar");
+    // Seconds since 1970 are wider than seconds of a record.
+    let width = format!("{last:.3}").len().max(10);
+    let _ = writeln!(
+        out,
+        "\n{:<6} {:>width$} {:>width$} {:>22} {:>24}",
+        "", "from s", "to s", "position mm", "pressure bar"
+    );
     let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
     for Phase { rows, moving } in &found.phases {
         let (a, b) = (rows.start, rows.end - 1);
         let pair = |from: f64, to: f64, digits: usize| format!("{from:.digits$} -> {to:.digits$}");
         let _ = writeln!(
             out,
-            "{:<6} {:>10.3} {:>10.3} {:>22} {:>24}",
+            "{:<6} {:>width$.3} {:>width$.3} {:>22} {:>24}",
             if *moving { "move" } else { "rest" },
             trace.time_s[a],
             trace.time_s[b],

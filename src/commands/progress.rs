@@ -120,3 +120,12 @@ pub fn bar(length: u64, template: &str) -> ProgressBar {
     }
     bar
 }
+
+/// Does some work that cannot say how far it is, while something turns on a terminal.
+pub fn while_turning<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
+    let turning = ProgressBar::new_spinner().with_message(what);
+    turning.enable_steady_tick(Duration::from_millis(100));
+    let result = work();
+    turning.finish_and_clear();
+    result
+}

@@ -3,6 +3,7 @@
 use crate::output;
 use crate::predictive::{LEVEL, SAMPLES, Wanted};
 use crate::simulation::{self, Request, Simulated};
+use records::limits::PRESSURE_PA;
 use records::{Document, RigFile};
 use std::path::PathBuf;
 
@@ -48,8 +49,8 @@ pub struct Args {
 
 fn pressure(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("expected a pressure in Pa, absolute and above zero".to_owned()),
+        Ok(value) if PRESSURE_PA.allow(value) => Ok(value),
+        _ => Err(format!("expected {}", PRESSURE_PA.words())),
     }
 }
 
@@ -62,6 +63,8 @@ fn level(text: &str) -> Result<f64, String> {
 
 /// Simulates and writes the table.
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    let inputs = [Some(&args.model), Some(&args.motion), args.rig.as_ref()];
+    output::check([&args.output], inputs.into_iter().flatten().map(PathBuf::as_path))?;
     let simulated = simulation::simulated(&Request {
         model: Document::read(&args.model)?,
         motion: args.motion.clone(),
@@ -77,6 +80,11 @@ fn table(simulated: &Simulated) -> String {
     let line = |cells: Vec<String>| cells.join(",") + "\n";
     let columns = simulated.columns();
     let header = line(columns.iter().map(|column| column.name.clone()).collect());
-    let row = |row: usize| line(columns.iter().map(|column| column.values[row].to_string()).collect());
+    let row = |row: usize| line(columns.iter().map(|column| cell(column.values[row])).collect());
     std::iter::once(header).chain((0..simulated.samples.len()).map(row)).collect()
+}
+
+/// The shortest text that reads back the same, with an exponent where zeros would lead.
+fn cell(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }

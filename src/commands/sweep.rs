@@ -139,9 +139,8 @@ const NAMED: usize = 5;
 fn verify(folder: &Path) -> anyhow::Result<()> {
     let report = sweep::verify(&*stores::open(folder)?)?;
     if report.wrong.is_empty() {
-        let (parts, bytes) = (report.parts, indicatif::BinaryBytes(report.bytes));
-        let text =
-            format!("{}: {} rows, {parts} parts, {bytes}: agree with manifest.json\n", folder.display(), report.rows);
+        let (parts, bytes) = (counted(report.parts as u64), indicatif::BinaryBytes(report.bytes));
+        let text = format!("{}: {} rows, {parts}, {bytes}: agree with manifest.json\n", folder.display(), report.rows);
         return output::print(text.as_bytes());
     }
     let named = report.wrong.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
@@ -158,6 +157,11 @@ fn verify(folder: &Path) -> anyhow::Result<()> {
 /// Parts of a shard.
 fn parts_of(study: &Study, shard: Shard) -> impl Iterator<Item = u64> {
     (0..study.parts).filter(move |part| shard.has(*part))
+}
+
+/// A number of parts in words.
+fn counted(parts: u64) -> String {
+    if parts == 1 { "1 part".to_owned() } else { format!("{parts} parts") }
 }
 
 /// Rows of a shard.
@@ -191,11 +195,11 @@ fn estimated(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -
 fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Duration) -> String {
     let mut text = String::new();
     if parts_of(study, shard).next().is_none() {
-        let parts = if study.parts == 1 { "1 part".to_owned() } else { format!("{} parts", study.parts) };
         let _ = writeln!(
             text,
-            "{}: shard {shard} has nothing to do: the study has {parts}; increase `parts` in the study to divide it further",
-            study.name
+            "{}: shard {shard} has nothing to do: the study has {}; increase `parts` in the study to divide it further",
+            study.name,
+            counted(study.parts)
         );
         return text;
     }
@@ -210,10 +214,11 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
         folder.display(),
     );
     if report.parts_found > 0 {
-        let _ = writeln!(text, "{} parts existed already", report.parts_found);
+        let _ = writeln!(text, "{} existed already", counted(report.parts_found));
     }
     if report.parts_damaged > 0 {
-        let _ = writeln!(text, "{} parts were damaged and have been recomputed", report.parts_damaged);
+        let were = if report.parts_damaged == 1 { "was damaged and has" } else { "were damaged and have" };
+        let _ = writeln!(text, "{} {were} been recomputed", counted(report.parts_damaged));
     }
     for (status, count) in &report.statuses {
         let _ = writeln!(text, "{count:>12}  {status}");
@@ -225,7 +230,7 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
         let _ = writeln!(text, "results: {name}");
     }
     let _ = match report.complete {
-        true => writeln!(text, "all {} parts are complete: manifest.json is written", study.parts),
+        true => writeln!(text, "the study is complete ({}): manifest.json is written", counted(study.parts)),
         false => writeln!(text, "parts of other shards are missing: manifest.json is not yet written"),
     };
     text
@@ -234,7 +239,7 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
 fn taken(report: &Report, earlier: &Earlier) -> String {
     let mut text = format!("{} rows taken from {}\n", report.rows_taken, earlier.folder().display());
     if earlier.damaged > 0 {
-        let _ = writeln!(text, "{} parts there were damaged; their rows were solved again", earlier.damaged);
+        let _ = writeln!(text, "damaged there, and solved again: {}", counted(earlier.damaged));
     }
     text
 }

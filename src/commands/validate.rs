@@ -1,5 +1,6 @@
 //! `pneutherm validate`: a model against records that took no part in finding it.
 
+use crate::commands::progress;
 use crate::{evaluation, output, validation_page};
 use identify::Validation;
 use records::{Model, Rig};
@@ -35,7 +36,10 @@ pub struct Args {
 
 /// Validates, writes what was asked for, and prints the table unless standard output is taken.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let found = evaluation::validate(&Model::read(&args.model)?, &Rig::read(&args.rig)?, args.whole_record)?;
+    let (model, rig) = (Model::read(&args.model)?, Rig::read(&args.rig)?);
+    output::check(args.json.iter().chain(&args.report), output::files(&rig).chain([args.model.as_path()]))?;
+    let work = || evaluation::validate(&model, &rig, args.whole_record);
+    let found = progress::while_turning("comparing the model with the records", work)?;
     if let Some(path) = &args.json {
         output::write_json(path, &found.validation)?;
     }

@@ -2,6 +2,7 @@
 
 mod drawings;
 mod meaning;
+pub mod own;
 pub mod quantities;
 mod spectrum;
 
@@ -10,6 +11,7 @@ use identify::Diagnosed;
 use identify::fit::covariance::Estimate;
 use identify::outcome::diagnosis::{Diagnosis, Rmse};
 use identify::outcome::read_off::Empirical;
+use identify::outcome::recording::RecordFound;
 use quantities::{Quantity, lower, pressure, spaced};
 use report::Error;
 use report::document::{Block, Section, Table};
@@ -176,26 +178,17 @@ fn recording(d: &Diagnosis) -> Section {
         parts.push(format!("{} outliers, which are left out", n.outliers));
     }
     section.text(format!("The pressure has {}.", parts.join(", ")));
-    let Some(first) = d.records.first() else { return section };
-    let largest = |name: &str| {
-        let of_all = d.records.iter().flat_map(|r| &r.parameters).filter(|(n, _)| n == name);
-        of_all.map(|(_, e)| e.value.abs()).fold(0.0, f64::max)
-    };
-    let quantities: Vec<(&String, Quantity)> =
-        first.parameters.iter().map(|(n, e)| (n, Quantity::of(n, &e.unit, largest(n)))).collect();
-    let mut table = Table::new(&["record", "error, Pa"]);
-    table.head.extend(quantities.iter().map(|(_, q)| q.headed()));
-    for r in &d.records {
-        let file = r.trace.rsplit(['/', '\\']).next().unwrap_or(&r.trace);
-        let mut cells = vec![file.to_owned(), digits(r.rmse_pa, 3)];
-        for (name, q) in &quantities {
-            let own = r.parameters.iter().find(|(n, _)| n == *name);
-            cells.push(own.map_or("–".to_owned(), |(_, e)| q.number(e.value, 5)));
-        }
-        table.rows.push(cells);
+    let cells = |r: &RecordFound| vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3)];
+    let records: Vec<_> = d.records.iter().map(|r| (cells(r), &r.parameters)).collect();
+    if !records.is_empty() {
+        section.table(own::table(&["record", "error, Pa"], &records));
     }
-    section.table(table);
     section
+}
+
+/// The last part of a path.
+pub fn file(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// The missing term as a curve: in the model, or refused.

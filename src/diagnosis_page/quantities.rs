@@ -32,7 +32,12 @@ impl Quantity {
 
     /// Its name and unit, for the head of a column or row.
     pub fn headed(&self) -> String {
-        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", self.name, self.unit) }
+        self.under(&self.name)
+    }
+
+    /// Another name with its unit.
+    pub fn under(&self, name: &str) -> String {
+        if self.unit.is_empty() { name.to_owned() } else { format!("{name}, {}", self.unit) }
     }
 
     /// A value with unit.

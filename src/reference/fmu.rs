@@ -1,7 +1,8 @@
 //! The page of the FMU's variables.
 
 use super::{MADE, table};
-use fmu::table::{Role, Variability, Variable};
+use fmu::table::choices::Enumeration;
+use fmu::table::{Role, Type, Variability, Variable};
 use report::number::shortest;
 
 const HEAD: &str = "\
@@ -39,15 +40,24 @@ fn section<'a>(title: &str, variables: impl Iterator<Item = &'a Variable>) -> St
             Variability::Tunable => "tunable",
             Variability::Continuous => "always",
         };
-        let bounds = match (v.min, v.max) {
-            (None, None) => "—".to_owned(),
-            (Some(min), None) => format!("at least {}", shortest(min)),
-            (None, Some(max)) => format!("at most {}", shortest(max)),
-            (Some(min), Some(max)) => format!("{} to {}", shortest(min), shortest(max)),
+        let bounds = match (v.is, v.min, v.max) {
+            (Type::Boolean, ..) => "false, true".to_owned(),
+            (Type::Enumeration(choices), ..) => numbered(choices),
+            (Type::Real, None, None) => "—".to_owned(),
+            (Type::Real, Some(min), None) => format!("at least {}", shortest(min)),
+            (Type::Real, None, Some(max)) => format!("at most {}", shortest(max)),
+            (Type::Real, Some(min), Some(max)) => format!("{} to {}", shortest(min), shortest(max)),
         };
-        [format!("`{}`", v.name), v.quantity.unit.to_owned(), bounds, when.to_owned(), v.description.clone()]
+        let unit = if v.is == Type::Real { v.quantity.unit } else { "—" };
+        [format!("`{}`", v.name), unit.to_owned(), bounds, when.to_owned(), v.description.clone()]
     });
     format!("\n## {title}\n\n{}", table(["variable", "unit", "bounds", "changes", ""], rows))
+}
+
+/// The items of an enumeration with their numbers.
+fn numbered(of: &Enumeration) -> String {
+    let items = of.items.iter().enumerate().map(|(i, (name, _))| format!("{} `{name}`", i + 1));
+    items.collect::<Vec<_>>().join(", ")
 }
 
 #[test]

@@ -6,7 +6,8 @@ use crate::columns;
 use chamber::card::Kind;
 use chamber::effects::{self, EffectValues, PARAMETERS};
 use chamber::{Chamber, Gas, Geometry, HeatTransfer};
-use records::Model;
+use records::key::Bounds;
+use records::{Model, limits};
 use report::number::shortest;
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -69,6 +70,14 @@ impl Allowed {
     }
 }
 
+/// What a rig or a model may hold, so that bar, millimetres and degrees Celsius are noticed in a study too.
+const fn within(bounds: &Bounds) -> Allowed {
+    match bounds {
+        Bounds::Within(range, _) => Allowed::Within(*range.start()..=*range.end()),
+        Bounds::Finite | Bounds::Positive | Bounds::NotNegative => panic!("no range"),
+    }
+}
+
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -117,26 +126,28 @@ pub fn all() -> &'static [Quantity] {
     &ALL
 }
 
-use Allowed::{Above, AtLeast};
+use Allowed::{Above, AtLeast, Within};
+/// A stroke can be zero where there is a dead volume.
+const STROKE: Allowed = Within(0.0..=100.0);
 #[rustfmt::skip]
 const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
     (Base::GasConstant, "gas.gas_constant_j_per_kg_k", "J/(kg.K)", Above(0.0), "Specific gas constant"),
     (Base::HeatCapacityRatio, "gas.heat_capacity_ratio", "1", Above(1.0), "Heat capacity ratio"),
-    (Base::Bore, "chamber.bore_m", "m", Above(0.0), "Bore"),
-    (Base::Rod, "chamber.rod_m", "m", AtLeast(0.0), "Diameter of the rod that runs through the chamber"),
+    (Base::Bore, "chamber.bore_m", "m", within(&limits::BORE_M), "Bore"),
+    (Base::Rod, "chamber.rod_m", "m", within(&limits::ROD_M), "Diameter of the rod that runs through the chamber"),
     (Base::DeadVolume, "chamber.dead_volume_m3", "m3", AtLeast(0.0), "Gas volume at stroke zero"),
     (Base::Coefficient, "heat_transfer.coefficient_w_per_m2_k", "W/(m2.K)", AtLeast(0.0), "Heat transfer coefficient at the reference state"),
-    (Base::ReferencePressure, "heat_transfer.reference_pressure_pa", "Pa", Above(0.0), "Pressure of the reference state"),
-    (Base::ReferenceTemperature, "heat_transfer.reference_temperature_k", "K", Above(0.0), "Temperature of the reference state"),
-    (Base::AmbientTemperature, "ambient.temperature_k", "K", Above(0.0), "Temperature of the surroundings"),
-    (Base::AmbientPressure, "ambient.pressure_pa", "Pa", Above(0.0), "Pressure of the surroundings"),
-    (Base::InitialPressure, "test.initial_pressure_pa", "Pa", Above(0.0), "Pressure before the push, absolute"),
-    (Base::InitialStroke, "test.initial_stroke_m", "m", AtLeast(0.0), "Piston position before the push"),
-    (Base::FinalStroke, "test.final_stroke_m", "m", AtLeast(0.0), "Piston position after the push"),
+    (Base::ReferencePressure, "heat_transfer.reference_pressure_pa", "Pa", within(&limits::PRESSURE_PA), "Pressure of the reference state"),
+    (Base::ReferenceTemperature, "heat_transfer.reference_temperature_k", "K", within(&limits::TEMPERATURE_K), "Temperature of the reference state"),
+    (Base::AmbientTemperature, "ambient.temperature_k", "K", within(&limits::TEMPERATURE_K), "Temperature of the surroundings"),
+    (Base::AmbientPressure, "ambient.pressure_pa", "Pa", within(&limits::PRESSURE_PA), "Pressure of the surroundings"),
+    (Base::InitialPressure, "test.initial_pressure_pa", "Pa", within(&limits::PRESSURE_PA), "Pressure before the push, absolute"),
+    (Base::InitialStroke, "test.initial_stroke_m", "m", STROKE, "Piston position before the push"),
+    (Base::FinalStroke, "test.final_stroke_m", "m", STROKE, "Piston position after the push"),
     (Base::PushTime, "test.push_time_s", "s", Above(0.0), "Duration of the push, a linear ramp"),
-    (Base::InitialTemperature, "test.initial_temperature_k", "K", Above(0.0), "Gas temperature before the push; that of the wall at rest unless given"),
+    (Base::InitialTemperature, "test.initial_temperature_k", "K", within(&limits::TEMPERATURE_K), "Gas temperature before the push; that of the wall at rest unless given"),
     (Base::MassFlowIn, "test.mass_flow_in_kg_per_s", "kg/s", AtLeast(0.0), "Constant flow into the chamber; 0 unless given"),
-    (Base::TemperatureIn, "test.temperature_in_k", "K", Above(0.0), "Temperature of the flow into the chamber; that of the surroundings unless given"),
+    (Base::TemperatureIn, "test.temperature_in_k", "K", within(&limits::TEMPERATURE_K), "Temperature of the flow into the chamber; that of the surroundings unless given"),
     (Base::MassFlowOut, "test.mass_flow_out_kg_per_s", "kg/s", AtLeast(0.0), "Constant flow out of the chamber; 0 unless given"),
     (Base::Duration, "test.duration_s", "s", Above(0.0), "Duration of the test from the start of the push"),
     (Base::HoldTimeConstants, "test.hold_time_constants", "1", Above(0.0), "Duration of the hold after the push over the thermal time constant at its end"),
@@ -305,6 +316,10 @@ pub fn effect_of(place: usize) -> Option<(usize, usize)> {
 
 /// The known name most like this one, among the dotted ones or their last parts, as the writer seems to prefer.
 fn nearest(name: &str) -> Option<&'static str> {
+    if name.to_lowercase().starts_with("lambda") {
+        // As results, reports and the FMU call it.
+        return Some("coefficient_w_per_m2_k");
+    }
     if name.contains('.') {
         records::nearest(name, all().iter().map(|q| q.name.as_str()))
     } else {
@@ -359,6 +374,7 @@ mod tests {
         assert_eq!(find("test.final_strok_m"), Err(NotFound::Unknown(Some("test.final_stroke_m"))));
         assert_eq!(find("zzz"), Err(NotFound::Unknown(None)));
         assert!(matches!(find("ore_m"), Err(NotFound::Unknown(Some("bore_m")))));
+        assert_eq!(find("lambda0_w_per_m2_k"), Err(NotFound::Unknown(Some("coefficient_w_per_m2_k"))));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::common::{Bench, text};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// The example's folder: five experiments of three repeats, a leaking cylinder.
@@ -102,5 +103,31 @@ fn bad_rigs_and_traces_are_refused_and_nothing_is_written() {
             let sentence = bench.refusal(&[command, "rig.toml", "-o", "out.toml", "--json", "out.json"]);
             assert!(sentence.contains(says), "`{says}` is not in: {sentence}");
         }
+    }
+}
+
+/// Keys that the guide documents for a command's JSON.
+fn documented(command: &str) -> BTreeSet<String> {
+    let page = include_str!("../../book/src/reference/files.md");
+    let section = page.split("## Results for programs").nth(1).unwrap();
+    let of_command = section.split(&format!("\n`{command}`:\n")).nth(1).unwrap();
+    let rows = of_command.lines().skip_while(|line| !line.starts_with("|---")).skip(1);
+    let keys = rows.take_while(|line| line.starts_with('|')).map(|line| line.split('|').nth(1).unwrap());
+    keys.flat_map(|keys| keys.split(", ").map(|key| key.trim().trim_matches('`').to_owned())).collect()
+}
+
+#[test]
+fn the_guide_documents_every_key_of_every_json() {
+    let bench = bench();
+    bench.call(0, &["identify", "rig.toml", "-o", "identified.toml"]);
+    for call in [
+        &["identify", "rig.toml"][..],
+        &["diagnose", "rig.toml"],
+        &["validate", "identified.toml", "validation.toml"],
+        &["look", "validation.csv"],
+    ] {
+        let output = bench.call(0, &[call, &["--json", "-"]].concat());
+        let json: serde_json::Map<String, Value> = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(json.keys().cloned().collect::<BTreeSet<_>>(), documented(call[0]), "{call:?}");
     }
 }

@@ -53,7 +53,10 @@ fn wrong_usage_ends_with_2_and_says_what_is_right() {
     bench.call(2, &arguments);
     let mut with_equals = arguments[..4].to_vec();
     with_equals.push("--initial-pressure=-3");
-    assert!(text(&bench.call(2, &with_equals).stderr).contains("above zero"));
+    assert!(
+        text(&bench.call(2, &with_equals).stderr)
+            .contains("expected a number from 1000.0 to 100000000.0, in Pa, absolute")
+    );
 }
 
 #[test]

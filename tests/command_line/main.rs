@@ -5,5 +5,6 @@ mod common;
 mod deliver;
 mod evaluate;
 mod help;
+mod look;
 mod output;
 mod simulate;

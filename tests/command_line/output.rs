@@ -24,6 +24,44 @@ fn an_output_that_cannot_be_written_is_named() {
     assert!(sentence.contains("cannot be written"), "{sentence}");
 }
 
+/// An hour's record is not replaced by a slip of the hand.
+#[test]
+fn no_result_replaces_a_file_that_the_command_reads() {
+    let bench = Bench::new();
+    let simulated = [&CALL[..], &["--rig", "rig.toml", "-o"]].concat();
+    let calls: [(&[&str], &[&str]); 6] = [
+        (&simulated, &["motion.csv", "model.toml", "rig.toml", "./motion.csv"]),
+        (&["look", "motion.csv", "-o"], &["motion.csv"]),
+        (&["identify", "rig.toml", "--json"], &["rig.toml", "motion.csv"]),
+        (&["diagnose", ".", "--report"], &["rig.toml", "motion.csv"]),
+        (&["validate", "model.toml", "rig.toml", "--json"], &["model.toml", "rig.toml", "motion.csv"]),
+        (&["fmu", "model.toml", "--validation", "rig.toml", "-o"], &["model.toml", "rig.toml", "motion.csv"]),
+    ];
+    for (call, inputs) in calls {
+        for input in inputs {
+            let before = std::fs::read(bench.path(input)).unwrap();
+            let sentence = bench.refusal(&[call, &[*input]].concat());
+            assert!(sentence.contains("not written, because it is read by this command"), "{call:?} {sentence}");
+            assert_eq!(std::fs::read(bench.path(input)).unwrap(), before, "{call:?} {input}");
+        }
+    }
+}
+
+#[test]
+fn two_results_do_not_share_a_place() {
+    let bench = Bench::new();
+    let sentence = bench.refusal(&["identify", "rig.toml", "-o", "-", "--json", "-"]);
+    assert!(sentence.contains("standard output can take one result only"), "{sentence}");
+    let sentence = bench.refusal(&["diagnose", "rig.toml", "-o", "x", "--report", "./x"]);
+    assert!(sentence.contains("./x: two results cannot go to one file"), "{sentence}");
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_told_before_the_work() {
+    let sentence = Bench::new().refusal(&["diagnose", "rig.toml", "--json", "x.json", "-o", "absent/model.toml"]);
+    assert!(sentence.contains("absent/model.toml: cannot be written: No such file"), "{sentence}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_read_only_folder_is_named_and_left_as_it_is() {
@@ -53,7 +91,11 @@ fn a_full_standard_output_is_an_error() {
     let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
     let output = Bench::new().command().args(CALL).stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("No space left"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("standard output cannot be written: No space left"),
+        "{}",
+        text(&output.stderr)
+    );
 }
 
 #[test]

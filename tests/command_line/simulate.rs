@@ -40,6 +40,21 @@ fn a_file_holds_what_standard_output_shows() {
     assert_eq!(bench.call(0, &[&CALL[..], &["-o", "-"]].concat()).stdout, shown);
 }
 
+#[test]
+fn small_numbers_have_an_exponent_and_large_ones_none() {
+    let bench = Bench::new();
+    let table = text(&bench.call(0, &[&CALL[..], &["--initial-pressure", "2e5"]].concat()).stdout);
+    let row: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    assert!(row[1] == "200000" || row[1].starts_with("199999.99") || row[1].starts_with("200000.0000"), "{row:?}");
+    assert!(row[5].starts_with("3.3") && row[5].ends_with("e-5"), "{row:?}");
+}
+
+#[test]
+fn bar_in_place_of_pascal_is_noticed() {
+    let output = Bench::new().call(2, &[&CALL[..], &["--initial-pressure", "6"]].concat());
+    assert!(text(&output.stderr).contains("in Pa, absolute (1 bar is 1e5)"), "{}", text(&output.stderr));
+}
+
 /// The motion with 1 kPa above and below 201.3 kPa by turns while at rest, and nonsense once the piston has moved.
 fn shaky_motion() -> String {
     let mut lines: Vec<String> = motion().lines().map(str::to_owned).collect();

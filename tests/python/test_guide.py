@@ -205,7 +205,7 @@ def test_the_page_on_the_method_states_every_threshold_of_the_code(root):
 
 
 def test_the_page_on_effects_names_every_hook(root):
-    trait = (root / "chamber/src/effects/mod.rs").read_text().split("pub trait Effect {")[1].split("\n}\n")[0]
+    trait = (root / "chamber/src/effects/effect.rs").read_text().split("pub trait Effect {")[1].split("\n}\n")[0]
     hooks = re.findall(r"^    fn (\w+)", trait, flags=re.M)
     page = (root / "book/src/extend/effect.md").read_text()
     named = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \|", page, flags=re.M)))

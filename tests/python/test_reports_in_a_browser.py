@@ -167,5 +167,23 @@ def test_every_axis_names_its_unit(shown):
 
 
 def test_it_prints_on_several_pages(shown):
+    shown.size(*PAPER)
     pdf = shown.pdf()
-    assert pdf.startswith(b"%PDF") and len(re.findall(rb"/Type\s*/Page\b", pdf)) >= 3
+    assert pdf.startswith(b"%PDF") and 3 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 10
+
+
+PAIRS = """
+(() => [...document.querySelectorAll('.charts')].filter((e) => e.children.length > 1).map((e) => {
+  const [one, other] = [...e.children].map((c) => c.getBoundingClientRect());
+  return Math.abs(one.top - other.top) < 2 && one.right <= other.left + 1;
+}))()
+"""
+
+
+def test_paper_has_two_charts_side_by_side(shown):
+    """One above the other, each would take a sheet of its own and leave half of it blank."""
+    shown.size(*PAPER)
+    assert all(shown.evaluate(PAIRS))
+    texts = shown.evaluate("[...document.querySelectorAll('.charts svg text')].filter((t) => t.textContent.length > 3)"
+                           ".map((t) => t.getBoundingClientRect()).map((b) => Math.min(b.width, b.height))")
+    assert min(texts, default=9) >= 8

@@ -3,171 +3,19 @@
 //! An effect declares itself on a [`Card`] and takes part in [`balance::rates`](crate::balance::rates) through the
 //! hooks of [`Effect`], each neutral by default. Hooks run in the order of the trait's methods, effects in the list's.
 
+mod effect;
+pub mod iso6358;
+mod set;
+mod values;
+
+pub use effect::Effect;
+pub use set::EffectSet;
+pub use values::EffectValues;
+
 use crate::balance::{Conditions, Flows, Rates};
 use crate::card::{ActsOn, Balance, Card};
 use crate::gas::Gas;
 use crate::real::Real;
-
-/// One physical effect. `p` are its parameters in the card's order, `own` its own states.
-pub trait Effect {
-    /// Name, equation, source, parameters and own states.
-    const CARD: Card;
-
-    /// What its flows need of its parameters and the gas alone, worked out once for a chamber.
-    #[inline(always)]
-    fn constant<R: Real>(_p: &[R], _gas: &Gas<R>) -> R {
-        R::ONE
-    }
-
-    /// Values of its own states in a chamber at rest in equilibrium at `at`.
-    fn initial<R: Real>(_at: &Conditions<R>, _own: &mut [R]) {}
-
-    /// How much warmer than its surroundings the wall is when all is at rest, K.
-    #[inline(always)]
-    fn wall_excess<R: Real>(_p: &[R]) -> R {
-        R::ZERO
-    }
-
-    /// Whether the gas's heat capacities are not constant: then the next four hooks say how.
-    const CALORIC: bool = false;
-
-    /// The internal energy of the gas over m cv T, at a temperature, K.
-    #[inline(always)]
-    fn internal_energy<R: Real>(_p: &[R], _temperature: R) -> R {
-        R::ONE
-    }
-
-    /// Temperature, K, of gas whose internal energy is m cv times `by_energy`, K.
-    #[inline(always)]
-    fn temperature<R: Real>(_p: &[R], by_energy: R) -> R {
-        by_energy
-    }
-
-    /// Puts pressure, temperature and heat capacities in the place of those that constant heat capacities give.
-    #[inline(always)]
-    fn gas_properties<R: Real>(_p: &[R], _at: &mut Conditions<R>) {}
-
-    /// What the flows bring beside `at.cp` times their temperature, W: for the energy's rate, and for that of V P/(γ − 1).
-    #[inline(always)]
-    fn excess_enthalpy<R: Real>(_p: &[R], _at: &Conditions<R>, _flows: &Flows<R>) -> [R; 2] {
-        [R::ZERO; 2]
-    }
-
-    /// Changes what the rest of the balance sees of gas and wall: the gas temperature at the wall, the wall's.
-    #[inline(always)]
-    fn conditions<R: Real>(_p: &[R], _own: &[R], _at: &mut Conditions<R>) {}
-
-    /// Whether the gas can fill another volume than the geometry's: then the next hooks say when, and which.
-    const VOLUMETRIC: bool = false;
-
-    /// Whether it does with these parameters, in any lane.
-    #[inline(always)]
-    fn is_volumetric<R: Real>(_p: &[R]) -> bool {
-        Self::VOLUMETRIC
-    }
-
-    /// The gas's volume over the geometry's at a position, m, and pressure, Pa, and how that changes with the one, 1/m, and
-    /// with the other, 1/Pa.
-    #[inline(always)]
-    fn volume<R: Real>(_p: &[R], _position: R, _pressure: R) -> [R; 3] {
-        [R::ONE, R::ZERO, R::ZERO]
-    }
-
-    /// Adds heat into the gas beside that from the wall, W.
-    #[inline(always)]
-    fn heat_flow<R: Real>(_p: &[R], _at: &Conditions<R>, _heat: &mut R) {}
-
-    /// A factor of the heat transfer coefficient.
-    #[inline(always)]
-    fn heat_transfer_factor<R: Real>(_p: &[R], _at: &Conditions<R>) -> R {
-        R::ONE
-    }
-
-    /// The heat transfer area, m², where the chain before it gives `area`.
-    #[inline(always)]
-    fn heat_transfer_area<R: Real>(_p: &[R], area: R) -> R {
-        area
-    }
-
-    /// Gas that enters or leaves; `constant` is its [`Effect::constant`].
-    #[inline(always)]
-    fn flows<R: Real>(_p: &[R], _constant: R, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
-
-    /// Whether its factor of λ has no power series where gas and wall have one temperature: an integration that starts there
-    /// has to begin with short steps.
-    const SINGULAR: bool = false;
-
-    /// Whether its flow has corners: [`Effect::corner`].
-    const CORNERS: bool = false;
-
-    /// The first pressure after `from` and before `to`, Pa, at which its flow has a corner; `to` where there is none.
-    #[inline(always)]
-    fn corner<R: Real>(_p: &[R], _ambient_pressure: R, _from: R, to: R) -> R {
-        to
-    }
-
-    /// Number of functions that [`Effect::kinks`] gives.
-    const KINKS: usize = 0;
-
-    /// Functions of order one that change their sign where its law has a corner, whatever variable it lies in: event
-    /// indicators of a host that integrates itself. `out` has [`Effect::KINKS`] places.
-    fn kinks<R: Real>(_p: &[R], _own: &[R], _at: &Conditions<R>, _rates: &Rates<R>, _out: &mut [R]) {}
-
-    /// Gas that leaves (positive) because pressure rises at `pressure_rate`, Pa/s, if nothing left: returns the flow in
-    /// kg/s and the temperature it has, K. See [`tube_volume`].
-    #[inline(always)]
-    fn storage<R: Real>(_p: &[R], _at: &Conditions<R>, _pressure_rate: R) -> Option<(R, R)> {
-        None
-    }
-
-    /// Rates of its own states, per second.
-    #[inline(always)]
-    fn own_rates<R: Real>(
-        _p: &[R],
-        _own: &[R],
-        _at: &Conditions<R>,
-        _flows: &Flows<R>,
-        _rates: &Rates<R>,
-        _out: &mut [R],
-    ) {
-    }
-
-    /// What the sensor shows where the chain before it shows `reading`, Pa, `time` seconds after the record began.
-    #[inline(always)]
-    fn reading<R: Real>(_p: &[R], _own: &[R], reading: R, _time: R) -> R {
-        reading
-    }
-
-    /// How much later than the gas the record shows the gas's state, s.
-    #[inline(always)]
-    fn delay<R: Real>(_p: &[R]) -> R {
-        R::ZERO
-    }
-
-    /// How much later than the piston the record shows its position, s.
-    #[inline(always)]
-    fn stroke_delay<R: Real>(_p: &[R]) -> R {
-        R::ZERO
-    }
-
-    /// Time constant of the first-order filter that the recorded position has passed, s.
-    #[inline(always)]
-    fn stroke_filter<R: Real>(_p: &[R]) -> R {
-        R::ZERO
-    }
-
-    /// Time over which the recorded position is a centred moving average, s.
-    #[inline(always)]
-    fn stroke_window<R: Real>(_p: &[R]) -> R {
-        R::ZERO
-    }
-
-    /// Time constant with which the reading follows the gas, s; its reading is then its first own state.
-    #[inline(always)]
-    fn lag<R: Real>(_p: &[R]) -> R {
-        R::ZERO
-    }
-}
 
 macro_rules! effects {
     ($($module:ident::$name:ident),* $(,)?) => {
@@ -394,51 +242,21 @@ macro_rules! effects {
             reading
         }
 
-        /// Sum of [`Effect::lag`] of the effects in `set`, s.
+        effects! { @sum lag of $($module::$name),* }
+        effects! { @sum delay of $($module::$name),* }
+        effects! { @sum stroke_delay of $($module::$name),* }
+        effects! { @sum stroke_filter of $($module::$name),* }
+        effects! { @sum stroke_window of $($module::$name),* }
+    };
+    (@sum $hook:ident of $($module:ident::$name:ident),*) => {
+        #[doc = concat!("Sum of [`Effect::", stringify!($hook), "`] of the effects in `set`, s.")]
         #[inline(always)]
-        pub fn lag<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
-            let mut lag = R::ZERO;
+        pub fn $hook<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
+            let mut sum = R::ZERO;
             $(if set.has($module::$name::INDEX) {
-                lag += $module::$name::lag($module::$name::values(values));
+                sum += $module::$name::$hook($module::$name::values(values));
             })*
-            lag
-        }
-
-        /// Sum of [`Effect::delay`] of the effects in `set`, s.
-        #[inline(always)]
-        pub fn delay<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
-            let mut delay = R::ZERO;
-            $(if set.has($module::$name::INDEX) {
-                delay += $module::$name::delay($module::$name::values(values));
-            })*
-            delay
-        }
-
-        /// Sum of [`Effect::stroke_delay`] of the effects in `set`, s.
-        pub fn stroke_delay<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
-            let mut delay = R::ZERO;
-            $(if set.has($module::$name::INDEX) {
-                delay += $module::$name::stroke_delay($module::$name::values(values));
-            })*
-            delay
-        }
-
-        /// Sum of [`Effect::stroke_filter`] of the effects in `set`, s.
-        pub fn stroke_filter<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
-            let mut filter = R::ZERO;
-            $(if set.has($module::$name::INDEX) {
-                filter += $module::$name::stroke_filter($module::$name::values(values));
-            })*
-            filter
-        }
-
-        /// Sum of [`Effect::stroke_window`] of the effects in `set`, s.
-        pub fn stroke_window<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
-            let mut window = R::ZERO;
-            $(if set.has($module::$name::INDEX) {
-                window += $module::$name::stroke_window($module::$name::values(values));
-            })*
-            window
+            sum
         }
     };
 }
@@ -467,8 +285,6 @@ effects![
     empirical::Empirical,
 ];
 
-pub mod iso6358;
-
 /// `value` where it lies between the two, else `to`.
 #[inline(always)]
 fn nearer<R: Real>(value: R, from: R, to: R) -> R {
@@ -481,20 +297,6 @@ pub const PARAMETER_OFFSETS: [usize; COUNT + 1] = offsets(true);
 pub const STATE_OFFSETS: [usize; COUNT + 1] = offsets(false);
 /// Number of parameters of all effects.
 pub const PARAMETERS: usize = PARAMETER_OFFSETS[COUNT];
-/// Which effect each parameter is of, as the bit of [`EffectSet::bits`].
-const OWNERS: [u32; PARAMETERS] = {
-    let mut out = [0; PARAMETERS];
-    let mut i = 0;
-    while i < COUNT {
-        let mut place = PARAMETER_OFFSETS[i];
-        while place < PARAMETER_OFFSETS[i + 1] {
-            out[place] = EffectSet::one(i).bits();
-            place += 1;
-        }
-        i += 1;
-    }
-    out
-};
 /// Number of own states of all effects.
 pub const OWN_STATES: usize = STATE_OFFSETS[COUNT];
 
@@ -612,133 +414,8 @@ pub fn find(name: &str) -> Option<(usize, &'static Card)> {
     all().find(|(_, card)| card.name == name)
 }
 
-/// A set of effects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub struct EffectSet(u32);
-
-impl EffectSet {
-    /// No effect: the paper's model.
-    pub const NONE: EffectSet = EffectSet(0);
-    /// Every effect of the list.
-    pub const ALL: EffectSet = EffectSet((1 << COUNT) - 1);
-
-    /// The set of that one effect, by its place in the list.
-    pub const fn one(index: usize) -> Self {
-        Self(1 << index)
-    }
-    /// The set of the effects at whose places it says so.
-    const fn of(is_in: [bool; COUNT]) -> Self {
-        let (mut bits, mut i) = (0, 0);
-        while i < COUNT {
-            bits |= (is_in[i] as u32) << i;
-            i += 1;
-        }
-        Self(bits)
-    }
-    /// The set as a number, one bit an effect by its place in the list.
-    pub const fn bits(self) -> u32 {
-        self.0
-    }
-    /// The set of those [`bits`](Self::bits).
-    pub const fn from_bits(bits: u32) -> Self {
-        Self(bits & Self::ALL.0)
-    }
-    /// Whether the effect at that place is in the set.
-    #[inline(always)]
-    pub const fn has(self, index: usize) -> bool {
-        self.0 & (1 << index) != 0
-    }
-    /// Effects of either set.
-    pub const fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-    /// Effects of this set that are not in the other.
-    pub const fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
-    }
-    /// Whether every effect of `other` is in this set.
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-    /// Effects of both sets.
-    pub const fn intersection(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-    /// Whether no effect is in the set.
-    pub const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-    /// Places of its effects, ascending.
-    pub fn iter(self) -> impl Iterator<Item = usize> {
-        (0..COUNT).filter(move |&i| self.has(i))
-    }
-}
-
-impl FromIterator<usize> for EffectSet {
-    /// The set of the effects at these places in the list.
-    fn from_iter<I: IntoIterator<Item = usize>>(places: I) -> Self {
-        places.into_iter().fold(Self::NONE, |set, place| set.union(Self::one(place)))
-    }
-}
-
 /// [`Effect::constant`] of each effect.
 pub type EffectConstants<R = f64> = [R; COUNT];
-
-/// A value for each parameter of each effect.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EffectValues<R = f64>(pub [R; PARAMETERS]);
-
-impl EffectValues<f64> {
-    /// Each parameter at its neutral value.
-    pub const NEUTRAL: Self = {
-        let mut values = [0.0; PARAMETERS];
-        let mut i = 0;
-        while i < COUNT {
-            let mut j = 0;
-            while j < CARDS[i].parameters.len() {
-                values[PARAMETER_OFFSETS[i] + j] = CARDS[i].parameters[j].neutral;
-                j += 1;
-            }
-            i += 1;
-        }
-        Self(values)
-    };
-
-    /// The same with the effects in `set` at their neutral values.
-    pub fn without(mut self, set: EffectSet) -> Self {
-        for place in set.iter() {
-            self.of_mut(place).copy_from_slice(Self::NEUTRAL.of(place));
-        }
-        self
-    }
-
-    /// The effects whose parameters are not all neutral.
-    pub fn active(&self) -> EffectSet {
-        // Without branches, as kernels ask this of every row.
-        let mut bits = 0;
-        for (place, owner) in OWNERS.iter().enumerate() {
-            bits |= if self.0[place] != Self::NEUTRAL.0[place] { *owner } else { 0 };
-        }
-        EffectSet(bits)
-    }
-}
-
-impl<R: Real> EffectValues<R> {
-    /// The parameters of the effect at that place in the list, in its card's order.
-    pub fn of(&self, index: usize) -> &[R] {
-        &self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
-    }
-
-    /// The same, to be changed.
-    pub fn of_mut(&mut self, index: usize) -> &mut [R] {
-        &mut self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
-    }
-
-    /// The same values in another number type.
-    pub fn lift<S: Real + From<R>>(self) -> EffectValues<S> {
-        EffectValues(self.0.map(S::from))
-    }
-}
 
 #[cfg(test)]
 mod tests {

@@ -16,7 +16,7 @@ pub enum Fault {
     },
     /// No room for the gas.
     #[error(
-        "position = {position} m leaves the gas a volume of {volume} m3; it must lie between 0 and 1e9 m3 (deadVolume = {dead_volume} m3)"
+        "position = {position} m leaves the gas a volume of {volume:.3e} m3; it must lie between 0 and 1e9 m3 (deadVolume = {dead_volume:.3e} m3)"
     )]
     NoVolume {
         /// Position of the piston, m.
@@ -47,8 +47,18 @@ pub enum Fault {
         step: f64,
         /// Time at its begin, s.
         time: f64,
-        /// Why the integration failed, as a clause.
-        cause: String,
+        /// Why not, as a clause.
+        cause: &'static str,
+    },
+    /// The piston cannot be moved to the host's position at once.
+    #[error(
+        "at t = {time} s the gas cannot be compressed or expanded to position ({cause}); the instance stays as it was"
+    )]
+    NoStroke {
+        /// Time, s.
+        time: f64,
+        /// Why not, as a clause.
+        cause: &'static str,
     },
     /// States that a host set, of which no gas can be made.
     #[error(
@@ -67,12 +77,20 @@ pub enum Fault {
 
 impl Fault {
     /// No step of `step` seconds from `time`, s.
-    pub fn no_step(step: f64, time: f64, cause: impl ToString) -> Self {
-        Fault::NoStep { step, time, cause: cause.to_string() }
+    pub fn no_step(step: f64, time: f64, cause: IntegrationError) -> Self {
+        Fault::NoStep { step, time, cause: clause(cause) }
     }
 
     /// No stroke can be taken up at `time`, s.
     pub fn no_stroke(time: f64, cause: IntegrationError) -> Self {
-        Self::no_step(0.0, time, cause)
+        Fault::NoStroke { time, cause: clause(cause) }
+    }
+}
+
+/// The integrator's times count from the begin of a step or of a stroke: a host would take them for its own.
+fn clause(cause: IntegrationError) -> &'static str {
+    match cause {
+        IntegrationError::StepTooSmall { .. } => "the state or an input jumps, or is not finite within it",
+        IntegrationError::TooManySteps { .. } => "it takes too many integration steps",
     }
 }

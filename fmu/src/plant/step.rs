@@ -185,7 +185,8 @@ impl Gas {
         gas.states[TRAVEL] += end - begin;
         let states = &gas.states;
         if !(states[MASS] > 0.0 && states[ENERGY] > 0.0 && states.iter().all(|s| s.is_finite())) {
-            return Err(Fault::no_step(h, time, "mass or energy of the gas would not be positive"));
+            let cause = "mass or energy of the gas would not be positive";
+            return Err(Fault::NoStep { step: h, time, cause });
         }
         Ok(gas)
     }

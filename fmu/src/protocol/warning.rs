@@ -90,7 +90,7 @@ impl Warnings {
                     }
                     Kind::ModelExchange => "the work of the gas follows velocity; set both consistently, or use strokeInput = velocity",
                 };
-                format!("t = {} s: position has moved by {by_position} m, velocity by {by_velocity} m; {cure}", now.time)
+                format!("t = {} s: position has moved by {by_position:.6} m, velocity by {by_velocity:.6} m; {cure}", now.time)
             });
         }
     }

@@ -222,11 +222,11 @@ impl Table {
         }
         for (c, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
             let number = fields[place].parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
-                let (text, name) = (fields[place], &self.names[place]);
-                refuse(
-                    &self.path,
-                    format!("line {line}, column `{name}`: `{text}` is not a finite number (decimal point, no unit)"),
-                )
+                let what = match fields[place] {
+                    "" => "the field is empty; expected a number".to_owned(),
+                    text => format!("`{text}` is not a finite number (decimal point, no unit)"),
+                };
+                refuse(&self.path, format!("line {line}, column `{}`: {what}", self.names[place]))
             })?;
             self.check_allowed(c, number, || format!("line {line}, column `{}`", self.names[place]))?;
             column.push(number);
@@ -248,6 +248,11 @@ fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
     let mut byte = reader.read_line(&mut text).map_err(read)? as u64;
     let header = text.trim_start_matches('\u{feff}').trim();
     let names: Vec<String> = records::fields_of_line(header, COMMA).into_iter().map(str::to_owned).collect();
+    if let ([_], Some(separator)) = (&names[..], header.chars().find(|c| matches!(c, ';' | '\t'))) {
+        let message =
+            format!("line 1: its columns are separated by {separator:?}; expected commas, and decimal points");
+        return Err(refuse(path, message));
+    }
     if let Some(twice) = records::repeated(&names) {
         return Err(refuse(path, format!("line 1: two columns are named `{twice}`; expected different names")));
     }
@@ -303,5 +308,14 @@ mod tests {
         let table = Table::open(&path).unwrap();
         let message = table.fill(0..2, &mut [vec![], vec![]]).unwrap_err().to_string();
         assert!(message.contains("line 3, column `rod_m`: `1 cm` is not a finite number"), "{message}");
+    }
+
+    #[test]
+    fn a_table_of_another_office_program_is_refused_for_its_separators() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        std::fs::write(&path, "bore_m;rod_m\r\n0,02;0\r\n").unwrap();
+        let message = Table::open(&path).err().unwrap().to_string();
+        assert!(message.contains("line 1: its columns are separated by ';'; expected commas"), "{message}");
     }
 }

@@ -10,7 +10,7 @@ use crate::design::table::Table;
 use crate::design::{Axes, Design, NAMES, sobol};
 use crate::error::Error;
 use crate::hash;
-use crate::quantity::{self, Base, Point};
+use crate::quantity::{self, Base, NotFound, Point};
 use crate::solve;
 use crate::statistics::{Bins, Goals, Plan, no_result};
 use crate::uncertain::Uncertain;
@@ -323,12 +323,12 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
     }
     let mut list: Vec<Varied> = Vec::new();
     for name in table.names() {
-        let place = quantity::find(name).map_err(|reason| Error::Table {
-            path: file.clone(),
-            message: format!(
-                "column `{name}` {}; `columns = [...]` in the study picks columns",
-                not_found(name, &reason)
-            ),
+        let place = quantity::find(name).map_err(|reason| {
+            let picks = match reason {
+                NotFound::Unknown(None) => "; `columns = [...]` in the study picks columns",
+                _ => "",
+            };
+            Error::Table { path: file.clone(), message: format!("column `{name}` {}{picks}", not_found(name, &reason)) }
         })?;
         if list.iter().any(|v| v.quantity == place) {
             let message = format!("column `{name}` is a quantity that another column holds already");

@@ -146,7 +146,9 @@ pub fn not_found(name: &str, reason: &NotFound) -> String {
                 .into()
         }
         NotFound::OfTable => "is a fixed part of the model's table, of which only the values can be varied".into(),
-        NotFound::Unknown(None) => "is no number of the model or of the test".into(),
+        NotFound::Unknown(None) => {
+            "is no number of the model or of the test; its names are the keys of the model file and of [test]".into()
+        }
         NotFound::Unknown(Some(nearest)) => {
             format!("is no number of the model or of the test; did you mean `{nearest}`?")
         }

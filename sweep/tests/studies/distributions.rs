@@ -137,7 +137,7 @@ fn a_distribution_that_cannot_be_is_refused_before_any_row() {
         ("bore_m = { distribution = \"uniform\", from = 0.02, to = 0.01 }", "`from` has to be below `to`"),
         ("bore_m = { distribution = \"triangular\", from = 0.01, mode = 0.03, to = 0.02 }", "in ascending order"),
         ("bore_m = { distribution = \"empirical\", values = [0.02, 0.02] }", "at least two different values"),
-        ("bore_m = { distribution = \"empirical\", values = [0.02, -0.02] }", "has to be above 0"),
+        ("bore_m = { distribution = \"empirical\", values = [0.02, -0.02] }", "has to be from 1e-4 to 5"),
         ("bore_m = { from = \"modle\" }", "did you mean `model`?"),
         (
             "bore_m = { from = \"model\" }",

@@ -38,7 +38,7 @@ fn an_unknown_or_ambiguous_quantity_is_named_with_what_it_could_be() {
 #[test]
 fn a_range_that_cannot_be_is_named() {
     for (vary, expected) in [
-        ("bore_m = { from = -0.01, to = 0.02, count = 3 }", "takes -0.01, but has to be above 0"),
+        ("bore_m = { from = -0.01, to = 0.02, count = 3 }", "takes -0.01, but has to be from 1e-4 to 5"),
         ("bore_m = { from = 0.03, to = 0.02, count = 3 }", "`from` has to be below `to`"),
         ("bore_m = { from = 0.01, to = 0.02 }", "needs a `count`"),
         ("bore_m = { from = 0.01, to = 0.02, count = 1 }", "expected a whole number, 2 or above"),
@@ -86,7 +86,7 @@ fn a_number_of_the_test_that_cannot_be_is_named() {
         (
             "initial_pressure_pa = 1.01e5",
             "initial_pressure_pa = -1.0",
-            "line 5: test.initial_pressure_pa: is -1, but has to be above 0",
+            "line 5: test.initial_pressure_pa: is -1, but has to be from 1000 to 1e8",
         ),
         ("initial_pressure_pa = 1.01e5", "", "test.initial_pressure_pa: missing"),
         ("duration_s = 5.0", "", "test.duration_s: missing; duration_s or hold_time_constants"),
@@ -178,7 +178,7 @@ fn every_row_of_a_table_is_checked_before_the_first_is_solved() {
             "0.02,-1e-11,0.0",
             "line 20002, column `leakage.conductance_m3_per_s_pa`: is -1e-11, but has to be from 0 to 1e-7",
         ),
-        ("0,1e-11,0.0", "line 20002, column `bore_m`: is 0, but has to be above 0"),
+        ("0,1e-11,0.0", "line 20002, column `bore_m`: is 0, but has to be from 1e-4 to 5"),
         ("0.02,1e-11,0.03", "row 20000: chamber.rod_m takes 0.03, but chamber.bore_m is 0.02 at most"),
     ] {
         let header = "bore_m,leakage.conductance_m3_per_s_pa,rod_m\n";

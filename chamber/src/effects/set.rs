@@ -1,0 +1,72 @@
+//! Sets of effects, by their places in the list.
+
+use super::COUNT;
+
+/// A set of effects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct EffectSet(u32);
+
+impl EffectSet {
+    /// No effect: the paper's model.
+    pub const NONE: EffectSet = EffectSet(0);
+    /// Every effect of the list.
+    pub const ALL: EffectSet = EffectSet((1 << COUNT) - 1);
+
+    /// The set of that one effect, by its place in the list.
+    pub const fn one(index: usize) -> Self {
+        Self(1 << index)
+    }
+    /// The set of the effects at whose places it says so.
+    pub(super) const fn of(is_in: [bool; COUNT]) -> Self {
+        let (mut bits, mut i) = (0, 0);
+        while i < COUNT {
+            bits |= (is_in[i] as u32) << i;
+            i += 1;
+        }
+        Self(bits)
+    }
+    /// The set as a number, one bit an effect by its place in the list.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+    /// The set of those [`bits`](Self::bits).
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits & Self::ALL.0)
+    }
+    /// Whether the effect at that place is in the set.
+    #[inline(always)]
+    pub const fn has(self, index: usize) -> bool {
+        self.0 & (1 << index) != 0
+    }
+    /// Effects of either set.
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+    /// Effects of this set that are not in the other.
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+    /// Whether every effect of `other` is in this set.
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+    /// Effects of both sets.
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+    /// Whether no effect is in the set.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+    /// Places of its effects, ascending.
+    pub fn iter(self) -> impl Iterator<Item = usize> {
+        (0..COUNT).filter(move |&i| self.has(i))
+    }
+}
+
+impl FromIterator<usize> for EffectSet {
+    /// The set of the effects at these places in the list.
+    fn from_iter<I: IntoIterator<Item = usize>>(places: I) -> Self {
+        places.into_iter().fold(Self::NONE, |set, place| set.union(Self::one(place)))
+    }
+}

@@ -1,0 +1,75 @@
+//! The parameters of all effects.
+
+use super::{CARDS, COUNT, EffectSet, PARAMETER_OFFSETS, PARAMETERS};
+use crate::real::Real;
+
+/// Which effect each parameter is of, as the bit of [`EffectSet::bits`].
+const OWNERS: [u32; PARAMETERS] = {
+    let mut out = [0; PARAMETERS];
+    let mut i = 0;
+    while i < COUNT {
+        let mut place = PARAMETER_OFFSETS[i];
+        while place < PARAMETER_OFFSETS[i + 1] {
+            out[place] = EffectSet::one(i).bits();
+            place += 1;
+        }
+        i += 1;
+    }
+    out
+};
+
+/// A value for each parameter of each effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectValues<R = f64>(pub [R; PARAMETERS]);
+
+impl EffectValues<f64> {
+    /// Each parameter at its neutral value.
+    pub const NEUTRAL: Self = {
+        let mut values = [0.0; PARAMETERS];
+        let mut i = 0;
+        while i < COUNT {
+            let mut j = 0;
+            while j < CARDS[i].parameters.len() {
+                values[PARAMETER_OFFSETS[i] + j] = CARDS[i].parameters[j].neutral;
+                j += 1;
+            }
+            i += 1;
+        }
+        Self(values)
+    };
+
+    /// The same with the effects in `set` at their neutral values.
+    pub fn without(mut self, set: EffectSet) -> Self {
+        for place in set.iter() {
+            self.of_mut(place).copy_from_slice(Self::NEUTRAL.of(place));
+        }
+        self
+    }
+
+    /// The effects whose parameters are not all neutral.
+    pub fn active(&self) -> EffectSet {
+        // Without branches, as kernels ask this of every row.
+        let mut bits = 0;
+        for (place, owner) in OWNERS.iter().enumerate() {
+            bits |= if self.0[place] != Self::NEUTRAL.0[place] { *owner } else { 0 };
+        }
+        EffectSet::from_bits(bits)
+    }
+}
+
+impl<R: Real> EffectValues<R> {
+    /// The parameters of the effect at that place in the list, in its card's order.
+    pub fn of(&self, index: usize) -> &[R] {
+        &self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
+    }
+
+    /// The same, to be changed.
+    pub fn of_mut(&mut self, index: usize) -> &mut [R] {
+        &mut self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
+    }
+
+    /// The same values in another number type.
+    pub fn lift<S: Real + From<R>>(self) -> EffectValues<S> {
+        EffectValues(self.0.map(S::from))
+    }
+}

@@ -1,0 +1,54 @@
+//! `pneutherm look`: what it prints of a record.
+
+use crate::common::{Bench, motion, text};
+
+/// The record of a logger that counts seconds from `since`, with noise that keeps it from being a constant.
+fn logged(since: f64) -> String {
+    let mut out = "unix_time,p_bar,x_mm\n".to_owned();
+    for (k, line) in motion().lines().skip(1).enumerate() {
+        let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+        let push = if k > 20 { 1.0 + (-((k - 20) as f64) / 50.0).exp() } else { 0.0 };
+        let bar = 1.013 + push + 1e-4 * f64::from(u8::try_from(k * 7 % 5).unwrap());
+        out += &format!("{:.3},{bar:.4},{:.3}\n", since + fields[0], 1e3 * fields[2]);
+    }
+    out
+}
+
+#[test]
+fn seconds_since_1970_stand_in_their_columns() {
+    let bench = Bench::new();
+    bench.file("logged.csv", logged(1_764_000_000.0));
+    let out = text(&bench.call(0, &["look", "logged.csv"]).stdout);
+    assert!(out.contains("1764000000 s to 1764000001.99 s"), "{out}");
+    let table: Vec<&str> =
+        out.lines().skip_while(|line| !line.contains("from s")).take_while(|l| !l.is_empty()).collect();
+    assert!(table.len() >= 4, "{out}");
+    assert!(table.iter().all(|line| line.len() == table[0].len()), "{out}");
+}
+
+#[test]
+fn a_clock_s_times_are_told_without_what_rounding_adds() {
+    let bench = Bench::new();
+    let clock = logged(9.0).replace("unix_time", "time");
+    let clock: Vec<String> = clock
+        .lines()
+        .map(|line| match line.split_once(',') {
+            Some((time, rest)) if time != "time" => format!("08:59:{:0>6},{rest}", time),
+            _ => line.to_owned(),
+        })
+        .collect();
+    bench.file("clock.csv", clock.join("\n"));
+    let out = text(&bench.call(0, &["look", "clock.csv"]).stdout);
+    assert!(out.contains("0 s to 1.99 s"), "{out}");
+}
+
+#[test]
+fn columns_without_names_are_asked_for_by_number() {
+    let bench = Bench::new();
+    let rows: String = motion().lines().skip(1).map(|line| format!("{line}\n")).collect();
+    bench.file("bare.csv", rows);
+    let out = text(&bench.call(0, &["look", "bare.csv"]).stdout);
+    assert!(out.contains("--time COLUMN, --pressure COLUMN, --position COLUMN, by its number: \"column 1\""), "{out}");
+    let named = ["--time", "column 1", "--pressure", "column 2", "--position", "column 3"];
+    assert!(text(&bench.call(0, &[&["look", "bare.csv"][..], &named].concat()).stdout).contains("200 rows"));
+}
