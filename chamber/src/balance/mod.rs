@@ -4,6 +4,10 @@
 //! P = (γ − 1) U/V,  T = U/(m cv), unless an effect makes the heat capacities vary. Both states are conserved to rounding whatever the integrator does.
 //! [`pressure_temperature_rates`] is the paper's own form, for comparison.
 
+mod parts;
+
+pub use parts::{Boundary, Conditions, Contents, Flows, Rates, Surroundings, Tight};
+
 use crate::effects::{self, EffectConstants, EffectSet, OWN_STATES};
 use crate::gas::Gas;
 use crate::model::Chamber;
@@ -34,191 +38,6 @@ pub fn own_states<R: Real, const N: usize>(state: &[R; N]) -> [R; OWN_STATES] {
     own
 }
 
-/// What the surroundings impose at one moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Boundary<R = f64> {
-    /// Distance of the piston face from the chamber's end, m.
-    pub position: R,
-    /// Its rate, m/s.
-    pub velocity: R,
-    /// Mass flow into the chamber, kg/s, at [`Boundary::temperature_in`].
-    pub mass_flow_in: R,
-    /// Temperature of the gas that enters, K.
-    pub temperature_in: R,
-    /// Mass flow out of the chamber, kg/s, at the gas's temperature.
-    pub mass_flow_out: R,
-    /// Temperature of the surroundings, K.
-    pub ambient_temperature: R,
-    /// Pressure of the surroundings, Pa.
-    pub ambient_pressure: R,
-}
-
-impl Boundary<f64> {
-    /// A closed chamber with its piston held.
-    pub fn closed(position: f64, ambient_temperature: f64, ambient_pressure: f64) -> Self {
-        Self {
-            position,
-            velocity: 0.0,
-            mass_flow_in: 0.0,
-            temperature_in: ambient_temperature,
-            mass_flow_out: 0.0,
-            ambient_temperature,
-            ambient_pressure,
-        }
-    }
-}
-
-impl<R: Real> Boundary<R> {
-    /// The same boundary in another number type.
-    #[inline(always)]
-    pub fn lift<S: Real + From<R>>(self) -> Boundary<S> {
-        Boundary {
-            position: self.position.into(),
-            velocity: self.velocity.into(),
-            mass_flow_in: self.mass_flow_in.into(),
-            temperature_in: self.temperature_in.into(),
-            mass_flow_out: self.mass_flow_out.into(),
-            ambient_temperature: self.ambient_temperature.into(),
-            ambient_pressure: self.ambient_pressure.into(),
-        }
-    }
-}
-
-/// Gas, wall and surroundings at one moment, as the effects see them. SI units.
-#[derive(Clone, Copy, Debug)]
-pub struct Conditions<R> {
-    /// Mass of the gas, kg.
-    pub mass: R,
-    /// Volume of the gas, m³.
-    pub volume: R,
-    /// Of the geometry's volume what the piston has swept, m³.
-    pub swept_volume: R,
-    /// Absolute pressure of the gas, Pa.
-    pub pressure: R,
-    /// Mean temperature P V/(m R), K.
-    pub temperature: R,
-    /// Reciprocal of the mass, 1/kg.
-    pub per_mass: R,
-    /// Reciprocal of the volume, 1/m³.
-    pub per_volume: R,
-    /// P V/(γ − 1), J: with constant heat capacities the internal energy.
-    pub energy: R,
-    /// λ, W/(m² K), before any effect.
-    pub eichelberg: R,
-    /// Temperature of the gas that touches the wall, K: the T of λ and Q̇.
-    pub gas_temperature_at_wall: R,
-    /// Wall temperature, K.
-    pub wall_temperature: R,
-    /// Piston area, m².
-    pub piston_area: R,
-    /// Piston speed, m/s.
-    pub velocity: R,
-    /// Temperature of the surroundings, K.
-    pub ambient_temperature: R,
-    /// Pressure of the surroundings, Pa.
-    pub ambient_pressure: R,
-    /// Specific gas constant, J/(kg K).
-    pub gas_constant: R,
-    /// Heat capacity ratio at this temperature.
-    pub heat_capacity_ratio: R,
-    /// γ − 1.
-    pub expansion: R,
-    /// 1/(γ − 1).
-    pub per_expansion: R,
-    /// Heat capacity at constant volume at this temperature, J/(kg K).
-    pub cv: R,
-    /// Heat capacity at constant pressure, J/(kg K).
-    pub cp: R,
-    /// P0 of the heat transfer law, Pa.
-    pub reference_pressure: R,
-    /// T0 of the heat transfer law, K.
-    pub reference_temperature: R,
-}
-
-impl<R: Real> Conditions<R> {
-    /// dP/dt, Pa/s, in a volume that does not follow the pressure, with this heat and enthalpy into the gas, W, and this
-    /// power of the gas, W.
-    #[inline(always)]
-    fn pressure_rate(&self, heat: R, work: R) -> R {
-        (self.expansion * (heat - work) - work) * self.per_volume
-    }
-}
-
-/// Gas that enters and leaves.
-#[derive(Clone, Copy, Debug)]
-pub struct Flows<R> {
-    /// Mass flow in, kg/s.
-    pub inflow: R,
-    /// Σ mass flow in × its temperature, kg K/s.
-    pub inflow_kelvin: R,
-    /// Σ mass flow in × the square of its temperature, kg K²/s.
-    pub inflow_square_kelvin: R,
-    /// Mass flow out, at the gas's temperature, kg/s.
-    pub outflow: R,
-}
-
-impl<R: Real> Flows<R> {
-    /// No gas enters or leaves.
-    pub const NONE: Self =
-        Self { inflow: R::ZERO, inflow_kelvin: R::ZERO, inflow_square_kelvin: R::ZERO, outflow: R::ZERO };
-
-    /// Adds a flow into the chamber, kg/s, at a temperature, K.
-    #[inline(always)]
-    pub fn enter(&mut self, flow: R, temperature: R) {
-        self.inflow += flow;
-        let kelvin = flow * temperature;
-        self.inflow_kelvin += kelvin;
-        self.inflow_square_kelvin += kelvin * temperature;
-    }
-
-    /// Adds a flow out of the chamber, kg/s, that where it is negative enters at a temperature, K.
-    #[inline(always)]
-    pub fn leave(&mut self, flow: R, temperature: R) {
-        self.outflow += flow.where_positive(flow, R::ZERO);
-        self.enter(flow.where_positive(R::ZERO, -flow), temperature);
-    }
-}
-
-/// Rates of change of the gas.
-#[derive(Clone, Copy, Debug)]
-pub struct Rates<R> {
-    /// Rate of the mass dm/dt, kg/s.
-    pub mass: R,
-    /// Rate of the internal energy dU/dt, W.
-    pub energy: R,
-    /// Rate of the pressure dP/dt, Pa/s.
-    pub pressure: R,
-    /// Q̇ into the gas, W.
-    pub heat_flow: R,
-    /// λ, W/(m² K).
-    pub heat_transfer_coefficient: R,
-    /// Net enthalpy flow into the gas, W.
-    pub enthalpy_flow: R,
-    /// P dV/dt, the power of the gas on what bounds it, W.
-    pub work: R,
-}
-
-/// What a chamber holds at one moment.
-#[derive(Clone, Copy, Debug)]
-pub struct Contents<R = f64> {
-    /// Mass m, kg.
-    pub mass: R,
-    /// Internal energy U, J.
-    pub energy: R,
-    /// Volume V, m³.
-    pub volume: R,
-    /// 1/√(m V), kg^-½ m^-1.5: the only root that λ(P, T) needs.
-    pub per_root: R,
-}
-
-impl<R: Real> Contents<R> {
-    /// Of mass, kg, internal energy, J, and volume, m³.
-    #[inline(always)]
-    pub fn new(mass: R, energy: R, volume: R) -> Self {
-        Self { mass, energy, volume, per_root: (mass * volume).sqrt().recip() }
-    }
-}
-
 /// A chamber with what its balances would divide by and take roots of again and again worked out once.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<R = f64> {
@@ -240,31 +59,6 @@ pub struct Balance<R = f64> {
     pub area: [R; 2],
     /// What each effect has worked out of its parameters.
     pub constants: EffectConstants<R>,
-}
-
-/// What a system around the chamber imposes beyond its [`Boundary`]: a wall held by others, ports to other volumes. Both
-/// hooks run after the effects'.
-pub trait Surroundings<R> {
-    /// Whether no gas enters or leaves: then the boundary's flows and the effects' go unread.
-    const TIGHT: bool = false;
-
-    /// Changes what the balance sees of gas and wall.
-    #[inline(always)]
-    fn conditions(&self, _at: &mut Conditions<R>) {}
-
-    /// Gas that enters or leaves.
-    #[inline(always)]
-    fn flows(&self, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
-}
-
-/// Nothing beyond the boundary.
-impl<R> Surroundings<R> for () {}
-
-/// A boundary that no gas crosses, and no effect that lets any pass: the mass stays what it is.
-pub struct Tight;
-
-impl<R> Surroundings<R> for Tight {
-    const TIGHT: bool = true;
 }
 
 /// Conditions from the states: the gas as it is, wall and heat transfer before any effect.
