@@ -51,6 +51,24 @@ fn a_constant_pressure_is_no_answer_to_a_move() {
 }
 
 #[test]
+fn positions_that_count_from_a_little_too_far_leave_no_negative_dead_volume() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(7) };
+    let geometry = recipe.chamber.geometry;
+    let mut rig = recipe.rig();
+    let traces = || rig.experiments.iter().flat_map(|e| &e.traces).flat_map(|t| &t.position_m);
+    let smallest = traces().copied().fold(f64::INFINITY, f64::min);
+    let by_m = geometry.dead_volume / geometry.piston_area + 0.02 * smallest;
+    for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
+        t.position_m.iter_mut().for_each(|x| *x += by_m);
+    }
+    let found = identify::diagnose(&rig, &|_, _| ()).unwrap();
+    assert!(found.found.chosen.fit.chamber().geometry.dead_volume >= 0.0);
+    let parameters = found.diagnosis.after.parameters;
+    let (_, dead) = parameters.iter().find(|(name, _)| name == "dead_volume_m3").unwrap();
+    assert!(dead.value == 0.0 && dead.ci95[0] == 0.0 && dead.ci95[1] > 0.0, "{:?}", dead.ci95);
+}
+
+#[test]
 fn a_saturated_sensor_is_told_with_value_and_time() {
     let error = spoilt(|t| {
         let p = pressures(t);

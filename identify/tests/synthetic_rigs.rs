@@ -70,6 +70,35 @@ fn three_effects_are_named_where_records_with_drifts_of_their_own_would_fit_most
 }
 
 #[test]
+fn a_lag_behind_moves_of_few_rows_is_explained_although_they_leave_the_stroke_between_them_open() {
+    let (lag, _) = effects::find("sensor_lag").unwrap();
+    for (seed, shape) in [(41, Shape::Trapezoid), (43, Shape::Cubic)] {
+        let mut recipe = Recipe { repeats: 2, rate_hz: 50.0, ..Recipe::from_seed(seed) };
+        recipe.chamber.effects.of_mut(lag)[0] = 0.03;
+        for (_, length_s, kind, _) in recipe.tests.iter_mut().flat_map(|t| &mut t.moves) {
+            (*length_s, *kind) = (0.1, shape);
+        }
+        let found = traced(&recipe);
+        let named = names(found.chosen.model.effects);
+        assert_eq!((found.verdict, named), (Verdict::Explained, vec!["sensor_lag"]), "{seed}");
+    }
+}
+
+#[test]
+fn a_drift_beside_a_leak_is_named_where_all_records_have_the_same() {
+    let place = |name: &str| effects::find(name).unwrap().0;
+    for leak in ["leakage", "supply_leakage"] {
+        let recipe = Recipe { repeats: 2, ..Recipe::from_seed(44) }.with_strength(place(leak), 4.0);
+        let found = traced(&recipe.with_strength(place("sensor_drift"), 3.0));
+        let mut named = names(found.chosen.model.of_rig());
+        named.sort_unstable();
+        let mut both = vec!["sensor_drift", leak];
+        both.sort_unstable();
+        assert_eq!((found.verdict, named), (Verdict::Explained, both));
+    }
+}
+
+#[test]
 fn a_delay_is_named_that_drives_the_paper_s_coefficient_out_of_bounds() {
     let (delay, _) = effects::find("record_delay").unwrap();
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(35) };

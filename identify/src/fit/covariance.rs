@@ -171,11 +171,26 @@ pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> 
     }
 }
 
-/// Values and intervals of the rig's free numbers.
+/// Values and intervals of the rig's free numbers; of one at a bound to the side where there is room.
 pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)> {
     let h = &fit.hypothesis;
+    let variance = |i: usize| if fit.at_bound[i] { off_its_bound(fit, i) } else { covariance[(i, i)] };
     let each = h.axes.iter().zip(&fit.rig).enumerate();
-    each.map(|(i, (axis, x))| (axis.slot.name(), estimate(axis, *x, covariance[(i, i)], h.unit(axis.slot)))).collect()
+    each.map(|(i, (axis, x))| (axis.slot.name(), estimate(axis, *x, variance(i), h.unit(axis.slot)))).collect()
+}
+
+/// Variance of a coordinate at a bound if it were free beside the others that are. What the records allow on the bound's one
+/// side is half of a normal distribution at the most, 95 % of which lie within the same 1.96 deviations. Nothing is known of a
+/// number without influence.
+fn off_its_bound(fit: &Fit, coordinate: usize) -> f64 {
+    let free = fit.rig.len();
+    let takes_part = |i: usize| fit.information[(i, i)] > 0.0 && (i >= free || i == coordinate || !fit.at_bound[i]);
+    let places: Vec<usize> = (0..fit.information.nrows()).filter(|&i| takes_part(i)).collect();
+    let Some(place) = places.iter().position(|&i| i == coordinate) else { return 0.0 };
+    let n = places.len();
+    let inverse = inverse(&DMatrix::from_fn(n, n, |i, j| fit.information[(places[i], places[j])]));
+    let misfit = (fit.marginal / (fit.blocks as f64 - n as f64).max(1.0)).max(1.0);
+    inverse.map_or(0.0, |inverse| inverse[(place, place)] * misfit)
 }
 
 /// Covariance of the values of the rig's free numbers, in their units, row by row.

@@ -16,11 +16,12 @@ pub mod whiten;
 
 use crate::forward::Run;
 use crate::parameters::{Hypothesis, Setting};
+use crate::record::between_rows::Look;
 use crate::record::prepare::{Block, Data, Prepared};
 use bordered::System;
 use chamber::Chamber;
 use chamber::dual::Dual;
-use chamber::effects::{self, EffectSet};
+use chamber::effects::{self, EffectSet, EffectValues};
 use chamber::integrate::IntegrationError;
 use chamber::real::{Real, Scalar};
 use chamber::record::Mesh;
@@ -93,11 +94,16 @@ impl Fit {
         self.hypothesis.setting(trace, &self.rig, &[], own)
     }
 
-    /// Time over which each record's positions are averaged, s; zero where the model says nothing of it.
-    pub fn windows_s(&self, data: &Data) -> Vec<f64> {
-        let records = data.traces.iter().zip(&self.own);
-        let chambers = records.map(|(t, own)| self.setting(t, own).chamber);
-        chambers.map(|chamber| effects::stroke_window(self.hypothesis.model.effects, &chamber.effects)).collect()
+    /// How each record's readings look at the recorded stroke.
+    pub fn looks(&self, data: &Data) -> Vec<Look> {
+        let set = self.hypothesis.model.effects;
+        let look = |values: &EffectValues| Look {
+            window_s: effects::stroke_window(set, values),
+            lag_s: effects::lag(set, values),
+            late_s: effects::delay(set, values) - effects::stroke_delay(set, values),
+            filter_s: effects::stroke_filter(set, values),
+        };
+        data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
     }
 
     /// [`Fit::marginal`] with tolerances so many times as wide.

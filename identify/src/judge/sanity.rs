@@ -3,14 +3,14 @@
 use crate::error::Error;
 use crate::fit::covariance::covariance;
 use crate::fit::{self, Fit};
-use crate::parameters::Sizes;
+use crate::parameters::{Sizes, Slot};
 use crate::policy;
 use crate::record::prepare::Data;
 
 /// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume.
 pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let h = &fitted.hypothesis;
-    let Some(i) = h.axes.iter().position(|a| a.slot == crate::parameters::Slot::DeadVolume) else { return Ok(()) };
+    let Some(i) = h.axes.iter().position(|a| a.slot == Slot::DeadVolume) else { return Ok(()) };
     let dead_volume_m3 = h.axes[i].value(fitted.rig[i]);
     let half_width_m3 = 1.96 * covariance(fitted, false)[(i, i)].sqrt() * h.axes[i].scale;
     let swept_m3 = data.cylinder.piston_area_m2 * data.smallest_position_m();
@@ -20,6 +20,17 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
         return Err(Error::NegativeDeadVolume { dead_volume_m3, half_width_m3, swept_m3 });
     }
     Ok(())
+}
+
+/// The fit with its dead volume held at zero, where it is negative by no more than [`dead_volume`] lets pass: no chamber has less,
+/// and no model of one could be written.
+pub fn without_negative_volume(data: &Data, fitted: &Fit) -> Option<Fit> {
+    let mut h = fitted.hypothesis.clone();
+    let i = h.axes.iter().position(|a| a.slot == Slot::DeadVolume).filter(|&i| fitted.rig[i] < 0.0)?;
+    h.axes[i].bounds[0] = 0.0;
+    let mut rig = fitted.rig.clone();
+    rig[i] = 0.0;
+    fit::fit(data, &h, rig, fitted.own.clone(), &fit::all_blocks(data)).ok()
 }
 
 /// Refuses a heat transfer coefficient that no gas in a cylinder has, in the model that is settled on: a lag or a delay that the

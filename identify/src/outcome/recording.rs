@@ -7,6 +7,7 @@ use crate::fit::covariance;
 use crate::judge::misfit;
 use crate::parameters::{Own, Slot};
 use crate::policy::TOLERANCES;
+use crate::record::between_rows::Look;
 use crate::record::prepare::{Data, Prepared};
 use crate::record::readout::Between;
 use crate::search::{Found, Verdict};
@@ -135,9 +136,17 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             data.traces.len()
         ));
     }
-    let averaged = data.traces.iter().filter(|t| t.window_s > 0.0);
-    let open = averaged.clone().flat_map(|t| &t.blocks).map(|b| b.by_position_pa).fold(0.0, f64::max);
-    if let Some(window_s) = averaged.map(|t| t.window_s).reduce(f64::max) {
+    let averaged = data.traces.iter().filter(|t| t.look.window_s > 0.0);
+    let between_rows = data.traces.iter().filter(|t| t.look.window_s == 0.0 && t.look != Look::default());
+    let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
+    if let Some(open) = between_rows.map(open).reduce(f64::max) {
+        out.push(format!(
+            "the pressures show the stroke between the rows of its record, which leave up to {} Pa open in fast moves: those pressures count less",
+            digits(open, 2)
+        ));
+    }
+    let open = averaged.clone().map(open).fold(0.0, f64::max);
+    if let Some(window_s) = averaged.map(|t| t.look.window_s).reduce(f64::max) {
         out.push(format!(
             "the positions look like averages over {} s, which hides the course of moves hardly longer than that: the pressures in such moves, uncertain by up to {} Pa, count less",
             digits(window_s, 2),

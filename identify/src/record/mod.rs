@@ -1,5 +1,6 @@
 //! From the rows of a record to what a fit sees: the stroke, the readout, the noise, bad input, block means.
 
+pub mod between_rows;
 pub mod checks;
 pub mod clock;
 pub mod colour;

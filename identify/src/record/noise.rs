@@ -156,7 +156,11 @@ impl Noise {
         let freedom: f64 = variances.iter().map(|(_, f)| f).sum();
         let variance = robust_mean(&mut variances) * correlation_rows(&products, freedom, coefficients);
         let floor = step_pa / 12.0f64.sqrt();
-        let mut white_pa = if variances.is_empty() { stated_pa.unwrap_or(0.0) } else { variance.sqrt() };
+        let mut white_pa = match stated_pa {
+            _ if !variances.is_empty() => variance.sqrt(),
+            Some(stated) => stated,
+            None => from_bends(records),
+        };
         if !sticks {
             white_pa = white_pa.max(floor);
         }
@@ -204,6 +208,28 @@ impl Quiet<'_> {
 /// The windows of all records, of so many rows at the least.
 fn windows<'q, 'a>(records: &'q [Quiet<'a>], least: usize) -> Vec<(&'q Quiet<'a>, Vec<usize>)> {
     records.iter().flat_map(|quiet| quiet.windows(least).into_iter().map(move |rows| (quiet, rows))).collect()
+}
+
+/// White noise of records whose quiet parts are too short for a window, Pa: the median of their readings' second differences,
+/// of which noise has √6 times its own and a relaxation little.
+fn from_bends(records: &[Quiet<'_>]) -> f64 {
+    /// Median of a normal deviate's size.
+    const MEDIAN: f64 = 0.6745;
+    let bends_of = |quiet: &Quiet<'_>| -> Vec<f64> {
+        let parts = quiet.motion.segments.iter().filter(|s| s.phase != Phase::Move);
+        let rows = parts.map(|s| (s.first..s.end).filter(|&i| quiet.readout.is_data(i)).collect::<Vec<usize>>());
+        let bend = |w: &[usize]| {
+            let [a, b, c] = [w[0], w[1], w[2]].map(|i| quiet.pressure_pa[i]);
+            (a - 2.0 * b + c).abs()
+        };
+        rows.flat_map(|rows| rows.windows(3).map(bend).collect::<Vec<f64>>()).collect()
+    };
+    let mut bends: Vec<f64> = records.iter().flat_map(bends_of).collect();
+    if bends.is_empty() {
+        return 0.0;
+    }
+    let middle = bends.len() / 2;
+    *bends.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN * 6.0f64.sqrt())
 }
 
 /// Degrees of freedom of all windows, each about a polynomial of so many coefficients.
@@ -320,6 +346,22 @@ mod tests {
             let ends = |times: &[f64]| (times[0] - 0.01).abs() < 1e-12 && (times[times.len() - 1] - 100.0).abs() < 1e-9;
             assert!(times.is_empty() || ends(&times), "{times:?}");
         }
+    }
+
+    #[test]
+    fn a_record_with_rests_too_short_for_a_window_has_noise_all_the_same() {
+        let mut random = Random::new(8);
+        // Three pushes of five rows each, twelve rows of hold after each.
+        let position = |i: usize| 0.1 - 0.01 * (i / 17) as f64 - 0.002 * (i % 17).saturating_sub(12) as f64;
+        let (time_s, position_m): (Vec<f64>, Vec<f64>) = (0..68).map(|i| (0.05 * i as f64, position(i))).unzip();
+        let pressure_pa: Vec<f64> = position_m.iter().map(|x| 2e4 / x + 80.0 * random.normal()).collect();
+        let (motion, readout) = (Motion::detect(&time_s, &position_m), Readout::every_row());
+        let quiet = Quiet { time_s: &time_s, pressure_pa: &pressure_pa, motion: &motion, readout: &readout };
+        assert!(windows(&[quiet], LEAST[0].0).is_empty());
+        let noise = Noise::from_quiet_parts(&[quiet], None, None);
+        assert!((40.0..160.0).contains(&noise.white_pa), "{}", noise.white_pa);
+        let stated = Noise::from_quiet_parts(&[quiet], Some(100.0), None);
+        assert_eq!(stated.white_pa, 100.0);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::fit::whiten::{Place, Whitener};
 use crate::forward::Course;
 use crate::policy;
+use crate::record::between_rows::{BetweenRows, Look};
 use crate::record::line::Line;
 use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
@@ -91,8 +92,8 @@ pub struct Prepared {
     pub whitener: Whitener,
     /// Integration error of the model along it, relative to the states: a thousandth of the noise.
     pub relative_tolerance: f64,
-    /// Time over which its positions are taken to be averaged, where that leaves its moves uncertain, s.
-    pub window_s: f64,
+    /// How its readings are taken to look at the recorded stroke, where that leaves its moves uncertain.
+    pub look: Look,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,
     /// First guess of the initial temperature, K: where the record starts in motion it is free.
@@ -123,7 +124,7 @@ impl Prepared {
     fn lay_out(&mut self, gamma: f64) {
         let motion = &self.course.motion;
         self.blocks =
-            blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.window_s);
+            blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.look);
     }
 
     fn lay_out_and_weigh(&mut self, gamma: f64, noise: &Noise) {
@@ -285,21 +286,29 @@ impl Data {
         self.traces.iter().zip(rows).all(|(t, rows)| t.readout.outliers == t.with_spikes(rows))
     }
 
-    /// The same with positions that are moving averages over these times, s, one for each trace: what they leave open of the
-    /// moves counts as their noise. `None` where that is known already, or the moves are long enough.
-    pub fn averaged_over(&self, windows_s: &[f64]) -> Option<Self> {
-        let hides = |(t, window_s): (&Prepared, &f64)| unresolved::hides_moves(&t.course.motion, *window_s);
-        let is_known = self.traces.iter().any(|t| t.window_s > 0.0);
-        if is_known || !self.traces.iter().zip(windows_s).any(hides) {
+    /// The same where each record's readings look at the stroke in a way that leaves more of it open than was taken so far: an
+    /// average that hides most of its way, or a look between rows where that matters. `None` where the data stay as they are.
+    pub fn looked_at(&self, looks: &[Look]) -> Option<Self> {
+        let hides = |(t, look): (&Prepared, &Look)| unresolved::hides_moves(&t.course.motion, look.window_s);
+        let is_known = self.traces.iter().any(|t| t.look.window_s > 0.0);
+        let hidden = !is_known && self.traces.iter().zip(looks).any(hides);
+        let mut data = self.clone();
+        for (t, look) in data.traces.iter_mut().zip(looks) {
+            t.look = Look { window_s: if hidden { look.window_s } else { t.look.window_s }, ..*look };
+            t.lay_out(self.gas.heat_capacity_ratio);
+        }
+        if !hidden && data.open_pa().powi(2) - self.open_pa().powi(2) < self.accuracy_pa().powi(2) {
             return None;
         }
-        let mut data = self.clone();
-        let gamma = self.gas.heat_capacity_ratio;
-        for (t, window_s) in data.traces.iter_mut().zip(windows_s) {
-            t.window_s = *window_s;
-            t.lay_out_and_weigh(gamma, &self.noise);
-        }
+        data.traces.iter_mut().for_each(|t| t.weigh(&self.noise));
         Some(data)
+    }
+
+    /// What the positions leave open of the pressures of the moves' rows, Pa rms: what a lag shows of it later is theirs.
+    fn open_pa(&self) -> f64 {
+        let blocks = || self.traces.iter().flat_map(|t| &t.blocks);
+        let squares: f64 = blocks().map(|b| b.by_position_pa.powi(2)).sum();
+        (squares / blocks().filter(|b| b.phase == Phase::Move).count().max(1) as f64).sqrt()
     }
 
     /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise.
@@ -380,7 +389,7 @@ impl<'a> Columns<'a> {
             blocks: Vec::new(),
             whitener: Whitener::default(),
             relative_tolerance: RELATIVE_TOLERANCES[0],
-            window_s: 0.0,
+            look: Look::default(),
             initial_pressure_pa: initial_pressure(pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
             spikes: readout.outliers.clone(),
@@ -459,7 +468,7 @@ fn blocks(
     readout: &Readout,
     position_m: &[f64],
     gamma: f64,
-    window_s: f64,
+    look: Look,
 ) -> Vec<Block> {
     const HOLD_PARTS: usize = 20;
     const REST_PARTS: usize = 6;
@@ -469,7 +478,8 @@ fn blocks(
     let mut out = Vec::new();
     let (low, high) = extent(position_m);
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.period as f64;
-    let unresolved = Unresolved::new(motion, window_s);
+    let unresolved = Unresolved::new(motion, look.window_s);
+    let between_rows = BetweenRows::new(motion, look);
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
         let rows = data.len();
@@ -498,8 +508,8 @@ fn blocks(
             let along = 12.0f64.sqrt() * (t - 0.5 * (s.from_s + s.to_s)) / (s.to_s - s.from_s).max(f64::MIN_POSITIVE);
             let moves = s.phase == Phase::Move;
             // What an average hides is the same over a window, whose rows count as one reading.
-            let in_window = (window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
-            let hidden_m = unresolved.error_m(t) * in_window;
+            let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
+            let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_rows.error_m(t));
             let position_sd_m = hidden_m.hypot(if moves { motion.noise_m } else { 0.0 });
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();

@@ -30,8 +30,8 @@ pub struct Readout {
     pub outliers: Vec<usize>,
 }
 
-/// Longest period that is looked for, rows.
-const LONGEST: usize = 60;
+/// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz.
+const LONGEST: usize = 250;
 /// At least so many readings must be in a record for a period to be believed that its bends show.
 const FEWEST_READINGS: usize = 20;
 
@@ -142,17 +142,25 @@ fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
     const SMALL: f64 = 0.01;
     /// The same at the least, where rounding hides part of it.
     const CLEAR: f64 = 0.6;
+    /// Bends below this are rounding of the arithmetic, Pa.
+    const NOTHING: f64 = 1e-6;
+    /// A bend's square over the usual one of a reading, at the most.
+    const MOST: f64 = 25.0;
     let rows = &pressure_pa[..pressure_pa.len().min(20_000)];
-    let mut differences: Vec<f64> = rows.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9).collect();
-    let step = lattice(&mut differences);
+    let bends = rows.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
+    let squares: Vec<f64> = bends.map(|bend| if bend > NOTHING { bend * bend } else { 0.0 }).collect();
+    // On straight lines the rounding is all that bends; the slopes themselves need not differ by single steps.
+    let mut largest: Vec<f64> = squares.iter().copied().filter(|s| *s > 0.0).collect();
+    let step = lattice(&mut largest.iter().map(|s| s.sqrt()).collect::<Vec<f64>>());
     // Rounding passes a second difference with variance 6 step²/12.
     let rounding = 1.5 * 0.5 * step * step;
-    let mut squares: Vec<f64> = rows.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).collect();
-    limit(&mut squares);
+    largest.sort_by(|a, b| b.total_cmp(a));
     let candidates = (2..=LONGEST.min(squares.len() / FEWEST_READINGS)).filter_map(|period| {
+        // A few large bends, as of a push, are not to stand for a period: limited by what a reading's bend would be.
+        let most = MOST * largest.get(squares.len() / (2 * period)).or(largest.last())?;
         let mut sums = vec![0.0; period];
         for (i, square) in squares.iter().enumerate() {
-            sums[(i + 1) % period] += square;
+            sums[(i + 1) % period] += square.min(most);
         }
         let first = (0..period).max_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
         let others = (sums.iter().sum::<f64>() - sums[first]) / (period - 1) as f64;
@@ -166,20 +174,6 @@ fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
     });
     // Where several periods pass, as divisors of the true one do, that which stands out most.
     candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, readout)| readout)
-}
-
-/// Keeps a few large bends, as of a push, from standing for a period.
-fn limit(squares: &mut [f64]) {
-    /// Squares below this are rounding of the arithmetic, Pa².
-    const NOTHING: f64 = 1e-12;
-    const MOST: f64 = 25.0;
-    let mut bends: Vec<f64> = squares.iter().copied().filter(|s| *s > NOTHING).collect();
-    if bends.is_empty() {
-        return;
-    }
-    let middle = bends.len() / 2;
-    let most = MOST * *bends.select_nth_unstable_by(middle, f64::total_cmp).1;
-    squares.iter_mut().for_each(|s| *s = if *s > NOTHING { s.min(most) } else { 0.0 });
 }
 
 #[cfg(test)]
@@ -219,6 +213,20 @@ mod tests {
             .collect();
         let found = Readout::detect(&rows);
         assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 10, 0));
+    }
+
+    #[test]
+    fn a_readout_that_is_hundreds_of_rows_slow_is_found() {
+        let slow = readings(61);
+        let held: Vec<f64> = (0..12_000).map(|i| slow[i / 200]).collect();
+        let straight: Vec<f64> = (0..12_000)
+            .map(|i| slow[i / 200] + (slow[i / 200 + 1] - slow[i / 200]) * (i % 200) as f64 / 200.0)
+            .map(|p| (p * 10.0).round() / 10.0)
+            .collect();
+        for (rows, between) in [(held, Between::Held), (straight, Between::Interpolated)] {
+            let found = Readout::detect(&rows);
+            assert_eq!((found.between, found.period, found.first), (between, 200, 0));
+        }
     }
 
     #[test]

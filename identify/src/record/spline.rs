@@ -86,6 +86,11 @@ impl Spline {
         Self { time: vec![begin, end], value: vec![from, to], pieces: vec![[from, speed, 0.0, 0.0]] }
     }
 
+    /// Times and values of its knots.
+    pub fn knots(&self) -> (&[f64], &[f64]) {
+        (&self.time, &self.value)
+    }
+
     /// Smallest and largest of its knots' values.
     pub fn range(&self) -> (f64, f64) {
         extent(&self.value)

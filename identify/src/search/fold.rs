@@ -1,23 +1,26 @@
-//! What each record has for itself of its times, as one number of the rig.
+//! What each record has for itself, as one number of the rig.
 //!
-//! Delays that agree are a property of the rig, and one number instead of many. A fit that begins from no delay need not get
-//! there: over a common delay the error has a corner wherever the end of a move passes a row, while delays that each record has
-//! for itself come there one by one. Hence the mean of those is where to begin.
+//! Delays, offsets and drifts that agree are a property of the rig, and one number instead of many. A fit that begins without
+//! them need not get there: over a common delay the error has a corner wherever the end of a move passes a row, and a drift
+//! beside a leak is first taken by the records' own ones, which enter the search before it. Hence the mean of those is where to
+//! begin.
 
-use super::{Candidate, Search, sort, starts, terms};
+use super::{Candidate, Search, sort, starts};
 use crate::fit::{self, Fit};
 use crate::judge::adequacy;
 use crate::parameters::{self, Hypothesis, Model, Own};
+use crate::policy;
 use crate::record::prepare::Data;
 use chamber::Chamber;
 use chamber::effects::{self, CARDS, EffectSet};
 
 impl Search {
-    /// Lets each delay or average of the chosen model that its records have for themselves be one of the rig, where that is
-    /// decisively better, which judges whether they agree. It is one of the rig too where it then predicts left-out data
-    /// better: what is freer has to predict no worse, or it follows something else than what its name says.
+    /// Lets each effect of the chosen model that its records have for themselves be one of the rig, where the evidence for one
+    /// number is decisive, which judges whether the records agree, and left-out data are predicted no worse by what matters. It
+    /// is one of the rig too where left-out data are predicted better: what is freer has to predict no worse, or it follows
+    /// something else than what its name says.
     pub(super) fn fold(&mut self) {
-        let own: Vec<usize> = self.chosen.model.own.iter().filter(|e| terms::of_timing().has(*e)).collect();
+        let own: Vec<usize> = self.chosen.model.own.iter().collect();
         let fits = own.into_iter().filter_map(|e| self.in_common(e));
         let mut folded: Vec<Candidate> = fits.map(|fit| self.candidate(fit)).collect();
         if folded.is_empty() {
@@ -26,16 +29,21 @@ impl Search {
         self.judge(&mut folded, usize::MAX);
         self.tried.extend(folded.iter().cloned());
         sort(&mut self.tried);
-        if self.take_best(folded.clone()) {
-            return;
-        }
-        let accuracy_pa = self.data.accuracy_pa();
-        let best = folded.into_iter().filter(|c| c.fit.converged && self.errs_less_on_left_out(c, accuracy_pa));
-        let Some(best) = best.max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic)) else { return };
+        let best = folded.into_iter().filter(|c| self.agrees(c)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+        let Some(best) = best else { return };
         self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
         self.steps.pop();
         self.steps.push(best.clone());
         self.chosen = best;
+    }
+
+    /// Whether one number in common is as good as one for each record.
+    fn agrees(&self, c: &Candidate) -> bool {
+        let accuracy_pa = self.data.accuracy_pa();
+        let (Some(common), Some(own)) = (c.held_out_pa, self.chosen.held_out_pa) else { return false };
+        let evident = c.delta_bic - self.chosen.delta_bic > policy::DECISIVE
+            && common.powi(2) - own.powi(2) < accuracy_pa.powi(2);
+        c.fit.converged && (evident || self.errs_less_on_left_out(c, accuracy_pa))
     }
 
     /// The chosen model fitted with an effect in common that its records have for themselves.
@@ -56,13 +64,13 @@ impl Search {
         let model = Model {
             effects: without.union(EffectSet::one(common)),
             own: whole.own.without(EffectSet::one(effect)),
-            secondary: EffectSet::NONE,
+            secondary: whole.secondary.without(EffectSet::one(effect)),
             ..*whole
         };
         let chamber = fit.chamber();
         let mut values = chamber.effects.without(EffectSet::one(effect));
         for (p, mean) in means {
-            values.of_mut(common)[p] = mean.abs();
+            values.of_mut(common)[p] = if is_early { -mean } else { mean };
         }
         let chamber = Chamber { effects: values, ..chamber };
         let h = Hypothesis::new(&self.data, model, &chamber, &self.sizes);

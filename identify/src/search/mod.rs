@@ -363,7 +363,7 @@ impl Search {
     fn as_shown_by(&self, fit: &Fit, tells_noise: bool) -> Option<Data> {
         let residuals = misfit::residuals(&self.data, fit);
         let found = outliers::in_residuals(&self.data, &residuals);
-        let mut other = self.data.averaged_over(&fit.windows_s(&self.data));
+        let mut other = self.data.looked_at(&fit.looks(&self.data));
         if !self.data.is_without(&found) {
             other = Some(other.unwrap_or_else(|| self.data.clone()).without(&found));
         }
@@ -459,6 +459,14 @@ impl Search {
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         sanity::dead_volume(&self.data, &settled.fit)?;
         sanity::coefficient(&self.data, &settled.fit)?;
+        for (c, adequacy) in
+            [(&mut self.baseline, &mut self.baseline_adequacy), (&mut self.chosen, &mut self.chosen_adequacy)]
+        {
+            if let Some(fit) = sanity::without_negative_volume(&self.data, &c.fit) {
+                *adequacy = adequacy::test(&self.data, &fit);
+                c.fit = fit;
+            }
+        }
         let found = Found {
             verdict,
             baseline: self.baseline,

@@ -1,0 +1,189 @@
+//! What the rows of a move leave open of the stroke between them, where a model looks there.
+//!
+//! A reading without delay shows the stroke at its own row. One that is late or lags shows it between two rows, where a curve
+//! through the rows may miss it. How far is told by how far a row lies from the cubic through the two rows on either side of it:
+//! of a corner in the stroke the curve through all rows misses a quarter of that, of anything smoother less (1/64 of a fourth
+//! power). So much is stated, zero at the rows and largest half way between them. Position in m, time in s.
+
+use crate::record::stroke::{Motion, Phase};
+
+/// Share of a row's distance from the cubic through its neighbours that the curve through all rows may miss.
+const MISSED: f64 = 0.25;
+/// Variance that a position's noise gives that distance: weights 1, 4/6, 4/6, 1/6, 1/6.
+const OF_NOISE: f64 = 1.0 + (16.0 + 16.0 + 1.0 + 1.0) / 36.0;
+/// Parts of a gap between two rows that a lag is followed through.
+const PARTS: usize = 8;
+/// Gaps so many time constants ago are forgotten.
+const REMEMBERED: f64 = 8.0;
+
+/// How a model's reading looks at the recorded stroke.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// Window that the stroke is taken to have been averaged over, s.
+    pub window_s: f64,
+    /// Time constant of the low-pass that the pressure has passed, s.
+    pub lag_s: f64,
+    /// How much earlier than the reading the stroke is that it shows, s.
+    pub late_s: f64,
+    /// Time constant of the low-pass that the recorded stroke has passed, s.
+    pub filter_s: f64,
+}
+
+/// A gap between two rows of a move.
+#[derive(Clone, Copy)]
+struct Gap {
+    from_s: f64,
+    to_s: f64,
+    error_m: f64,
+}
+
+impl Gap {
+    /// How far the stroke behind a low-pass may be off there, m: the curve's error, and its rate.
+    fn error_at(&self, time: f64, filter_s: f64) -> f64 {
+        let length = self.to_s - self.from_s;
+        let u = ((time - self.from_s) / length).clamp(0.0, 1.0);
+        4.0 * self.error_m * (u * (1.0 - u) + filter_s / length * (1.0 - 2.0 * u).abs())
+    }
+}
+
+/// The gaps of a record's moves, as a look sees them.
+pub struct BetweenRows {
+    gaps: Vec<Gap>,
+    look: Look,
+    /// Rows that share an error count as one reading.
+    shared: f64,
+}
+
+impl BetweenRows {
+    /// Of a record whose readings look at the stroke like that.
+    pub fn new(motion: &Motion, look: Look) -> Self {
+        let looks_between = look.lag_s > 0.0 || look.late_s != 0.0 || look.filter_s > 0.0;
+        let moves = motion.segments.iter().filter(|s| looks_between && s.phase == Phase::Move);
+        let gaps = moves.flat_map(|s| gaps(s.stroke.knots(), motion.noise_m)).collect();
+        Self { gaps, look, shared: (1.0 + look.lag_s / motion.row_s()).sqrt() }
+    }
+
+    /// How far the stroke that a reading at that time shows may be off, m.
+    pub fn error_m(&self, time: f64) -> f64 {
+        let Look { lag_s, late_s, filter_s, .. } = self.look;
+        let shown = time - late_s;
+        if lag_s == 0.0 {
+            let here = self.gaps.iter().find(|gap| (gap.from_s..=gap.to_s).contains(&shown));
+            return here.map_or(0.0, |gap| gap.error_at(shown, filter_s));
+        }
+        let seen = self.gaps.iter().filter(|gap| gap.from_s < shown && shown - gap.to_s < REMEMBERED * lag_s);
+        let squares: f64 = seen.map(|gap| weighted(gap, shown, lag_s, filter_s).powi(2)).sum();
+        self.shared * squares.sqrt()
+    }
+}
+
+/// What a lag of that time constant keeps at `shown` of a gap's error, m.
+fn weighted(gap: &Gap, shown: f64, lag_s: f64, filter_s: f64) -> f64 {
+    let kept = |time: f64| (-(shown - time.min(shown)) / lag_s).exp();
+    let length = (gap.to_s - gap.from_s) / PARTS as f64;
+    (0..PARTS)
+        .map(|part| gap.from_s + length * part as f64)
+        .map(|from| (kept(from + length) - kept(from)) * gap.error_at(from + 0.5 * length, filter_s))
+        .sum()
+}
+
+/// Gaps between the knots of a move through its rows; the piston is held before and after it.
+fn gaps((time, value): (&[f64], &[f64]), noise_m: f64) -> Vec<Gap> {
+    let n = time.len();
+    // A straight line has its corners where they are.
+    if n < 3 {
+        return Vec::new();
+    }
+    let row = |i: isize| {
+        let near = i.clamp(0, n as isize - 1) as usize;
+        let step = if i < 0 { time[1] - time[0] } else { time[n - 1] - time[n - 2] };
+        (time[near] + step * (i - near as isize) as f64, value[near])
+    };
+    let missed: Vec<f64> = (0..n as isize)
+        .map(|i| {
+            let distance = value[i as usize] - cubic([i - 2, i - 1, i + 1, i + 2].map(row), time[i as usize]);
+            (distance * distance - OF_NOISE * noise_m * noise_m).max(0.0).sqrt()
+        })
+        .collect();
+    (1..n).map(|i| Gap { from_s: time[i - 1], to_s: time[i], error_m: MISSED * missed[i - 1].max(missed[i]) }).collect()
+}
+
+/// The cubic through four points.
+fn cubic(points: [(f64, f64); 4], at: f64) -> f64 {
+    let weight = |i: usize| -> f64 {
+        (0..4).filter(|&j| j != i).map(|j| (at - points[j].0) / (points[i].0 - points[j].0)).product()
+    };
+    (0..4).map(|i| weight(i) * points[i].1).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    const ROW: f64 = 0.01;
+
+    /// Strokes of a few rows: one of constant acceleration and deceleration, one as smooth as can be, one that begins with a
+    /// corner and tends to its end.
+    fn strokes() -> [fn(f64) -> f64; 3] {
+        [
+            |t| {
+                let u = (t / 0.06).clamp(0.0, 1.0);
+                if u < 0.5 { 0.1 - 0.1 * u * u } else { 0.05 + 0.1 * (1.0 - u) * (1.0 - u) }
+            },
+            |t| {
+                let u = (t / 0.06).clamp(0.0, 1.0);
+                0.1 - 0.05 * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u)
+            },
+            |t| 0.05 + 0.05 * (-t.max(0.0) / 0.02).exp(),
+        ]
+    }
+
+    fn recorded(stroke: fn(f64) -> f64, begin: f64) -> Motion {
+        let (time, position): (Vec<f64>, Vec<f64>) =
+            (0..100).map(|i| f64::from(i) * ROW).map(|t| (t, stroke(t - begin))).unzip();
+        Motion::detect(&time, &position)
+    }
+
+    #[test]
+    fn the_error_of_a_stroke_between_rows_is_of_the_size_that_is_stated() {
+        for (k, stroke) in strokes().into_iter().enumerate() {
+            let (mut off, mut stated) = (0.0, 0.0);
+            for begin in (0..20).map(|i| 0.3 + ROW * f64::from(i) / 20.0) {
+                let motion = recorded(stroke, begin);
+                let late = Look { late_s: 0.5 * ROW, ..Look::default() };
+                let between = BetweenRows::new(&motion, late);
+                let near = Cell::new(0);
+                for i in 25..60 {
+                    let t = f64::from(i) * ROW;
+                    let curve = &motion.segments[motion.segment_at(t - late.late_s)].stroke;
+                    off += (curve.at(t - late.late_s, &near).0 - stroke(t - late.late_s - begin)).powi(2);
+                    stated += between.error_m(t).powi(2);
+                }
+            }
+            let ratio: f64 = (off / stated).sqrt();
+            assert!((0.02..1.5).contains(&ratio), "{k}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_reading_that_shows_its_own_row_leaves_nothing_open() {
+        let motion = recorded(strokes()[0], 0.303);
+        let open = |look: Look| {
+            (0..100).map(|i| BetweenRows::new(&motion, look).error_m(f64::from(i) * ROW)).fold(0.0, f64::max)
+        };
+        assert_eq!(open(Look::default()), 0.0);
+        assert!(open(Look { lag_s: 0.002, ..Look::default() }) > 0.0);
+        // A long lag remembers the move a while.
+        let behind = |lag_s: f64| BetweenRows::new(&motion, Look { lag_s, ..Look::default() }).error_m(0.42);
+        assert!(behind(0.02) > 10.0 * behind(0.002), "{} {}", behind(0.02), behind(0.002));
+        assert!(open(Look { late_s: -0.5 * ROW, ..Look::default() }) > 0.0);
+    }
+
+    #[test]
+    fn a_ramp_between_its_corners_leaves_nothing_open() {
+        let motion = recorded(|t| 0.1 - 0.05 * (t / 0.07).clamp(0.0, 1.0), 0.303);
+        let look = Look { lag_s: 0.02, late_s: 0.004, ..Look::default() };
+        assert_eq!(BetweenRows::new(&motion, look).error_m(0.35), 0.0);
+    }
+}
