@@ -3,7 +3,8 @@
 //! A reading without delay shows the stroke at its own row. One that is late or lags shows it between two rows, where a curve
 //! through the rows may miss it. How far is told by how far a row lies from the cubic through the two rows on either side of it:
 //! of a corner in the stroke the curve through all rows misses a quarter of that, of anything smoother less (1/64 of a fourth
-//! power). So much is stated, zero at the rows and largest half way between them. Position in m, time in s.
+//! power). So much is stated, zero at the rows and largest half way between them, of moves of few
+//! rows. Position in m, time in s.
 
 use crate::record::stroke::{Motion, Phase};
 
@@ -11,6 +12,10 @@ use crate::record::stroke::{Motion, Phase};
 const MISSED: f64 = 0.25;
 /// Variance that a position's noise gives that distance: weights 1, 4/6, 4/6, 1/6, 1/6.
 const OF_NOISE: f64 = 1.0 + (16.0 + 16.0 + 1.0 + 1.0) / 36.0;
+/// Rows of a move up to which the way between two of them matters: of a longer one it is a small part.
+const FEW: usize = 20;
+/// Share of a move's way in a gap between two rows that makes the gap one of the move.
+const MOVES: f64 = 0.01;
 /// Parts of a gap between two rows that a lag is followed through.
 const PARTS: usize = 8;
 /// Gaps so many time constants ago are forgotten.
@@ -91,7 +96,9 @@ fn weighted(gap: &Gap, shown: f64, lag_s: f64, filter_s: f64) -> f64 {
 fn gaps((time, value): (&[f64], &[f64]), noise_m: f64) -> Vec<Gap> {
     let n = time.len();
     // A straight line has its corners where they are.
-    if n < 3 {
+    let way = value.iter().copied().fold(f64::MIN, f64::max) - value.iter().copied().fold(f64::MAX, f64::min);
+    let moving = value.windows(2).filter(|w| (w[1] - w[0]).abs() > MOVES * way).count();
+    if n < 3 || moving > FEW {
         return Vec::new();
     }
     let row = |i: isize| {
@@ -178,6 +185,24 @@ mod tests {
         let behind = |lag_s: f64| BetweenRows::new(&motion, Look { lag_s, ..Look::default() }).error_m(0.42);
         assert!(behind(0.02) > 10.0 * behind(0.002), "{} {}", behind(0.02), behind(0.002));
         assert!(open(Look { late_s: -0.5 * ROW, ..Look::default() }) > 0.0);
+    }
+
+    #[test]
+    fn only_moves_of_few_rows_leave_a_stroke_between_them_open() {
+        // Constant acceleration and deceleration over so many rows.
+        let open = |rows: f64| {
+            let stroke = |t: f64| {
+                let u = (t / (rows * ROW)).clamp(0.0, 1.0);
+                if u < 0.5 { 0.1 - 0.1 * u * u } else { 0.05 + 0.1 * (1.0 - u) * (1.0 - u) }
+            };
+            let (time, position): (Vec<f64>, Vec<f64>) =
+                (0..200).map(|i| f64::from(i) * ROW).map(|t| (t, stroke(t - 0.303))).unzip();
+            let between =
+                BetweenRows::new(&Motion::detect(&time, &position), Look { late_s: 0.005, ..Look::default() });
+            (20..120).map(|i| between.error_m(f64::from(i) * ROW)).fold(0.0, f64::max)
+        };
+        assert!(open(6.0) > 1e-4, "{}", open(6.0));
+        assert_eq!(open(40.0), 0.0);
     }
 
     #[test]
