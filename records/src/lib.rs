@@ -47,7 +47,7 @@ pub use model::Model;
 pub use names::{nearest, repeated};
 pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
-pub use statistics::correlation;
+pub use statistics::{bends, correlation, noise_of_bends};
 pub use table::Table;
 pub use trace::{LeftOut, Need, Reading, Trace, Window, fields_of_line};
 pub use uncertainty::Uncertainty;

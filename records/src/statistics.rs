@@ -13,11 +13,21 @@ pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     ab / (aa * bb).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// Standard deviation of white noise on a signal, from second differences, which steady change does not enter; their
-/// median, so that bends do not count either. 1.4826 medians are a normal distribution's standard deviation, and the
-/// variance of a second difference is 1 + 4 + 1 times that of its values.
+/// Standard deviation of white noise on a signal, from second differences.
 pub(crate) fn white_noise(values: &[f64]) -> f64 {
-    1.4826 * median(values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).collect()) / 6.0_f64.sqrt()
+    noise_of_bends(bends(values).collect())
+}
+
+/// The sizes of a signal's second differences, which steady change does not enter.
+pub fn bends(values: &[f64]) -> impl Iterator<Item = f64> {
+    values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs())
+}
+
+/// Standard deviation of the white noise that makes second differences of these sizes; 0 of none. By their median, so that a
+/// few large ones do not count. 1.4826 medians are a normal distribution's standard deviation, and the variance of a second
+/// difference is 1 + 4 + 1 times that of its values.
+pub fn noise_of_bends(bends: Vec<f64>) -> f64 {
+    1.4826 * median(bends) / 6.0_f64.sqrt()
 }
 
 /// The value in the middle; 0 of none.

@@ -3,10 +3,10 @@
 //! A reading without delay shows the stroke at its own row. One that is late or lags shows it between two rows, where a curve
 //! through the rows may miss it. How far is told by how far a row lies from the cubic through the two rows on either side of it:
 //! of a corner in the stroke the curve through all rows misses a quarter of that, of anything smoother less (1/64 of a fourth
-//! power). So much is stated, zero at the rows and largest half way between them, of moves of few
-//! rows. Position in m, time in s.
+//! power). So much is stated, zero at the rows and largest half way between them, of moves of few rows.
+//! Position in m, time in s.
 
-use crate::record::stroke::{Motion, Phase};
+use crate::record::stroke::{Motion, Phase, extent};
 
 /// Share of a row's distance from the cubic through its neighbours that the curve through all rows may miss.
 const MISSED: f64 = 0.25;
@@ -95,9 +95,9 @@ fn weighted(gap: &Gap, shown: f64, lag_s: f64, filter_s: f64) -> f64 {
 /// Gaps between the knots of a move through its rows; the piston is held before and after it.
 fn gaps((time, value): (&[f64], &[f64]), noise_m: f64) -> Vec<Gap> {
     let n = time.len();
+    let (low, high) = extent(value);
+    let moving = value.windows(2).filter(|w| (w[1] - w[0]).abs() > MOVES * (high - low)).count();
     // A straight line has its corners where they are.
-    let way = value.iter().copied().fold(f64::MIN, f64::max) - value.iter().copied().fold(f64::MAX, f64::min);
-    let moving = value.windows(2).filter(|w| (w[1] - w[0]).abs() > MOVES * way).count();
     if n < 3 || moving > FEW {
         return Vec::new();
     }

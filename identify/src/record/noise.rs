@@ -6,7 +6,8 @@
 //! part from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals.
 
 use crate::record::readout::Readout;
-use crate::record::stroke::{Motion, Phase};
+use crate::record::stroke::{Motion, Phase, Segment};
+use records::{bends, noise_of_bends};
 
 /// Coloured noise: an Ornstein–Uhlenbeck process.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -210,26 +211,15 @@ fn windows<'q, 'a>(records: &'q [Quiet<'a>], least: usize) -> Vec<(&'q Quiet<'a>
     records.iter().flat_map(|quiet| quiet.windows(least).into_iter().map(move |rows| (quiet, rows))).collect()
 }
 
-/// White noise of records whose quiet parts are too short for a window, Pa: the median of their readings' second differences,
-/// of which noise has √6 times its own and a relaxation little.
+/// White noise of records whose quiet parts are too short for a window, Pa: from their readings' second differences, which a
+/// relaxation hardly enters.
 fn from_bends(records: &[Quiet<'_>]) -> f64 {
-    /// Median of a normal deviate's size.
-    const MEDIAN: f64 = 0.6745;
-    let bends_of = |quiet: &Quiet<'_>| -> Vec<f64> {
+    let readings = records.iter().flat_map(|quiet| {
         let parts = quiet.motion.segments.iter().filter(|s| s.phase != Phase::Move);
-        let rows = parts.map(|s| (s.first..s.end).filter(|&i| quiet.readout.is_data(i)).collect::<Vec<usize>>());
-        let bend = |w: &[usize]| {
-            let [a, b, c] = [w[0], w[1], w[2]].map(|i| quiet.pressure_pa[i]);
-            (a - 2.0 * b + c).abs()
-        };
-        rows.flat_map(|rows| rows.windows(3).map(bend).collect::<Vec<f64>>()).collect()
-    };
-    let mut bends: Vec<f64> = records.iter().flat_map(bends_of).collect();
-    if bends.is_empty() {
-        return 0.0;
-    }
-    let middle = bends.len() / 2;
-    *bends.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN * 6.0f64.sqrt())
+        let read = |s: &Segment| (s.first..s.end).filter(|&i| quiet.readout.is_data(i)).map(|i| quiet.pressure_pa[i]);
+        parts.map(move |s| read(s).collect::<Vec<f64>>())
+    });
+    noise_of_bends(readings.flat_map(|part| bends(&part).collect::<Vec<f64>>()).collect())
 }
 
 /// Degrees of freedom of all windows, each about a polynomial of so many coefficients.

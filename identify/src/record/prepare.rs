@@ -292,9 +292,17 @@ impl Data {
         let hides = |(t, look): (&Prepared, &Look)| unresolved::hides_moves(&t.course.motion, look.window_s);
         let is_known = self.traces.iter().any(|t| t.look.window_s > 0.0);
         let hidden = !is_known && self.traces.iter().zip(looks).any(hides);
+        let of = |(t, look): (&Prepared, &Look)| Look {
+            window_s: if hidden { look.window_s } else { t.look.window_s },
+            ..*look
+        };
+        let looks: Vec<Look> = self.traces.iter().zip(looks).map(of).collect();
+        if self.traces.iter().zip(&looks).all(|(t, look)| t.look == *look) {
+            return None;
+        }
         let mut data = self.clone();
         for (t, look) in data.traces.iter_mut().zip(looks) {
-            t.look = Look { window_s: if hidden { look.window_s } else { t.look.window_s }, ..*look };
+            t.look = look;
             t.lay_out(self.gas.heat_capacity_ratio);
         }
         if !hidden && data.open_pa().powi(2) - self.open_pa().powi(2) < self.accuracy_pa().powi(2) {

@@ -20,8 +20,7 @@ impl Search {
     /// is one of the rig too where left-out data are predicted better: what is freer has to predict no worse, or it follows
     /// something else than what its name says.
     pub(super) fn fold(&mut self) {
-        let own: Vec<usize> = self.chosen.model.own.iter().collect();
-        let fits = own.into_iter().filter_map(|e| self.in_common(e));
+        let fits = self.chosen.model.own.iter().filter_map(|e| self.in_common(e));
         let mut folded: Vec<Candidate> = fits.map(|fit| self.candidate(fit)).collect();
         if folded.is_empty() {
             return;
