@@ -1,7 +1,6 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
-use crate::Batch;
 use crate::advance::{LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
 use crate::filter::Sensor;
 use crate::finish::SETTLED;
@@ -12,8 +11,10 @@ use crate::outcome::{Failure, Outcome, closure};
 use crate::plan::Plan;
 use crate::reader::{self, Answer, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
+use crate::relaxing_rows::{self, AfterPush};
 use crate::scenario::Scenario;
 use crate::step::View;
+use crate::{Batch, Kind};
 use chamber::balance::{Balance, ENERGY, MASS};
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
@@ -67,30 +68,40 @@ pub struct Memory {
     passed: Vec<Passed>,
     history: History,
     reader: reader::Memory,
+    relaxing: relaxing_rows::Memory,
 }
 
-/// Runs checked rows (number and plan) that have their area law, and whether they have a profile, in common. `set` are
-/// the effects on the gas, `BITS` the same.
+/// Runs checked rows (number and plan) that have their area law and their kind in common. `set` are the effects on the gas,
+/// `BITS` the same.
 pub fn run<const N: usize, const BITS: u32>(
     batch: Batch,
     memory: &mut Memory,
     set: EffectSet,
+    kind: Kind,
     rows: &[(u32, Plan)],
     out: &mut [Outcome],
 ) {
     let Batch { arch, scenarios, options } = batch;
-    let Memory { balances, passed, history, reader } = memory;
+    let Memory { balances, passed, history, reader, relaxing } = memory;
     balances.clear();
     balances.extend(rows.iter().map(|(row, _)| Balance::of(scenarios[*row as usize].chamber)));
     history.limit = (rows.len() > FEWEST).then_some(HISTORY);
     let courses: Vec<Course<N>> = Course::all::<BITS>(rows, balances, scenarios, options.relative_tolerance);
-    let Some(courses) = integrate::<N, BITS>(arch, history, passed, set, courses, options.relative_tolerance) else {
+    let relaxes = kind == Kind::Relaxing;
+    let stretches = if relaxes { 1 } else { usize::MAX };
+    let Some(courses) =
+        integrate::<N, BITS>(arch, history, passed, set, courses, stretches, options.relative_tolerance)
+    else {
         // Too many steps to keep: fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
-            run::<N, BITS>(batch, memory, set, rows, out);
+            run::<N, BITS>(batch, memory, set, kind, rows, out);
         }
         return;
     };
+    if relaxes {
+        let mut pushed: Vec<AfterPush> = courses.iter().map(Course::after_push).collect();
+        return relaxing_rows::run(batch, relaxing, set, &mut pushed, out);
+    }
     let mut rest = &courses[..];
     while !rest.is_empty() {
         let mut traces = Traces::new(reader);
@@ -115,21 +126,22 @@ pub fn run<const N: usize, const BITS: u32>(
     }
 }
 
-/// Integrates rows from stretch to stretch; none where the history is too long.
+/// Integrates rows over so many stretches at most; none where the history is too long.
 fn integrate<'a, const N: usize, const BITS: u32>(
     arch: Arch,
     history: &mut History,
     passed: &mut Vec<Passed>,
     set: EffectSet,
     mut courses: Vec<Course<'a, N>>,
+    stretches: usize,
     relative: f64,
 ) -> Option<Vec<Course<'a, N>>> {
     history.clear();
     passed.clear();
-    let stretches = courses.last().map_or(0, |last| last.first + last.plan.stretches.len());
-    passed.resize(stretches, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
+    let all = courses.last().map_or(0, |last| last.first + last.plan.stretches.len());
+    passed.resize(all, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
-    for index in 0.. {
+    for index in 0..stretches {
         let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
         let systems: Vec<Row> = courses.iter().filter(|c| active(c)).map(|c| c.system(index)).collect();
         if systems.is_empty() {
@@ -239,6 +251,19 @@ impl<'a, const N: usize> Course<'a, N> {
         };
     }
 
+    /// How its push has ended, where only that was integrated.
+    fn after_push(&self) -> AfterPush {
+        AfterPush {
+            row: self.row,
+            duration: self.plan.duration,
+            relaxations: (self.plan.duration - self.plan.push_end) / self.time_constant(),
+            mass: self.contents[MASS],
+            energy: [self.initial[ENERGY], self.contents[ENERGY]],
+            received: self.energy,
+            failure: self.failure,
+        }
+    }
+
     /// Hands its trace over.
     fn trace(&self, history: &History, passed: &[Passed], traces: &mut Traces<'a>) {
         traces.begin(self.plan, self.sensor, self.scenario.initial_pressure_pa);
@@ -280,7 +305,7 @@ impl<'a, const N: usize> Course<'a, N> {
     fn outcome(&self, a: &Answer, regression: Option<Regression>) -> Outcome {
         let End { position, volume, ambient_temperature: ambient } = self.end();
         let distance = (a.pressure_peak - a.pressure_final).abs();
-        let gas_pressure = self.at_rest().pressure(a.temperature_final, volume);
+        let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;
         let unsettled = gas_pressure * (1.0 - ambient / a.temperature_final).abs();
         let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs();
         let positions = [self.plan.stretches[0].position, position];

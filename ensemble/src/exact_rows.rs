@@ -3,25 +3,24 @@
 //! tolerance.
 
 use crate::Batch;
+use crate::chambers::Chambers;
 use crate::finish::SETTLED;
 use crate::fit;
-use crate::kept::{Exchange, Heat, Panel, Part};
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::gauss::Panel;
+use crate::kept::{Exchange, Heat, Part};
+use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome};
 use crate::readings::{self, Behind, Readings};
+use crate::record::{self, Relaxing};
 use crate::regression::{Records, Regression, decay};
-use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::Scenario;
 use crate::sealed::Ending;
+use chamber::Chamber;
 use chamber::effects::EffectSet;
 use chamber::exact::Closed;
 use chamber::real::Real;
-use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
-
-/// Ends of the parts in which the regression's sums are taken, in 1/k after the push; the last ends with the record.
-pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
 
 /// What is kept from one batch to the next.
 #[derive(Default)]
@@ -53,7 +52,10 @@ pub fn run(
     let mut all: Vec<Test> =
         rows.iter().map(|&(row, duration)| Test::new(row, &scenarios[row as usize], duration)).collect();
     if set.is_empty() {
-        all.iter_mut().for_each(|test| test.exchange([test.from, test.to].map(|volume| test.closed.rate(volume))));
+        for test in &mut all {
+            let [begin, end] = [test.from, test.to].map(|volume| test.closed.rate(volume));
+            test.exchange(end, [begin, end]);
+        }
     } else {
         exchange(arch, chambers, set, &mut all, scenarios);
     }
@@ -112,11 +114,11 @@ impl Test {
         Self { row, duration, closed, rate: 0.0, parts: 0.0, start, from, to, push }
     }
 
-    /// Takes 1/τ_f, 1/s, with the piston where it begins and where it ends.
+    /// Takes 1/τ_f, 1/s: of the hold, and at the begin and end of the push.
     #[inline]
-    fn exchange(&mut self, rates: [f64; 2]) {
-        self.rate = rates[1];
-        self.parts = Closed::parts(rates, self.to / self.from, self.push);
+    fn exchange(&mut self, held: f64, pushed: [f64; 2]) {
+        self.rate = held;
+        self.parts = Closed::parts(pushed, self.to / self.from, self.push);
     }
 }
 
@@ -128,14 +130,14 @@ fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test
         let order: [u32; WIDTH] = core::array::from_fn(|lane| at(lane) as u32);
         let found = arch.dispatch(Rates { set, chamber, tests: &Tests::new(tests, &order) });
         for (lane, test) in tests.iter_mut().enumerate() {
-            let [wall, begin, end] = found.map(|all| all[lane]);
+            let [wall, held, begin, end] = found.map(|all| all[lane]);
             test.closed.ambient_temperature = wall;
-            test.exchange([begin, end]);
+            test.exchange(held, [begin, end]);
         }
     }
 }
 
-/// Temperatures of the walls, K, and 1/τ_f, 1/s, with the piston where it begins and where it ends.
+/// Temperatures of the walls, K, and 1/τ_f, 1/s: of the hold, and at the begin and end of the push.
 struct Rates<'a> {
     set: EffectSet,
     chamber: &'a Chamber<Lanes>,
@@ -144,15 +146,17 @@ struct Rates<'a> {
 }
 
 impl WithSimd for Rates<'_> {
-    type Output = [Lanes; 3];
+    type Output = [Lanes; 4];
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 3] {
+    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 4] {
         let t = black_box(self.tests);
-        let exchange = Exchange::new(self.set, black_box(self.chamber), &t.closed, t.closed.ambient_temperature);
-        let wall = exchange.wall();
-        let [begin, end] = [t.from, t.to];
-        black_box([wall, wall * exchange.at(begin) / begin.sqrt(), wall * exchange.at(end) / end.sqrt()])
+        let chamber = black_box(self.chamber);
+        let ambient = t.closed.ambient_temperature;
+        let held = Exchange::new(self.set, chamber, &t.closed, ambient, Lanes::ZERO);
+        let pushed = Exchange::new(self.set, chamber, &t.closed, ambient, t.velocity(chamber));
+        let (wall, begin, end) = (held.wall(), t.from.sqrt(), t.to.sqrt());
+        black_box([wall, wall * held.at(t.to) / end, wall * pushed.at(t.from) / begin, wall * pushed.at(t.to) / end])
     }
 }
 
@@ -229,6 +233,12 @@ impl Tests {
         tests
     }
 
+    /// Velocity of the push, m/s.
+    #[inline(always)]
+    fn velocity(&self, chamber: &Chamber<Lanes>) -> Lanes {
+        (self.to - self.from) / (chamber.geometry.piston_area * self.push)
+    }
+
     /// 1/T along each part of the push, into `panels`; temperatures at its end, K.
     #[inline(always)]
     fn panels(&self, heat: &impl Heat<Lanes>, panels: &mut Vec<Panel<Lanes>>) -> Lanes {
@@ -272,48 +282,6 @@ impl Tests {
     }
 }
 
-/// Puts a chamber's numbers into a lane; those of its effects stay as they are.
-#[inline(always)]
-pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
-    to.gas.gas_constant[lane] = from.gas.gas_constant;
-    to.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
-    to.geometry.bore[lane] = from.geometry.bore;
-    to.geometry.rod_diameter[lane] = from.geometry.rod_diameter;
-    to.geometry.piston_area[lane] = from.geometry.piston_area;
-    to.geometry.dead_volume[lane] = from.geometry.dead_volume;
-    to.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;
-    to.heat_transfer.reference_pressure[lane] = from.heat_transfer.reference_pressure;
-    to.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
-}
-
-/// Chambers, one a lane, of one area law: of their effects those that were asked for last.
-struct Chambers(Chamber<Lanes>);
-
-impl Default for Chambers {
-    fn default() -> Self {
-        let geometry = Geometry::new(1.0, 0.0, 0.0, AreaLaw::Total);
-        Self(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(1.0)).lift())
-    }
-}
-
-impl Chambers {
-    /// Puts a chamber into each lane, with the parameters of the effects in a set.
-    fn gather<'a>(&mut self, set: EffectSet, chamber: impl Fn(usize) -> &'a Chamber) -> &Chamber<Lanes> {
-        let all = &mut self.0;
-        all.geometry.area_law = chamber(0).geometry.area_law;
-        for lane in 0..WIDTH {
-            let from = chamber(lane);
-            load_chamber(all, lane, from);
-            for effect in set.iter() {
-                for (to, from) in all.effects.of_mut(effect).iter_mut().zip(from.effects.of(effect)) {
-                    to[lane] = *from;
-                }
-            }
-        }
-        all
-    }
-}
-
 /// Effects that keep the closed form, and the chambers with their parameters.
 type Effects<'a> = Option<(EffectSet, &'a Chamber<Lanes>)>;
 
@@ -331,7 +299,8 @@ impl WithSimd for Solve<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.tests);
         let wall = t.closed.ambient_temperature;
-        let kept = black_box(self.effects).map(|(set, chamber)| Exchange::new(set, chamber, &t.closed, wall));
+        let kept = black_box(self.effects)
+            .map(|(set, chamber)| Exchange::new(set, chamber, &t.closed, wall, t.velocity(chamber)));
         let pushed = match (&kept, self.panels) {
             (None, None) => t.pushed(&t.closed),
             (Some(exchange), None) => t.pushed(exchange),
@@ -418,7 +387,27 @@ impl Solved<'_> {
     }
 }
 
-/// The records from the end of the push on, P = Pf/(1 − ε e^(−k t)); the answer is a guess of τ, s.
+/// The pressures while the piston rests, P = Pf/(1 − ε e^(−k t)), in Pa.
+struct Hold<const FUSED: bool> {
+    at_rest: Lanes,
+    excess: Lanes,
+    rate: Lanes,
+    slowness: Lanes,
+}
+
+impl<const FUSED: bool> Relaxing for Hold<FUSED> {
+    #[inline(always)]
+    fn time(&self, relaxations: f64) -> Lanes {
+        self.slowness * relaxations
+    }
+
+    #[inline(always)]
+    fn pressure(&self, time: Lanes, _: [f64; 2]) -> Lanes {
+        self.at_rest / (Lanes::ONE - decay::<FUSED>(time * self.rate) * self.excess)
+    }
+}
+
+/// Lays their records out; the answer is a guess of τ, s.
 struct Record<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
@@ -440,25 +429,13 @@ impl Record<'_> {
         let Self { tests: t, ends, records } = self;
         let wall = t.closed.ambient_temperature;
         let excess = black_box(Lanes::ONE - wall / ends.pushed);
-        let at_rest = black_box(t.closed.mass_gas_constant * wall / t.to);
-        let slowness = black_box(ends.rate.recip());
-        let duration = black_box(t.push + t.hold);
-        let mut first = black_box(each_lane!(i => samples::from(t.push.0[i])));
-        records.clear();
-        for end in black_box(&ENDS) {
-            let end = black_box((t.push + slowness * *end).min(duration));
-            let next = black_box(each_lane!(i => samples::after(end.0[i])));
-            let count = black_box((next - first).max(Lanes::ZERO));
-            let nodes = black_box(Samples { first, count }.nodes());
-            let mut pressure = [Lanes::ZERO; POINTS];
-            for k in 0..POINTS {
-                let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - t.push;
-                let decayed = decay::<FUSED>(since * ends.rate) * excess;
-                pressure[k] = black_box(at_rest / (Lanes::ONE - decayed));
-            }
-            records.push(first, &nodes, &pressure);
-            first = black_box(first.max(next));
-        }
+        let hold = Hold::<FUSED> {
+            at_rest: black_box(t.closed.mass_gas_constant * wall / t.to),
+            excess,
+            rate: ends.rate,
+            slowness: black_box(ends.rate.recip()),
+        };
+        record::lay_out(&hold, t.push, black_box(t.push + t.hold), records);
         fit::time_constant(ends.rate, excess)
     }
 }

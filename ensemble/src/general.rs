@@ -3,8 +3,8 @@
 //! takes no root, and with √U the integrals of heat, work and enthalpy over a step are others than that of its states.
 
 use crate::advance::Loadable;
+use crate::chambers::load_chamber;
 use crate::corner;
-use crate::exact_rows::load_chamber;
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use crate::step::{LaneSystem, Moment, View};

@@ -8,6 +8,7 @@
 //! | sealed, without effects | the closed form (`exact_rows`), or where the integrator is asked for its one equation (`sealed`) |
 //! | with effects that keep the closed form | the closed form with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
+//! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
 //!
 //! Rows of the last kind leave a trace: pressure and temperature with their slopes at the end of each step (`history`).
@@ -21,6 +22,7 @@
 
 mod adaptive;
 mod advance;
+mod chambers;
 mod clock;
 mod corner;
 mod course;
@@ -28,6 +30,7 @@ mod exact_rows;
 mod filter;
 mod finish;
 mod fit;
+mod gauss;
 mod general;
 mod hermite;
 mod history;
@@ -43,7 +46,10 @@ pub mod plain;
 mod plan;
 mod reader;
 mod readings;
+mod record;
 mod regression;
+mod relaxation;
+mod relaxing_rows;
 mod root;
 mod samples;
 mod scenario;
@@ -107,25 +113,25 @@ impl Kernel {
                 adaptive::run(batch, memory, &sorted.sealed, out);
             }
             for (kind, rows) in sorted.closed.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-                let Kind { kept, shown } = Kind::of(kind, set);
+                let ClosedKind { kept, shown } = ClosedKind::of(kind, set);
                 exact_rows::run(batch, closed, kept, shown, rows, out);
             }
-            for (kind, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-                course(batch, course_memory, set, kind / 2 == TIGHT_ROWS, rows, out);
+            for (number, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+                course(batch, course_memory, set, Kind::ALL[number / 2], rows, out);
             }
         }
     }
 }
 
 /// What rows that are solved by their closed forms have in common.
-struct Kind {
+struct ClosedKind {
     /// Effects that keep the closed form.
     kept: EffectSet,
     /// Effects on the reading.
     shown: EffectSet,
 }
 
-impl Kind {
+impl ClosedKind {
     /// How many kinds there are: no effects, or some and one of two area laws; the gas shown, or by sensors that lag or do
     /// not, and are delayed or are not.
     const COUNT: usize = 3 * 5;
@@ -153,9 +159,27 @@ struct Batch<'a> {
     options: &'a Options,
 }
 
-/// Number of the rows that no gas enters or leaves among those that are integrated, beside rows without (0) and with a
-/// profile (1).
-const TIGHT_ROWS: usize = 2;
+/// What rows that are integrated have in common.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Gas may enter or leave, at constant rates and by effects.
+    Open,
+    /// The stroke, the flow and the surroundings follow a profile.
+    Profiled,
+    /// No gas enters or leaves.
+    Tight,
+    /// Nor has the hold a state but the temperature: see [`relaxation`].
+    Relaxing,
+}
+
+impl Kind {
+    const ALL: [Self; 4] = [Self::Open, Self::Profiled, Self::Tight, Self::Relaxing];
+
+    /// Whether no gas enters or leaves.
+    fn is_tight(self) -> bool {
+        matches!(self, Self::Tight | Self::Relaxing)
+    }
+}
 
 /// A chunk's rows by the way they are solved.
 #[derive(Default)]
@@ -163,9 +187,9 @@ struct Sorted {
     /// Sealed tests to be integrated, and their durations, s.
     sealed: Vec<(u32, f64)>,
     /// Tests with closed forms, and their durations, s, by kind.
-    closed: [Vec<(u32, f64)>; Kind::COUNT],
-    /// Others, by area law and whether they have a profile or are tight: what lanes must have in common.
-    others: [Vec<(u32, Plan)>; 6],
+    closed: [Vec<(u32, f64)>; ClosedKind::COUNT],
+    /// Others, by kind and area law: what lanes must have in common.
+    others: [Vec<(u32, Plan)>; 2 * Kind::ALL.len()],
 }
 
 impl Sorted {
@@ -193,7 +217,7 @@ impl Sorted {
             }
             let is_quick = options.solver == Solver::Exact || behind.is_none_or(|b| b.is_quick(s));
             if has_closed_form && is_quick && (!integrates || set.is_empty()) {
-                let kind = Kind::number(!of_gas.is_empty(), swept == 1, behind);
+                let kind = ClosedKind::number(!of_gas.is_empty(), swept == 1, behind);
                 let list = if integrates { &mut self.sealed } else { &mut self.closed[kind] };
                 match plan::check(set, active, s).and_then(|()| plan::times(s)) {
                     Ok((_, duration)) => list.push((row, duration)),
@@ -201,10 +225,15 @@ impl Sorted {
                 }
                 continue;
             }
-            let tight = sealed && effects::KEEP_THE_MASS.contains(on_the_gas(active));
-            let kind = swept + 2 * if tight { TIGHT_ROWS } else { usize::from(s.profile.is_some()) };
+            let kind = if !sealed || !effects::KEEP_THE_MASS.contains(on_the_gas(active)) {
+                if s.profile.is_some() { Kind::Profiled } else { Kind::Open }
+            } else if !integrates && behind.is_none() && relaxation::EFFECTS.contains(on_the_gas(active)) {
+                Kind::Relaxing
+            } else {
+                Kind::Tight
+            };
             match Plan::new(set, active, s) {
-                Ok(plan) => self.others[kind].push((row, plan)),
+                Ok(plan) => self.others[swept + 2 * kind as usize].push((row, plan)),
                 Err(reason) => *out = Outcome::failed(reason),
             }
         }
@@ -244,23 +273,23 @@ macro_rules! sets_with_code_of_their_own {
             batch: Batch,
             memory: &mut course::Memory,
             set: EffectSet,
-            tight: bool,
+            kind: Kind,
             rows: &[(u32, Plan)],
             out: &mut [Outcome],
         ) {
             // What the sensor does to a known pressure is no matter of the integration.
             let set = on_the_gas(set);
-            let set = if tight { set.intersection(effects::KEEP_THE_MASS) } else { set };
-            match compiled_for(set, tight) {
+            let set = if kind.is_tight() { set.intersection(effects::KEEP_THE_MASS) } else { set };
+            match compiled_for(set, kind.is_tight()) {
                 $(Some(bits) if bits == const { $bits } && !matches!(batch.arch, pulp::Arch::Scalar) => {
                     const BITS: u32 = $bits;
-                    course::run::<{ general::states(BITS) }, BITS>(batch, memory, set, rows, out)
+                    course::run::<{ general::states(BITS) }, BITS>(batch, memory, set, kind, rows, out)
                 })*
                 // Unit tests are of the parts. The kernel, the longest to compile, is tested as it is built: `tests/batches.rs`.
                 #[cfg(test)]
                 _ => unreachable!("the unit tests solve no batches"),
                 #[cfg(not(test))]
-                _ => course::run::<STATES, { general::AT_RUN_TIME }>(batch, memory, set, rows, out),
+                _ => course::run::<STATES, { general::AT_RUN_TIME }>(batch, memory, set, kind, rows, out),
             }
         }
     };
@@ -300,6 +329,7 @@ sets_with_code_of_their_own![];
 sets_with_code_of_their_own![
     // Tight rows take the first that fits, the others the first that is not of tight ones.
     general::TIGHT | bit("wall_heating"),
+    general::TIGHT | general::ASKED | relaxation::EFFECTS.bits(),
     general::TIGHT | bit("gas_zones"),
     general::TIGHT | general::ASKED | on_the_gas_with(effects::MANY) & effects::KEEP_THE_MASS.bits(),
     general::TIGHT | bit("wall_conduction"),

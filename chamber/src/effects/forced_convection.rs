@@ -5,7 +5,7 @@
 
 use super::Effect;
 use crate::balance::{Conditions, Rates};
-use crate::card::{Balance, Card, Parameter, Unit};
+use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
 use crate::real::Real;
 
 const EXPONENT: f64 = 0.8;
@@ -22,6 +22,7 @@ impl Effect for ForcedConvection {
         equation: "lambda ~ 1 + k |dx/dt|^0.8",
         source: "Nu ~ Re^0.8, Dittus and Boelter (1930), Woschni (1967)",
         balance: Balance::Energy,
+        closed_form: ClosedForm::Kept,
         parameters: &[Parameter {
             name: "coefficient",
             unit: Unit::SpeedPower,

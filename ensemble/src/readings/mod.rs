@@ -16,7 +16,7 @@ use crate::exact_rows::{Ends, Tests};
 use crate::filter::{Sensor, ToPowers};
 use crate::finish::SETTLED;
 use crate::fit;
-use crate::kept::Panel;
+use crate::gauss::Panel;
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::outcome::Outcome;

@@ -6,7 +6,7 @@
 
 use crate::exact_rows::Tests;
 use crate::filter;
-use crate::kept::{NODES, Panel, node};
+use crate::gauss::{NODES, Panel, node};
 use crate::lanes::Lanes;
 use crate::root::Curve;
 use chamber::real::Real;

@@ -2,9 +2,9 @@
 
 use super::pieces::{Piece, Polynomial, Shown, hold_ends};
 use super::{Answer, Memory, Readings};
-use crate::exact_rows::ENDS;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::look::{Look, Question};
+use crate::record::ENDS;
 use crate::regression::Records;
 use crate::root::Curve;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};

@@ -1,0 +1,43 @@
+//! The record of a hold that relaxes one way, from the end of the push to that of the test, laid out for the regression.
+
+use crate::lanes::{Lanes, each_lane};
+use crate::regression::Records;
+use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use chamber::real::Real;
+use core::hint::black_box;
+
+/// Ends of the parts in which the regression's sums are taken of a relaxation at a constant rate, in relaxations after the push:
+/// by each the distance from the equilibrium falls by a factor e. The last ends with the record.
+pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
+
+/// The pressure while the piston rests, one a lane.
+pub trait Relaxing {
+    /// Ends of the parts in which its record is laid out, in relaxations.
+    const ENDS: &'static [f64] = &ENDS;
+    /// Time since the push, s, after so many relaxations.
+    fn time(&self, relaxations: f64) -> Lanes;
+    /// Pressure, Pa, at a time since the push, s, between two numbers of relaxations.
+    fn pressure(&self, time: Lanes, between: [f64; 2]) -> Lanes;
+}
+
+/// Lays the records out, of tests with pushes and durations of so many s.
+#[inline(always)]
+pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records: &mut Records) {
+    let mut first = black_box(each_lane!(i => samples::from(push.0[i])));
+    let mut begin = 0.0;
+    records.clear();
+    for end in black_box(R::ENDS) {
+        let until = black_box((push + relaxing.time(*end)).min(duration));
+        let next = black_box(each_lane!(i => samples::after(until.0[i])));
+        let count = black_box((next - first).max(Lanes::ZERO));
+        let nodes = black_box(Samples { first, count }.nodes());
+        let mut pressure = [Lanes::ZERO; POINTS];
+        for k in 0..POINTS {
+            let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
+            pressure[k] = black_box(relaxing.pressure(since, [begin, *end]));
+        }
+        records.push(first, &nodes, &pressure);
+        first = black_box(first.max(next));
+        begin = *end;
+    }
+}

@@ -1,0 +1,336 @@
+//! A hold of which the temperature is the only state: no gas enters or leaves, and no effect has a state of its own. How fast
+//! the temperature changes then follows from itself, and time is an integral over it. With
+//!
+//! e = (T − Tw)/(σ T + (1 − σ) Tw),  u = ln(e0/e),  dt/du = (T − Tw)/(−dT/dt) (σ T + (1 − σ) Tw)/Tw
+//!
+//! u counts relaxations: by each, e falls by a factor e. For a gas that cools σ is 0, for one that warms 1; so the place where
+//! T vanishes stays at a distance of π in the plane of complex u, and dt/du is a polynomial over several relaxations. It is
+//! integrated over panels by Gauss–Legendre quadrature, and a panel is cut where the last of Legendre's terms count.
+//! Temperatures in K, times in s since the push.
+
+use crate::finish::SETTLED;
+use crate::fit;
+use crate::gauss::{NODES, Panel, RULE, node};
+use crate::lanes::Lanes;
+use crate::record::{self, Relaxing};
+use crate::regression::Records;
+use crate::root::{Curve, root};
+use chamber::Chamber;
+use chamber::balance::{Balance, Boundary, Contents, Tight};
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// The effects on the gas of which each lets no gas pass and has no state, but for the curve of any kind.
+pub const EFFECTS: EffectSet = EffectSet::from_bits(crate::on_the_gas_with(0) & effects::KEEP_THE_MASS.bits());
+
+/// The effects' states.
+const NO_STATES: [Lanes; 0] = [];
+/// Length of the first panel, by what factor each is longer than the one before, and the longest.
+const FIRST: f64 = 3.0;
+const GROW: f64 = 3.0;
+const LONGEST: f64 = 16.0;
+/// By how much smaller than a Legendre polynomial of the last order its integral is.
+const INTEGRATED: f64 = 1.0 / (2 * NODES - 1) as f64;
+/// u that is as good as none.
+const SHORTEST: f64 = 1e-9;
+/// |e| at which the gas has come to the wall's temperature.
+const AT_REST: f64 = 1e-11;
+/// The smallest relative tolerance that rounding allows for.
+const FINEST: f64 = 1e-13;
+/// Attempted panels after which a test is given up; most take two or three.
+const MOST: usize = 100;
+/// The slowest relaxation, as a share of one over the hold: slower ones, down to none, are as good as this.
+const SLOWEST: f64 = 1e-16;
+
+/// Tests at the end of their pushes, one a lane; SI units.
+pub struct Pushed<'a> {
+    /// With the parameters of the effects.
+    pub chamber: &'a Chamber<Lanes>,
+    /// Mass, kg.
+    pub mass: Lanes,
+    /// Internal energy, J.
+    pub energy: Lanes,
+    /// Volume, m³.
+    pub volume: Lanes,
+    /// Temperature of the surroundings, K.
+    pub ambient_temperature: Lanes,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pressure: Lanes,
+    /// Length of the push, s.
+    pub push: Lanes,
+    /// Length of the hold, s.
+    pub hold: Lanes,
+}
+
+/// How the holds go on, one a lane.
+pub struct Ends {
+    /// Temperature of the wall, K.
+    pub wall: Lanes,
+    /// Temperatures at the begin and at the end, K; the latter not a number where the hold could not be followed.
+    pub pushed: Lanes,
+    /// See [`Ends::pushed`].
+    pub end: Lanes,
+    /// How many relaxations the hold takes.
+    pub relaxations: Lanes,
+    /// From when on the temperature is within 1 % of its way from its end, s.
+    pub settling: Lanes,
+    /// A guess of the paper's τ, s.
+    pub time_constant: Lanes,
+}
+
+/// A part of the hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// u at its begin; its length, zero in lanes that go without it; and one over that.
+    from: Lanes,
+    length: Lanes,
+    per_length: Lanes,
+    /// Time at its begin, and since then.
+    begin: Lanes,
+    time: Panel<Lanes>,
+}
+
+/// The gas over u.
+struct Gas {
+    set: EffectSet,
+    balance: Balance<Lanes>,
+    boundary: Boundary<Lanes>,
+    contents: Contents<Lanes>,
+    wall: Lanes,
+    /// σ.
+    warms: Lanes,
+    /// e0.
+    excess: Lanes,
+    slowest: Lanes,
+}
+
+impl Gas {
+    #[inline(always)]
+    fn new(set: EffectSet, pushed: &Pushed) -> (Self, Lanes) {
+        let set = set.intersection(EFFECTS);
+        let balance = Balance::of(*pushed.chamber);
+        let boundary = Boundary {
+            position: Lanes::ZERO,
+            velocity: Lanes::ZERO,
+            mass_flow_in: Lanes::ZERO,
+            temperature_in: pushed.ambient_temperature,
+            mass_flow_out: Lanes::ZERO,
+            ambient_temperature: pushed.ambient_temperature,
+            ambient_pressure: pushed.ambient_pressure,
+        };
+        let contents = Contents::new(pushed.mass, pushed.energy, pushed.volume);
+        let (at, ..) = balance.evaluate_within(&Tight, set, &boundary, &contents, &NO_STATES);
+        let (temperature, wall) = (at.temperature, at.wall_temperature);
+        let warms = (wall - temperature).where_positive(Lanes::ONE, Lanes::ZERO);
+        let excess = (temperature - wall) / warms.where_positive(temperature, wall);
+        let slowest = pushed.hold.recip() * SLOWEST;
+        (Self { set, balance, boundary, contents, wall, warms, excess, slowest }, temperature)
+    }
+
+    /// The temperature after so many relaxations.
+    #[inline(always)]
+    fn temperature(&self, relaxations: Lanes) -> Lanes {
+        let excess = self.excess * (-relaxations).exp();
+        self.wall * (Lanes::ONE + (Lanes::ONE - self.warms) * excess) / (Lanes::ONE - self.warms * excess)
+    }
+
+    /// Relaxations until that temperature.
+    #[inline(always)]
+    fn relaxations(&self, temperature: Lanes) -> Lanes {
+        let excess = (temperature - self.wall) / self.warms.where_positive(temperature, self.wall);
+        (self.excess / excess).ln()
+    }
+
+    /// dt/du there.
+    #[inline(always)]
+    fn slowness(&self, relaxations: Lanes) -> Lanes {
+        let Self { set, balance, boundary, contents, wall, warms, .. } = self;
+        let temperature = self.temperature(relaxations);
+        let capacity = contents.mass * balance.cv;
+        let energy = capacity * temperature * effects::internal_energy(*set, &balance.chamber.effects, temperature);
+        let contents = Contents { energy, ..*contents };
+        let (at, rates, _) = balance.evaluate_within(&Tight, *set, boundary, &contents, &NO_STATES);
+        let warming = rates.energy * at.per_mass / at.cv;
+        let mean = warms.where_positive(temperature, *wall);
+        (warming * *wall / ((*wall - temperature) * mean)).max(self.slowest).recip()
+    }
+}
+
+/// The time over u.
+struct Time<'a> {
+    parts: &'a [Part],
+}
+
+impl Curve for Time<'_> {
+    #[inline(always)]
+    fn at(&self, relaxations: Lanes) -> Lanes {
+        let mut time = Lanes::ZERO;
+        for part in self.parts {
+            let since = relaxations - part.from;
+            let here = part.begin + part.time.at(since * part.per_length);
+            time = since.min(part.length).where_positive(here, time);
+        }
+        time
+    }
+}
+
+/// The time that is left until one.
+struct Left<'a, C> {
+    curve: &'a C,
+    until: Lanes,
+}
+
+impl<C: Curve> Curve for Left<'_, C> {
+    #[inline(always)]
+    fn at(&self, place: Lanes) -> Lanes {
+        self.until - self.curve.at(place)
+    }
+}
+
+/// A time over the share of a part.
+impl Curve for Part {
+    #[inline(always)]
+    fn at(&self, share: Lanes) -> Lanes {
+        self.begin + self.time.at(share)
+    }
+}
+
+/// Follows holds to their ends; `parts` keeps the time.
+pub struct Solve<'a> {
+    /// Effects that are active in any of them.
+    pub set: EffectSet,
+    /// Where they begin.
+    pub pushed: &'a Pushed<'a>,
+    /// Relative tolerance of the temperatures.
+    pub relative: f64,
+    /// The parts of the last hold are dropped.
+    pub parts: &'a mut Vec<Part>,
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = Ends;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Ends {
+        let Self { set, pushed: start, relative, parts } = self;
+        let start = black_box(start);
+        let (gas, pushed) = black_box(Gas::new(set, start));
+        let last = (gas.excess.abs() * (1.0 / AT_REST)).max(Lanes::ONE).ln();
+        let (mut from, mut begin, mut length) = (Lanes::ZERO, Lanes::ZERO, Lanes::from(FIRST).min(last));
+        let mut end = last;
+        let relative = relative.max(FINEST);
+        let mut open = last.where_positive(Lanes::ONE, Lanes::ZERO);
+        parts.clear();
+        for _ in 0..MOST {
+            if !open.any_positive() {
+                break;
+            }
+            let mut slowness = [Lanes::ZERO; NODES];
+            let mut total = Lanes::ZERO;
+            for index in 0..black_box(NODES) {
+                let (share, weight) = node(index);
+                slowness[index] = black_box(gas.slowness(from + length * share) * length);
+                total += slowness[index] * weight;
+            }
+            let rule = &*RULE;
+            let mut times = [Lanes::ZERO; NODES];
+            for index in 0..black_box(NODES) {
+                times[index] = rule.up_to_node(&slowness, index);
+            }
+            let [one, other] = [NODES - 2, NODES - 1].map(|order| rule.legendre(&slowness, order).abs());
+            // An error of the time is one of the temperature by as much as the latter still moves.
+            let moves = gas.excess.abs() * (-from).exp();
+            let good = (total * relative - (one + other) * moves * INTEGRATED).min(open);
+            let good = good.where_positive(Lanes::ONE, Lanes::ZERO);
+            let part = black_box(Part {
+                from,
+                length: good * length,
+                per_length: good.where_positive(length, Lanes::ONE).recip(),
+                begin,
+                time: Panel::through(&times, rule),
+            });
+            let after = begin + total;
+            let ends = (start.hold - after).where_positive(Lanes::ZERO, good);
+            if ends.any_positive() {
+                let share = root(&Left { curve: &part, until: start.hold }, Lanes::ZERO, Lanes::ONE);
+                end = ends.where_positive(from + length * share, end);
+            }
+            parts.push(part);
+            from = good.where_positive(from + length, from);
+            begin = good.where_positive(after, begin);
+            length = good.where_positive(length * GROW, length * 0.5).min(Lanes::from(LONGEST)).min(last - from);
+            let far = (start.hold - begin).min(length - SHORTEST);
+            open = open.min(far).where_positive(Lanes::ONE, Lanes::ZERO);
+        }
+        let relaxations = open.where_positive(Lanes::from(f64::NAN), end);
+        let end = gas.temperature(relaxations);
+        let edge = gas.relaxations(end + (pushed - end) * SETTLED);
+        black_box(Ends {
+            wall: gas.wall,
+            pushed,
+            end,
+            relaxations,
+            settling: Time { parts }.at(edge),
+            time_constant: fit::time_constant(gas.slowness(Lanes::ZERO).recip(), Lanes::ONE - gas.wall / pushed),
+        })
+    }
+}
+
+/// Lays out the records of holds that were followed to their ends.
+pub struct Record<'a> {
+    /// Effects that are active in any of them.
+    pub set: EffectSet,
+    /// Where they begin.
+    pub pushed: &'a Pushed<'a>,
+    /// How they go on.
+    pub ends: &'a Ends,
+    pub parts: &'a [Part],
+    /// Where their records go.
+    pub records: &'a mut Records,
+}
+
+impl WithSimd for Record<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        let Self { set, pushed, ends, parts, records } = self;
+        let (gas, _) = black_box(Gas::new(set, pushed));
+        let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
+        let Pushed { push, hold, .. } = *pushed;
+        let followed = Followed { gas, time: Time { parts }, hold, relaxations: ends.relaxations, per_temperature };
+        record::lay_out(&followed, push, push + hold, records);
+    }
+}
+
+/// Holds that were followed to their ends.
+struct Followed<'a> {
+    gas: Gas,
+    time: Time<'a>,
+    hold: Lanes,
+    relaxations: Lanes,
+    /// P/T, Pa/K.
+    per_temperature: Lanes,
+}
+
+impl Relaxing for Followed<'_> {
+    // λ ∝ |T − Tw|² makes each relaxation take seven times as long as the one before.
+    const ENDS: &'static [f64] =
+        &[0.25, 0.5, 0.8, 1.1, 1.5, 1.9, 2.4, 3.0, 3.6, 4.4, 5.3, 6.5, 8.0, 13.0, f64::INFINITY];
+
+    #[inline(always)]
+    fn time(&self, relaxations: f64) -> Lanes {
+        let goes_on = self.relaxations - relaxations;
+        goes_on.where_positive(self.time.at(self.relaxations.min(Lanes::from(relaxations))), self.hold)
+    }
+
+    #[inline(always)]
+    fn pressure(&self, time: Lanes, between: [f64; 2]) -> Lanes {
+        let [low, high] = between.map(|end| self.relaxations.min(Lanes::from(end)));
+        let until = time.max(self.time.at(low)).min(self.time.at(high));
+        let relaxations = root(&Left { curve: &self.time, until }, low, high);
+        self.gas.temperature(relaxations) * self.per_temperature
+    }
+}

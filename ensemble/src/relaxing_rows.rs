@@ -1,0 +1,88 @@
+//! Tests whose push is integrated and whose hold is an integral over the temperature: those that no gas enters or leaves,
+//! with effects that have no states, and a record that shows the gas. See [`relaxation`](crate::relaxation).
+
+use crate::Batch;
+use crate::chambers::Chambers;
+use crate::lanes::{Lanes, WIDTH};
+use crate::outcome::{Failure, Outcome, closure};
+use crate::regression::Records;
+use crate::relaxation::{Part, Pushed, Record, Solve};
+use crate::sealed::Ending;
+use chamber::effects::EffectSet;
+
+/// How the push of a test has ended.
+#[derive(Clone, Copy)]
+pub struct AfterPush {
+    /// Number of the test.
+    pub row: u32,
+    /// Length of the test, s.
+    pub duration: f64,
+    /// About how many relaxations the hold takes.
+    pub relaxations: f64,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Internal energy before and after the push, J.
+    pub energy: [f64; 2],
+    /// What the gas has received as heat less its work, and the magnitude of the work, J.
+    pub received: [f64; 2],
+    /// Why the push was given up.
+    pub failure: Option<Failure>,
+}
+
+/// What is kept from one batch to the next.
+#[derive(Default)]
+pub struct Memory {
+    chambers: Chambers,
+    parts: Vec<Part>,
+    records: Records,
+}
+
+/// Ends tests of one area law after their pushes; `set` are effects that are active in any of them.
+pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterPush], out: &mut [Outcome]) {
+    let Batch { arch, scenarios, options } = batch;
+    let Memory { chambers, parts, records } = memory;
+    // Lanes that wait for one with more parts are few where neighbours have as many.
+    rows.sort_unstable_by(|a, b| a.relaxations.total_cmp(&b.relaxations));
+    for group in rows.chunks(WIDTH) {
+        let row = |lane: usize| &group[lane.min(group.len() - 1)];
+        let scenario = |lane: usize| &scenarios[row(lane).row as usize];
+        let volume = Lanes::from_fn(|lane| scenario(lane).chamber.geometry.volume(scenario(lane).final_position_m));
+        let pushed = Pushed {
+            chamber: chambers.gather(set, |lane| &scenario(lane).chamber),
+            mass: Lanes::from_fn(|lane| row(lane).mass),
+            energy: Lanes::from_fn(|lane| row(lane).energy[1]),
+            volume,
+            ambient_temperature: Lanes::from_fn(|lane| scenario(lane).ambient_temperature_k),
+            ambient_pressure: Lanes::from_fn(|lane| scenario(lane).ambient_pressure_pa),
+            push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
+            hold: Lanes::from_fn(|lane| row(lane).duration - scenario(lane).push_time_s),
+        };
+        let relative = options.relative_tolerance;
+        let ends = arch.dispatch(Solve { set, pushed: &pushed, relative, parts });
+        let found = options.fit.then(|| {
+            arch.dispatch(Record { set, pushed: &pushed, ends: &ends, parts, records });
+            records.fit(arch, ends.time_constant)
+        });
+        for (lane, after) in group.iter().enumerate() {
+            let scenario = scenario(lane);
+            let ending = Ending {
+                scenario,
+                duration: after.duration,
+                wall: ends.wall[lane],
+                pushed: ends.pushed[lane],
+                end: ends.end[lane],
+                pressure_per_temperature: after.mass * scenario.chamber.gas.gas_constant / volume[lane],
+                settling: ends.settling[lane],
+                regression: found.as_ref().and_then(|found| found.lane(lane)),
+            };
+            let ([start, energy], [received, work]) = (after.energy, after.received);
+            out[after.row as usize] = match after.failure {
+                Some(reason) => Outcome::failed(reason),
+                None if !ends.end[lane].is_finite() => Outcome::failed(Failure::TooManySteps),
+                None => {
+                    Outcome { energy_error: closure(start, energy, received, work), exact: false, ..ending.outcome() }
+                }
+            };
+        }
+    }
+}
