@@ -10,7 +10,7 @@ mod diagnosis_page;
 pub mod evaluation;
 mod failure;
 mod measured;
-mod output;
+pub mod output;
 pub mod predictive;
 #[cfg(test)]
 mod reference;

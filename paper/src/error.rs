@@ -52,6 +52,9 @@ pub enum Error {
     /// The piston does not move.
     #[error("the piston does not move in this recording; a push-and-hold test is needed")]
     NoMovement,
+    /// The piston moves more than once.
+    #[error("the piston moves more than once in this recording; the paper's steps need one push and a hold")]
+    SeveralMoves,
     /// The piston does not rest at the end.
     #[error(
         "the piston is not at rest in the last quarter of the recording (it moves by {:.3} mm of a travel of {:.3} mm); record a longer hold",

@@ -10,6 +10,16 @@ use super::Error;
 const LEAST_TRAVEL_M: f64 = 1e-4;
 /// A hold whose deviation is more than the travel by this factor is none.
 const TRAVEL_OVER_DEVIATION: f64 = 20.0;
+/// How far beyond begin and end a push may overshoot, as a share of its travel.
+const REBOUND: f64 = 0.25;
+/// A piston has left its begin, and is not yet at its end, by more than this share of the travel.
+const BEGUN: f64 = 0.05;
+/// A piston that moves by no more than this share of the travel ...
+const REST_TRAVEL: f64 = 0.02;
+/// ... over so many rows ...
+const REST_ROWS: usize = 10;
+/// ... and this share of the time on its way rests there.
+const REST_SHARE: f64 = 0.5;
 
 /// A recorded push-and-hold test: SI units, absolute pressure, one entry for each row.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +74,10 @@ impl Recording<'_> {
         let held = self.position_m.iter().rev().take_while(|x| (**x - final_position_m).abs() <= tolerance_m).count();
         let stop_row = n - held;
         let rest = self.position_m.iter().take_while(|x| (**x - self.position_m[0]).abs() <= 2.0 * tolerance_m).count();
+        let moving = rest.saturating_sub(1).min(stop_row)..(stop_row + 1).min(n);
+        if is_interrupted(&self.time_s[moving.clone()], &self.position_m[moving], tolerance_m) {
+            return Err(Error::SeveralMoves);
+        }
         // A record that starts at rest has its last row of rest at the moment the push begins.
         let (initial_pressure_pa, initial_pressure_error_pa) = mean_and_error(&self.pressure_pa[..rest]);
         let initial_position_m = mean(&self.position_m[..rest]);
@@ -107,6 +121,31 @@ impl Recording<'_> {
         }
         Ok(())
     }
+}
+
+/// Whether what lies between rest and hold is more than one move: the piston turns back, or rests on its way.
+fn is_interrupted(time_s: &[f64], position_m: &[f64], tolerance_m: f64) -> bool {
+    let (Some(first), Some(last)) = (position_m.first(), position_m.last()) else { return false };
+    let travel = last - first;
+    let (low, high) = position_m.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    // An overshoot or a rebound is part of a push.
+    if high - low > (1.0 + REBOUND) * travel.abs() + 2.0 * tolerance_m {
+        return true;
+    }
+    let share = |x: &f64| (x - first) / travel;
+    let on_its_way = |x: &f64| (BEGUN..1.0 - BEGUN).contains(&share(x));
+    let Some(from) = position_m.iter().position(on_its_way) else { return false };
+    let to = position_m.iter().rposition(on_its_way).unwrap_or(from);
+    let width = (REST_TRAVEL * travel.abs()).max(2.0 * tolerance_m);
+    let mut begin = from;
+    let longest = (from..=to).fold((0.0_f64, 0), |longest, row| {
+        while (position_m[row] - position_m[begin]).abs() > width {
+            begin += 1;
+        }
+        let rest = (time_s[row] - time_s[begin], row + 1 - begin);
+        if rest.0 > longest.0 { rest } else { longest }
+    });
+    longest.1 >= REST_ROWS && longest.0 > REST_SHARE * (time_s[to] - time_s[from])
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -167,6 +206,40 @@ mod tests {
         assert!(matches!(relaxation(&columns), Err(Error::NoHold { .. })));
         columns.2 = vec![0.1; 300];
         assert_eq!(relaxation(&columns), Err(Error::NoMovement));
+    }
+
+    #[test]
+    fn two_moves_are_no_push_and_hold() {
+        let strokes: [fn(f64) -> f64; 3] = [
+            // There and back; in two stages; there, and half of it back.
+            |t| ramp(t, 0.5) - ramp(t, 1.2),
+            |t| 0.5 * (ramp(t, 0.5) + ramp(t, 1.2)),
+            |t| ramp(t, 0.5) - 0.5 * ramp(t, 1.2),
+        ];
+        for (nth, stroke) in strokes.into_iter().enumerate() {
+            let mut columns = push(0.0);
+            columns.2 = columns.0.iter().map(|t| 0.1 - 0.05 * stroke(*t)).collect();
+            assert_eq!(relaxation(&columns), Err(Error::SeveralMoves), "{nth}");
+        }
+    }
+
+    #[test]
+    fn a_push_may_overshoot_be_slow_or_come_to_rest_slowly() {
+        let strokes: [fn(f64) -> f64; 3] = [
+            |t| ramp(t, 0.5) + 0.1 * (ramp(t, 0.6) - ramp(t, 0.7)),
+            |t| ((t - 0.2) / 1.5).clamp(0.0, 1.0),
+            |t| 1.0 - (-(t - 0.5).max(0.0) / 0.1).exp(),
+        ];
+        for (nth, stroke) in strokes.into_iter().enumerate() {
+            let mut columns = push(0.0);
+            columns.2 = columns.0.iter().map(|t| 0.1 - 0.05 * stroke(*t)).collect();
+            assert!(relaxation(&columns).is_ok(), "{nth}");
+        }
+    }
+
+    /// A move of 0.1 s from that time on, as a share of itself.
+    fn ramp(t: f64, from: f64) -> f64 {
+        ((t - from) / 0.1).clamp(0.0, 1.0)
     }
 
     #[test]

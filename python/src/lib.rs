@@ -15,10 +15,10 @@ mod work;
 
 use ::sweep::statistics::Plan;
 use anyhow::Context;
-use pneutherm::evaluation;
 use pneutherm::predictive::Wanted;
 use pneutherm::settings::Settings;
 use pneutherm::simulation::{self, Request};
+use pneutherm::{evaluation, output};
 use pneutherm::{stores, study_pictures};
 use pyo3::prelude::*;
 use records::{Document, Model, Rig};
@@ -72,7 +72,9 @@ fn read_model(given: Given) -> anyhow::Result<Document> {
 fn identify(py: Python<'_>, rig: Given, method: String, model: Option<PathBuf>) -> PyResult<String> {
     interruptible(py, move || {
         let method = evaluation::method(&method)?;
-        let found = evaluation::identify(&read_rig(rig)?, method, model.as_deref())?;
+        let rig = read_rig(rig)?;
+        output::check(&model, output::files(&rig))?;
+        let found = evaluation::identify(&rig, method, model.as_deref())?;
         Ok(serde_json::to_string(&found)?)
     })
 }
@@ -82,6 +84,7 @@ fn identify(py: Python<'_>, rig: Given, method: String, model: Option<PathBuf>) 
 fn diagnose(py: Python<'_>, rig: Given, model: Option<PathBuf>, report: Option<PathBuf>) -> PyResult<String> {
     interruptible(py, move || {
         let rig = read_rig(rig)?;
+        output::check(model.iter().chain(&report), output::files(&rig))?;
         let found = evaluation::diagnose(&rig, report.as_deref(), &|_, _| {})?;
         if let Some(path) = &model {
             evaluation::write_diagnosed(&rig, &found, path)?;

@@ -70,6 +70,10 @@ impl Document {
             if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv")) {
                 message += "; a trace is named in a rig file (TOML), which is expected here";
             }
+            let source = text.lines().nth(line - 1).unwrap_or("");
+            if source.contains('"') && source.contains('\\') {
+                message += "; write a path with a backslash in single quotes, or with forward slashes";
+            }
             Error::Syntax { path: path.to_owned(), line, column, message }
         })?;
         let root = entries(parsed.get_ref(), "", &lines);
@@ -217,6 +221,16 @@ mod tests {
         let message = message("[cylinder]\nbore_m = = 2\n");
         assert!(message.starts_with("a.toml: line 2, column "), "{message}");
         assert!(!message.contains('\n'), "{message}");
+    }
+
+    #[test]
+    fn a_windows_path_in_double_quotes_is_refused_with_what_to_write() {
+        for path in ["C:\\Users\\a.csv", "C:\\data\\a.csv", "\\\\server\\runs\\a.csv"] {
+            let message = message(&format!("[[experiment]]\ntraces = [\"{path}\"]\n"));
+            assert!(message.starts_with("a.toml: line 2, "), "{message}");
+            assert!(message.ends_with("in single quotes, or with forward slashes"), "{message}");
+        }
+        assert!(Document::parse(Path::new("a"), "traces = ['C:\\Users\\a.csv']".into()).is_ok());
     }
 
     #[test]

@@ -66,6 +66,51 @@ fn decimal_commas_between_semicolons() {
 }
 
 #[test]
+fn days_as_excel_counts_them() {
+    let row = |t: f64, p: f64, x: f64| format!("{:.12};{:.6};{:.4}", 45_000.375 + t / 86_400.0, p / 1e5, x * 1e3);
+    let (_folder, path, look, trace) = looked_at("excel.csv", table("Time;p [bar];x [mm]", row).as_bytes());
+    let time = look.guess.of(Quantity::Time).unwrap();
+    assert_eq!((time.unit.name, time.unit_guessed), ("d", true));
+    let (expected, last) = (example(), trace.len() - 1);
+    assert!((trace.time_s[last] - trace.time_s[0] - expected.time_s[last]).abs() < 2e-6);
+    // Read as seconds they are refused.
+    let mut layout = look.guess.layout();
+    layout.columns[Quantity::Time as usize].unit = "s";
+    layout.columns[Quantity::Time as usize].factor = 1.0;
+    let reading = Reading { layout: &layout, stroke_m: None, window: Window::ALL, need: Need::Measurement };
+    let message = Trace::read(&path, &reading).unwrap_err().to_string();
+    assert!(message.contains("column `Time`: times from 45000.375 to 45000.375"), "{message}");
+    assert!(message.ends_with("write unit = \"d\" for time in the [columns] of the rig file"), "{message}");
+}
+
+#[test]
+fn a_header_without_rows_is_refused() {
+    let folder = TempDir::new().unwrap();
+    for (name, text) in [("header.csv", "time_s,pressure_pa,position_m\n"), ("units.csv", "t;p;x\ns;bar;mm\n")] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let message = Look::at(&path, &Names::default()).unwrap_err().to_string();
+        assert!(message.contains(name) && message.contains("there is no row after the header in line 1"), "{message}");
+    }
+}
+
+#[test]
+fn a_workbook_is_refused_with_what_to_do() {
+    let folder = TempDir::new().unwrap();
+    let begins: [(&str, &[u8]); 2] =
+        [("run.xlsx", b"PK\x03\x04\x14\0"), ("run.xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")];
+    for (name, bytes) in begins {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let message = Look::at(&path, &Names::default()).unwrap_err().to_string();
+        assert!(
+            message.contains(name) && message.ends_with("in the spreadsheet program, save the sheet as CSV"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn comments_and_a_line_of_units() {
     let head = "# Logger 7, run of 22 November\n# by hand\nt\tp\tx\ns\tkPa\tcm";
     let text = table(head, |t, p, x| format!("{t}\t{:.4}\t{:.5}", p / 1e3, x * 100.0));

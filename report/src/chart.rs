@@ -273,7 +273,8 @@ pub fn sheet(title: &str, charts: &[Chart<'_>], columns: usize) -> Result<String
         }
         root.present().map_err(failed)?;
     }
-    Ok(svg)
+    let size = |each: f64| format!("<svg width=\"{}\" height=\"{}\"", each * f64::from(width), each * f64::from(total));
+    Ok(svg.replacen(&size(UNITS), &size(1.0), 1))
 }
 
 /// A linear axis with ticks of our own.
@@ -459,5 +460,11 @@ mod tests {
     fn charts_of_a_sheet_stand_side_by_side() {
         let svg = sheet("all of them", &[chart("a"), chart("b"), chart("c")], 2).unwrap();
         assert!(svg.contains("viewBox=\"0 0 1600 1060\""), "{}", &svg[..200]);
+    }
+
+    #[test]
+    fn a_chart_by_itself_opens_at_its_size() {
+        let svg = Chart { size: (640, 250), ..chart("model") }.draw().unwrap();
+        assert!(svg.contains("<svg width=\"640\" height=\"250\" viewBox=\"0 0 1280 500\""), "{}", &svg[..200]);
     }
 }

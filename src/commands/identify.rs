@@ -72,6 +72,11 @@ fn table(r: &Identification) -> String {
             cell(e.mass_kg, 4)
         );
     }
+    for e in &r.experiments {
+        if let Some(reason) = &e.steps_refused {
+            let _ = writeln!(out, "{}: no values by the paper's steps: {reason}", e.name);
+        }
+    }
     let held_out = r.rmse_pa.held_out.map_or(String::new(), |h| format!(", on left-out data {h:.1} Pa"));
     let _ = writeln!(out, "\nerror {:.1} Pa rms{held_out}; noise of the recording {:.1} Pa", r.rmse_pa.fit, r.noise_pa);
     if r.method == "exact" && !r.residual_is_noise {

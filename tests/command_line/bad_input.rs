@@ -19,7 +19,7 @@ fn in_a_motion() {
     refused("motion.csv", motion().replace("position_m", "positon_m"), &["motion.csv: line 1", "`positon_m`"]);
     refused("motion.csv", "", &["motion.csv: the file is empty"]);
     refused("motion.csv", "time_s,pressure_pa,position_m\n", &["motion.csv: there is no row"]);
-    refused("motion.csv", b"PK\x03\x04\0\0\0", &["motion.csv: line 1: binary data"]);
+    refused("motion.csv", b"PK\x03\x04\0\0\0", &["motion.csv: line 1: a ZIP archive"]);
 }
 
 #[test]

@@ -51,6 +51,23 @@ fn identify_writes_the_contract_s_json_and_a_model_that_can_be_simulated() {
 }
 
 #[test]
+fn a_record_with_several_moves_has_no_values_by_the_paper_s_steps_and_the_reason_is_shown() {
+    let bench = bench();
+    let rig = std::fs::read_to_string(bench.path("rig.toml")).unwrap();
+    bench.file("more.toml", rig + "\n[[experiment]]\nname = \"several\"\ntraces = [\"validation.csv\"]\n");
+    let out = text(&bench.call(0, &["identify", "more.toml", "--json", "more.json"]).stdout);
+    let row = out.lines().find(|line| line.starts_with("several ")).unwrap_or_else(|| panic!("{out}"));
+    assert_eq!(row.split_whitespace().filter(|cell| *cell == "-").count(), 3, "{out}");
+    assert!(out.contains("several: no values by the paper's steps: the piston moves more than once"), "{out}");
+    let json: Value = serde_json::from_slice(&std::fs::read(bench.path("more.json")).unwrap()).unwrap();
+    assert!(
+        json["experiments"][5]["steps_lambda0_w_per_m2_k"].is_null()
+            && json["experiments"][0]["steps_refused"].is_null()
+    );
+    assert!(json["experiments"][5]["steps_refused"].is_string(), "{json}");
+}
+
+#[test]
 fn diagnose_names_the_leak_and_its_model_predicts_a_motion_it_never_saw() {
     let bench = bench();
     let output = bench.call(0, &["diagnose", ".", "--json", "-", "-o", "diagnosed.toml"]);

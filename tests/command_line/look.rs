@@ -15,6 +15,14 @@ fn logged(since: f64) -> String {
 }
 
 #[test]
+fn a_header_without_rows_is_refused() {
+    let bench = Bench::new();
+    bench.file("header.csv", "time_s,pressure_pa,position_m\n");
+    let sentence = bench.refusal(&["look", "header.csv", "-o", "looked.toml"]);
+    assert!(sentence.contains("header.csv: there is no row after the header in line 1"), "{sentence}");
+}
+
+#[test]
 fn seconds_since_1970_stand_in_their_columns() {
     let bench = Bench::new();
     bench.file("logged.csv", logged(1_764_000_000.0));

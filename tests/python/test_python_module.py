@@ -4,6 +4,7 @@ import gc
 import math
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -30,6 +31,23 @@ def test_identify_gives_each_parameter_with_its_interval_and_unit(module, root):
     assert lambda0["ci95_low"] < lambda0["value"] < lambda0["ci95_high"] and "W" in lambda0["unit"]
     assert fit.experiments.num_rows == 5 and "time_constant_s" in fit.experiments.column_names
     assert fit.rmse_pa["fit"] > 0.0
+
+
+def test_no_result_is_written_over_what_the_rig_consists_of(module, root, tmp_path):
+    folder = shutil.copytree(root / "examples/cylinder", tmp_path / "cylinder")
+    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    rig, trace = folder / "rig.toml", next(folder.glob("compress-*.csv"))
+    for call in [
+        lambda: module.identify(folder, model=rig),
+        lambda: module.identify(rig, model=trace),
+        lambda: module.diagnose(folder, model=trace),
+        lambda: module.diagnose(folder, report=rig),
+    ]:
+        with pytest.raises(module.Error, match="not written, because it is read by this command"):
+            call()
+    with pytest.raises(module.Error, match="two results cannot go to one file"):
+        module.diagnose(folder, model=tmp_path / "out", report=tmp_path / "out")
+    assert before == {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def test_the_time_constant_method_is_another_method(module, root):

@@ -69,6 +69,11 @@ impl Sides {
         core::array::from_fn(|i| corners[i] + if self.above[i] { band } else { -band })
     }
 
+    /// The sides of the corners; none where the value rests at its corner, within the dead band.
+    pub fn clear(corners: &[f64; CORNERS], tolerance: f64) -> [Option<bool>; CORNERS] {
+        corners.map(|value| (value.abs() > BAND * tolerance).then_some(value > 0.0))
+    }
+
     /// Takes the sides that the corners' functions are on.
     pub fn settle(&mut self, corners: &[f64; CORNERS]) {
         self.above = corners.map(|value| value > 0.0);

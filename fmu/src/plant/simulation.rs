@@ -414,14 +414,21 @@ impl Simulation {
         Ok(corners::corners(&moment, &u, &states, &self.piston(), self.sides.rest))
     }
 
-    /// On which side of each corner the chamber is.
+    /// On which side of each corner the chamber is; none where it rests at one: to leave it is no event.
     ///
     /// # Errors
     /// When the present inputs leave the gas no room.
-    pub fn signs(&self) -> Result<[bool; CORNERS], Fault> {
-        let mut sides = Sides::default();
-        sides.settle(&self.corners()?);
-        Ok(sides.above)
+    pub fn clear_sides(&self) -> Result<[Option<bool>; CORNERS], Fault> {
+        Ok(Sides::clear(&self.corners()?, self.experiment.tolerance))
+    }
+
+    /// Whether a corner lies between these sides and the present state.
+    ///
+    /// # Errors
+    /// When the present inputs leave the gas no room.
+    pub fn has_changed(&self, sides: &[Option<bool>; CORNERS]) -> Result<bool, Fault> {
+        let now = self.corners()?;
+        Ok(sides.iter().zip(now).any(|(side, value)| side.is_some_and(|above| above != (value > 0.0))))
     }
 
     /// The event indicators.

@@ -55,6 +55,8 @@ pub struct ExperimentResult {
     pub mass_kg: Option<f64>,
     /// λ0 by the seven steps, W/(m² K).
     pub steps_lambda0_w_per_m2_k: Option<f64>,
+    /// Why the paper's steps give nothing, in a sentence.
+    pub steps_refused: Option<String>,
 }
 
 /// The result of `identify`.
@@ -237,6 +239,8 @@ fn experiments(data: &Data, steps: &Steps, masses: Option<&[f64]>) -> Vec<Experi
         .map(|(e, name)| {
             let own: Vec<&TimeConstant> =
                 steps.iter().filter(|(k, _)| *k == e).filter_map(|(_, s)| s.as_ref().ok()).collect();
+            let mut of_experiment = steps.iter().filter(|(k, _)| *k == e);
+            let refused = of_experiment.find_map(|(_, s)| s.as_ref().err()).map(ToString::to_string);
             let mean = |f: &dyn Fn(&TimeConstant) -> f64| {
                 (!own.is_empty()).then(|| own.iter().map(|s| f(s)).sum::<f64>() / own.len() as f64)
             };
@@ -252,6 +256,7 @@ fn experiments(data: &Data, steps: &Steps, masses: Option<&[f64]>) -> Vec<Experi
                     .map(|m| m.iter().sum::<f64>() / m.len() as f64)
                     .or_else(|| mean(&|s| s.steps.mass_kg.value)),
                 steps_lambda0_w_per_m2_k: mean(&|s| s.steps.coefficient_0_w_per_m2_k.value),
+                steps_refused: refused.filter(|_| own.is_empty()),
             }
         })
         .collect()

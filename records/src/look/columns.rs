@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::layout::{Column, Layout};
 use crate::limits::STANDARD_ATMOSPHERE_PA;
 use crate::statistics::{correlation, extremes, median};
-use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem};
+use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem, excel};
 use crate::units::{CLOCK, Quantity, Unit, VOLT, says_absolute, says_gauge};
 
 /// Positions that count from anywhere are first read with so much added, m.
@@ -279,6 +279,7 @@ fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
     let size = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
     let steps = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let name = match quantity {
+        Quantity::Time if are_excel_days(values) => "d",
         Quantity::Time if median(steps) >= 1.0 => "ms",
         Quantity::Pressure if size > 2e4 => "Pa",
         Quantity::Pressure if size > 50.0 => "kPa",
@@ -289,6 +290,10 @@ fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
     };
     let units = quantity.units();
     units.iter().find(|unit| unit.name == name).unwrap_or(&units[0])
+}
+
+fn are_excel_days(values: &[f64]) -> bool {
+    matches!(values, [from, .., to] if excel::are_days(*from, *to, values.len()))
 }
 
 /// A name without its unit, and the unit: in brackets, or after the last blank, slash or underscore.

@@ -15,7 +15,7 @@ pub mod readings;
 use crate::Layout;
 use crate::error::Error;
 use crate::format::Encoding;
-use crate::trace::{self, Need, Reading, Trace, Window};
+use crate::trace::{self, Need, Reading, Trace, TraceProblem, Window};
 use columns::{Guess, Names};
 use motion::Phase;
 use readings::Readings;
@@ -66,6 +66,10 @@ impl Look {
     pub fn at(path: &Path, names: &Names) -> Result<Self, Error> {
         let (dialect, encoding, sample) = trace::sample(path, &Layout::default())?;
         check(path, &dialect, names)?;
+        if sample.is_empty() {
+            let problem = Box::new(TraceProblem::NoRows { line: dialect.header.unwrap_or(1) });
+            return Err(Error::Trace { path: path.to_owned(), problem });
+        }
         let mut guess = Guess::from_names(&dialect, &sample, names);
         if !guess.missing().is_empty() {
             return Ok(Self { dialect, encoding, guess, found: None });

@@ -21,6 +21,12 @@ const HEAD_LINES: usize = 300;
 /// ... and bytes of UTF-8.
 const HEAD_BYTES: usize = 1 << 18;
 
+/// What files of spreadsheet programs begin with, and what they are.
+const BINARY: [(&[u8], &str); 2] = [
+    (b"PK\x03\x04", "a ZIP archive, as XLSX and ODS files are"),
+    (b"\xd0\xcf\x11\xe0", "an old Office file, as XLS files are"),
+];
+
 /// Why no next line could be had.
 pub enum Stop {
     /// The system's reason.
@@ -66,6 +72,9 @@ impl<'a> Lines<'a> {
         let mut source = Hashing { source, hashed: Rc::clone(&hashed) };
         let mut first = Vec::new();
         source.by_ref().take(FIRST_BYTES).read_to_end(&mut first)?;
+        if let Some((_, what)) = BINARY.iter().find(|(begin, _)| first.starts_with(begin)) {
+            return Err(TraceProblem::NotText { line: 1, what }.into());
+        }
         let encoding = stated.map_or_else(|| guessed(&first), |stated| among_utf16(stated, &first));
         let mark: &[u8] = match encoding {
             Encoding::Utf8 => b"\xef\xbb\xbf",

@@ -4,6 +4,7 @@
 
 mod clock;
 mod dialect;
+pub(crate) mod excel;
 mod fields;
 mod header;
 mod left_out;

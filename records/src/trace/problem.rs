@@ -16,7 +16,7 @@ pub enum TraceProblem {
         limit: String,
     },
     /// Not a text file.
-    #[error("line {line}: {what}; expected a text table")]
+    #[error("line {line}: {what}; expected a text table{}", if what.contains("XLS") { "; in the spreadsheet program, save the sheet as CSV" } else { "" })]
     NotText {
         /// Number of the line, counted from 1.
         line: usize,
@@ -66,6 +66,19 @@ pub enum TraceProblem {
     NoRows {
         /// The header's line.
         line: usize,
+    },
+    /// Excel's days, taken for seconds.
+    #[error(
+        "column `{column}`: times from {from:?} to {to:?} are days as Excel counts them, not seconds; write unit = \"d\" for \
+         time in the [columns] of the rig file"
+    )]
+    ExcelDays {
+        /// Name of the column, as the header has it.
+        column: String,
+        /// The first time.
+        from: f64,
+        /// The last time.
+        to: f64,
     },
     /// Too few rows to be a record.
     #[error("{rows} row{} {part}{} too few for a record; at least 3 are needed", if *rows == 1 { "" } else { "s" }, if *rows == 1 { "is" } else { "are" })]

@@ -2,6 +2,7 @@
 
 use super::Trace;
 use super::dialect::Dialect;
+use super::excel;
 use super::header::Header;
 use super::lines::{self, Lines, Stop};
 use super::problem::TraceProblem;
@@ -58,6 +59,7 @@ pub(super) fn read(path: &Path, reading: &Reading<'_>) -> Result<Trace, Error> {
         let dialect = dialect(lines, reading.layout)?;
         let header = Header::read(&dialect, reading)?;
         let table = read_rows(lines, &dialect, &header, reading)?;
+        no_excel_days(&header, &table.columns[0])?;
         let mut columns = table.columns.into_iter();
         let mut next = |quantity| header.place(quantity).map(|_| columns.next().unwrap_or_default());
         Ok(Trace {
@@ -128,6 +130,18 @@ fn read_rows(
     let table = rows.finish()?;
     enough(seen, table.columns[0].len(), header.line)?;
     Ok(table)
+}
+
+/// Refuses Excel's days where seconds are expected: as such the record would be too short and too fast for any chamber.
+fn no_excel_days(header: &Header<'_>, time_s: &[f64]) -> Result<(), TraceProblem> {
+    let column = header.found[0].2;
+    let is_seconds = column.unit == Quantity::Time.si_unit() && column.factor == 1.0 && column.offset == 0.0;
+    match (time_s.first(), time_s.last()) {
+        (Some(&from), Some(&to)) if is_seconds && excel::are_days(from, to, time_s.len()) => {
+            Err(TraceProblem::ExcelDays { column: column.name.clone(), from, to })
+        }
+        _ => Ok(()),
+    }
 }
 
 fn enough(rows: usize, used: usize, line: usize) -> Result<(), TraceProblem> {

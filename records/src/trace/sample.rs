@@ -36,6 +36,11 @@ impl Sample {
         let moments = moments.iter().zip(&numbers).map(|(moments, numbers)| *moments > numbers.len()).collect();
         Self { numbers, moments }
     }
+
+    /// Whether no row holds a number or a moment.
+    pub fn is_empty(&self) -> bool {
+        self.numbers.iter().all(Vec::is_empty) && !self.moments.contains(&true)
+    }
 }
 
 /// How a file is written, and its first rows.

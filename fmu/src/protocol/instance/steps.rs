@@ -21,7 +21,8 @@ impl Instance {
     }
 
     /// As [`Instance::do_step`], but no further than to the first event; whether there was one. An event is located to a
-    /// billionth of the step, on its far side. Two that undo each other within a step are not seen.
+    /// billionth of the step, on its far side. Two that undo each other within a step are not seen, nor is one to which the
+    /// chamber is so near at the step's begin that it counts as being there: what begins at rest begins at T = Tw.
     ///
     /// # Errors
     /// As for a step.
@@ -29,10 +30,10 @@ impl Instance {
         self.check_step(point, h)?;
         let mut before = self.now.clone();
         before.time = point;
-        let sides = self.now.signs();
+        let sides = self.now.clear_sides();
         let stroke = self.advance(point, h)?;
-        let event = match (sides, self.now.signs()) {
-            (Ok(sides), Ok(after)) if sides != after => first_event(before, h, &sides),
+        let event = match sides {
+            Ok(sides) if self.now.has_changed(&sides).unwrap_or(false) => first_event(before, h, &sides),
             _ => None,
         };
         let is_early = event.is_some();
@@ -105,14 +106,14 @@ impl Instance {
     }
 }
 
-/// A step of `h` seconds from `before`, which has its corners on these sides, up to the first that changes its side; `None`
+/// A step of `h` seconds from `before`, which is on these sides of the corners, up to the first that changes its side; `None`
 /// where rounding lets no such part of the step be made.
-fn first_event(mut before: Simulation, h: f64, sides: &[bool; CORNERS]) -> Option<Simulation> {
+fn first_event(mut before: Simulation, h: f64, sides: &[Option<bool>; CORNERS]) -> Option<Simulation> {
     let (mut low, mut high) = (0.0, h);
     while high - low > 1e-9 * h {
         let middle = 0.5 * (low + high);
         let mut trial = before.clone();
-        let passed = trial.step(middle).is_err() || trial.signs().is_ok_and(|there| there != *sides);
+        let passed = trial.step(middle).is_err() || trial.has_changed(sides).unwrap_or(false);
         if passed { high = middle } else { low = middle }
     }
     before.step(high).ok().map(|()| before)
@@ -121,7 +122,29 @@ fn first_event(mut before: Simulation, h: f64, sides: &[bool; CORNERS]) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::values::{Starts, StrokeInput, parameter};
+    use crate::plant::values::{BASE, Starts, StrokeInput, parameter};
+    use chamber::effects;
+
+    #[test]
+    fn a_corner_at_which_the_chamber_rests_is_left_without_an_event() {
+        let mut starts = Starts::default();
+        starts.parameters.choices.stroke_input = StrokeInput::Velocity;
+        // Free convection: its coefficient has a corner at T = Tw, where a chamber at rest is.
+        let (effect, _) = effects::all().find(|(_, card)| card.name == "natural_convection").unwrap();
+        starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[effect]] = 0.25;
+        let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        let velocity = crate::table::place(crate::table::Role::Input(input::VELOCITY)).unwrap() as u32;
+        instance.set_real(&[velocity], &[-0.1]).unwrap();
+        assert_eq!(instance.do_step_to_event(0.0, 0.09), Ok(false));
+        // Drawn back, the gas cools below the wall: the corner is passed, once.
+        instance.set_real(&[velocity], &[0.1]).unwrap();
+        assert_eq!(instance.do_step_to_event(0.09, 0.5), Ok(true));
+        let event = instance.time();
+        assert!(event > 0.1 && event < 0.58, "{event}");
+        assert_eq!(instance.do_step_to_event(event, 0.001), Ok(false));
+    }
 
     #[test]
     fn what_lies_beyond_an_event_that_ends_a_step_is_not_warned_of() {
