@@ -17,7 +17,7 @@ use chamber::simulate::Start;
 use chamber::{Chamber, HeatTransfer};
 
 /// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
-const FIRST_LAMBDA0: f64 = 30.0;
+pub const FIRST_LAMBDA0: f64 = 30.0;
 
 /// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.
 const REST_DEVIATION_K: f64 = 3.0;

@@ -19,6 +19,10 @@ pub const FITTED: usize = 8;
 /// Better sets of each round whose error on left-out data is judged.
 pub const JUDGED: usize = 4;
 
+/// How far λ0 may lie from its first guess, as the logarithm of their ratio: the paper's model is fitted from so far on either
+/// side too. What λ0 ends farther away is that of a model that lacks something, and is no place for a larger one to begin alone.
+pub const FIRST_GUESS_REACH: f64 = 2.0;
+
 /// Probability below which outliers lie at moves no longer by chance: one rig in a thousand keeps its spikes there, which
 /// costs little beside leaving out the rows that show a delay.
 pub const AT_MOVES_PROBABILITY: f64 = 1e-3;

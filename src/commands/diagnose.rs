@@ -162,7 +162,7 @@ fn recording(out: &mut String, d: &Diagnosis) {
     let likely: Vec<String> =
         d.probabilities.iter().filter(|(_, p)| *p > 0.2).map(|(e, p)| format!("{e} {:.0} %", 100.0 * p)).collect();
     if !likely.is_empty() {
-        let _ = writeln!(out, "probable effects: {}", likely.join(", "));
+        let _ = writeln!(out, "{}: {}", d.meaning_of_probabilities(), likely.join(", "));
     }
 }
 

@@ -115,8 +115,8 @@ fn verdict(d: &Diagnosis) -> Section {
     );
     if !d.probabilities.is_empty() {
         let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
-        section
-            .text(format!("Probability of each effect, over all sets tried: {}.", each.collect::<Vec<_>>().join(", ")));
+        let each = each.collect::<Vec<_>>().join(", ");
+        section.text(format!("Odds over all sets tried, {}: {each}.", d.meaning_of_probabilities()));
     }
     for group in &d.indistinguishable {
         let names: Vec<String> = group.iter().map(|n| format!("**{}**", spaced(n))).collect();

@@ -155,6 +155,11 @@ impl Diagnosis {
         self.steps.last().map_or("", |step| &step.terms)
     }
 
+    /// What the probabilities of the effects say beside this verdict.
+    pub fn meaning_of_probabilities(&self) -> &'static str {
+        probability::meaning(self.verdict)
+    }
+
     /// Whether a curve is among them.
     pub fn has_curve(&self) -> bool {
         self.empirical.as_ref().is_some_and(|e| e.accepted)

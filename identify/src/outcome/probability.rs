@@ -5,7 +5,7 @@
 //! would be the textbook's (Raftery, 1995); `TEMPER` is larger, as the noise is a model itself. Sets with a curve in them are
 //! left out.
 
-use crate::search::{Candidate, Found};
+use crate::search::{Candidate, Found, Verdict};
 use chamber::effects::{CARDS, COUNT};
 
 /// How much flatter than the textbook's the odds are.
@@ -18,6 +18,13 @@ const WORTH_MENTION: f64 = 0.01;
 /// Odds of two sets whose BIC differ by that, the former's smaller by `gain`.
 pub fn odds(gain: f64) -> f64 {
     (gain / (2.0 * TEMPER)).exp()
+}
+
+/// What these probabilities say with a verdict: of the cause only where a set of effects leaves no more than noise. Elsewhere
+/// they compare sets none of which will do, and the best of them may have 100 %.
+pub fn meaning(verdict: &str) -> &'static str {
+    let leaves_noise = [Verdict::Adequate, Verdict::Explained].iter().any(|v| v.name() == verdict);
+    if leaves_noise { "probable effects" } else { "best of the effects tried, none of which explains the records" }
 }
 
 /// Probability of each effect of the rig, the most probable first.
@@ -41,4 +48,16 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
         (0..COUNT).map(|e| (CARDS[e].name.to_owned(), each[e] / sum)).filter(|(_, p)| *p >= WORTH_MENTION).collect();
     out.sort_by(|a, b| b.1.total_cmp(&a.1));
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn effects_are_called_probable_only_where_they_leave_no_more_than_noise() {
+        let probable = |verdict: Verdict| meaning(verdict.name()).contains("probable");
+        assert!(probable(Verdict::Adequate) && probable(Verdict::Explained));
+        assert!(!probable(Verdict::Improved) && !probable(Verdict::Unexplained));
+    }
 }

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::fit::{self, Failure, Fit};
 use crate::judge::misfit;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
+use crate::policy::FIRST_GUESS_REACH;
 use crate::record::noise::Noise;
 use crate::record::prepare::Data;
 use crate::record::{colour, outliers};
@@ -39,12 +40,16 @@ pub fn is_alike(a: &Noise, b: &Noise) -> bool {
         && a.hum.is_some() == b.hum.is_some()
 }
 
-fn from_scratch(data: &Data) -> Result<Fit, Error> {
+/// Fits the paper's model from nothing but the data.
+///
+/// # Errors
+/// Where its simulation fails at the very begin.
+pub fn from_scratch(data: &Data) -> Result<Fit, Error> {
     let first = first_chamber(data);
     let h = Hypothesis::new(data, Model::PAPER, &first, &Sizes::of(data, &first));
     let selection = fit::all_blocks(data);
     // λ0 may be far from the first guess: the best of three starts.
-    let fits: Vec<Result<Fit, Failure>> = [0.0, 2.0, -2.0]
+    let fits: Vec<Result<Fit, Failure>> = [0.0, FIRST_GUESS_REACH, -FIRST_GUESS_REACH]
         .into_par_iter()
         .map(|offset| {
             let mut x = h.coordinates(&first);

@@ -17,7 +17,7 @@ pub mod terms;
 use crate::error::Error;
 use crate::fit::{self, Fit};
 use crate::judge::adequacy::{self, Adequacy};
-use crate::judge::evidence::{bic, bic_widened};
+use crate::judge::evidence::{self, bic, bic_widened};
 use crate::judge::left_out::{self, Fold};
 use crate::judge::{kinds, misfit, sanity};
 use crate::parameters::{Model, Sizes};
@@ -117,7 +117,8 @@ struct Search {
 
 impl Search {
     fn new(data: Data, baseline: Fit, adequacy: Adequacy) -> Self {
-        let sizes = Sizes::of(&data, &baseline.chamber());
+        // Where the paper's model does without heat transfer, its relaxation says nothing of the effects' sizes.
+        let sizes = Sizes::of(&data, &starts::within_reach(&baseline.chamber()));
         let folds = left_out::folds(&data);
         let mut baseline = Candidate { model: Model::PAPER, fit: baseline, delta_bic: 0.0, held_out_pa: None };
         baseline.held_out_pa = left_out::rmse(&data, &baseline.fit, &folds);
@@ -333,7 +334,7 @@ impl Search {
         candidates[..count].par_iter_mut().for_each(|c| self.hold_out(c));
     }
 
-    /// Fits each model from the largest part of it that is there; best evidence first.
+    /// Fits each model from the part of it that is there and fits best; best evidence first.
     fn fit_all(&self, models: &[Model]) -> Vec<Candidate> {
         let mut out: Vec<Candidate> = models
             .par_iter()
@@ -345,10 +346,10 @@ impl Search {
     }
 
     fn part_of(&self, model: &Model) -> &Fit {
-        let known = self.tried.iter().chain([&self.chosen]).filter(|c| terms::is_part(&c.model, model));
-        known
-            .min_by_key(|c| (usize::MAX - c.model.terms(), c.fit.marginal as u64))
-            .map_or(&self.baseline.fit, |c| &c.fit)
+        // Mostly the largest; but one that ended beside its best is worse than what it contains.
+        let known = self.tried.iter().chain([&self.chosen, &self.baseline]);
+        let parts = known.filter(|c| terms::is_part(&c.model, model)).map(|c| &c.fit);
+        parts.min_by(|a, b| a.marginal.total_cmp(&b.marginal)).unwrap_or(&self.baseline.fit)
     }
 
     /// Begins again with the outliers and the noise that this fit leaves and, where its records are moving averages, without what
@@ -396,7 +397,11 @@ impl Search {
         self.data = data;
         // Without other outliers there are other blocks.
         self.folds = left_out::folds(&self.data);
-        let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
+        let again = self.refit(&self.baseline.fit);
+        let is_lost = starts::has_lost_lambda0(&self.baseline.fit.chamber());
+        let anew = if is_lost { baseline::from_scratch(&self.data).ok() } else { None };
+        let fits = again.into_iter().chain(anew);
+        let fit = fits.min_by(|a, b| a.marginal.total_cmp(&b.marginal)).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
         self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
         self.chosen = self.baseline.clone();
@@ -409,10 +414,25 @@ impl Search {
     }
 
     fn refitted(&self, candidates: &[Candidate]) -> Vec<Candidate> {
-        let mut out: Vec<Candidate> =
+        let again: Vec<Candidate> =
             candidates.par_iter().filter_map(|c| Some(self.candidate(self.refit(&c.fit)?))).collect();
+        let mut out: Vec<Candidate> = again.par_iter().map(|c| self.no_worse_than_a_part(c, &again)).collect();
         sort(&mut out);
         out
+    }
+
+    /// A candidate, begun anew from the best of its parts among the others where that fits better: with other weights of the
+    /// data the part may have gone on to a lower valley, and the candidate have stayed where it was.
+    fn no_worse_than_a_part(&self, c: &Candidate, others: &[Candidate]) -> Candidate {
+        let squares = |c: &Candidate| evidence::of_squares(c.fit.marginal, c.fit.blocks, 0);
+        let is_part = |part: &&Candidate| part.model != c.model && terms::is_part(&part.model, &c.model);
+        let parts = others.iter().chain([&self.baseline]).filter(is_part);
+        parts
+            .min_by(|a, b| a.fit.marginal.total_cmp(&b.fit.marginal))
+            .filter(|part| squares(c) - squares(part) > policy::INDISTINGUISHABLE)
+            .and_then(|part| fit_model(&self.data, c.model, &part.fit, &self.sizes))
+            .filter(|fit| fit.marginal < c.fit.marginal)
+            .map_or_else(|| c.clone(), |fit| self.candidate(fit))
     }
 
     /// Terms that are not decisive beside the others go out again; so do effects that a wrong geometry can stand for.
@@ -573,4 +593,27 @@ fn distinct(models: Vec<Model>) -> Vec<Model> {
 
 fn sort(candidates: &mut [Candidate]) {
     candidates.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Recipe;
+    use chamber::effects::find;
+
+    #[test]
+    fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
+        let data = Data::prepare(&Recipe::from_seed(5).rig()).unwrap();
+        let (data, paper) = baseline::fitted(data).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let search = Search::new(data, paper, adequacy);
+        let model = Model::with(EffectSet::one(find("leakage").unwrap().0));
+        let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+        let good = search.candidate(fit);
+        assert_eq!(search.no_worse_than_a_part(&good, &[]).fit.marginal, good.fit.marginal);
+        let mut stuck = good.clone();
+        stuck.fit.marginal *= 2.0;
+        let anew = search.no_worse_than_a_part(&stuck, &[]);
+        assert!((anew.fit.marginal / good.fit.marginal - 1.0).abs() < 1e-6);
+    }
 }

@@ -2,7 +2,8 @@
 
 use crate::fit::{self, Descent, Fit, Selection, Until};
 use crate::judge::evidence;
-use crate::parameters::{Hypothesis, Model, Sizes};
+use crate::parameters::{FIRST_LAMBDA0, Hypothesis, Model, Sizes, first_chamber};
+use crate::policy::FIRST_GUESS_REACH;
 use crate::record::prepare::Data;
 use chamber::Chamber;
 use chamber::card::Unit;
@@ -20,10 +21,38 @@ const NOT_FAR_BEHIND: f64 = 2.0;
 /// ...and is not the same within this share, which means that both have come to the same minimum.
 const THE_SAME: f64 = 1e-4;
 
-/// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew.
+/// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew. Where the
+/// part has lost λ0, that starts anew too; the better of both.
 pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
+    let fits = bases(data, part).into_iter().filter_map(|base| fit_from(&base, data, model, part, sizes));
+    fits.min_by(|a, b| a.marginal.total_cmp(&b.marginal))
+}
+
+/// The chambers that a larger model than this one begins from: this one's and, where its λ0 is none that the paper's model would
+/// begin from, the same with λ0 and dead volume as first guessed. What lacks a delay, say, fits best without heat transfer, and
+/// there nothing tells how the other effects of the gas would help.
+fn bases(data: &Data, part: &Fit) -> Vec<Chamber> {
+    let (known, first) = (part.chamber(), first_chamber(data));
+    let anew = Chamber { heat_transfer: first.heat_transfer, geometry: first.geometry, ..known };
+    if has_lost_lambda0(&known) { vec![known, anew] } else { vec![known] }
+}
+
+/// Whether λ0 has gone farther from its first guess than a gas in a cylinder is likely to be.
+pub fn has_lost_lambda0(chamber: &Chamber) -> bool {
+    within_reach(chamber).heat_transfer.coefficient != chamber.heat_transfer.coefficient
+}
+
+/// The chamber with the nearest λ0 that is not too far from its first guess.
+pub fn within_reach(chamber: &Chamber) -> Chamber {
+    let mut near = *chamber;
+    let [least, most] = [-FIRST_GUESS_REACH, FIRST_GUESS_REACH].map(|reach| FIRST_LAMBDA0 * reach.exp());
+    near.heat_transfer.coefficient = near.heat_transfer.coefficient.clamp(least, most);
+    near
+}
+
+fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
     let selection = fit::all_blocks(data);
-    let begun = trials(data, model, part, sizes, &selection);
+    let begun = trials(base, data, model, part, sizes, &selection);
     let best = begun.first()?.1.chi2;
     let ways_on = |start: &Descent| start.chi2 == best || is_rival(start.chi2, best);
     begun
@@ -38,7 +67,7 @@ pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option
 /// is): with the size that a few iterations give them.
 pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: Until) -> Option<Fit> {
     let selection = fit::all_blocks(data);
-    let (h, start) = begun(data, model, part, sizes).into_iter().next()?;
+    let (h, start) = begun(&part.chamber(), data, model, part, sizes).into_iter().next()?;
     let found = fit::descend(data, &h, start.rig, start.own, &selection, Until::after(SIZE_ITERATIONS)).ok()?;
     let chamber = h.chamber(&found.rig);
     let h = Hypothesis::new(data, model, &chamber, sizes);
@@ -51,16 +80,16 @@ pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Opt
         let squares = fit::promise(data, &h, &start.rig, &start.own)?;
         Some(evidence::of_squares(squares, part.blocks, h.freedom(data.traces.len())))
     };
-    begun(data, model, part, sizes).into_iter().filter_map(promised).min_by(f64::total_cmp)
+    let begun = bases(data, part).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));
+    begun.filter_map(promised).min_by(f64::total_cmp)
 }
 
-/// The starts of `model`, left where they begin.
-fn begun(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Vec<(Hypothesis, Descent)> {
-    let base = part.chamber();
+/// The starts of `model` on a chamber, left where they begin.
+fn begun(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Vec<(Hypothesis, Descent)> {
     let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
-    let mut starts = starts(&base, &fresh, sizes);
+    let mut starts = starts(base, &fresh, sizes);
     let freed = model.secondary.iter().filter(|e| !part.hypothesis.model.secondary.has(*e));
-    starts.extend(freed.flat_map(|e| exchanged(&base, e)));
+    starts.extend(freed.flat_map(|e| exchanged(base, e)));
     let unmoved = |start: &Chamber| {
         let h = Hypothesis::new(data, model, start, sizes);
         let (rig, own) = (h.coordinates(start), owns(data, &h, part));
@@ -74,9 +103,16 @@ fn is_rival(chi2: f64, best: f64) -> bool {
     chi2 > best * (1.0 + THE_SAME) && chi2 < best * NOT_FAR_BEHIND
 }
 
-/// The starts of `model`, each a few iterations on, the best first; a single one is left where it begins.
-fn trials(data: &Data, model: Model, part: &Fit, sizes: &Sizes, selection: &Selection) -> Vec<(Hypothesis, Descent)> {
-    let begun = begun(data, model, part, sizes);
+/// The starts of `model` on a chamber, each a few iterations on, the best first; a single one is left where it begins.
+fn trials(
+    base: &Chamber,
+    data: &Data,
+    model: Model,
+    part: &Fit,
+    sizes: &Sizes,
+    selection: &Selection,
+) -> Vec<(Hypothesis, Descent)> {
+    let begun = begun(base, data, model, part, sizes);
     if begun.len() == 1 {
         return begun;
     }
@@ -169,4 +205,48 @@ fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes)
         (_, _) => &[0.05, 0.5, 5.0],
     };
     factors.iter().map(|f| (f * size).clamp(low, high)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+    use chamber::effects::{EffectSet, find};
+
+    #[test]
+    fn a_fit_begins_at_a_first_guess_too_where_its_part_has_lost_the_coefficient() {
+        let recipe = Recipe::from_seed(5);
+        let recipe = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]);
+        let (data, mut part) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        assert_eq!(bases(&data, &part).len(), 1);
+        part.rig[0] = -12.0;
+        let coefficients: Vec<f64> = bases(&data, &part).iter().map(|base| base.heat_transfer.coefficient).collect();
+        assert_eq!(coefficients, [part.chamber().heat_transfer.coefficient, FIRST_LAMBDA0]);
+        let leak = Model::with(EffectSet::one(find("leakage").unwrap().0));
+        let sizes = Sizes::of(&data, &within_reach(&part.chamber()));
+        let found = fit_model(&data, leak, &part, &sizes).unwrap().chamber().heat_transfer.coefficient;
+        let truth = recipe.chamber.heat_transfer.coefficient;
+        assert!((found / truth - 1.0).abs() < 0.05, "{found} against {truth}");
+    }
+
+    #[test]
+    fn sizes_stay_those_of_a_gas_where_the_coefficient_is_lost() {
+        let recipe = Recipe::from_seed(5);
+        let data = Data::prepare(&recipe.rig()).unwrap();
+        let lost = |coefficient: f64| {
+            let mut chamber = recipe.chamber;
+            chamber.heat_transfer.coefficient = coefficient;
+            Sizes::of(&data, &within_reach(&chamber)).size_of(Unit::WattPerKelvin, 1.0)
+        };
+        let kept = Sizes::of(&data, &recipe.chamber).size_of(Unit::WattPerKelvin, 1.0);
+        assert_eq!(lost(recipe.chamber.heat_transfer.coefficient), kept);
+        let least = (-FIRST_GUESS_REACH).exp();
+        assert!(
+            lost(1e-4) > 0.5 * least * kept && lost(1e9) < 2.0 / least * kept,
+            "{} {} {kept}",
+            lost(1e-4),
+            lost(1e9)
+        );
+    }
 }
