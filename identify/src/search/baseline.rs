@@ -40,11 +40,7 @@ pub fn is_alike(a: &Noise, b: &Noise) -> bool {
         && a.hum.is_some() == b.hum.is_some()
 }
 
-/// Fits the paper's model from nothing but the data.
-///
-/// # Errors
-/// Where its simulation fails at the very begin.
-pub fn from_scratch(data: &Data) -> Result<Fit, Error> {
+fn from_scratch(data: &Data) -> Result<Fit, Error> {
     let first = first_chamber(data);
     let h = Hypothesis::new(data, Model::PAPER, &first, &Sizes::of(data, &first));
     let selection = fit::all_blocks(data);

@@ -117,8 +117,7 @@ struct Search {
 
 impl Search {
     fn new(data: Data, baseline: Fit, adequacy: Adequacy) -> Self {
-        // Where the paper's model does without heat transfer, its relaxation says nothing of the effects' sizes.
-        let sizes = Sizes::of(&data, &starts::within_reach(&baseline.chamber()));
+        let sizes = Sizes::of(&data, &baseline.chamber());
         let folds = left_out::folds(&data);
         let mut baseline = Candidate { model: Model::PAPER, fit: baseline, delta_bic: 0.0, held_out_pa: None };
         baseline.held_out_pa = left_out::rmse(&data, &baseline.fit, &folds);
@@ -334,7 +333,7 @@ impl Search {
         candidates[..count].par_iter_mut().for_each(|c| self.hold_out(c));
     }
 
-    /// Fits each model from the part of it that is there and fits best; best evidence first.
+    /// Fits each model from the largest part of it that is there; best evidence first.
     fn fit_all(&self, models: &[Model]) -> Vec<Candidate> {
         let mut out: Vec<Candidate> = models
             .par_iter()
@@ -346,10 +345,10 @@ impl Search {
     }
 
     fn part_of(&self, model: &Model) -> &Fit {
-        // Mostly the largest; but one that ended beside its best is worse than what it contains.
-        let known = self.tried.iter().chain([&self.chosen, &self.baseline]);
-        let parts = known.filter(|c| terms::is_part(&c.model, model)).map(|c| &c.fit);
-        parts.min_by(|a, b| a.marginal.total_cmp(&b.marginal)).unwrap_or(&self.baseline.fit)
+        let known = self.tried.iter().chain([&self.chosen]).filter(|c| terms::is_part(&c.model, model));
+        known
+            .min_by_key(|c| (usize::MAX - c.model.terms(), c.fit.marginal as u64))
+            .map_or(&self.baseline.fit, |c| &c.fit)
     }
 
     /// Begins again with the outliers and the noise that this fit leaves and, where its records are moving averages, without what
@@ -397,11 +396,7 @@ impl Search {
         self.data = data;
         // Without other outliers there are other blocks.
         self.folds = left_out::folds(&self.data);
-        let again = self.refit(&self.baseline.fit);
-        let is_lost = starts::has_lost_lambda0(&self.baseline.fit.chamber());
-        let anew = if is_lost { baseline::from_scratch(&self.data).ok() } else { None };
-        let fits = again.into_iter().chain(anew);
-        let fit = fits.min_by(|a, b| a.marginal.total_cmp(&b.marginal)).unwrap_or_else(|| self.baseline.fit.clone());
+        let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
         self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
         self.chosen = self.baseline.clone();
