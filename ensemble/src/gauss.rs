@@ -23,25 +23,26 @@ impl Rule {
     /// The integral from 0 to a node of the polynomial that has these values at the nodes.
     #[inline(always)]
     pub fn up_to_node<R: Real>(&self, values: &[R; NODES], index: usize) -> R {
-        let mut sum = R::ZERO;
-        for node in 0..NODES {
-            sum += values[node] * self.up_to_node[index][node];
-        }
-        sum
+        weighted(values, &self.up_to_node[index])
     }
 
     /// The coefficient of Legendre's polynomial of that order in the polynomial that has these values at the nodes.
     #[inline(always)]
     pub fn legendre<R: Real>(&self, values: &[R; NODES], order: usize) -> R {
-        let mut sum = R::ZERO;
-        for node in 0..NODES {
-            sum += values[node] * self.legendre[order][node];
-        }
-        sum
+        weighted(values, &self.legendre[order])
     }
 }
 
-/// The rule.
+#[inline(always)]
+fn weighted<R: Real>(values: &[R; NODES], weights: &[f64; NODES]) -> R {
+    let mut sum = R::ZERO;
+    for node in 0..NODES {
+        sum += values[node] * weights[node];
+    }
+    sum
+}
+
+/// Its matrices, worked out at their first use.
 pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
     let nodes: [(f64, f64); NODES] = core::array::from_fn(node);
     // Legendre's polynomials at a place from 0 to 1.

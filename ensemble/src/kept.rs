@@ -35,20 +35,12 @@ pub struct Exchange<R> {
 
 impl<R: Real> Exchange<R> {
     /// Of a chamber in surroundings of that temperature, K, whose closed form without the effects is `closed`, while its
-    /// piston has that speed, m/s.
+    /// piston has that velocity, m/s.
     #[inline(always)]
     pub fn new(set: EffectSet, chamber: &Chamber<R>, closed: &Closed<R>, ambient_temperature: R, velocity: R) -> Self {
         let law = &chamber.heat_transfer;
         let scale = (closed.mass_gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
-        let boundary = Boundary {
-            position: R::ZERO,
-            velocity,
-            mass_flow_in: R::ZERO,
-            temperature_in: ambient_temperature,
-            mass_flow_out: R::ZERO,
-            ambient_temperature,
-            ambient_pressure: R::from(1e5),
-        };
+        let boundary = Boundary { velocity, ..Boundary::closed(R::ZERO, ambient_temperature, R::from(1e5)) };
         Self { set, per_coefficient: closed.expansion / scale, balance: Balance::of(*chamber), boundary }
     }
 

@@ -66,18 +66,25 @@ pub struct Pushed<'a> {
 
 /// How the holds go on, one a lane.
 pub struct Ends {
-    /// Temperature of the wall, K.
-    pub wall: Lanes,
-    /// Temperatures at the begin and at the end, K; the latter not a number where the hold could not be followed.
-    pub pushed: Lanes,
-    /// See [`Ends::pushed`].
+    /// Temperature at the end, K; not a number where the hold could not be followed.
     pub end: Lanes,
-    /// How many relaxations the hold takes.
-    pub relaxations: Lanes,
     /// From when on the temperature is within 1 % of its way from its end, s.
     pub settling: Lanes,
-    /// A guess of the paper's τ, s.
-    pub time_constant: Lanes,
+    /// How many relaxations the hold takes.
+    relaxations: Lanes,
+    gas: Gas,
+}
+
+impl Ends {
+    /// Temperature of the wall, K.
+    pub fn wall(&self) -> Lanes {
+        self.gas.wall
+    }
+
+    /// Temperature at the begin, K.
+    pub fn pushed(&self) -> Lanes {
+        self.gas.pushed
+    }
 }
 
 /// A part of the hold.
@@ -99,6 +106,8 @@ struct Gas {
     boundary: Boundary<Lanes>,
     contents: Contents<Lanes>,
     wall: Lanes,
+    /// The temperature at the begin.
+    pushed: Lanes,
     /// σ.
     warms: Lanes,
     /// e0.
@@ -108,25 +117,23 @@ struct Gas {
 
 impl Gas {
     #[inline(always)]
-    fn new(set: EffectSet, pushed: &Pushed) -> (Self, Lanes) {
+    fn new(set: EffectSet, pushed: &Pushed) -> Self {
         let set = set.intersection(EFFECTS);
         let balance = Balance::of(*pushed.chamber);
-        let boundary = Boundary {
-            position: Lanes::ZERO,
-            velocity: Lanes::ZERO,
-            mass_flow_in: Lanes::ZERO,
-            temperature_in: pushed.ambient_temperature,
-            mass_flow_out: Lanes::ZERO,
-            ambient_temperature: pushed.ambient_temperature,
-            ambient_pressure: pushed.ambient_pressure,
-        };
+        let boundary = Boundary::closed(Lanes::ZERO, pushed.ambient_temperature, pushed.ambient_pressure);
         let contents = Contents::new(pushed.mass, pushed.energy, pushed.volume);
         let (at, ..) = balance.evaluate_within(&Tight, set, &boundary, &contents, &NO_STATES);
-        let (temperature, wall) = (at.temperature, at.wall_temperature);
-        let warms = (wall - temperature).where_positive(Lanes::ONE, Lanes::ZERO);
-        let excess = (temperature - wall) / warms.where_positive(temperature, wall);
-        let slowest = pushed.hold.recip() * SLOWEST;
-        (Self { set, balance, boundary, contents, wall, warms, excess, slowest }, temperature)
+        let (pushed, wall, slowest) = (at.temperature, at.wall_temperature, pushed.hold.recip() * SLOWEST);
+        let warms = (wall - pushed).where_positive(Lanes::ONE, Lanes::ZERO);
+        let mut gas = Self { set, balance, boundary, contents, wall, pushed, warms, excess: Lanes::ZERO, slowest };
+        gas.excess = gas.excess_of(pushed);
+        gas
+    }
+
+    /// e at a temperature.
+    #[inline(always)]
+    fn excess_of(&self, temperature: Lanes) -> Lanes {
+        (temperature - self.wall) / self.warms.where_positive(temperature, self.wall)
     }
 
     /// The temperature after so many relaxations.
@@ -139,8 +146,7 @@ impl Gas {
     /// Relaxations until that temperature.
     #[inline(always)]
     fn relaxations(&self, temperature: Lanes) -> Lanes {
-        let excess = (temperature - self.wall) / self.warms.where_positive(temperature, self.wall);
-        (self.excess / excess).ln()
+        (self.excess / self.excess_of(temperature)).ln()
     }
 
     /// dt/du there.
@@ -216,7 +222,7 @@ impl WithSimd for Solve<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let Self { set, pushed: start, relative, parts } = self;
         let start = black_box(start);
-        let (gas, pushed) = black_box(Gas::new(set, start));
+        let gas = black_box(Gas::new(set, start));
         let last = (gas.excess.abs() * (1.0 / AT_REST)).max(Lanes::ONE).ln();
         let (mut from, mut begin, mut length) = (Lanes::ZERO, Lanes::ZERO, Lanes::from(FIRST).min(last));
         let mut end = last;
@@ -266,22 +272,13 @@ impl WithSimd for Solve<'_> {
         }
         let relaxations = open.where_positive(Lanes::from(f64::NAN), end);
         let end = gas.temperature(relaxations);
-        let edge = gas.relaxations(end + (pushed - end) * SETTLED);
-        black_box(Ends {
-            wall: gas.wall,
-            pushed,
-            end,
-            relaxations,
-            settling: Time { parts }.at(edge),
-            time_constant: fit::time_constant(gas.slowness(Lanes::ZERO).recip(), Lanes::ONE - gas.wall / pushed),
-        })
+        let edge = gas.relaxations(end + (gas.pushed - end) * SETTLED);
+        black_box(Ends { end, settling: Time { parts }.at(edge), relaxations, gas })
     }
 }
 
-/// Lays out the records of holds that were followed to their ends.
+/// Lays out the records of holds that were followed to their ends; the answer is a guess of τ, s.
 pub struct Record<'a> {
-    /// Effects that are active in any of them.
-    pub set: EffectSet,
     /// Where they begin.
     pub pushed: &'a Pushed<'a>,
     /// How they go on.
@@ -292,22 +289,23 @@ pub struct Record<'a> {
 }
 
 impl WithSimd for Record<'_> {
-    type Output = ();
+    type Output = Lanes;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) {
-        let Self { set, pushed, ends, parts, records } = self;
-        let (gas, _) = black_box(Gas::new(set, pushed));
+    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+        let Self { pushed, ends, parts, records } = self;
+        let Ends { gas, relaxations, .. } = black_box(ends);
         let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
         let Pushed { push, hold, .. } = *pushed;
-        let followed = Followed { gas, time: Time { parts }, hold, relaxations: ends.relaxations, per_temperature };
+        let followed = Followed { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
         record::lay_out(&followed, push, push + hold, records);
+        fit::time_constant(gas.slowness(Lanes::ZERO).recip(), Lanes::ONE - gas.wall / gas.pushed)
     }
 }
 
 /// Holds that were followed to their ends.
 struct Followed<'a> {
-    gas: Gas,
+    gas: &'a Gas,
     time: Time<'a>,
     hold: Lanes,
     relaxations: Lanes,

@@ -60,16 +60,16 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
         let relative = options.relative_tolerance;
         let ends = arch.dispatch(Solve { set, pushed: &pushed, relative, parts });
         let found = options.fit.then(|| {
-            arch.dispatch(Record { set, pushed: &pushed, ends: &ends, parts, records });
-            records.fit(arch, ends.time_constant)
+            let guess = arch.dispatch(Record { pushed: &pushed, ends: &ends, parts, records });
+            records.fit(arch, guess)
         });
         for (lane, after) in group.iter().enumerate() {
             let scenario = scenario(lane);
             let ending = Ending {
                 scenario,
                 duration: after.duration,
-                wall: ends.wall[lane],
-                pushed: ends.pushed[lane],
+                wall: ends.wall()[lane],
+                pushed: ends.pushed()[lane],
                 end: ends.end[lane],
                 pressure_per_temperature: after.mass * scenario.chamber.gas.gas_constant / volume[lane],
                 settling: ends.settling[lane],

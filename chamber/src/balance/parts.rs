@@ -21,22 +21,21 @@ pub struct Boundary<R = f64> {
     pub ambient_pressure: R,
 }
 
-impl Boundary<f64> {
+impl<R: Real> Boundary<R> {
     /// A closed chamber with its piston held.
-    pub fn closed(position: f64, ambient_temperature: f64, ambient_pressure: f64) -> Self {
+    #[inline(always)]
+    pub fn closed(position: R, ambient_temperature: R, ambient_pressure: R) -> Self {
         Self {
             position,
-            velocity: 0.0,
-            mass_flow_in: 0.0,
+            velocity: R::ZERO,
+            mass_flow_in: R::ZERO,
             temperature_in: ambient_temperature,
-            mass_flow_out: 0.0,
+            mass_flow_out: R::ZERO,
             ambient_temperature,
             ambient_pressure,
         }
     }
-}
 
-impl<R: Real> Boundary<R> {
     /// The same boundary in another number type.
     #[inline(always)]
     pub fn lift<S: Real + From<R>>(self) -> Boundary<S> {

@@ -32,9 +32,12 @@ pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option
 /// begin from, the same with λ0 and dead volume as first guessed. What lacks a delay, say, fits best without heat transfer, and
 /// there nothing tells how the other effects of the gas would help.
 fn bases(data: &Data, part: &Fit) -> Vec<Chamber> {
-    let (known, first) = (part.chamber(), first_chamber(data));
-    let anew = Chamber { heat_transfer: first.heat_transfer, geometry: first.geometry, ..known };
-    if has_lost_lambda0(&known) { vec![known, anew] } else { vec![known] }
+    let known = part.chamber();
+    if !has_lost_lambda0(&known) {
+        return vec![known];
+    }
+    let first = first_chamber(data);
+    vec![known, Chamber { heat_transfer: first.heat_transfer, geometry: first.geometry, ..known }]
 }
 
 /// Whether λ0 has gone farther from its first guess than a gas in a cylinder is likely to be.
