@@ -12,7 +12,6 @@ use crate::fit::{self, Fit};
 use crate::forward::{Disturbance, Run, Undisturbed};
 use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
-use chamber::balance::MASS;
 use chamber::dual::Dual;
 use chamber::effects;
 use chamber::effects::empirical::{self, Balance};
@@ -200,7 +199,7 @@ impl Path {
         let gas_only = fit.hypothesis.model.effects.without(effects::of_sensor());
         let mut masses: Vec<(f64, f64)> = Vec::new();
         let pressure_pa = fit::run(t, &setting, gas_only)
-            .disturbed(&t.time_s, &Undisturbed, |time, state| masses.push((time, state[MASS])))
+            .disturbed(&t.time_s, &Undisturbed, |time, mass| masses.push((time, mass)))
             .ok()?;
         let n = t.time_s.len();
         let (near, flow) = (Default::default(), Default::default());

@@ -1,9 +1,10 @@
 //! The model's pressure along one record: the gas by adaptive integration, the sensor's chain behind it in closed form.
 //!
 //! The same equations as [`chamber::simulate`], arranged for fits: the stroke is the smooth one of [`crate::record::stroke`],
-//! only pressures are computed, at the times asked for, and a sensor lag costs no integration steps
-//! ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual numbers give exact sensitivities.
+//! the energy is referred to the first volume ([`crate::isentrope`]), only pressures are computed, at the times asked for, and a
+//! sensor lag costs no integration steps ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual numbers give exact sensitivities.
 
+use crate::isentrope::Isentrope;
 use crate::record::stroke::{Motion, Spline};
 use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
@@ -174,7 +175,7 @@ impl<R: Scalar> Run<'_, R> {
         self.along(times, mesh, &Undisturbed, |_, _| ())
     }
 
-    /// The same with a disturbance of the gas; `on_step` is told the states after each step.
+    /// The same with a disturbance of the gas; `on_step` is told the time, s, and the mass of gas, kg, after each step.
     ///
     /// # Errors
     /// Where the state leaves what the equations can follow.
@@ -182,7 +183,7 @@ impl<R: Scalar> Run<'_, R> {
         &self,
         times: &[f64],
         disturbance: &impl Disturbance<R>,
-        on_step: impl FnMut(f64, &[R]),
+        on_step: impl FnMut(f64, R),
     ) -> Result<Vec<R>, IntegrationError> {
         Ok(self.along(times, &Mesh::default(), disturbance, on_step)?.0)
     }
@@ -192,7 +193,7 @@ impl<R: Scalar> Run<'_, R> {
         times: &[f64],
         mesh: &Mesh,
         disturbance: &impl Disturbance<R>,
-        on_step: impl FnMut(f64, &[R]),
+        on_step: impl FnMut(f64, R),
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
         if balance::moving_states(self.set.without(effects::of_sensor())) <= FEW_STATES {
             self.in_states::<FEW_STATES, FEW_OWN_STATES>(times, mesh, disturbance, on_step)
@@ -207,22 +208,26 @@ impl<R: Scalar> Run<'_, R> {
         times: &[f64],
         mesh: &Mesh,
         disturbance: &impl Disturbance<R>,
-        mut on_step: impl FnMut(f64, &[R]),
+        mut on_step: impl FnMut(f64, R),
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
         let Run { chamber, set, start, warmer, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Default::default()) };
         let inputs = Passing::new(course, chamber, set, warmer);
         let begin = inputs.begin();
-        let initial = balance::state_at(chamber, &inputs.boundary(0, begin), start.pressure, start.temperature);
-        let initial: [R; N] = core::array::from_fn(|i| initial[i]);
-        on_step(begin, &initial);
-        let mut sensor = Sensor::new(chamber, set, Passing::new(course, chamber, set, warmer), times, start.pressure);
+        let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
+        let at_begin = inputs.boundary(0, begin);
+        let isentrope = &Isentrope::through(&balance, &at_begin);
+        let initial = balance::state_at(chamber, &at_begin, start.pressure, start.temperature);
+        let mut initial: [R; N] = core::array::from_fn(|i| initial[i]);
+        initial[ENERGY] = isentrope.at(&balance, &at_begin).referred(initial[ENERGY]);
+        on_step(begin, initial[MASS]);
+        let passing = Passing::new(course, chamber, set, warmer);
+        let mut sensor = Sensor::new(chamber, isentrope, set, passing, times, start.pressure);
         let evaluations = Cell::new(0usize);
         let mut most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * course.motion.rows();
         if mesh.steps() > 0 {
             most_evaluations = most_evaluations.min(MOST_BY_MESH * mesh.steps());
         }
-        let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
         let arch = Arch::new();
         let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
         let rates = |t: f64, boundary: &Boundary<R>, state: &[R; N]| -> [R; N] {
@@ -231,14 +236,21 @@ impl<R: Scalar> Run<'_, R> {
                 return [R::from(f64::NAN); N];
             }
             let disturbance = disturbance.at(t);
-            arch.dispatch(Moving::<R, N, M> { set: gas_set, balance: &balance, boundary, state, disturbance })
+            arch.dispatch(Moving::<R, N, M> {
+                set: gas_set,
+                balance: &balance,
+                isentrope,
+                boundary,
+                state,
+                disturbance,
+            })
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
         let last = last + late.value().max(0.0);
         let taken = record::follow(&inputs, &mut integrator, last, mesh, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
-            on_step(until, &step.end());
+            on_step(until, step.end()[MASS]);
         })?;
         Ok((sensor.readings.into_taken(), taken))
     }
@@ -248,6 +260,7 @@ impl<R: Scalar> Run<'_, R> {
 struct Moving<'a, R, const N: usize, const M: usize> {
     set: EffectSet,
     balance: &'a Balance<R>,
+    isentrope: &'a Isentrope,
     boundary: &'a Boundary<R>,
     state: &'a [R; N],
     disturbance: Option<[R; 4]>,
@@ -256,21 +269,29 @@ struct Moving<'a, R, const N: usize, const M: usize> {
 impl<R: Scalar, const N: usize, const M: usize> WithSimd for Moving<'_, R, N, M> {
     type Output = [R; N];
 
-    /// Rates of the states with a disturbance added; its mass enters or leaves at the gas's temperature.
+    /// Rates of the states, the energy referred to the first volume, with a disturbance added; its mass enters or leaves at the
+    /// gas's temperature.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> [R; N] {
-        let Self { set, balance, boundary, state, disturbance } = self;
-        let Some([mass, heat, volume, volume_rate]) = disturbance else {
-            return balance.rates_with_own::<N, M>(set, boundary, state);
+        let Self { set, balance, isentrope, boundary, state, disturbance } = self;
+        let referred = isentrope.at(balance, boundary);
+        let mut state = *state;
+        state[ENERGY] = referred.energy(state[ENERGY]);
+        let mut rates = match disturbance {
+            None => balance.rates_with_own::<N, M>(set, boundary, &state),
+            Some([mass, heat, volume, volume_rate]) => {
+                let chamber = &balance.chamber;
+                let area = chamber.geometry.piston_area;
+                let mut moved = *boundary;
+                moved.position += volume / area;
+                moved.velocity += volume_rate / area;
+                let mut rates = balance.rates_with_own::<N, M>(set, &moved, &state);
+                rates[MASS] += mass;
+                rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
+                rates
+            }
         };
-        let chamber = &balance.chamber;
-        let area = chamber.geometry.piston_area;
-        let mut moved = *boundary;
-        moved.position += volume / area;
-        moved.velocity += volume_rate / area;
-        let mut rates = balance.rates_with_own::<N, M>(set, &moved, state);
-        rates[MASS] += mass;
-        rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
+        rates[ENERGY] = referred.rate(state[ENERGY], rates[ENERGY]);
         rates
     }
 }
@@ -278,6 +299,7 @@ impl<R: Scalar, const N: usize, const M: usize> WithSimd for Moving<'_, R, N, M>
 /// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
 struct Sensor<'a, R> {
     balance: Balance<R>,
+    isentrope: &'a Isentrope,
     set: EffectSet,
     inputs: Passing<'a, R>,
     lag: Option<R>,
@@ -287,14 +309,21 @@ struct Sensor<'a, R> {
 
 impl<'a, R: Scalar> Sensor<'a, R> {
     /// Before the record the chamber is at rest at its first pressure.
-    fn new(chamber: &'a Chamber<R>, set: EffectSet, inputs: Passing<'a, R>, times: &'a [f64], pressure: R) -> Self {
+    fn new(
+        chamber: &'a Chamber<R>,
+        isentrope: &'a Isentrope,
+        set: EffectSet,
+        inputs: Passing<'a, R>,
+        times: &'a [f64],
+        pressure: R,
+    ) -> Self {
         let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
         let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
         let behind_lag = set.without(sensor_lag.into_iter().collect());
         let lead = effects::stroke_delay(set, &chamber.effects);
         let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
         readings.take(inputs.begin(), |_| shown(pressure));
-        Self { balance: Balance::of(*chamber), set, inputs, lag, lagged: pressure, readings }
+        Self { balance: Balance::of(*chamber), isentrope, set, inputs, lag, lagged: pressure, readings }
     }
 
     /// Takes every reading due in a step that ends at `until`, s.
@@ -307,11 +336,12 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         let pressure = |t: R| {
             let boundary = record::boundary_at(&self.inputs, stretch, t);
             let mut volume = self.balance.chamber.geometry.volume(boundary.position);
+            let state = dense.at(t);
+            let energy = state[ENERGY] / self.isentrope.factor(volume);
             if let Some([_, _, change, _]) = extra.at(t.value()) {
                 volume += change;
             }
-            let state = dense.at(t);
-            self.balance.pressure(self.set, &Contents::new(state[MASS], state[ENERGY], volume))
+            self.balance.pressure(self.set, &Contents::new(state[MASS], energy, volume))
         };
         let Some(constant) = self.lag else {
             self.readings.take(reach, |t| shown(pressure(t)));
@@ -345,6 +375,7 @@ fn shown<R: Scalar>(pressure: R) -> (R, [R; OWN_STATES]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chamber::dual::Dual;
     use chamber::{AreaLaw, Gas, Geometry, HeatTransfer};
 
     #[test]
@@ -376,6 +407,44 @@ mod tests {
             let (coarse, fine) = (pressures(3e-7), pressures(1e-11));
             let off = coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
             assert!(off < 1e-3, "{begin} {duration}: {off:e}");
+        }
+    }
+
+    #[test]
+    fn sensitivities_are_those_of_finite_differences() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let (times, positions): (Vec<f64>, Vec<f64>) = (0..300)
+            .map(|i| f64::from(i) * 0.01)
+            .map(|t| (t, 0.1 - 0.05 * smooth(((t - 0.5) / 0.2).clamp(0.0, 1.0))))
+            .unzip();
+        let course = Course {
+            motion: Motion::detect(&times, &positions),
+            ambient_temperature: Spline::through(vec![0.0, 3.0], vec![293.0, 293.0], [None, None]),
+            ambient_pressure: 1.013e5,
+            mass_flow: None,
+        };
+        fn along<R: Scalar>(x: [R; 3], course: &Course, times: &[f64]) -> Vec<R> {
+            let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+            let mut chamber: Chamber<R> =
+                Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5)).lift();
+            (chamber.heat_transfer.coefficient, chamber.geometry.dead_volume) = (x[0], x[1]);
+            let start = Start { pressure: x[2], temperature: R::from(293.0) };
+            let (set, warmer) = (EffectSet::NONE, R::ZERO);
+            Run { chamber: &chamber, set, start, warmer, course, relative_tolerance: 1e-11 }.pressures(times).unwrap()
+        }
+        let at = [26.5, 1.57e-6, 2e5];
+        let exact = along::<Dual<3>>(core::array::from_fn(|i| Dual::variable(at[i], i)), &course, &times);
+        for i in 0..3 {
+            let moved = |by: f64| {
+                let x: [f64; 3] = core::array::from_fn(|k| at[k] * if k == i { 1.0 + by } else { 1.0 });
+                along(x, &course, &times)
+            };
+            let (more, less) = (moved(1e-4), moved(-1e-4));
+            let differences: Vec<f64> = more.iter().zip(&less).map(|(a, b)| (a - b) / (2e-4 * at[i])).collect();
+            let largest = differences.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
+            for (k, (difference, exact)) in differences.iter().zip(&exact).enumerate() {
+                assert!((difference - exact.tangent[i]).abs() < 1e-5 * largest, "{i} {k}: {difference} {exact:?}");
+            }
         }
     }
 }

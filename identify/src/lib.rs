@@ -18,6 +18,7 @@ pub mod discrepancy;
 pub mod error;
 pub mod fit;
 pub mod forward;
+mod isentrope;
 pub mod judge;
 pub mod outcome;
 pub mod parameters;

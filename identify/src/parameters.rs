@@ -9,7 +9,7 @@
 
 use crate::policy;
 use crate::record::prepare::{Data, Prepared};
-use chamber::card::{Kind, Parameter, Prior, Unit};
+use chamber::card::{ActsOn, Card, Kind, Parameter, Prior, Unit};
 use chamber::effects::empirical::{Balance as CurveBalance, Curve, Empirical};
 use chamber::effects::{self, CARDS, Effect, EffectSet, EffectValues, PARAMETER_OFFSETS};
 use chamber::real::Real;
@@ -260,10 +260,21 @@ impl Model {
         self.initial_temperature || !self.own.is_empty()
     }
 
+    /// Number of effects that shift or smear the records in time, and the stroke's noise with them.
+    pub fn timings(&self) -> usize {
+        self.effects.iter().filter(|&e| is_timing(&CARDS[e])).count()
+    }
+
     /// Number of terms beyond the paper's model.
     pub fn terms(&self) -> usize {
         self.effects.iter().count() + usize::from(self.initial_temperature)
     }
+}
+
+/// Whether an effect of the sensor or the logger shifts or smears records in time, and has no part in how much is read.
+pub fn is_timing(card: &Card) -> bool {
+    let of_recording = matches!(card.acts_on, ActsOn::Reading | ActsOn::RecordedStroke);
+    of_recording && card.parameters.iter().all(|p| p.unit == Unit::Second)
 }
 
 /// A model to be fitted: which numbers are free.

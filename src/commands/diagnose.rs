@@ -170,8 +170,12 @@ fn recording(out: &mut String, d: &Diagnosis) {
 fn empirical(out: &mut String, e: &Empirical) {
     let _ = writeln!(
         out,
-        "\n{}: {} as a curve over {}; error on left-out experiments {} -> {} Pa",
-        if e.accepted { "in the model" } else { "rejected, because it does not predict left-out experiments" },
+        "\n{}: {} as a curve over {}; error on left-out data {} -> {} Pa",
+        if e.accepted {
+            "in the model"
+        } else {
+            "rejected, because it does not predict left-out data decisively better"
+        },
         e.quantity,
         e.variable,
         digits(e.left_out_rmse_pa.without, 3),

@@ -249,7 +249,8 @@ pub fn missing(m: &Unnamed, caption: String) -> Result<Drawing, Error> {
 
 /// The refitted curve of a missing term, with its 95 % intervals.
 pub fn empirical(e: &Empirical, caption: String) -> Result<Drawing, Error> {
-    let title = if e.accepted { "in the model" } else { "rejected: it does not predict left-out experiments" };
+    let title =
+        if e.accepted { "in the model" } else { "rejected: it does not predict left-out data decisively better" };
     let term = Term {
         title: title.to_owned(),
         x: (e.variable, e.variable_unit),

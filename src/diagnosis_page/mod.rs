@@ -195,7 +195,7 @@ pub fn file(path: &str) -> &str {
 fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
     let mut section = Section::new("The missing term as a curve");
     let errors = format!(
-        "the error on left-out experiments {} {}, from {} without it",
+        "the error on left-out data {} {}, from {} without it",
         if e.accepted { "falls to" } else { "is then" },
         pressure(e.left_out_rmse_pa.with, 3),
         pressure(e.left_out_rmse_pa.without, 3)
@@ -208,7 +208,7 @@ fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
         )
     } else {
         format!(
-            "Neither a named effect nor a curve explains the residual. The best curve, a {} over {}, does not predict left-out experiments and is not in the model: {errors}.",
+            "Neither a named effect nor a curve explains the residual. The best curve, a {} over {}, does not predict left-out data decisively better and is not in the model: {errors}.",
             e.quantity, e.variable
         )
     });

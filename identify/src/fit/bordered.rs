@@ -97,40 +97,39 @@ impl System {
         Some((matrix, right))
     }
 
-    /// The step from `x`; coordinates at a bound that it pushes against rest.
+    /// The step from `x`. A coordinate that it would take beyond a bound goes to that, and the others follow: in a narrow valley
+    /// a step that is only cut there leads up its wall.
     pub fn step(&self, h: &Hypothesis, x: &[f64], damping: f64) -> Option<Step> {
         let (matrix, right) = self.reduced(damping)?;
         let mut free: Vec<usize> = (0..self.rig).filter(|&i| self.whole[(i, i)] > 0.0).collect();
-        let mut step = vec![0.0; self.rig];
+        let mut step = DVector::zeros(self.rig);
         while !free.is_empty() {
             let n = free.len();
             let mut sub = DMatrix::from_fn(n, n, |i, j| matrix[(free[i], free[j])]);
-            let rhs = DVector::from_fn(n, |i, _| right[free[i]]);
+            let bound = &matrix * &step;
+            let rhs = DVector::from_fn(n, |i, _| right[free[i]] - bound[free[i]]);
             for (i, &f) in free.iter().enumerate() {
                 sub[(i, i)] += (damping + 1e-14) * self.whole[(f, f)];
             }
             let solution = sub.cholesky()?.solve(&rhs);
-            let pushed: Vec<usize> = free
-                .iter()
-                .enumerate()
-                .filter(|&(k, &i)| {
-                    let b = h.axes[i].bounds;
-                    (x[i] <= b[0] && solution[k] < 0.0) || (x[i] >= b[1] && solution[k] > 0.0)
-                })
-                .map(|(_, &i)| i)
-                .collect();
-            if pushed.is_empty() {
-                for (k, &i) in free.iter().enumerate() {
-                    let b = h.axes[i].bounds;
-                    // A logarithm may change by at most a factor of e² at a time.
-                    let most = if h.axes[i].logarithmic { 2.0 } else { f64::INFINITY };
-                    step[i] = solution[k].clamp(-most, most).clamp(b[0] - x[i], b[1] - x[i]);
-                }
+            let allowed = |i: usize, wanted: f64| {
+                let axis = &h.axes[i];
+                // A logarithm may change by at most a factor of e² at a time.
+                let most = if axis.logarithmic { 2.0 } else { f64::INFINITY };
+                wanted.clamp(-most, most).clamp(axis.bounds[0] - x[i], axis.bounds[1] - x[i])
+            };
+            let goes = |(&i, &wanted): (&usize, &f64)| (i, wanted, allowed(i, wanted));
+            let (within, beyond): (Vec<_>, Vec<_>) =
+                free.iter().zip(&solution).map(goes).partition(|(_, wanted, allowed)| wanted == allowed);
+            for &(i, _, allowed) in if beyond.is_empty() { &within } else { &beyond } {
+                step[i] = allowed;
+            }
+            if beyond.is_empty() {
                 break;
             }
-            free.retain(|i| !pushed.contains(i));
+            free = within.into_iter().map(|(i, ..)| i).collect();
         }
-        let rig = DVector::from_column_slice(&step);
+        let rig = step;
         let mut promised = 2.0 * self.right.dot(&rig) - rig.dot(&(&self.whole * &rig));
         let mut own_steps = Vec::with_capacity(self.parts.len());
         for part in &self.parts {
@@ -143,7 +142,7 @@ impl System {
             promised += 2.0 * own.dot(&rhs) - own.dot(&(&part.own * &own));
             own_steps.push(own.as_slice().to_vec());
         }
-        Some(Step { rig: step, own: own_steps, promised })
+        Some(Step { rig: rig.as_slice().to_vec(), own: own_steps, promised })
     }
 }
 
@@ -153,4 +152,37 @@ fn damped(matrix: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
         m[(i, i)] *= 1.0 + damping + 1e-14;
     }
     m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{Axis, Model, Slot};
+    use chamber::record::Mesh;
+    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+
+    #[test]
+    fn a_step_to_a_bound_goes_along_the_valley() {
+        let axis = |slot, bounds| Axis { slot, logarithmic: false, scale: 1.0, bounds, prior: None };
+        let geometry = Geometry::new(0.02, 0.0, 1e-6, AreaLaw::Total);
+        let h = Hypothesis {
+            model: Model::PAPER,
+            axes: vec![axis(Slot::Lambda0, [-10.0, 10.0]), axis(Slot::DeadVolume, [-10.0, 1.0])],
+            stated: Vec::new(),
+            own: Vec::new(),
+            base: Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(30.0)),
+        };
+        // Residuals 1000 (y − x) and x + y − 8, from x = y = 0 on: the least is at x = y = 4, with y ≤ 1 at x = 1.
+        let linear = Linear {
+            blocks: 2,
+            residual: vec![0.0, 8.0],
+            by_rig: DMatrix::from_row_slice(2, 2, &[1000.0, -1000.0, 1.0, 1.0]),
+            by_own: DMatrix::zeros(2, 0),
+            mesh: Mesh::default(),
+        };
+        let step = System::new(&[linear], 2).step(&h, &[0.0, 0.0], 1e-9).unwrap();
+        assert_eq!(step.rig[1], 1.0);
+        assert!((step.rig[0] - 1.0).abs() < 1e-4, "{:?}", step.rig);
+        assert!((step.promised - (64.0 - 36.0)).abs() < 1e-2, "{}", step.promised);
+    }
 }

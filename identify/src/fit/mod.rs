@@ -15,7 +15,7 @@ mod descent;
 pub mod whiten;
 
 use crate::forward::Run;
-use crate::parameters::{Hypothesis, Setting};
+use crate::parameters::{Hypothesis, Model, Setting};
 use crate::record::between_rows::Look;
 use crate::record::prepare::{Block, Data, Prepared};
 use bordered::System;
@@ -69,6 +69,8 @@ pub struct Fit {
     pub moved: Vec<f64>,
     /// How far the rig's free coordinates move with them.
     pub follow: Vec<f64>,
+    /// Σ of squares that effects which smear or shift the records may take off by smoothing the stroke's noise alone.
+    pub smoothed: f64,
     /// Blocks that took part.
     pub blocks: usize,
     /// The linearised problem at the solution, record by record; its columns include the stated numbers.
@@ -165,6 +167,14 @@ pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64
     Some((total(&linear) - step.promised).max(0.0))
 }
 
+/// Σ of squares that the effects of a model which shift or smear records may take off by smoothing the stroke's noise alone.
+pub fn smoothed(data: &Data, model: &Model) -> f64 {
+    match model.timings() {
+        0 => 0.0,
+        count => count as f64 * data.squares_by_position(),
+    }
+}
+
 /// Linearises in everything at the solution.
 fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Selection) -> Result<Fit, Failure> {
     let Descent { rig, own, iterations, converged, at, .. } = found;
@@ -192,6 +202,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         marginal,
         moved: shift,
         follow,
+        smoothed: smoothed(data, &hypothesis.model),
         blocks: linear.iter().map(|l| l.blocks).sum(),
         information,
         rig,

@@ -195,7 +195,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     }
     if let Some(r) = found.read_off.as_ref().filter(|r| !r.accepted) {
         out.push(format!(
-            "no curve carries over: the best, a {} over the {}, changes the error on experiments left out whole from {} to {} Pa",
+            "no curve is kept: it would have to halve what left-out data show beyond noise; the best, a {} over the {}, changes their error from {} to {} Pa",
             discrepancy::quantity(r.first_order.balance),
             r.first_order.variable.name().0,
             digits(r.left_out_pa[0], 3),

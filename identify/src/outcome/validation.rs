@@ -2,7 +2,7 @@
 //!
 //! The rig's numbers are the model's. Each record brings its own: initial pressure, initial temperature where it begins in
 //! motion, and the parameters of recording effects. They are fitted to the record's begin, its rest and its first move, and
-//! the rest of it is predicted; or, with the whole record, to all of it.
+//! the rest of it is predicted, with the model's drift; or, with the whole record, to all of it.
 
 use super::diagnosis::{Estimates, as_map};
 use crate::error::Error;
@@ -68,10 +68,11 @@ pub struct Validated {
 pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let data = Data::prepare(rig)?;
     // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
-    // its own only where the model has it.
-    let only_of_model =
-        terms::growing_with_time().union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
+    // a record's own only where the model has it, and the former only with the whole record.
+    let growing = terms::growing_with_time();
+    let only_of_model = growing.union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
     let own = terms::of_record().without(only_of_model.without(chamber.active()));
+    let own = if whole_record { own } else { own.without(growing) };
     let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
     let mut hypothesis = Hypothesis::new(&data, model, chamber, &Sizes::of(&data, chamber));
     hypothesis.axes.clear();

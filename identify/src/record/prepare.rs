@@ -61,6 +61,12 @@ impl Block {
     pub fn middle_s(&self) -> f64 {
         0.5 * (self.points_s[0] + self.points_s[1])
     }
+
+    /// Variance of its mean by what the positions leave open, Pa². The model of the mean is that of two points, which have two
+    /// positions' noise however many rows there are.
+    fn variance_by_position(&self) -> f64 {
+        self.by_position_pa.powi(2) / (self.rows as f64).min(2.0)
+    }
 }
 
 /// One trace, ready to be fitted. Times count from its first row.
@@ -141,14 +147,12 @@ impl Prepared {
         let places: Vec<Place> = (0..self.blocks.len())
             .map(|i| {
                 let b = &self.blocks[i];
-                // The model of the mean is that of two points, which have two positions' noise however many rows there are.
-                let by_position = b.by_position_pa.powi(2) / (b.rows as f64).min(2.0);
                 let before = i.checked_sub(1).map(|k| &self.blocks[k]);
                 let overlap = |a: &Block| a.range_pa[0] <= b.range_pa[1] && b.range_pa[0] <= a.range_pa[1];
                 Place {
                     begin_s: b.extent_s[0],
                     end_s: b.extent_s[1],
-                    variance: noise.white_pa.powi(2) / b.rows as f64 + by_position,
+                    variance: noise.white_pa.powi(2) / b.rows as f64 + b.variance_by_position(),
                     common_sd_pa: b.common_sd_pa,
                     segment: b.segment,
                     rounding_sd_pa: if rounding > 0.0 { rounding / steps(b).sqrt() } else { 0.0 },
@@ -317,6 +321,15 @@ impl Data {
         let blocks = || self.traces.iter().flat_map(|t| &t.blocks);
         let squares: f64 = blocks().map(|b| b.by_position_pa.powi(2)).sum();
         (squares / blocks().filter(|b| b.phase == Phase::Move).count().max(1) as f64).sqrt()
+    }
+
+    /// How much of the sum of squares of a true model is expected to be the positions' noise, which its pressures follow.
+    pub fn squares_by_position(&self) -> f64 {
+        let share = |b: &Block| {
+            let by_position = b.variance_by_position();
+            by_position / (by_position + self.noise.white_pa.powi(2) / b.rows as f64).max(f64::MIN_POSITIVE)
+        };
+        self.traces.iter().flat_map(|t| &t.blocks).map(share).sum()
     }
 
     /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise.

@@ -69,7 +69,7 @@ impl<'a> TrueStroke<'a> {
     }
 
     /// The longest first step on a stretch and the longest one at all, s: a fiftieth of the shortest part of the record in it, as
-    /// the step before means nothing there, and a fifth of the shortest move. What counts as a move begins and ends with rows of
+    /// the step before means nothing there, and a tenth of the shortest move. What counts as a move begins and ends with rows of
     /// rest, and the stages of a longer step may all fall on these.
     pub fn longest_steps(&self, stretch: usize) -> [f64; 2] {
         let begin = if stretch == 0 { self.motion.extent().0 } else { self.ends[stretch - 1] };
@@ -78,7 +78,7 @@ impl<'a> TrueStroke<'a> {
         for place in PLACES {
             let part = &self.motion.segments[self.motion.segment_at(middle + place * self.window)];
             let length = part.to_s - part.from_s;
-            let of_move = if part.phase == Phase::Move { 0.2 * length } else { f64::INFINITY };
+            let of_move = if part.phase == Phase::Move { 0.1 * length } else { f64::INFINITY };
             longest = [longest[0].min(0.02 * length), longest[1].min(of_move)];
         }
         longest

@@ -72,7 +72,7 @@ pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: 
 /// BIC that `model` would have if the best of its starts kept the promise of its first step: cheap, to choose what to fit.
 pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
     let promised = |(h, start): (Hypothesis, Descent)| {
-        let squares = fit::promise(data, &h, &start.rig, &start.own)?;
+        let squares = fit::promise(data, &h, &start.rig, &start.own)? + fit::smoothed(data, &model);
         Some(evidence::of_squares(squares, part.blocks, h.freedom(data.traces.len())))
     };
     let begun = bases(data, part).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));

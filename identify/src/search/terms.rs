@@ -91,8 +91,7 @@ pub fn of_record() -> EffectSet {
 
 /// Effects of the recording that shift or smear it in time, and have no part in how much is read.
 pub fn of_timing() -> EffectSet {
-    let is_timing = |card: &Card| card.parameters.iter().all(|p| p.unit == Unit::Second);
-    effects::all().filter(|(_, card)| is_of_record(card) && is_timing(card)).map(|(e, _)| e).collect()
+    effects::all().filter(|(_, card)| is_of_record(card) && parameters::is_timing(card)).map(|(e, _)| e).collect()
 }
 
 /// Effects of the recording that grow with time.

@@ -1,0 +1,124 @@
+//! The internal energy of the gas at the volume it had at the begin: what it would be if the piston went back there without
+//! heat and flows.
+//!
+//! W = U (V/V0)^(γ−1),  dW/dt = (V/V0)^(γ−1) (dU/dt + (γ − 1) U/V dV/dt)
+//! W, U  J  V, V0  m³. The piston's work −P dV/dt = −(γ − 1) U/V dV/dt of the energy balance drops out: W does not see the
+//! piston's velocity, which the noise of recorded positions shakes from row to row, and changes with heat and flows alone. An
+//! integrator takes longer steps on it and cannot pass over what the stroke does between its stages.
+
+use chamber::balance::{Balance, Boundary};
+use chamber::real::Scalar;
+use std::cell::Cell;
+
+/// Energies referred to one volume.
+#[derive(Clone, Debug)]
+pub struct Isentrope {
+    /// 1/V0, 1/m³.
+    per_volume: f64,
+    /// γ − 1.
+    exponent: f64,
+    /// The volume, m³, that was asked for last and its W/U: a piston at rest asks for the same again and again.
+    last: Cell<[f64; 2]>,
+}
+
+impl Isentrope {
+    /// Through the volume, m³, that the chamber has at that boundary.
+    pub fn through<R: Scalar>(balance: &Balance<R>, boundary: &Boundary<R>) -> Self {
+        let volume = balance.chamber.geometry.volume(boundary.position).value();
+        Self { per_volume: 1.0 / volume, exponent: balance.expansion.value(), last: Cell::new([volume, 1.0]) }
+    }
+
+    /// W/U at a volume, m³.
+    #[inline(always)]
+    pub fn factor<R: Scalar>(&self, volume: R) -> R {
+        let here = volume.value();
+        let [last, mut factor] = self.last.get();
+        if here != last {
+            factor = (here * self.per_volume).powf(self.exponent);
+            self.last.set([here, factor]);
+        }
+        // The difference is zero but for its derivatives.
+        (volume - here) * (factor * self.exponent / here) + factor
+    }
+
+    /// At a boundary.
+    #[inline(always)]
+    pub fn at<R: Scalar>(&self, balance: &Balance<R>, boundary: &Boundary<R>) -> Referred<R> {
+        let geometry = &balance.chamber.geometry;
+        let volume = geometry.volume(boundary.position);
+        let compression = balance.expansion * geometry.piston_area * boundary.velocity / volume;
+        Referred { factor: self.factor(volume), compression }
+    }
+}
+
+/// What W and U have to do with each other at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Referred<R> {
+    /// W/U.
+    factor: R,
+    /// (γ − 1)/V dV/dt, 1/s.
+    compression: R,
+}
+
+impl<R: Scalar> Referred<R> {
+    /// W, J, of U.
+    #[inline(always)]
+    pub fn referred(&self, energy: R) -> R {
+        self.factor * energy
+    }
+
+    /// U, J, of W.
+    #[inline(always)]
+    pub fn energy(&self, referred: R) -> R {
+        referred / self.factor
+    }
+
+    /// dW/dt, W, of U and its rate.
+    #[inline(always)]
+    pub fn rate(&self, energy: R, rate: R) -> R {
+        self.factor * (rate + self.compression * energy)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chamber::balance::ENERGY;
+    use chamber::effects::EffectSet;
+    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+
+    fn chamber() -> Chamber {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5))
+    }
+
+    fn at(position: f64, velocity: f64) -> Boundary<f64> {
+        Boundary {
+            position,
+            velocity,
+            mass_flow_in: 0.0,
+            temperature_in: 293.0,
+            mass_flow_out: 0.0,
+            ambient_temperature: 293.0,
+            ambient_pressure: 1.013e5,
+        }
+    }
+
+    #[test]
+    fn the_velocity_of_the_piston_has_no_part_in_the_rate() {
+        let chamber = chamber();
+        let balance = Balance::of(chamber);
+        let isentrope = Isentrope::through(&balance, &at(0.1, 0.0));
+        let begin = balance.state_at(EffectSet::NONE, &at(0.1, 0.0), 3e5, 310.0);
+        let rate = |velocity: f64| {
+            let boundary = at(0.06, velocity);
+            let referred = isentrope.at(&balance, &boundary);
+            let mut state = begin;
+            state[ENERGY] = referred.energy(begin[ENERGY]);
+            referred.rate(state[ENERGY], balance.rates(EffectSet::NONE, &boundary, &state)[ENERGY])
+        };
+        let still = rate(0.0);
+        assert!(still < 0.0);
+        assert!((rate(5.0) / still - 1.0).abs() < 1e-9, "{} {still}", rate(5.0));
+    }
+}
