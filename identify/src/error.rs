@@ -108,6 +108,18 @@ pub enum Error {
         /// Ambient pressure, Pa.
         ambient_pa: f64,
     },
+    /// Absolute pressure taken for gauge.
+    #[error(
+        "the pressures seem to be absolute, not gauge: the traces ask for {offset_pa:.0} Pa (± {half_width_pa:.0}) to be taken from every reading, and {ambient_pa:.0} Pa of ambient pressure have been added; say `reference = \"absolute\"` for the pressure column"
+    )]
+    NotGauge {
+        /// What the traces ask to be taken from every reading, Pa.
+        offset_pa: f64,
+        /// Half its 95 % interval, Pa.
+        half_width_pa: f64,
+        /// Ambient pressure, Pa.
+        ambient_pa: f64,
+    },
     /// The geometry contradicts the pressures.
     #[error("the geometry contradicts the pressures: they ask for a dead volume of {:.3} cm3 (± {:.3}), {:.0} % of the smallest swept volume below zero; check bore, rod and the position's offset and sign",
         dead_volume_m3 * 1e6, half_width_m3 * 1e6, -100.0 * dead_volume_m3 / swept_m3)]

@@ -105,3 +105,25 @@ fn a_position_counted_from_the_other_end_is_noticed() {
     let error = spoilt(|t| t.position_m.iter_mut().for_each(|x| *x = 0.4 - *x));
     assert!(matches!(error, Error::WrongSign { correlation, .. } if correlation > 0.5), "{error}");
 }
+
+/// Rigs whose rig file says gauge: the ambient pressure has been added to what the logger wrote.
+fn declared_gauge(recipe: Recipe, logged_absolute: bool, kept: &[&str]) -> Rig {
+    let mut rig = recipe.rig();
+    rig.gauge_pressures = true;
+    rig.experiments.retain(|e| kept.is_empty() || kept.contains(&e.name.as_str()));
+    if logged_absolute {
+        let ambient_pa = rig.ambient.pressure_pa;
+        let traces = rig.experiments.iter_mut().flat_map(|e| &mut e.traces);
+        traces.for_each(|t| pressures(t).iter_mut().for_each(|p| *p += ambient_pa));
+    }
+    rig
+}
+
+#[test]
+fn absolute_pressures_that_are_declared_gauge_are_recognised_by_what_they_have_too_much() {
+    let rig = declared_gauge(Recipe { repeats: 1, ..Recipe::from_seed(7) }, true, &[]);
+    let traced = identify::diagnose(&rig, &|_, _| ()).err();
+    assert!(matches!(traced, Some(Error::NotGauge { .. })), "{traced:?}");
+    let error = refused(&rig);
+    assert!(matches!(error, Error::NotGauge { offset_pa, .. } if (offset_pa / 101_300.0 - 1.0).abs() < 0.1), "{error}");
+}
