@@ -29,8 +29,8 @@ pub enum Error {
         least: usize,
     },
     /// A pressure column in another unit than the rig says.
-    #[error("{}: half of the pressures are below {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column (Pa, kPa, bar, psi)",
-        trace.display())]
+    #[error("{}: half of the pressures are {} {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column (Pa, kPa, bar, psi)",
+        trace.display(), if *median_pa < 1e5 { "below" } else { "above" })]
     ImplausiblePressure {
         /// File of the trace.
         trace: PathBuf,

@@ -1,6 +1,7 @@
 //! Data that cannot be what it should be is named, with the number that gives it away.
 
 use identify::synthetic::Recipe;
+use identify::synthetic::outside::Outside;
 use identify::{Error, Method};
 use records::{Rig, Trace};
 
@@ -126,4 +127,42 @@ fn absolute_pressures_that_are_declared_gauge_are_recognised_by_what_they_have_t
     assert!(matches!(traced, Some(Error::NotGauge { .. })), "{traced:?}");
     let error = refused(&rig);
     assert!(matches!(error, Error::NotGauge { offset_pa, .. } if (offset_pa / 101_300.0 - 1.0).abs() < 0.1), "{error}");
+}
+
+#[test]
+fn what_a_gauge_counts_from_is_recognised_beside_a_leak_that_the_first_fit_lacks() {
+    let kept = ["compress-3bar", "expand-5bar", "compress-part"];
+    let leaky = || Recipe { repeats: 1, ..Recipe::from_seed(9).with("leakage", &[6e-12, 0.3]) };
+    let too_much = declared_gauge(leaky(), true, &kept);
+    let mut too_little = declared_gauge(leaky(), false, &kept);
+    too_little.gauge_pressures = false;
+    let traces = too_little.experiments.iter_mut().flat_map(|e| &mut e.traces);
+    traces.for_each(|t| pressures(t).iter_mut().for_each(|p| *p -= 101_300.0));
+    for rig in [&too_much, &too_little] {
+        assert!(
+            identify::identify(rig, Method::Exact).is_ok(),
+            "the paper's model alone tells: no test of the second look"
+        );
+    }
+    let traced = identify::diagnose(&too_much, &|_, _| ()).err();
+    assert!(matches!(traced, Some(Error::NotGauge { .. })), "{traced:?}");
+    let traced = identify::diagnose(&too_little, &|_, _| ()).err();
+    assert!(matches!(traced, Some(Error::Gauge { .. })), "{traced:?}");
+}
+
+#[test]
+fn honest_gauge_pressures_pass_whatever_the_model_lacks() {
+    for recipe in [
+        Recipe::from_seed(7),
+        Recipe::from_seed(3).with("leakage", &[3e-12, 0.3]),
+        Recipe::from_seed(5).with("wall_heating", &[2.0, 0.05]),
+        Recipe::from_seed(11).with("sensor_offset", &[4000.0]),
+        Recipe::from_seed(13).with_outside(Outside::HotGauge(30.0, 0.5)),
+    ] {
+        for kept in [&[][..], &["compress-3bar", "expand-5bar", "compress-part"]] {
+            let rig = declared_gauge(Recipe { repeats: 1, ..recipe.clone() }, false, kept);
+            identify::identify(&rig, Method::Exact).unwrap();
+            identify::diagnose(&rig, &|_, _| ()).unwrap();
+        }
+    }
 }

@@ -74,6 +74,7 @@ pub fn kind_of_file(key: &str) -> Option<&'static str> {
         "cylinder" | "sensor" | "accuracy" | "tolerance" | "columns" | "format" | "experiment" => Some("rig file"),
         "chamber" | "heat_transfer" | "effect" | "provenance" | "uncertainty" => Some("model file"),
         "study" | "test" | "vary" => Some("study file"),
+        "gas" | "ambient" => Some("rig or model file"),
         _ => None,
     }
 }
