@@ -26,18 +26,16 @@ pub fn is_stdout_taken<const N: usize>(asked: [&Option<PathBuf>; N]) -> bool {
     asked.into_iter().flatten().any(|path| is_stdout(path))
 }
 
-/// Refuses, before any work, results that cannot be written: into a folder that is not there, over an input, two in one place.
+/// Refuses, before any work, results that cannot be written: where the program may not write, over an input, two in one place.
 pub fn check<'a>(
     results: impl IntoIterator<Item = &'a PathBuf>,
     inputs: impl IntoIterator<Item = &'a Path>,
 ) -> anyhow::Result<()> {
     // A device, as /dev/null, takes any number of results.
-    let results = results.into_iter().filter(|path| path.is_file() || !path.exists());
+    let is_device = |path: &Path| path.exists() && !path.is_file() && !path.is_dir();
+    let results = results.into_iter().filter(|path| !is_device(path));
     let results: Vec<(&Path, PathBuf)> = results.map(|path| (path.as_path(), place(path))).collect();
     for (nth, (path, at)) in results.iter().enumerate() {
-        if !is_stdout(path) {
-            folder(path).metadata().with_context(|| format!("{}: cannot be written", path.display()))?;
-        }
         if results[..nth].iter().any(|(_, other)| other == at) {
             match is_stdout(path) {
                 true => bail!("standard output can take one result only; name a file for the others"),
@@ -50,7 +48,10 @@ pub fn check<'a>(
         Some((path, _)) => {
             bail!("{}: not written, because it is read by this command; name another file", path.display())
         }
-        None => Ok(()),
+        None => results
+            .iter()
+            .filter(|(path, _)| !is_stdout(path))
+            .try_for_each(|(path, _)| Ok(records::check_writable(path)?)),
     }
 }
 

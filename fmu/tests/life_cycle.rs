@@ -286,6 +286,9 @@ fn the_log_follows_the_categories_that_the_host_chooses() {
     let events: Vec<_> = told.iter().filter(|m| m.category == "logEvents").collect();
     assert_eq!((events.len(), events[0].category.as_str(), events[0].status), (1, "logEvents", OK));
     assert!(events[0].text.contains("the stroke from 0.09 m to position = 0.08 m was taken up adiabatically"));
+    host.set("position", 0.08 * (1.0 + f64::EPSILON));
+    host.step(2e-3, 1e-3);
+    assert!(host.messages().is_empty(), "rounding is no stroke");
     assert_eq!(choose(1, &[c"logStatusError"]), OK);
     assert_eq!(host.try_set("position", f64::NAN), DISCARD);
     assert!(host.messages().is_empty());

@@ -29,8 +29,8 @@ pub enum Error {
         least: usize,
     },
     /// A pressure column in another unit than the rig says.
-    #[error("{}: half of the pressures are below {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column (Pa, kPa, bar, psi)",
-        trace.display())]
+    #[error("{}: half of the pressures are {} {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column (Pa, kPa, bar, psi)",
+        trace.display(), if *median_pa < 1e5 { "below" } else { "above" })]
     ImplausiblePressure {
         /// File of the trace.
         trace: PathBuf,
@@ -102,6 +102,18 @@ pub enum Error {
     )]
     Gauge {
         /// Offset that the traces ask for, Pa.
+        offset_pa: f64,
+        /// Half its 95 % interval, Pa.
+        half_width_pa: f64,
+        /// Ambient pressure, Pa.
+        ambient_pa: f64,
+    },
+    /// Absolute pressure taken for gauge.
+    #[error(
+        "the pressures seem to be absolute, not gauge: the traces ask for {offset_pa:.0} Pa (± {half_width_pa:.0}) to be taken from every reading, and {ambient_pa:.0} Pa of ambient pressure have been added; say `reference = \"absolute\"` for the pressure column"
+    )]
+    NotGauge {
+        /// What the traces ask to be taken from every reading, Pa.
         offset_pa: f64,
         /// Half its 95 % interval, Pa.
         half_width_pa: f64,

@@ -1,6 +1,7 @@
 //! Data that cannot be what it should be is named, with the number that gives it away.
 
 use identify::synthetic::Recipe;
+use identify::synthetic::outside::Outside;
 use identify::{Error, Method};
 use records::{Rig, Trace};
 
@@ -104,4 +105,64 @@ fn a_position_with_an_offset_asks_for_a_negative_dead_volume() {
 fn a_position_counted_from_the_other_end_is_noticed() {
     let error = spoilt(|t| t.position_m.iter_mut().for_each(|x| *x = 0.4 - *x));
     assert!(matches!(error, Error::WrongSign { correlation, .. } if correlation > 0.5), "{error}");
+}
+
+/// Rigs whose rig file says gauge: the ambient pressure has been added to what the logger wrote.
+fn declared_gauge(recipe: Recipe, logged_absolute: bool, kept: &[&str]) -> Rig {
+    let mut rig = recipe.rig();
+    rig.gauge_pressures = true;
+    rig.experiments.retain(|e| kept.is_empty() || kept.contains(&e.name.as_str()));
+    if logged_absolute {
+        let ambient_pa = rig.ambient.pressure_pa;
+        let traces = rig.experiments.iter_mut().flat_map(|e| &mut e.traces);
+        traces.for_each(|t| pressures(t).iter_mut().for_each(|p| *p += ambient_pa));
+    }
+    rig
+}
+
+#[test]
+fn absolute_pressures_that_are_declared_gauge_are_recognised_by_what_they_have_too_much() {
+    let rig = declared_gauge(Recipe { repeats: 1, ..Recipe::from_seed(7) }, true, &[]);
+    let traced = identify::diagnose(&rig, &|_, _| ()).err();
+    assert!(matches!(traced, Some(Error::NotGauge { .. })), "{traced:?}");
+    let error = refused(&rig);
+    assert!(matches!(error, Error::NotGauge { offset_pa, .. } if (offset_pa / 101_300.0 - 1.0).abs() < 0.1), "{error}");
+}
+
+#[test]
+fn what_a_gauge_counts_from_is_recognised_beside_a_leak_that_the_first_fit_lacks() {
+    let kept = ["compress-3bar", "expand-5bar", "compress-part"];
+    let leaky = || Recipe { repeats: 1, ..Recipe::from_seed(9).with("leakage", &[6e-12, 0.3]) };
+    let too_much = declared_gauge(leaky(), true, &kept);
+    let mut too_little = declared_gauge(leaky(), false, &kept);
+    too_little.gauge_pressures = false;
+    let traces = too_little.experiments.iter_mut().flat_map(|e| &mut e.traces);
+    traces.for_each(|t| pressures(t).iter_mut().for_each(|p| *p -= 101_300.0));
+    for rig in [&too_much, &too_little] {
+        assert!(
+            identify::identify(rig, Method::Exact).is_ok(),
+            "the paper's model alone tells: no test of the second look"
+        );
+    }
+    let traced = identify::diagnose(&too_much, &|_, _| ()).err();
+    assert!(matches!(traced, Some(Error::NotGauge { .. })), "{traced:?}");
+    let traced = identify::diagnose(&too_little, &|_, _| ()).err();
+    assert!(matches!(traced, Some(Error::Gauge { .. })), "{traced:?}");
+}
+
+#[test]
+fn honest_gauge_pressures_pass_whatever_the_model_lacks() {
+    for recipe in [
+        Recipe::from_seed(7),
+        Recipe::from_seed(3).with("leakage", &[3e-12, 0.3]),
+        Recipe::from_seed(5).with("wall_heating", &[2.0, 0.05]),
+        Recipe::from_seed(11).with("sensor_offset", &[4000.0]),
+        Recipe::from_seed(13).with_outside(Outside::HotGauge(30.0, 0.5)),
+    ] {
+        for kept in [&[][..], &["compress-3bar", "expand-5bar", "compress-part"]] {
+            let rig = declared_gauge(Recipe { repeats: 1, ..recipe.clone() }, false, kept);
+            identify::identify(&rig, Method::Exact).unwrap();
+            identify::diagnose(&rig, &|_, _| ()).unwrap();
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 use crate::error::Error;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -16,20 +16,48 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     write(path, bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
-fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// Finds out whether [`write_atomically`] can write to `path`, before the work whose result it takes: a file beside it is made and
+/// removed. What stands at `path` stays.
+///
+/// # Errors
+/// [`Error::Write`] as it would be after the work.
+pub fn check_writable(path: &Path) -> Result<(), Error> {
+    try_beside(path).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
+fn try_beside(path: &Path) -> io::Result<()> {
+    if replaced(path)?.is_some_and(|old| !old.is_file()) {
+        return Ok(());
+    }
+    let temporary = temporary_beside(&followed(path)?)?;
+    File::create_new(&temporary)?;
+    std::fs::remove_file(&temporary)
+}
+
+/// What stands at `path`, if it may be replaced or written to.
+fn replaced(path: &Path) -> io::Result<Option<Metadata>> {
     let old = std::fs::metadata(path).ok();
     match &old {
-        Some(old) if old.is_dir() => {
-            return Err(io::Error::new(io::ErrorKind::IsADirectory, "a folder of that name exists"));
+        Some(old) if old.is_dir() => Err(io::Error::new(io::ErrorKind::IsADirectory, "a folder of that name exists")),
+        Some(old) if old.is_file() && old.permissions().readonly() => {
+            Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file there is write-protected"))
         }
-        // Renaming would replace the device itself.
-        Some(old) if !old.is_file() => return File::options().write(true).open(path)?.write_all(bytes),
-        Some(old) if old.permissions().readonly() => {
-            return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file there is write-protected"));
-        }
-        _ => {}
+        _ => Ok(old),
     }
-    let path = if path.is_symlink() { std::fs::canonicalize(path)? } else { path.to_owned() };
+}
+
+/// The file that a link leads to.
+fn followed(path: &Path) -> io::Result<PathBuf> {
+    if path.is_symlink() { std::fs::canonicalize(path) } else { Ok(path.to_owned()) }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let old = replaced(path)?;
+    if old.as_ref().is_some_and(|old| !old.is_file()) {
+        // Renaming would replace the device itself.
+        return File::options().write(true).open(path)?.write_all(bytes);
+    }
+    let path = followed(path)?;
     let temporary = temporary_beside(&path)?;
     // Locked until it has its name: one that nobody has locked was left by a process that was killed.
     let result = fill(&temporary, bytes).and_then(|_locked| {
@@ -91,7 +119,22 @@ mod tests {
         let path = folder.path().join("out");
         std::fs::create_dir(&path).unwrap();
         assert!(write_atomically(&path, b"x").unwrap_err().to_string().contains("a folder of that name"));
+        assert!(check_writable(&path).unwrap_err().to_string().contains("a folder of that name"));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn finding_out_whether_a_file_can_be_written_leaves_the_folder_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        check_writable(&path).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        std::fs::write(&path, "kept").unwrap();
+        check_writable(&path).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"kept");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        let message = check_writable(&folder.path().join("absent/model.toml")).unwrap_err().to_string();
+        assert!(message.contains("model.toml: cannot be written"), "{message}");
     }
 
     #[test]
@@ -103,6 +146,7 @@ mod tests {
         permissions.set_readonly(true);
         std::fs::set_permissions(&path, permissions).unwrap();
         assert!(write_atomically(&path, b"x").unwrap_err().to_string().contains("write-protected"));
+        assert!(check_writable(&path).unwrap_err().to_string().contains("write-protected"));
         assert_eq!(std::fs::read(&path).unwrap(), b"kept");
     }
 

@@ -68,12 +68,13 @@ fn offer(near: &Option<String>, known: &[String]) -> String {
     }
 }
 
-/// The kind of file whose outermost table has that key and no other kind's.
+/// The kind of file whose outermost table has that key; where two kinds have it, both.
 pub fn kind_of_file(key: &str) -> Option<&'static str> {
     match key {
         "cylinder" | "sensor" | "accuracy" | "tolerance" | "columns" | "format" | "experiment" => Some("rig file"),
         "chamber" | "heat_transfer" | "effect" | "provenance" | "uncertainty" => Some("model file"),
         "study" | "test" | "vary" => Some("study file"),
+        "gas" | "ambient" => Some("rig or model file"),
         _ => None,
     }
 }

@@ -36,7 +36,7 @@ pub mod trace;
 pub mod uncertainty;
 pub mod units;
 
-pub use atomic::write_atomically;
+pub use atomic::{check_writable, write_atomically};
 pub use document::Document;
 pub use error::Error;
 pub use field::Field;

@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::gas::{self, NamedGas};
 use crate::key::{Bounds, KeyProblem};
-use crate::layout::Layout;
+use crate::layout::{Layout, Quantity};
 use crate::limits;
 use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
 use crate::model::{check_rod, read_ambient};
@@ -41,6 +41,8 @@ pub struct Rig {
     pub accuracy_pa: Option<f64>,
     /// How well geometry and ambient temperature are known; what the file leaves out has its default.
     pub tolerance: Tolerance,
+    /// Whether the file declares the pressures as gauge; the traces' pressures are absolute either way.
+    pub gauge_pressures: bool,
     /// The experiments, in the file's order.
     pub experiments: Vec<Experiment>,
 }
@@ -208,6 +210,7 @@ impl RigFile {
         let (temperature_k, pressure_pa) = read_ambient(&root)?;
         let cylinder = read_cylinder(&cylinder_table)?;
         let stated_tolerance = StatedTolerance::read(&root, cylinder.bore_m)?;
+        let layout = Layout::read(&root, pressure_pa)?;
         let rig = Rig {
             path: document.path().to_owned(),
             cylinder,
@@ -217,9 +220,9 @@ impl RigFile {
             sensor: Sensor::read(&root)?,
             accuracy_pa: read_accuracy(&root)?,
             tolerance: stated_tolerance.or(Tolerance::default_of(cylinder.bore_m, temperature_k.is_some())),
+            gauge_pressures: layout.column(Quantity::Pressure).gauge,
             experiments: Vec::new(),
         };
-        let layout = Layout::read(&root, pressure_pa)?;
         let folder = document.path().parent().unwrap_or(Path::new(""));
         let plan = root.tables("experiment")?.into_iter().map(|table| read_experiment(&table, folder));
         Ok(Self { rig, stated_tolerance, layout, plan: plan.collect::<Result<_, _>>()? })

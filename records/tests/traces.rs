@@ -233,6 +233,17 @@ fn pressures_below_vacuum_are_refused_with_the_remedy() {
 }
 
 #[test]
+fn millimetres_taken_for_metres_are_refused_with_the_remedy() {
+    let message = Bench::new().refusal(table(&["0,1e5,160.0", "0.01,1e5,80.0"]));
+    assert_says(&message, &["line 2, column `position_m`", "160.00 m is not plausible", "unit = \"mm\""]);
+    let inches = Bench::with_rig("[columns]\nposition = { name = \"position_m\", unit = \"in\" }\n");
+    assert_says(&inches.refusal(table(&["0,1e5,6300"])), &["160.02 m is not plausible", "unit and scale"]);
+    let mut long = Bench::new();
+    long.stroke_m = Some(40.0);
+    assert!(long.read(table(&["0,1e5,39.0", "1,1e5,35.0", "2,1e5,30.0"])).is_ok(), "a stroke that the rig states");
+}
+
+#[test]
 fn a_position_beyond_the_cylinder_is_refused_but_not_the_noise_at_its_end() {
     let mut bench = Bench::new();
     bench.stroke_m = Some(0.1);

@@ -82,6 +82,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let (Some(path), Some(folder)) = (&args.study, &args.output) else {
         bail!("expected a study file and an output folder")
     };
+    if output::is_stdout(folder) {
+        bail!("-: a study is a folder of files, which standard output cannot take; name a folder");
+    }
     let mut study = Study::read(path)?;
     if let Some(name) = &args.solver {
         study.solver = SOLVERS.iter().find(|(n, _)| n == name).map(|(_, solver)| *solver).context("unknown solver")?;

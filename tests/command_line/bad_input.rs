@@ -59,11 +59,14 @@ fn in_a_rig() {
 fn a_file_of_another_kind_is_told_as_such() {
     let bench = Bench::new();
     bench.file("study.toml", "[study]\nname = \"a\"\n");
-    let calls: [(&[&str], &str); 5] = [
+    // As `identify` writes it.
+    bench.file("whole_model.toml", "[gas]\nname = \"air\"\n[chamber]\nbore_m = 0.032\n");
+    let calls: [(&[&str], &str); 6] = [
         (&["fmu", "rig.toml"], "rig.toml: line 1: cylinder: belongs to a rig file"),
         (&["identify", "model.toml"], "model.toml: line 1: chamber: belongs to a model file"),
         (&["identify", "study.toml"], "study.toml: line 1: study: belongs to a study file"),
         (&["sweep", "rig.toml", "-o", "out"], "rig.toml: line 1: cylinder: belongs to a rig file"),
+        (&["sweep", "whole_model.toml", "-o", "out"], "whole_model.toml: line 1: gas: belongs to a rig or model file"),
         (&["identify", "motion.csv"], "a trace is named in a rig file (TOML), which is expected here"),
     ];
     for (call, says) in calls {

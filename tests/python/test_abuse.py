@@ -271,6 +271,28 @@ def test_a_read_only_disk_is_named(command, rig, small_disk):
     assert message.startswith("error: ") and message.count("\n") == 1, message
 
 
+@pytest.mark.parametrize("place", ["a folder", "write-protected", "absent/out"])
+@pytest.mark.parametrize("command", ["identify", "diagnose"])
+def test_a_place_where_no_result_can_go_is_named_before_the_work(command, place, rig):
+    out = rig / place
+    if place == "a folder":
+        out.mkdir()
+    elif place == "write-protected":
+        out.write_text("kept")
+        out.chmod(0o444)
+    # The work itself would end in the refusal of a record.
+    (rig / "one.csv").write_text("time_s,pressure_pa,position_m\n" + "".join(f"{k / 100},1e5,0.1\n" for k in range(100)))
+    before = sorted(rig.iterdir())
+    code, message, _, _ = bounded([command, "rig.toml", "-o", out], rig)
+    assert code == 1 and message.startswith(f"error: {out}: cannot be written: ") and message.count("\n") == 1, message
+    assert sorted(rig.iterdir()) == before and (place != "write-protected" or out.read_text() == "kept")
+
+
+def test_a_study_for_standard_output_is_refused(rig):
+    assert_is_refused(["sweep", "study.toml", "-o", "-"], rig, "name a folder")
+    assert not (rig / "-").exists()
+
+
 def test_names_with_spaces_umlauts_and_bytes_that_are_no_text_are_names(rig):
     folder = os.fsencode(rig.parent) + b"/Pr\xfcfstand 3, \xe2\x82\xac"
     os.rename(rig, folder)

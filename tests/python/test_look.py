@@ -163,7 +163,29 @@ def test_cycles_of_one_file_are_split_into_experiments(record, pneutherm, tmp_pa
 def test_look_refuses_what_is_no_trace_in_a_sentence(pneutherm, tmp_path):
     (tmp_path / "empty.csv").write_text("")
     (tmp_path / "binary.csv").write_bytes(bytes(range(256)) * 10)
-    for name, says in [("empty.csv", "the file is empty"), ("binary.csv", "binary data"), ("absent.csv", "cannot be read")]:
+    (tmp_path / "result.json").write_text(json.dumps({"verdict": "adequate", "effects": []}, indent=2))
+    for name, says in [
+        ("empty.csv", "the file is empty"),
+        ("binary.csv", "binary data"),
+        ("absent.csv", "cannot be read"),
+        ("result.json", "one column only; a table with time, pressure and position is expected"),
+    ]:
         process = pneutherm("look", name, "-o", "rig.toml", cwd=tmp_path, code=1)
         assert name in process.stderr and says in process.stderr and process.stderr.count("\n") == 1
         assert not (tmp_path / "rig.toml").exists()
+
+
+@pytest.mark.parametrize("command", ["look", "identify", "simulate"])
+def test_positions_in_millimetres_under_the_name_of_metres_are_refused(command, record, pneutherm, tmp_path):
+    text = table(record, "time_s,pressure_pa,position_m", lambda t, p, x: f"{t:.4f},{p:.2f},{x * 1e3:.5f}")
+    (tmp_path / "mm.csv").write_text(text)
+    (tmp_path / "rig.toml").write_text('[cylinder]\nbore_m = 0.032\n[[experiment]]\nname = "a"\ntraces = ["mm.csv"]\n')
+    (tmp_path / "model.toml").write_text("[chamber]\nbore_m = 0.032\n[heat_transfer]\ncoefficient_w_per_m2_k = 30.0\n")
+    arguments = {
+        "look": ["mm.csv"],
+        "identify": ["rig.toml", "-o", "out"],
+        "simulate": ["model.toml", "--motion", "mm.csv", "-o", "out"],
+    }[command]
+    process = pneutherm(command, *arguments, cwd=tmp_path, code=1)
+    assert "mm.csv: line 2, column `position_m`" in process.stderr and 'unit = "mm"' in process.stderr, process.stderr
+    assert process.stderr.count("\n") == 1 and not (tmp_path / "out").exists()

@@ -1,4 +1,4 @@
-//! Contradictions that only a fit shows: gauge pressure taken for absolute, a dead volume below zero by far.
+//! Contradictions that only a fit shows: gauge pressure taken for absolute or absolute for gauge, a dead volume below zero by far.
 
 use crate::error::Error;
 use crate::fit::covariance::covariance;
@@ -45,31 +45,42 @@ pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
     Err(Error::ImplausibleCoefficient { coefficient, time_constant_s })
 }
 
-/// Refuses gauge pressure: adding the ambient pressure to every reading takes away nine tenths of the misfit, and the
-/// offset that fits best is the ambient pressure within a seventh.
-pub fn gauge(data: &Data, fitted: &Fit) -> Result<(), Error> {
+/// Refuses gauge pressure that is declared absolute, and absolute pressure that is declared gauge: adding the ambient pressure to
+/// every reading, or taking it away again, takes away nine tenths of the misfit, and the offset that fits best is the ambient
+/// pressure within a seventh.
+pub fn reference(data: &Data, fitted: &Fit) -> Result<(), Error> {
     const SHARE_LEFT: f64 = 0.1;
     const NEARLY: f64 = 0.15;
     let ambient_pa = data.ambient_pressure_pa;
+    let offset_pa = if data.gauge_pressures { -ambient_pa } else { ambient_pa };
+    // Readings that would be below vacuum are gauge.
+    if data.lowest_pressure_pa() + offset_pa <= 0.0 {
+        return Ok(());
+    }
     let misfit = |share: f64| {
-        let shifted = shifted(data, share * ambient_pa);
+        let shifted = shifted(data, share * offset_pa);
         let h = &fitted.hypothesis;
         fit::fit(&shifted, h, fitted.rig.clone(), h.first_owns(&shifted), &fit::all_blocks(&shifted))
             .map_or(f64::INFINITY, |f| f.chi2)
     };
-    let as_gauge = misfit(1.0);
-    if as_gauge - fitted.blocks as f64 > SHARE_LEFT * (fitted.chi2 - fitted.blocks as f64) {
+    let corrected = misfit(1.0);
+    if corrected - fitted.blocks as f64 > SHARE_LEFT * (fitted.chi2 - fitted.blocks as f64) {
         return Ok(());
     }
     // The parabola of χ² through three offsets.
     let (low, high) = (misfit(0.9), misfit(1.1));
-    let curvature = low + high - 2.0 * as_gauge;
+    let curvature = low + high - 2.0 * corrected;
     if curvature.is_finite() && curvature > 0.0 {
         let best = 1.0 + 0.05 * (low - high) / curvature;
         if (best - 1.0).abs() < NEARLY {
             let half_width_pa =
-                1.96 * ambient_pa * (0.02 / curvature * (as_gauge / fitted.blocks as f64).max(1.0)).sqrt();
-            return Err(Error::Gauge { offset_pa: best * ambient_pa, half_width_pa, ambient_pa });
+                1.96 * ambient_pa * (0.02 / curvature * (corrected / fitted.blocks as f64).max(1.0)).sqrt();
+            let offset_pa = best * ambient_pa;
+            return Err(if data.gauge_pressures {
+                Error::NotGauge { offset_pa, half_width_pa, ambient_pa }
+            } else {
+                Error::Gauge { offset_pa, half_width_pa, ambient_pa }
+            });
         }
     }
     Ok(())

@@ -130,7 +130,7 @@ fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
     sanity::coefficient(&data, &fit)?;
     let adequacy = adequacy::test(&data, &fit);
     if !adequacy.is_adequate() {
-        sanity::gauge(&data, &fit)?;
+        sanity::reference(&data, &fit)?;
     }
     sanity::dead_volume(&data, &fit)?;
     let chamber = fit.chamber();

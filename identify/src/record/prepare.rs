@@ -186,6 +186,8 @@ pub struct Data {
     pub ambient_temperature_assumed: bool,
     /// Ambient pressure, Pa.
     pub ambient_pressure_pa: f64,
+    /// Whether the rig declares its pressures as gauge, so that the ambient pressure has been added to the readings.
+    pub gauge_pressures: bool,
     /// Names of the experiments.
     pub experiments: Vec<String>,
     /// The traces, experiment by experiment.
@@ -255,12 +257,18 @@ impl Data {
             ambient_temperature_k: traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64,
             ambient_temperature_assumed,
             ambient_pressure_pa: rig.ambient.pressure_pa,
+            gauge_pressures: rig.gauge_pressures,
             experiments: rig.experiments.iter().map(|e| e.name.clone()).collect(),
             traces,
             noise,
             tolerance: rig.tolerance,
             accuracy_pa: rig.accuracy_pa,
         })
+    }
+
+    /// Lowest pressure of all rows, Pa.
+    pub fn lowest_pressure_pa(&self) -> f64 {
+        self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(f64::INFINITY, f64::min)
     }
 
     /// The same with another noise.

@@ -80,7 +80,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     let (data, baseline) = baseline::fitted(data)?;
     let adequacy = adequacy::test(&data, &baseline);
     if !adequacy.is_adequate() {
-        sanity::gauge(&data, &baseline)?;
+        sanity::reference(&data, &baseline)?;
     }
     let mut search = Search::new(data, baseline, adequacy);
     progress("one term at a time", 0.1);
@@ -453,6 +453,10 @@ impl Search {
         }
         let mut follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
         let mut verdict = self.verdict(follows_the_test);
+        if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
+            // Beside a leak the first fit cannot tell.
+            sanity::reference(&self.data, &self.chosen.fit)?;
+        }
         let mut alike = self.alike();
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         let read_off = match verdict {

@@ -338,6 +338,7 @@ impl Recipe {
             sensor: Sensor::default(),
             accuracy_pa: None,
             tolerance: Tolerance::default_of(geometry.bore, true),
+            gauge_pressures: false,
             experiments,
         }
     }

@@ -66,6 +66,9 @@ impl Look {
     pub fn at(path: &Path, names: &Names) -> Result<Self, Error> {
         let (dialect, encoding, sample) = trace::sample(path, &Layout::default())?;
         check(path, &dialect, names)?;
+        if dialect.names.len() < 2 {
+            return Err(Error::Trace { path: path.to_owned(), problem: Box::new(TraceProblem::OneColumn) });
+        }
         if sample.is_empty() {
             let problem = Box::new(TraceProblem::NoRows { line: dialect.header.unwrap_or(1) });
             return Err(Error::Trace { path: path.to_owned(), problem });

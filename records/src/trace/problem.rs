@@ -67,6 +67,12 @@ pub enum TraceProblem {
         /// The header's line.
         line: usize,
     },
+    /// A text that is no table.
+    #[error(
+        "one column only; a table with time, pressure and position is expected, with commas, semicolons, tabs or blanks between \
+         the columns"
+    )]
+    OneColumn,
     /// Excel's days, taken for seconds.
     #[error(
         "column `{column}`: times from {from:?} to {to:?} are days as Excel counts them, not seconds; write unit = \"d\" for \
@@ -215,6 +221,20 @@ pub enum RowProblem {
         value: f64,
         /// Stroke of the cylinder, m, within which positions lie.
         stroke: f64,
+    },
+    /// A position that no cylinder has, where the rig states no stroke.
+    #[error(
+        "column `{column}`: a position of {value:.2} m is not plausible, no cylinder is longer than {longest} m{hint}"
+    )]
+    FarPosition {
+        /// Name of the column, as the header has it.
+        column: String,
+        /// The position, m.
+        value: f64,
+        /// Stroke that no cylinder exceeds, m.
+        longest: f64,
+        /// What may help.
+        hint: &'static str,
     },
     /// A piston on the wrong side of the chamber's end.
     #[error(

@@ -18,6 +18,9 @@ use std::ops::Range;
 const GAS_TEMPERATURE_K: std::ops::RangeInclusive<f64> = 20.0..=5000.0;
 /// How far a measured position may be beyond an end, as a share of the stroke (or, unknown, of the travel): noise.
 const POSITION_SLACK: f64 = 0.01;
+/// Positions further from the sensor's zero are millimetres or inches taken for metres, where no longer stroke is stated: rodless
+/// cylinders end at about ten metres.
+const LONGEST_STROKE_M: f64 = 20.0;
 
 /// The rows read so far.
 pub struct Rows<'a> {
@@ -238,6 +241,13 @@ fn check(quantity: Quantity, value: f64, column: &Column, stroke_m: Option<f64>)
         Quantity::Position => match stroke_m {
             Some(stroke) if value > stroke * (1.0 + POSITION_SLACK) => {
                 Err(RowProblem::BeyondStroke { column: name(), value, stroke })
+            }
+            None if (value - column.offset).abs() > LONGEST_STROKE_M => {
+                let hint = match column.unit {
+                    "m" => "; for millimetres say unit = \"mm\" in the rig's [columns] position",
+                    _ => "; look at its unit and scale",
+                };
+                Err(RowProblem::FarPosition { column: name(), value, longest: LONGEST_STROKE_M, hint })
             }
             _ => Ok(()),
         },

@@ -8,6 +8,9 @@ use crate::protocol::message::{Category, Message, Status};
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
 
+/// Positions that differ by less agree but for rounding: a host's sum of steps is no stroke to take up.
+const ROUNDING_M: f64 = 1e-12;
+
 impl Instance {
     /// One step of `h` seconds from `point`, s, the host's time; a refused one changes nothing (`fmi2DoStep`).
     ///
@@ -83,7 +86,7 @@ impl Instance {
     /// What the host should know of a step from `point`, s, that took the piston up from `reached` to `begin`, m.
     fn tell_of(&mut self, point: f64, [reached, begin]: [f64; 2]) {
         let messages = &mut self.messages;
-        if self.tells_events && begin != reached {
+        if self.tells_events && (begin - reached).abs() > ROUNDING_M {
             let text = format!(
                 "t = {point} s: the stroke from {reached} m to position = {begin} m was taken up adiabatically"
             );
