@@ -61,8 +61,11 @@ pub fn run(
     }
     // Lanes that wait for one with more parts are few where neighbours have as many.
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
-    order.sort_unstable_by_key(|&test| all[test as usize].parts as u32);
-    for order in order.chunks(WIDTH) {
+    let kind = |test: u32| (all[test as usize].is_bent, all[test as usize].parts as u32);
+    order.sort_unstable_by_key(|&test| kind(test));
+    let (straight, bent) = order.split_at(order.partition_point(|&test| !kind(test).0));
+    let groups = straight.chunks(WIDTH).map(|order| (EffectSet::NONE, order));
+    for (set, order) in groups.chain(bent.chunks(WIDTH).map(|order| (set, order))) {
         let tests = Tests::new(&all, order);
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(set, |lane| &scenario(lane).chamber)));
@@ -93,8 +96,10 @@ pub fn run(
 struct Test {
     row: u32,
     duration: f64,
-    /// Without the effects; the wall's temperature is that with them.
+    /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
     closed: Closed,
+    /// Whether the exchange during the push is not linear in the volume, by the effects.
+    is_bent: bool,
     /// 1/τ_f in the hold, 1/s.
     rate: f64,
     parts: f64,
@@ -111,7 +116,7 @@ impl Test {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
         let (start, push) = (s.initial_temperature_k, s.push_time_s);
         let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        Self { row, duration, closed, rate: 0.0, parts: 0.0, start, from, to, push }
+        Self { row, duration, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push }
     }
 
     /// Takes 1/τ_f, 1/s: of the hold, and at the begin and end of the push.
@@ -122,41 +127,60 @@ impl Test {
     }
 }
 
-/// Gives tests the wall's temperature and the rates that they have with the effects of a set.
+/// Gives tests the wall's temperature, the rates and where it is linear the exchange that they have with the effects of a set.
 fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test], scenarios: &[Scenario]) {
     for tests in all.chunks_mut(WIDTH) {
         let at = |lane: usize| lane.min(tests.len() - 1);
         let chamber = chambers.gather(set, |lane| &scenarios[tests[at(lane)].row as usize].chamber);
         let order: [u32; WIDTH] = core::array::from_fn(|lane| at(lane) as u32);
-        let found = arch.dispatch(Rates { set, chamber, tests: &Tests::new(tests, &order) });
+        let Changed { wall, rates, exchange, bend } =
+            arch.dispatch(Change { set, chamber, tests: &Tests::new(tests, &order) });
         for (lane, test) in tests.iter_mut().enumerate() {
-            let [wall, held, begin, end] = found.map(|all| all[lane]);
-            test.closed.ambient_temperature = wall;
+            let [held, begin, end] = rates.map(|all| all[lane]);
+            test.closed.ambient_temperature = wall[lane];
+            test.is_bent = bend[lane] > 0.0;
+            if !test.is_bent {
+                test.closed.exchange = exchange.map(|all| all[lane]);
+            }
             test.exchange(held, [begin, end]);
         }
     }
 }
 
-/// Temperatures of the walls, K, and 1/τ_f, 1/s: of the hold, and at the begin and end of the push.
-struct Rates<'a> {
+/// What effects make of tests.
+struct Changed {
+    /// Temperatures of the walls, K.
+    wall: Lanes,
+    /// 1/τ_f, 1/s: of the hold, and at the begin and end of the push.
+    rates: [Lanes; 3],
+    /// What is exchanged during the push, by a line over the volume, and where that is not enough a positive number.
+    exchange: [Lanes; 2],
+    bend: Lanes,
+}
+
+/// Finds this out.
+struct Change<'a> {
     set: EffectSet,
     chamber: &'a Chamber<Lanes>,
     /// Without the effects.
     tests: &'a Tests,
 }
 
-impl WithSimd for Rates<'_> {
-    type Output = [Lanes; 4];
+impl WithSimd for Change<'_> {
+    type Output = Changed;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 4] {
+    fn with_simd<I: Simd>(self, _: I) -> Changed {
         let t = black_box(self.tests);
         let chamber = black_box(self.chamber);
-        let ambient = t.closed.ambient_temperature;
-        let held = Exchange::new(self.set, chamber, &t.closed, ambient, Lanes::ZERO);
-        let pushed = Exchange::new(self.set, chamber, &t.closed, ambient, t.velocity(chamber));
-        let (wall, begin, end) = (held.wall(), t.from.sqrt(), t.to.sqrt());
-        black_box([wall, wall * held.at(t.to) / end, wall * pushed.at(t.from) / begin, wall * pushed.at(t.to) / end])
+        let mut heat = Exchange::new(self.set, chamber, &t.closed, t.closed.ambient_temperature);
+        let (wall, held) = (heat.wall(), heat.at(t.to));
+        heat.move_at(t.velocity(chamber));
+        let ends = [heat.at(t.from), heat.at(t.to)];
+        let (exchange, bend) = heat.line([t.from, t.to], ends);
+        let [per_begin, per_end] = [wall / t.from.sqrt(), wall / t.to.sqrt()];
+        let rates = [held * per_end, ends[0] * per_begin, ends[1] * per_end];
+        black_box(Changed { wall, rates, exchange, bend })
     }
 }
 
@@ -299,8 +323,11 @@ impl WithSimd for Solve<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.tests);
         let wall = t.closed.ambient_temperature;
-        let kept = black_box(self.effects)
-            .map(|(set, chamber)| Exchange::new(set, chamber, &t.closed, wall, t.velocity(chamber)));
+        let mut kept = None;
+        if let Some((set, chamber)) = black_box(self.effects) {
+            let exchange = kept.insert(Exchange::new(set, chamber, &t.closed, wall));
+            exchange.move_at(t.velocity(chamber));
+        }
         let pushed = match (&kept, self.panels) {
             (None, None) => t.pushed(&t.closed),
             (Some(exchange), None) => t.pushed(exchange),

@@ -204,7 +204,7 @@ impl Sorted {
             let swept = usize::from(s.chamber.geometry.area_law == AreaLaw::Swept);
             let sealed = s.mass_flow_in_kg_per_s == 0.0 && s.mass_flow_out_kg_per_s == 0.0 && s.profile.is_none();
             let active = s.chamber.active();
-            let (shown, of_gas) = (active.intersection(of_sensor), active.without(of_sensor));
+            let (shown, of_gas) = (active.intersection(of_sensor), on_the_gas(active));
             let integrates = options.solver == Solver::Adaptive;
             let behind = (!shown.is_empty()).then(|| Behind::new(shown, s));
             // A record that is late by more than the push or the hold shows other parts of the test.
@@ -225,9 +225,9 @@ impl Sorted {
                 }
                 continue;
             }
-            let kind = if !sealed || !effects::KEEP_THE_MASS.contains(on_the_gas(active)) {
+            let kind = if !sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
                 if s.profile.is_some() { Kind::Profiled } else { Kind::Open }
-            } else if !integrates && behind.is_none() && relaxation::EFFECTS.contains(on_the_gas(active)) {
+            } else if !integrates && behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
                 Kind::Relaxing
             } else {
                 Kind::Tight
