@@ -160,12 +160,16 @@ impl Plan {
             None => ramp(scenario, duration),
             Some(knots) => along(scenario, knots, duration),
         };
-        let edges = [(push_end - delay).max(0.0), (duration - delay).max(0.0)];
-        let moments = [edges[0], edges[1], push_end];
-        for t in moments {
-            split(&mut stretches, t);
-        }
-        let [from, to, hold] = moments.map(|t| split(&mut stretches, t));
+        let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));
+        // In the order of their times: a later one leaves the indices of the others as they are.
+        let from = split(&mut stretches, begin);
+        let (hold, to) = if push_end < end {
+            let hold = split(&mut stretches, push_end);
+            (hold, split(&mut stretches, end))
+        } else {
+            let to = split(&mut stretches, end);
+            (split(&mut stretches, push_end), to)
+        };
         let geometry = &scenario.chamber.geometry;
         let mut elapsed = delay;
         for stretch in &mut stretches {

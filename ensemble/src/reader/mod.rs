@@ -52,14 +52,53 @@ struct Trace<'a> {
     before: f64,
 }
 
+impl Trace<'_> {
+    /// Cuts a segment, by its number, stretch and knots, into pieces.
+    fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<Piece>) {
+        let Sensor { lag, drift, .. } = self.sensor;
+        let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
+        // Time, what the record shows there and its slope, of a sensor that follows at once.
+        let seen = |knot: &Knot| {
+            let (time, pace) = stretch.clock.time_and_pace(knot.at);
+            let shown = self.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
+            (time, shown, knot.view.slope[PRESSURE] / pace + drift)
+        };
+        let mut begin = seen(&knots[0]);
+        for (knot, to) in knots[1..].iter().enumerate() {
+            let end = seen(to);
+            let mut piece = Piece {
+                segment,
+                knot: knot as u32,
+                times: [begin.0, end.0],
+                shown: [begin.1, end.1],
+                slopes: [begin.2, end.2],
+                lagged: 0.0,
+                turn: None,
+            };
+            // What a lagging sensor shows is found out later: `follow_lags`.
+            while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
+                if cut > piece.times[0] {
+                    piece.times[1] = cut;
+                    pieces.push(piece);
+                    piece.times = [cut, end.0];
+                }
+            }
+            pieces.push(piece);
+            begin = end;
+        }
+    }
+}
+
 /// Traces of rows, with memory that is kept from one group of rows to the next.
 #[derive(Default)]
 pub struct Memory {
     knots: Vec<Knot>,
     segments: Vec<Segment>,
     pieces: Vec<Piece>,
-    /// Where each row's pieces begin; one more for the end.
-    begins: Vec<usize>,
+    /// By row.
+    cut: Vec<Cut>,
+    /// Of one row.
+    corners: Vec<Corner>,
     lags: Vec<Followed<f64>>,
     to_powers: ToPowers,
     jobs: Vec<Job>,
@@ -91,11 +130,22 @@ struct Piece {
     turn: Option<(f64, f64)>,
 }
 
-impl Piece {
-    /// Times and values at which the record goes from one monotone part to the next.
-    fn corners(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> {
-        [Some((self.times[0], self.shown[0])), self.turn, Some((self.times[1], self.shown[1]))].into_iter().flatten()
-    }
+/// The pieces that a record is cut into.
+#[derive(Clone, Debug)]
+struct Cut {
+    all: Range<usize>,
+    /// Those that it shows between the end of the push and the end of the test.
+    shown: Range<usize>,
+}
+
+/// Where a record goes from one monotone part to the next: at the begin of the first piece, in or at the end of another.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    piece: usize,
+    /// Time from the segment's begin, s.
+    time: f64,
+    /// What the record shows, Pa.
+    shown: f64,
 }
 
 /// A question about a piece, or about the temperature in an interval.
@@ -156,9 +206,10 @@ impl<'a> Traces<'a> {
         self.cut();
         self.follow_lags(arch);
         self.find_turns(arch);
+        self.memory.jobs.clear();
         let mut answers: Vec<Option<Answer>> = (0..self.rows.len()).map(|row| self.answer(row)).collect();
-        self.find_temperatures(arch, &mut answers);
         self.find_settling(arch, &mut answers);
+        self.find_temperatures(arch, &mut answers);
         answers
     }
 
@@ -170,56 +221,28 @@ impl<'a> Traces<'a> {
 
     /// Cuts all records into pieces.
     fn cut(&mut self) {
-        let Memory { knots, segments, pieces, begins, .. } = &mut *self.memory;
+        let Memory { knots, segments, pieces, cut, .. } = &mut *self.memory;
         pieces.clear();
-        begins.clear();
-        for (index, segment) in segments.iter().enumerate() {
-            let row = &self.rows[segment.row as usize];
-            while begins.len() <= segment.row as usize {
-                begins.push(pieces.len());
-            }
-            let stretch = &row.plan.stretches[segment.stretch as usize];
-            let Sensor { lag, drift, .. } = row.sensor;
-            let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
-            // Time, what the record shows there and its slope, of a sensor that follows at once.
-            let seen = |knot: &Knot| {
-                let (time, pace) = stretch.clock.time_and_pace(knot.at);
-                let shown = row.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
-                (time, shown, knot.view.slope[PRESSURE] / pace + drift)
-            };
-            let knots = &knots[segment.knots.clone()];
-            let mut begin = seen(&knots[0]);
-            for (knot, to) in knots[1..].iter().enumerate() {
-                let end = seen(to);
-                let mut piece = Piece {
-                    segment: index as u32,
-                    knot: knot as u32,
-                    times: [begin.0, end.0],
-                    shown: [begin.1, end.1],
-                    slopes: [begin.2, end.2],
-                    lagged: 0.0,
-                    turn: None,
-                };
-                // What a lagging sensor shows is found out later: `follow_lags`.
-                while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
-                    if cut > piece.times[0] {
-                        piece.times[1] = cut;
-                        pieces.push(piece);
-                        piece.times = [cut, end.0];
-                    }
+        cut.clear();
+        let mut segments = segments.iter().enumerate().peekable();
+        for (number, row) in self.rows.iter().enumerate() {
+            let begin = pieces.len();
+            let mut shown = begin..begin;
+            while let Some((index, segment)) = segments.next_if(|(_, segment)| segment.row as usize == number) {
+                let (stretch, from) = (segment.stretch as usize, pieces.len());
+                row.cut(index as u32, &row.plan.stretches[stretch], &knots[segment.knots.clone()], pieces);
+                let [first, end] = row.plan.window;
+                if (first..end).contains(&stretch) {
+                    shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
                 }
-                pieces.push(piece);
-                begin = end;
             }
-        }
-        while begins.len() <= self.rows.len() {
-            begins.push(pieces.len());
+            cut.push(Cut { all: begin..pieces.len(), shown });
         }
     }
 
     /// The pieces of a row.
     fn pieces_of(&self, row: usize) -> Range<usize> {
-        self.memory.begins[row]..self.memory.begins[row + 1]
+        self.memory.cut[row].all.clone()
     }
 
     /// Where the records turn round.
@@ -238,42 +261,58 @@ impl<'a> Traces<'a> {
         }
     }
 
-    /// Whether the record shows a piece between the end of the push and the end of the test.
-    fn shows(&self, piece: &Piece) -> bool {
-        let segment = &self.memory.segments[piece.segment as usize];
-        let window = self.rows[segment.row as usize].plan.window;
-        (window[0]..window[1]).contains(&(segment.stretch as usize))
-    }
-
     /// What the record of a row shows, Pa, at a time of the record, s, before the gas of the test arrives.
     fn before(&self, row: usize, time: f64) -> f64 {
         self.rows[row].sensor.shown(self.rows[row].before, time)
     }
 
-    /// All but temperatures and the settling time.
-    fn answer(&self, row: usize) -> Option<Answer> {
-        let plan = self.rows[row].plan;
-        let pieces = &self.memory.pieces[self.pieces_of(row)];
-        if pieces.is_empty() {
+    /// Lists the corners of a record between the end of the push and the end of the test.
+    fn list_corners(&mut self, row: usize) {
+        let Memory { pieces, cut, corners, .. } = &mut *self.memory;
+        corners.clear();
+        for index in cut[row].shown.clone() {
+            let Piece { times, shown, turn, .. } = pieces[index];
+            if corners.is_empty() {
+                corners.push(Corner { piece: index, time: times[0], shown: shown[0] });
+            }
+            if let Some((time, shown)) = turn {
+                corners.push(Corner { piece: index, time, shown });
+            }
+            corners.push(Corner { piece: index, time: times[1], shown: shown[1] });
+        }
+    }
+
+    /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
+    fn answer(&mut self, row: usize) -> Option<Answer> {
+        if self.pieces_of(row).is_empty() {
             return None;
         }
+        self.list_corners(row);
+        let (plan, corners) = (self.rows[row].plan, &self.memory.corners);
         let sign = if plan.expands { -1.0 } else { 1.0 };
-        let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, plan.push_end);
-        let mut pressure_final = None;
+        let (mut pressure, mut peak) = (f64::NEG_INFINITY, None);
         if plan.push_end < plan.delay {
             pressure = sign * self.before(row, plan.push_end);
         }
-        for piece in pieces.iter().filter(|piece| self.shows(piece)) {
-            for (time, value) in piece.corners() {
-                if sign * value > pressure {
-                    pressure = sign * value;
-                    peak_time = self.record_time(piece, time);
-                }
+        for corner in corners {
+            if sign * corner.shown > pressure {
+                (pressure, peak) = (sign * corner.shown, Some(corner));
             }
-            pressure_final = Some(piece.shown[1]);
         }
-        let pressure_final = pressure_final.unwrap_or_else(|| self.before(row, plan.duration));
+        let peak_time =
+            peak.map_or(plan.push_end, |corner| self.record_time(&self.memory.pieces[corner.piece], corner.time));
+        let pressure_final = corners.last().map_or_else(|| self.before(row, plan.duration), |last| last.shown);
         let pressure_peak = sign * pressure.max(sign * pressure_final);
+        let band = SETTLED * (pressure_peak - pressure_final).abs();
+        let band = band.max(ROUNDING * pressure_final.abs());
+        // The last corner outside, and the one after it.
+        let outside = corners.iter().rposition(|corner| (corner.shown - pressure_final).abs() > band);
+        if let Some(&[outside, later]) = outside.and_then(|last| corners[last..].first_chunk()) {
+            let same = outside.piece == later.piece;
+            let from = if same { outside.time } else { self.memory.pieces[later.piece].times[0] };
+            let numbers = [from, later.time, pressure_final, band];
+            self.memory.jobs.push(Job { piece: later.piece, numbers, answer: [0.0; POINTS] });
+        }
         Some(Answer { pressure_peak, peak_time, pressure_final, ..Answer::default() })
     }
 
@@ -332,38 +371,8 @@ impl<'a> Traces<'a> {
         self.of_segment(piece.segment).1.elapsed + time
     }
 
-    /// When the records come within 1 % of their ends for good.
+    /// When the records come within 1 % of their ends for good: does the jobs of [`Traces::answer`].
     fn find_settling(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
-        let mut jobs = core::mem::take(&mut self.memory.jobs);
-        jobs.clear();
-        for (row, answer) in answers.iter_mut().enumerate() {
-            let Some(answer) = answer else { continue };
-            let band = SETTLED * (answer.pressure_peak - answer.pressure_final).abs();
-            let band = band.max(ROUNDING * answer.pressure_final.abs());
-            let plan = self.rows[row].plan;
-            // From the end back to the last corner outside, and the corner after it.
-            let mut later = None;
-            let seen = self.pieces_of(row).rev().map(|index| (index, &self.memory.pieces[index]));
-            let mut corners = seen
-                .filter(|(_, piece)| self.shows(piece))
-                .flat_map(|(index, piece)| piece.corners().rev().map(move |corner| (index, piece, corner)));
-            let outside = corners.find(|&(index, _, (time, value))| {
-                let outside = (value - answer.pressure_final).abs() > band;
-                if !outside {
-                    later = Some((index, time));
-                }
-                outside
-            });
-            let Some((index, piece, (time, _))) = outside else { continue };
-            match later {
-                Some((of, end)) if of == index => {
-                    let numbers = [time, end, answer.pressure_final, band];
-                    jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
-                }
-                _ => answer.settling = (self.record_time(piece, time) - plan.push_end).max(0.0),
-            }
-        }
-        self.memory.jobs = jobs;
         self.work(arch, |[outside, later, value, band]| Question::Enter { between: [outside, later], value, band });
         for job in &self.memory.jobs {
             let piece = &self.memory.pieces[job.piece];
