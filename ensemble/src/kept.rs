@@ -5,33 +5,35 @@
 //! λ and of the area at the speed of the ramp, or at rest. Over a ramp, with q = √V as the variable, b dt = d c f A dx for x
 //! from 0 to 1 (d the dwell, see [`Closed::ramp_part`](chamber::exact::Closed::ramp_part)). How much 1/T grows up to each node
 //! of a 16-point Gauss–Legendre rule is that rule's own integral of Tw d c f A − 2 (γ − 1) q'/q, by a matrix: the integrals of
-//! the polynomial through the nodes. By the same matrix 1/T follows at the nodes, and along the ramp from the polynomial
-//! through them ([`Panel`]).
+//! the polynomial through the nodes. By the same matrix 1/T follows at the nodes.
 //!
 //! Where c f A is linear in V the equation is the paper's with other constants, and so is its solution ([`Exchange::line`]).
 
-use crate::gauss::{NODES, Panel, RULE, node};
-use chamber::Chamber;
+use crate::gauss::{NODES, RULE, node};
 use chamber::balance::{Balance, Boundary, Conditions, Contents};
 use chamber::card::ClosedForm;
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
-use std::sync::LazyLock;
 
 /// Effects that keep the closed form.
-pub static EFFECTS: LazyLock<EffectSet> = LazyLock::new(|| {
-    effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(place, _)| place).collect()
-});
+pub const EFFECTS: EffectSet = {
+    let (mut bits, mut effect) = (0, 0);
+    while effect < effects::COUNT {
+        bits |= (matches!(effects::CARDS[effect].closed_form, ClosedForm::Kept) as u32) << effect;
+        effect += 1;
+    }
+    EffectSet::from_bits(bits)
+};
 
 /// c f A, K^-1 s^-1 m^1.5, and the wall's temperature, K, of chambers with effects that keep the closed form.
 #[derive(Clone, Copy, Debug)]
-pub struct Exchange<R> {
+pub struct Exchange<'a, R> {
     set: EffectSet,
     /// c/λ0, to be multiplied by λ and the area.
     per_coefficient: R,
-    balance: Balance<R>,
+    balance: &'a Balance<R>,
     /// A state of the gas: what the effects look at beside the volume does not matter.
     boundary: Boundary<R>,
 }
@@ -39,15 +41,17 @@ pub struct Exchange<R> {
 /// By how much, over itself, c f A may miss a line through it that stands for it.
 const ROUNDING: f64 = 4e-15;
 
-impl<R: Real> Exchange<R> {
+impl<'a, R: Real> Exchange<'a, R> {
     /// Of a chamber in surroundings of that temperature, K, whose closed form without the effects is `closed`, while its
     /// piston rests.
     #[inline(always)]
-    pub fn new(set: EffectSet, chamber: &Chamber<R>, closed: &Closed<R>, ambient_temperature: R) -> Self {
-        let law = &chamber.heat_transfer;
+    pub fn new(set: EffectSet, balance: &'a Balance<R>, closed: &Closed<R>, ambient_temperature: R) -> Self {
+        let law = &balance.chamber.heat_transfer;
         let scale = (closed.mass_gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
         let boundary = Boundary::closed(R::ZERO, ambient_temperature, R::from(1e5));
-        Self { set, per_coefficient: closed.expansion / scale, balance: Balance::of(*chamber), boundary }
+        // So that the code has no others.
+        let set = set.intersection(EFFECTS);
+        Self { set, per_coefficient: closed.expansion / scale, balance, boundary }
     }
 
     /// From now on of a piston with that velocity, m/s.
@@ -74,7 +78,7 @@ impl<R: Real> Exchange<R> {
     #[inline(always)]
     pub fn at(&self, volume: R) -> R {
         let at = self.conditions(volume);
-        let Balance { chamber, area, .. } = &self.balance;
+        let Balance { chamber, area, .. } = self.balance;
         let coefficient = chamber.heat_transfer.coefficient;
         let coefficient = effects::heat_transfer_factor(self.set, &chamber.effects, &at, coefficient);
         let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
@@ -98,7 +102,7 @@ pub trait Heat<R: Real> {
     fn at(&self, volume: R) -> R;
 }
 
-impl<R: Real> Heat<R> for Exchange<R> {
+impl<R: Real> Heat<R> for Exchange<'_, R> {
     #[inline(always)]
     fn at(&self, volume: R) -> R {
         self.at(volume)
@@ -127,21 +131,12 @@ pub struct Part<R> {
     pub expansion: R,
 }
 
-/// What happens along a part.
-struct Along<R> {
-    /// b dt/dx at the nodes, 1/K.
-    exchange: [R; NODES],
-    /// By which factors 1/T grows up to the nodes, and over the whole, where nothing is fed.
-    growth: [R; NODES],
-    total: R,
-}
-
 impl<R: Real> Part<R> {
+    /// At the nodes b dt/dx, in 1/K, into `exchange`, and how fast ln(1/T) grows where nothing is fed into `rates`; the
+    /// factor by which 1/T so grows over the whole. (Arrays of lanes are too large to be handed back.)
     #[inline(always)]
-    fn along(&self, heat: &impl Heat<R>) -> Along<R> {
-        let zero = [R::ZERO; NODES];
-        let (mut exchange, mut growth, mut rates, mut exchanged) = (zero, zero, zero, R::ZERO);
-        let expansion = self.expansion * 2.0;
+    fn along(&self, heat: &impl Heat<R>, exchange: &mut [R; NODES], rates: &mut [R; NODES]) -> R {
+        let (mut exchanged, expansion) = (R::ZERO, self.expansion * 2.0);
         for index in 0..black_box(NODES) {
             let (x, weight) = node(index);
             let q = self.root + self.step * x;
@@ -149,37 +144,35 @@ impl<R: Real> Part<R> {
             rates[index] = self.wall * exchange[index] - expansion * self.step / q;
             exchanged += exchange[index] * weight;
         }
-        for index in 0..black_box(NODES) {
-            growth[index] = RULE.up_to_node(&rates, index).exp();
-        }
-        let total = (self.wall * exchanged - expansion * (R::ONE + self.step / self.root).ln()).exp();
-        Along { exchange, growth, total }
+        (self.wall * exchanged - expansion * (R::ONE + self.step / self.root).ln()).exp()
     }
 
     /// 1/T at its end, from that at its begin.
     #[inline(always)]
     pub fn end(&self, heat: &impl Heat<R>, inverse: R) -> R {
-        let Along { exchange, growth, total } = self.along(heat);
-        let mut integral = R::ZERO;
-        for index in 0..NODES {
-            integral += exchange[index] * growth[index] * node(index).1;
+        let [mut exchange, mut rates] = [[R::ZERO; NODES]; 2];
+        let total = self.along(heat, &mut exchange, &mut rates);
+        let (rule, mut integral) = (&*RULE, R::ZERO);
+        for index in 0..black_box(NODES) {
+            integral += exchange[index] * rule.up_to_node(&rates, index).exp() * node(index).1;
         }
         (inverse + integral) / total
     }
 
-    /// 1/T along it, from that at its begin, and at its end.
+    /// 1/T at its nodes, from that at its begin, into `values`, and at its end.
     #[inline(always)]
-    pub fn panel(&self, heat: &impl Heat<R>, inverse: R) -> (Panel<R>, R) {
-        let Along { exchange, growth, total } = self.along(heat);
-        let (rule, mut source, mut integral) = (&*RULE, [R::ZERO; NODES], R::ZERO);
+    pub fn nodes(&self, heat: &impl Heat<R>, inverse: R, values: &mut [R; NODES]) -> R {
+        let [mut source, mut rates, mut growth] = [[R::ZERO; NODES]; 3];
+        let total = self.along(heat, &mut source, &mut rates);
+        let (rule, mut integral) = (&*RULE, R::ZERO);
         for index in 0..black_box(NODES) {
-            source[index] = exchange[index] * growth[index];
+            growth[index] = rule.up_to_node(&rates, index).exp();
+            source[index] = source[index] * growth[index];
             integral += source[index] * node(index).1;
         }
-        let mut values = [R::ZERO; NODES];
         for index in 0..black_box(NODES) {
             values[index] = (inverse + rule.up_to_node(&source, index)) / growth[index];
         }
-        (Panel::through(&values, rule), (inverse + integral) / total)
+        (inverse + integral) / total
     }
 }

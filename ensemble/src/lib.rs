@@ -145,7 +145,7 @@ impl ClosedKind {
 
     /// That kind of the rows with a set of effects.
     fn of(kind: usize, set: EffectSet) -> Self {
-        let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(*kept::EFFECTS) };
+        let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(kept::EFFECTS) };
         let shown = if kind < 3 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
         Self { kept, shown }
     }
