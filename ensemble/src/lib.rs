@@ -116,8 +116,8 @@ impl Kernel {
                 let ClosedKind { kept, shown } = ClosedKind::of(kind, set);
                 exact_rows::run(batch, closed, kept, shown, rows, out);
             }
-            for (number, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-                course(batch, course_memory, set, Kind::ALL[number / 2], rows, out);
+            for (number, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| rows.count > 0) {
+                course(batch, course_memory, set, Kind::ALL[number / 2], rows.planned(), out);
             }
         }
     }
@@ -189,7 +189,40 @@ struct Sorted {
     /// Tests with closed forms, and their durations, s, by kind.
     closed: [Vec<(u32, f64)>; ClosedKind::COUNT],
     /// Others, by kind and area law: what lanes must have in common.
-    others: [Vec<(u32, Plan)>; 2 * Kind::ALL.len()],
+    others: [Planned; 2 * Kind::ALL.len()],
+}
+
+/// Rows and their plans, whose memory is kept.
+#[derive(Default)]
+struct Planned {
+    rows: Vec<(u32, Plan)>,
+    /// How many of these are of the present chunk.
+    count: usize,
+}
+
+impl Planned {
+    /// The longest plan, in stretches, whose memory is kept: plans along profiles may be of any length.
+    const LONGEST: usize = 8;
+
+    fn clear(&mut self) {
+        self.count = 0;
+        self.rows.retain(|(_, plan)| plan.stretches.capacity() <= Self::LONGEST);
+    }
+
+    /// Plans one more, unless it cannot be solved.
+    fn add(&mut self, row: u32, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<(), Failure> {
+        if self.count == self.rows.len() {
+            self.rows.push((row, Plan::default()));
+        }
+        let place = &mut self.rows[self.count];
+        *place = (row, Plan::new(std::mem::take(&mut place.1.stretches), set, active, scenario)?);
+        self.count += 1;
+        Ok(())
+    }
+
+    fn planned(&self) -> &[(u32, Plan)] {
+        &self.rows[..self.count]
+    }
 }
 
 impl Sorted {
@@ -197,7 +230,7 @@ impl Sorted {
     fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         self.sealed.clear();
         self.closed.iter_mut().for_each(Vec::clear);
-        self.others.iter_mut().for_each(Vec::clear);
+        self.others.iter_mut().for_each(Planned::clear);
         let of_sensor = effects::of_sensor();
         for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
             let row = row as u32;
@@ -232,9 +265,8 @@ impl Sorted {
             } else {
                 Kind::Tight
             };
-            match Plan::new(set, active, s) {
-                Ok(plan) => self.others[swept + 2 * kind as usize].push((row, plan)),
-                Err(reason) => *out = Outcome::failed(reason),
+            if let Err(reason) = self.others[swept + 2 * kind as usize].add(row, set, active, s) {
+                *out = Outcome::failed(reason);
             }
         }
     }

@@ -72,8 +72,6 @@ impl Trace<'_> {
                 times: [begin.0, end.0],
                 shown: [begin.1, end.1],
                 slopes: [begin.2, end.2],
-                lagged: 0.0,
-                turn: None,
             };
             // What a lagging sensor shows is found out later: `follow_lags`.
             while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
@@ -97,8 +95,8 @@ pub struct Memory {
     pieces: Vec<Piece>,
     /// By row.
     cut: Vec<Cut>,
-    /// Of one row.
-    corners: Vec<Corner>,
+    /// In the order of the pieces.
+    turns: Vec<Turn>,
     lags: Vec<Followed<f64>>,
     to_powers: ToPowers,
     jobs: Vec<Job>,
@@ -124,10 +122,6 @@ struct Piece {
     /// What the record shows at both ends, Pa, and its slopes there, Pa/s.
     shown: [f64; 2],
     slopes: [f64; 2],
-    /// The lagging sensor's reading at its begin, Pa.
-    lagged: f64,
-    /// Where the record turns round inside: time from the segment's begin, s, and what it shows, Pa.
-    turn: Option<(f64, f64)>,
 }
 
 /// The pieces that a record is cut into.
@@ -136,11 +130,13 @@ struct Cut {
     all: Range<usize>,
     /// Those that it shows between the end of the push and the end of the test.
     shown: Range<usize>,
+    /// Where it turns round in these.
+    turns: Range<usize>,
 }
 
-/// Where a record goes from one monotone part to the next: at the begin of the first piece, in or at the end of another.
+/// Where a record turns round inside a piece.
 #[derive(Clone, Copy, Debug)]
-struct Corner {
+struct Turn {
     piece: usize,
     /// Time from the segment's begin, s.
     time: f64,
@@ -236,7 +232,7 @@ impl<'a> Traces<'a> {
                     shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
                 }
             }
-            cut.push(Cut { all: begin..pieces.len(), shown });
+            cut.push(Cut { all: begin..pieces.len(), shown, turns: 0..0 });
         }
     }
 
@@ -247,18 +243,21 @@ impl<'a> Traces<'a> {
 
     /// Where the records turn round.
     fn find_turns(&mut self, arch: Arch) {
-        let Memory { pieces, jobs, .. } = &mut *self.memory;
+        let Memory { pieces, cut, jobs, .. } = &mut *self.memory;
         jobs.clear();
-        for (index, piece) in pieces.iter().enumerate() {
-            if piece.slopes[0] * piece.slopes[1] < 0.0 {
-                jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+        for Cut { shown, turns, .. } in cut {
+            let first = jobs.len();
+            for (index, piece) in shown.clone().zip(&pieces[shown.clone()]) {
+                if piece.slopes[0] * piece.slopes[1] < 0.0 {
+                    jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+                }
             }
+            *turns = first..jobs.len();
         }
         self.work(arch, |_| Question::Turn);
-        let Memory { pieces, jobs, .. } = &mut *self.memory;
-        for job in jobs {
-            pieces[job.piece].turn = Some((job.answer[0], job.answer[1]));
-        }
+        let Memory { turns, jobs, .. } = &mut *self.memory;
+        turns.clear();
+        turns.extend(jobs.iter().map(|&Job { piece, answer: [time, shown, ..], .. }| Turn { piece, time, shown }));
     }
 
     /// What the record of a row shows, Pa, at a time of the record, s, before the gas of the test arrives.
@@ -266,52 +265,56 @@ impl<'a> Traces<'a> {
         self.rows[row].sensor.shown(self.rows[row].before, time)
     }
 
-    /// Lists the corners of a record between the end of the push and the end of the test.
-    fn list_corners(&mut self, row: usize) {
-        let Memory { pieces, cut, corners, .. } = &mut *self.memory;
-        corners.clear();
-        for index in cut[row].shown.clone() {
-            let Piece { times, shown, turn, .. } = pieces[index];
-            if corners.is_empty() {
-                corners.push(Corner { piece: index, time: times[0], shown: shown[0] });
-            }
-            if let Some((time, shown)) = turn {
-                corners.push(Corner { piece: index, time, shown });
-            }
-            corners.push(Corner { piece: index, time: times[1], shown: shown[1] });
-        }
-    }
-
     /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
     fn answer(&mut self, row: usize) -> Option<Answer> {
-        if self.pieces_of(row).is_empty() {
+        let Memory { pieces, cut, turns, .. } = &*self.memory;
+        let Cut { all, shown, turns: of_row } = &cut[row];
+        if all.is_empty() {
             return None;
         }
-        self.list_corners(row);
-        let (plan, corners) = (self.rows[row].plan, &self.memory.corners);
+        let (plan, turns) = (self.rows[row].plan, &turns[of_row.clone()]);
         let sign = if plan.expands { -1.0 } else { 1.0 };
+        // The extreme is where the record begins, or ends a piece, or turns round.
         let (mut pressure, mut peak) = (f64::NEG_INFINITY, None);
         if plan.push_end < plan.delay {
             pressure = sign * self.before(row, plan.push_end);
         }
-        for corner in corners {
-            if sign * corner.shown > pressure {
-                (pressure, peak) = (sign * corner.shown, Some(corner));
+        let mut look = |piece: &Piece, time: f64, value: f64| {
+            if sign * value > pressure {
+                (pressure, peak) = (sign * value, Some((piece.segment, time)));
             }
+        };
+        let shown_pieces = &pieces[shown.clone()];
+        if let Some(first) = shown_pieces.first() {
+            look(first, first.times[0], first.shown[0]);
         }
-        let peak_time =
-            peak.map_or(plan.push_end, |corner| self.record_time(&self.memory.pieces[corner.piece], corner.time));
-        let pressure_final = corners.last().map_or_else(|| self.before(row, plan.duration), |last| last.shown);
+        for piece in shown_pieces {
+            look(piece, piece.times[1], piece.shown[1]);
+        }
+        for turn in turns {
+            look(&pieces[turn.piece], turn.time, turn.shown);
+        }
+        let peak_time = peak.map_or(plan.push_end, |(segment, time)| self.record_time(segment, time));
+        let pressure_final = shown_pieces.last().map_or_else(|| self.before(row, plan.duration), |last| last.shown[1]);
         let pressure_peak = sign * pressure.max(sign * pressure_final);
         let band = SETTLED * (pressure_peak - pressure_final).abs();
         let band = band.max(ROUNDING * pressure_final.abs());
-        // The last corner outside, and the one after it.
-        let outside = corners.iter().rposition(|corner| (corner.shown - pressure_final).abs() > band);
-        if let Some(&[outside, later]) = outside.and_then(|last| corners[last..].first_chunk()) {
-            let same = outside.piece == later.piece;
-            let from = if same { outside.time } else { self.memory.pieces[later.piece].times[0] };
-            let numbers = [from, later.time, pressure_final, band];
-            self.memory.jobs.push(Job { piece: later.piece, numbers, answer: [0.0; POINTS] });
+        // Back from the end to where the record was outside the last time, and the next such place after it.
+        let outside = |value: f64| (value - pressure_final).abs() > band;
+        let mut turns = turns.iter().rev().peekable();
+        let entry = shown.clone().rev().find_map(|index| {
+            let Piece { times: [begin, mut later], shown: [value, _], .. } = pieces[index];
+            if let Some(turn) = turns.next_if(|turn| turn.piece == index) {
+                if outside(turn.shown) {
+                    return Some((index, turn.time, later));
+                }
+                later = turn.time;
+            }
+            outside(value).then_some((index, begin, later))
+        });
+        if let Some((piece, from, later)) = entry {
+            let numbers = [from, later, pressure_final, band];
+            self.memory.jobs.push(Job { piece, numbers, answer: [0.0; POINTS] });
         }
         Some(Answer { pressure_peak, peak_time, pressure_final, ..Answer::default() })
     }
@@ -329,15 +332,15 @@ impl<'a> Traces<'a> {
                 continue;
             }
             let sign = sign(&self.rows, segment.row);
-            let knots = &self.memory.knots[segment.knots.clone()];
-            for (knot, pair) in knots.windows(2).enumerate() {
-                let [begin, end] = [0, 1].map(|end| pair[end].view);
-                let warmest = (sign * begin.value[TEMPERATURE]).max(sign * end.value[TEMPERATURE]);
-                answer.temperature_peak = answer.temperature_peak.max(warmest);
-                if begin.slope[TEMPERATURE] * end.slope[TEMPERATURE] < 0.0 && sign * begin.slope[TEMPERATURE] > 0.0 {
-                    turns.push((index as u32, knot as u32));
+            let mut rises = false;
+            for (knot, Knot { view, .. }) in self.memory.knots[segment.knots.clone()].iter().enumerate() {
+                let [value, slope] = [view.value, view.slope].map(|of| sign * of[TEMPERATURE]);
+                answer.temperature_peak = answer.temperature_peak.max(value);
+                if rises && slope < 0.0 {
+                    turns.push((index as u32, knot as u32 - 1));
                 }
-                answer.temperature_final = end.value[TEMPERATURE];
+                rises = slope > 0.0;
+                answer.temperature_final = view.value[TEMPERATURE];
             }
         }
         for group in turns.chunks(WIDTH) {
@@ -366,19 +369,19 @@ impl<'a> Traces<'a> {
         }
     }
 
-    /// Time of the record, s, at a time of a piece's segment.
-    fn record_time(&self, piece: &Piece, time: f64) -> f64 {
-        self.of_segment(piece.segment).1.elapsed + time
+    /// Time of the record, s, at a time of a segment.
+    fn record_time(&self, segment: u32, time: f64) -> f64 {
+        self.of_segment(segment).1.elapsed + time
     }
 
     /// When the records come within 1 % of their ends for good: does the jobs of [`Traces::answer`].
     fn find_settling(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
         self.work(arch, |[outside, later, value, band]| Question::Enter { between: [outside, later], value, band });
         for job in &self.memory.jobs {
-            let piece = &self.memory.pieces[job.piece];
-            let row = self.memory.segments[piece.segment as usize].row as usize;
+            let segment = self.memory.pieces[job.piece].segment;
+            let row = self.memory.segments[segment as usize].row as usize;
             if let Some(answer) = &mut answers[row] {
-                let settled = self.record_time(piece, job.answer[0]) - self.rows[row].plan.push_end;
+                let settled = self.record_time(segment, job.answer[0]) - self.rows[row].plan.push_end;
                 answer.settling = settled.max(0.0);
             }
         }
@@ -398,7 +401,7 @@ mod tests {
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.04));
-        let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
+        let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let (start, rise, fall, slow) = (1e5, 1e5 / 0.04f64.powi(2), 0.8e5, 0.4);
         let pressure = |t: f64| {
             if t < 0.04 { start + rise * t * t } else { start + 1e5 - fall * (1.0 - (-(t - 0.04) / slow).exp()) }
