@@ -361,6 +361,7 @@ sets_with_code_of_their_own![];
 sets_with_code_of_their_own![
     // Tight rows take the first that fits, the others the first that is not of tight ones.
     general::TIGHT | bit("wall_heating"),
+    general::TIGHT | bit("natural_convection"),
     general::TIGHT | general::ASKED | relaxation::EFFECTS.bits(),
     general::TIGHT | bit("gas_zones"),
     general::TIGHT | general::ASKED | on_the_gas_with(effects::MANY) & effects::KEEP_THE_MASS.bits(),
@@ -369,6 +370,7 @@ sets_with_code_of_their_own![
     bit("leakage"),
     bit("laminar_leakage"),
     bit("supply_leakage"),
+    bit("tube_volume"),
     bit("wall_heating"),
     bit("gas_zones"),
     on_the_gas_with(0) | general::ASKED,
