@@ -89,18 +89,24 @@ impl<R: Real> Closed<R> {
     }
 }
 
+impl<R: Real> Closed<R> {
+    /// How many of the shortest time scales a ramp lasts: from 1/τ_f at both ends, 1/s, and the ratio of the volumes.
+    #[inline(always)]
+    pub fn time_scales(rates: [R; 2], ratio: R, duration: R) -> R {
+        rates[0].max(rates[1]) * duration + ratio.ln().abs()
+    }
+}
+
 impl Closed<f64> {
-    /// In how many parts a ramp is integrated: none longer than 1.4 of the shortest time scale.
-    /// From 1/τ_f at both ends, 1/s, and the ratio of the volumes.
-    pub fn parts(rates: [f64; 2], ratio: f64, duration: f64) -> f64 {
-        let exchange = rates[0].max(rates[1]) * duration;
-        (0.7 * (exchange + ratio.ln().abs())).ceil().clamp(1.0, 1e6)
+    /// In how many parts a ramp that lasts so many time scales is integrated: none longer than 1.4 of them.
+    pub fn parts(time_scales: f64) -> f64 {
+        (0.7 * time_scales).ceil().clamp(1.0, 1e6)
     }
 
     /// Temperature, K, at the end of a linear ramp of the volume over `duration`, s.
     pub fn ramp(&self, temperature: f64, from_volume: f64, to_volume: f64, duration: f64) -> f64 {
         let rates = [from_volume, to_volume].map(|volume| self.rate(volume));
-        let parts = Self::parts(rates, to_volume / from_volume, duration);
+        let parts = Self::parts(Self::time_scales(rates, to_volume / from_volume, duration));
         self.ramp_in(parts, temperature, from_volume, to_volume, duration)
     }
 
@@ -189,7 +195,7 @@ mod tests {
             let chamber = section31(AreaLaw::Total);
             let (v0, v1) = (chamber.geometry.volume(from), chamber.geometry.volume(to));
             let closed = Closed::filled(&chamber, 3e5, 293.0, v0, 300.0);
-            let parts = Closed::parts([v0, v1].map(|v| closed.rate(v)), v1 / v0, push);
+            let parts = Closed::parts(Closed::time_scales([v0, v1].map(|v| closed.rate(v)), v1 / v0, push));
             let [ours, finer] = [1.0, 5.0].map(|n| closed.ramp_in(parts * n, 293.0, v0, v1, push));
             assert!((ours / finer - 1.0).abs() < 1e-14 * parts, "{ours} {finer}");
         }

@@ -1,8 +1,10 @@
 //! Chambers side by side, one a lane.
 
 use crate::lanes::{Lanes, WIDTH};
+use chamber::balance::Balance;
 use chamber::effects::EffectSet;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Puts a chamber's numbers into a lane; those of its effects stay as they are.
 #[inline(always)]
@@ -18,20 +20,25 @@ pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
     to.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
 }
 
-/// Chambers, one a lane, of one area law: of their effects those that were asked for last.
-pub struct Chambers(Chamber<Lanes>);
+/// Balances of chambers, one a lane, of one area law: of their effects those that were asked for last.
+pub struct Chambers(Balance<Lanes>);
 
 impl Default for Chambers {
     fn default() -> Self {
         let geometry = Geometry::new(1.0, 0.0, 0.0, AreaLaw::Total);
-        Self(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(1.0)).lift())
+        Self(Balance::of(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(1.0)).lift()))
     }
 }
 
 impl Chambers {
     /// Puts a chamber into each lane, with the parameters of the effects in a set.
-    pub fn gather<'a>(&mut self, set: EffectSet, chamber: impl Fn(usize) -> &'a Chamber) -> &Chamber<Lanes> {
-        let all = &mut self.0;
+    pub fn gather<'a>(
+        &mut self,
+        arch: Arch,
+        set: EffectSet,
+        chamber: impl Fn(usize) -> &'a Chamber,
+    ) -> &Balance<Lanes> {
+        let all = &mut self.0.chamber;
         all.geometry.area_law = chamber(0).geometry.area_law;
         for lane in 0..WIDTH {
             let from = chamber(lane);
@@ -42,6 +49,19 @@ impl Chambers {
                 }
             }
         }
-        all
+        arch.dispatch(WorkOut(&mut self.0));
+        &self.0
+    }
+}
+
+/// Works out what balances keep beside their chambers.
+struct WorkOut<'a>(&'a mut Balance<Lanes>);
+
+impl WithSimd for WorkOut<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        self.0.work_out();
     }
 }

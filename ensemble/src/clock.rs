@@ -73,6 +73,10 @@ impl Clock<Lanes> {
     /// What the clocks show at a time, s.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> Lanes {
+        // Of most records only the hold is looked into.
+        if !self.root_rate.abs().any_positive() {
+            return time;
+        }
         let start = self.start * self.start;
         let root = (start * start + time * 4.0 * self.root_rate / self.pace_factor).sqrt().sqrt();
         let moving = time * 4.0 / (self.pace_factor * (root + self.start) * (root * root + start));

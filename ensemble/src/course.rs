@@ -83,8 +83,11 @@ pub fn run<const N: usize, const BITS: u32>(
 ) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { balances, passed, history, reader, relaxing } = memory;
-    balances.clear();
-    balances.extend(rows.iter().map(|(row, _)| Balance::of(scenarios[*row as usize].chamber)));
+    balances.resize(rows.len(), Balance::of(scenarios[rows[0].0 as usize].chamber));
+    for (balance, (row, _)) in balances.iter_mut().zip(rows) {
+        balance.chamber = scenarios[*row as usize].chamber;
+        balance.work_out();
+    }
     history.limit = (rows.len() > FEWEST).then_some(HISTORY);
     let courses: Vec<Course<N>> = Course::all::<BITS>(rows, balances, scenarios, options.relative_tolerance);
     let relaxes = kind == Kind::Relaxing;

@@ -6,7 +6,7 @@ use crate::Batch;
 use crate::chambers::Chambers;
 use crate::finish::SETTLED;
 use crate::fit;
-use crate::gauss::Panel;
+use crate::gauss::NODES;
 use crate::kept::{Exchange, Heat, Part};
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome};
@@ -16,6 +16,7 @@ use crate::regression::{Records, Regression, decay};
 use crate::scenario::Scenario;
 use crate::sealed::Ending;
 use chamber::Chamber;
+use chamber::balance::Balance;
 use chamber::effects::EffectSet;
 use chamber::exact::Closed;
 use chamber::real::Real;
@@ -54,22 +55,25 @@ pub fn run(
     if set.is_empty() {
         for test in &mut all {
             let [begin, end] = [test.from, test.to].map(|volume| test.closed.rate(volume));
-            test.exchange(end, [begin, end]);
+            test.exchange(end, Closed::time_scales([begin, end], test.to / test.from, test.push));
         }
     } else {
         exchange(arch, chambers, set, &mut all, scenarios);
     }
     // Lanes that wait for one with more parts are few where neighbours have as many.
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
-    order.sort_unstable_by_key(|&test| all[test as usize].parts as u32);
-    for order in order.chunks(WIDTH) {
+    let kind = |test: u32| (all[test as usize].is_bent, all[test as usize].parts as u32);
+    order.sort_unstable_by_key(|&test| kind(test));
+    let (straight, bent) = order.split_at(order.partition_point(|&test| !kind(test).0));
+    let groups = straight.chunks(WIDTH).map(|order| (EffectSet::NONE, order));
+    for (set, order) in groups.chain(bent.chunks(WIDTH).map(|order| (set, order))) {
         let tests = Tests::new(&all, order);
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
-        let effects = (!set.is_empty()).then(|| (set, chambers.gather(set, |lane| &scenario(lane).chamber)));
+        let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
         // Only a sensor that lags or is late shows what was before the end of the push.
         let behind = (!shown.is_empty()).then(|| Behind::new(shown, scenario(0)));
-        let panels = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.panels);
-        let ends = arch.dispatch(Solve { tests: &tests, effects, panels });
+        let nodes = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.nodes);
+        let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
         let solved = Solved { tests: &tests, ends: &ends };
         let mut outcomes = [Outcome::failed(Failure::StepTooSmall); WIDTH];
         if shown.is_empty() {
@@ -93,8 +97,10 @@ pub fn run(
 struct Test {
     row: u32,
     duration: f64,
-    /// Without the effects; the wall's temperature is that with them.
+    /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
     closed: Closed,
+    /// Whether the exchange during the push is not linear in the volume, by the effects.
+    is_bent: bool,
     /// 1/τ_f in the hold, 1/s.
     rate: f64,
     parts: f64,
@@ -111,52 +117,72 @@ impl Test {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
         let (start, push) = (s.initial_temperature_k, s.push_time_s);
         let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        Self { row, duration, closed, rate: 0.0, parts: 0.0, start, from, to, push }
+        Self { row, duration, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push }
     }
 
-    /// Takes 1/τ_f, 1/s: of the hold, and at the begin and end of the push.
+    /// Takes 1/τ_f of the hold, 1/s, and how many time scales the push lasts.
     #[inline]
-    fn exchange(&mut self, held: f64, pushed: [f64; 2]) {
+    fn exchange(&mut self, held: f64, time_scales: f64) {
         self.rate = held;
-        self.parts = Closed::parts(pushed, self.to / self.from, self.push);
+        self.parts = Closed::parts(time_scales);
     }
 }
 
-/// Gives tests the wall's temperature and the rates that they have with the effects of a set.
+/// Gives tests the wall's temperature, the rates and where it is linear the exchange that they have with the effects of a set.
 fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test], scenarios: &[Scenario]) {
     for tests in all.chunks_mut(WIDTH) {
         let at = |lane: usize| lane.min(tests.len() - 1);
-        let chamber = chambers.gather(set, |lane| &scenarios[tests[at(lane)].row as usize].chamber);
+        let balance = chambers.gather(arch, set, |lane| &scenarios[tests[at(lane)].row as usize].chamber);
         let order: [u32; WIDTH] = core::array::from_fn(|lane| at(lane) as u32);
-        let found = arch.dispatch(Rates { set, chamber, tests: &Tests::new(tests, &order) });
+        let Changed { wall, held, time_scales, exchange, bend } =
+            arch.dispatch(Change { set, balance, tests: &Tests::new(tests, &order) });
         for (lane, test) in tests.iter_mut().enumerate() {
-            let [wall, held, begin, end] = found.map(|all| all[lane]);
-            test.closed.ambient_temperature = wall;
-            test.exchange(held, [begin, end]);
+            test.closed.ambient_temperature = wall[lane];
+            test.is_bent = bend[lane] > 0.0;
+            if !test.is_bent {
+                test.closed.exchange = exchange.map(|all| all[lane]);
+            }
+            test.exchange(held[lane], time_scales[lane]);
         }
     }
 }
 
-/// Temperatures of the walls, K, and 1/τ_f, 1/s: of the hold, and at the begin and end of the push.
-struct Rates<'a> {
+/// What effects make of tests.
+struct Changed {
+    /// Temperatures of the walls, K.
+    wall: Lanes,
+    /// 1/τ_f of the hold, 1/s.
+    held: Lanes,
+    /// How many time scales the push lasts.
+    time_scales: Lanes,
+    /// What is exchanged during the push, by a line over the volume, and where that is not enough a positive number.
+    exchange: [Lanes; 2],
+    bend: Lanes,
+}
+
+/// Finds this out.
+struct Change<'a> {
     set: EffectSet,
-    chamber: &'a Chamber<Lanes>,
+    balance: &'a Balance<Lanes>,
     /// Without the effects.
     tests: &'a Tests,
 }
 
-impl WithSimd for Rates<'_> {
-    type Output = [Lanes; 4];
+impl WithSimd for Change<'_> {
+    type Output = Changed;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 4] {
+    fn with_simd<I: Simd>(self, _: I) -> Changed {
         let t = black_box(self.tests);
-        let chamber = black_box(self.chamber);
-        let ambient = t.closed.ambient_temperature;
-        let held = Exchange::new(self.set, chamber, &t.closed, ambient, Lanes::ZERO);
-        let pushed = Exchange::new(self.set, chamber, &t.closed, ambient, t.velocity(chamber));
-        let (wall, begin, end) = (held.wall(), t.from.sqrt(), t.to.sqrt());
-        black_box([wall, wall * held.at(t.to) / end, wall * pushed.at(t.from) / begin, wall * pushed.at(t.to) / end])
+        let balance = black_box(self.balance);
+        let mut heat = Exchange::new(self.set, balance, &t.closed, t.closed.ambient_temperature);
+        let (wall, held) = (heat.wall(), heat.at(t.to));
+        heat.move_at(t.velocity(&balance.chamber));
+        let ends = [heat.at(t.from), heat.at(t.to)];
+        let (exchange, bend) = heat.line([t.from, t.to], ends);
+        let [per_begin, per_end] = [wall / t.from.sqrt(), wall / t.to.sqrt()];
+        let time_scales = Closed::time_scales([ends[0] * per_begin, ends[1] * per_end], t.to / t.from, t.push);
+        black_box(Changed { wall, held: held * per_end, time_scales, exchange, bend })
     }
 }
 
@@ -173,7 +199,7 @@ impl Ramp for Closed<Lanes> {
     }
 }
 
-impl Ramp for Exchange<Lanes> {
+impl Ramp for Exchange<'_, Lanes> {
     #[inline(always)]
     fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes {
         part.end(self, inverse)
@@ -239,14 +265,14 @@ impl Tests {
         (self.to - self.from) / (chamber.geometry.piston_area * self.push)
     }
 
-    /// 1/T along each part of the push, into `panels`; temperatures at its end, K.
+    /// 1/T at the nodes of each part of the push, into `nodes`; temperatures at its end, K.
     #[inline(always)]
-    fn panels(&self, heat: &impl Heat<Lanes>, panels: &mut Vec<Panel<Lanes>>) -> Lanes {
-        panels.clear();
+    fn nodes(&self, heat: &impl Heat<Lanes>, nodes: &mut Vec<[Lanes; NODES]>) -> Lanes {
+        nodes.clear();
         let mut inverse = self.start.recip();
         for index in 0..self.most_parts() {
-            let (panel, next) = self.part(index).panel(heat, inverse);
-            panels.push(black_box(panel));
+            nodes.push([Lanes::ZERO; NODES]);
+            let next = self.part(index).nodes(heat, inverse, black_box(&mut nodes[index]));
             inverse = black_box((self.parts - index as f64).where_positive(next, inverse));
         }
         inverse.recip()
@@ -282,14 +308,14 @@ impl Tests {
     }
 }
 
-/// Effects that keep the closed form, and the chambers with their parameters.
-type Effects<'a> = Option<(EffectSet, &'a Chamber<Lanes>)>;
+/// Effects that keep the closed form, and the balances with their parameters.
+type Effects<'a> = Option<(EffectSet, &'a Balance<Lanes>)>;
 
 struct Solve<'a> {
     tests: &'a Tests,
     effects: Effects<'a>,
-    /// For 1/T along the push, where it is asked for.
-    panels: Option<&'a mut Vec<Panel<Lanes>>>,
+    /// For 1/T at the nodes of the push, where it is asked for.
+    nodes: Option<&'a mut Vec<[Lanes; NODES]>>,
 }
 
 impl WithSimd for Solve<'_> {
@@ -299,13 +325,16 @@ impl WithSimd for Solve<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.tests);
         let wall = t.closed.ambient_temperature;
-        let kept = black_box(self.effects)
-            .map(|(set, chamber)| Exchange::new(set, chamber, &t.closed, wall, t.velocity(chamber)));
-        let pushed = match (&kept, self.panels) {
+        let mut kept = None;
+        if let Some((set, balance)) = black_box(self.effects) {
+            let exchange = kept.insert(Exchange::new(set, balance, &t.closed, wall));
+            exchange.move_at(t.velocity(&balance.chamber));
+        }
+        let pushed = match (&kept, self.nodes) {
             (None, None) => t.pushed(&t.closed),
             (Some(exchange), None) => t.pushed(exchange),
-            (None, Some(panels)) => t.panels(&t.closed, panels),
-            (Some(exchange), Some(panels)) => t.panels(exchange, panels),
+            (None, Some(nodes)) => t.nodes(&t.closed, nodes),
+            (Some(exchange), Some(nodes)) => t.nodes(exchange, nodes),
         };
         let rate = t.rate;
         let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());

@@ -3,45 +3,61 @@
 //!
 //! du/dt + (b Tw − (γ − 1) V̇/V) u = b with u = 1/T and b = c f(V) A(V)/√V, where f and A are what the effects make of
 //! λ and of the area at the speed of the ramp, or at rest. Over a ramp, with q = √V as the variable, b dt = d c f A dx for x
-//! from 0 to 1 (d the dwell, see [`Closed::ramp_part`](chamber::exact::Closed::ramp_part)); what is exchanged up to each node
-//! of a 16-point Gauss–Legendre rule is that rule's own integral, by a matrix: the integrals of the polynomial through the
-//! nodes. By the same matrix 1/T follows at the nodes, and along the ramp from the polynomial through them ([`Panel`]).
+//! from 0 to 1 (d the dwell, see [`Closed::ramp_part`](chamber::exact::Closed::ramp_part)). How much 1/T grows up to each node
+//! of a 16-point Gauss–Legendre rule is that rule's own integral of Tw d c f A − 2 (γ − 1) q'/q, by a matrix: the integrals of
+//! the polynomial through the nodes. By the same matrix 1/T follows at the nodes.
+//!
+//! Where c f A is linear in V the equation is the paper's with other constants, and so is its solution ([`Exchange::line`]).
 
-use crate::gauss::{NODES, Panel, RULE, node};
-use chamber::Chamber;
+use crate::gauss::{NODES, RULE, node};
 use chamber::balance::{Balance, Boundary, Conditions, Contents};
 use chamber::card::ClosedForm;
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
-use std::sync::LazyLock;
 
 /// Effects that keep the closed form.
-pub static EFFECTS: LazyLock<EffectSet> = LazyLock::new(|| {
-    effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(place, _)| place).collect()
-});
+pub const EFFECTS: EffectSet = {
+    let (mut bits, mut effect) = (0, 0);
+    while effect < effects::COUNT {
+        bits |= (matches!(effects::CARDS[effect].closed_form, ClosedForm::Kept) as u32) << effect;
+        effect += 1;
+    }
+    EffectSet::from_bits(bits)
+};
 
 /// c f A, K^-1 s^-1 m^1.5, and the wall's temperature, K, of chambers with effects that keep the closed form.
 #[derive(Clone, Copy, Debug)]
-pub struct Exchange<R> {
+pub struct Exchange<'a, R> {
     set: EffectSet,
     /// c/λ0, to be multiplied by λ and the area.
     per_coefficient: R,
-    balance: Balance<R>,
+    balance: &'a Balance<R>,
     /// A state of the gas: what the effects look at beside the volume does not matter.
     boundary: Boundary<R>,
 }
 
-impl<R: Real> Exchange<R> {
+/// By how much, over itself, c f A may miss a line through it that stands for it.
+const ROUNDING: f64 = 4e-15;
+
+impl<'a, R: Real> Exchange<'a, R> {
     /// Of a chamber in surroundings of that temperature, K, whose closed form without the effects is `closed`, while its
-    /// piston has that velocity, m/s.
+    /// piston rests.
     #[inline(always)]
-    pub fn new(set: EffectSet, chamber: &Chamber<R>, closed: &Closed<R>, ambient_temperature: R, velocity: R) -> Self {
-        let law = &chamber.heat_transfer;
+    pub fn new(set: EffectSet, balance: &'a Balance<R>, closed: &Closed<R>, ambient_temperature: R) -> Self {
+        let law = &balance.chamber.heat_transfer;
         let scale = (closed.mass_gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
-        let boundary = Boundary { velocity, ..Boundary::closed(R::ZERO, ambient_temperature, R::from(1e5)) };
-        Self { set, per_coefficient: closed.expansion / scale, balance: Balance::of(*chamber), boundary }
+        let boundary = Boundary::closed(R::ZERO, ambient_temperature, R::from(1e5));
+        // So that the code has no others.
+        let set = set.intersection(EFFECTS);
+        Self { set, per_coefficient: closed.expansion / scale, balance, boundary }
+    }
+
+    /// From now on of a piston with that velocity, m/s.
+    #[inline(always)]
+    pub fn move_at(&mut self, velocity: R) {
+        self.boundary.velocity = velocity;
     }
 
     #[inline(always)]
@@ -62,11 +78,21 @@ impl<R: Real> Exchange<R> {
     #[inline(always)]
     pub fn at(&self, volume: R) -> R {
         let at = self.conditions(volume);
-        let Balance { chamber, area, .. } = &self.balance;
+        let Balance { chamber, area, .. } = self.balance;
         let coefficient = chamber.heat_transfer.coefficient;
         let coefficient = effects::heat_transfer_factor(self.set, &chamber.effects, &at, coefficient);
         let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
         self.per_coefficient * coefficient * effects::heat_transfer_area(self.set, &chamber.effects, of_law)
+    }
+
+    /// c f A over a ramp between two volumes, m³, where its values at these are `ends`, as a line over V like
+    /// [`Closed::exchange`], and by how much it misses that line at the end, less than what is rounding: none where it is not
+    /// positive. The line goes through the begin and a third place, as both ends may be one.
+    #[inline(always)]
+    pub fn line(&self, [from, to]: [R; 2], ends: [R; 2]) -> ([R; 2], R) {
+        let slope = (self.at(from + to) - ends[0]) / to;
+        let missed = (ends[0] + slope * (to - from) - ends[1]).abs();
+        ([slope, ends[0] - slope * from], missed - (ends[0] + ends[1]) * ROUNDING)
     }
 }
 
@@ -76,7 +102,7 @@ pub trait Heat<R: Real> {
     fn at(&self, volume: R) -> R;
 }
 
-impl<R: Real> Heat<R> for Exchange<R> {
+impl<R: Real> Heat<R> for Exchange<'_, R> {
     #[inline(always)]
     fn at(&self, volume: R) -> R {
         self.at(volume)
@@ -105,59 +131,48 @@ pub struct Part<R> {
     pub expansion: R,
 }
 
-/// What is exchanged over a part: at the nodes, and the sum.
-struct Exchanged<R> {
-    at: [R; NODES],
-    total: R,
-}
-
 impl<R: Real> Part<R> {
-    /// By how much 1/T grows up to a share of the part over which that much is exchanged.
+    /// At the nodes b dt/dx, in 1/K, into `exchange`, and how fast ln(1/T) grows where nothing is fed into `rates`; the
+    /// factor by which 1/T so grows over the whole. (Arrays of lanes are too large to be handed back.)
     #[inline(always)]
-    fn growth(&self, exchanged: R, share: f64) -> R {
-        (self.wall * exchanged - self.expansion * 2.0 * (R::ONE + self.step * share / self.root).ln()).exp()
-    }
-
-    #[inline(always)]
-    fn exchanged(&self, heat: &impl Heat<R>) -> Exchanged<R> {
-        let mut all = Exchanged { at: [R::ZERO; NODES], total: R::ZERO };
+    fn along(&self, heat: &impl Heat<R>, exchange: &mut [R; NODES], rates: &mut [R; NODES]) -> R {
+        let (mut exchanged, expansion) = (R::ZERO, self.expansion * 2.0);
         for index in 0..black_box(NODES) {
             let (x, weight) = node(index);
             let q = self.root + self.step * x;
-            all.at[index] = self.dwell * heat.at(q * q);
-            all.total += all.at[index] * weight;
+            exchange[index] = self.dwell * heat.at(q * q);
+            rates[index] = self.wall * exchange[index] - expansion * self.step / q;
+            exchanged += exchange[index] * weight;
         }
-        all
+        (self.wall * exchanged - expansion * (R::ONE + self.step / self.root).ln()).exp()
     }
 
     /// 1/T at its end, from that at its begin.
     #[inline(always)]
     pub fn end(&self, heat: &impl Heat<R>, inverse: R) -> R {
-        let Exchanged { at: exchange, total } = self.exchanged(heat);
+        let [mut exchange, mut rates] = [[R::ZERO; NODES]; 2];
+        let total = self.along(heat, &mut exchange, &mut rates);
         let (rule, mut integral) = (&*RULE, R::ZERO);
         for index in 0..black_box(NODES) {
-            let (x, weight) = node(index);
-            integral += exchange[index] * self.growth(rule.up_to_node(&exchange, index), x) * weight;
+            integral += exchange[index] * rule.up_to_node(&rates, index).exp() * node(index).1;
         }
-        (inverse + integral) / self.growth(total, 1.0)
+        (inverse + integral) / total
     }
 
-    /// 1/T along it, from that at its begin, and at its end.
+    /// 1/T at its nodes, from that at its begin, into `values`, and at its end.
     #[inline(always)]
-    pub fn panel(&self, heat: &impl Heat<R>, inverse: R) -> (Panel<R>, R) {
-        let Exchanged { at: exchange, total } = self.exchanged(heat);
-        let rule = &*RULE;
-        let (mut growth, mut source, mut integral) = ([R::ZERO; NODES], [R::ZERO; NODES], R::ZERO);
+    pub fn nodes(&self, heat: &impl Heat<R>, inverse: R, values: &mut [R; NODES]) -> R {
+        let [mut source, mut rates, mut growth] = [[R::ZERO; NODES]; 3];
+        let total = self.along(heat, &mut source, &mut rates);
+        let (rule, mut integral) = (&*RULE, R::ZERO);
         for index in 0..black_box(NODES) {
-            let (x, weight) = node(index);
-            growth[index] = self.growth(rule.up_to_node(&exchange, index), x);
-            source[index] = exchange[index] * growth[index];
-            integral += source[index] * weight;
+            growth[index] = rule.up_to_node(&rates, index).exp();
+            source[index] = source[index] * growth[index];
+            integral += source[index] * node(index).1;
         }
-        let mut values = [R::ZERO; NODES];
         for index in 0..black_box(NODES) {
             values[index] = (inverse + rule.up_to_node(&source, index)) / growth[index];
         }
-        (Panel::through(&values, rule), (inverse + integral) / self.growth(total, 1.0))
+        (inverse + integral) / total
     }
 }

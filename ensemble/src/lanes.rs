@@ -29,6 +29,19 @@ macro_rules! each_lane {
 }
 pub(crate) use each_lane;
 
+/// Whether a condition holds in any lane: without branches, so that all lanes are compared at once.
+macro_rules! any_lane {
+    ($i:ident => $condition:expr) => {
+        any_lane!($i => $condition; 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
+    };
+    ($i:ident => $condition:expr; $($lane:literal),*) => {
+        false $(| {
+            let $i: usize = $lane;
+            $condition
+        })*
+    };
+}
+
 impl Lanes {
     /// One number per lane, made from the lane's index.
     #[inline(always)]
@@ -40,22 +53,6 @@ impl Lanes {
             lane += 1;
         }
         out
-    }
-
-    /// Sum of all, in an order that does not depend on the machine.
-    #[inline(always)]
-    pub fn total(self) -> f64 {
-        let mut sum = self.0;
-        let mut half = WIDTH / 2;
-        while half > 0 {
-            let mut i = 0;
-            while i < half {
-                sum[i] += sum[i + half];
-                i += 1;
-            }
-            half /= 2;
-        }
-        sum[0]
     }
 }
 
@@ -160,7 +157,7 @@ impl Real for Lanes {
     }
     #[inline(always)]
     fn any_positive(self) -> bool {
-        self.where_positive(Self::ONE, Self::ZERO).total() > 0.0
+        any_lane!(i => self.0[i] > 0.0)
     }
 }
 

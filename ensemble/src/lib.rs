@@ -6,7 +6,7 @@
 //! | a row | is solved by |
 //! |---|---|
 //! | sealed, without effects | the closed form (`exact_rows`), or where the integrator is asked for its one equation (`sealed`) |
-//! | with effects that keep the closed form | the closed form with a changed integrand (`kept`) |
+//! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
@@ -116,8 +116,8 @@ impl Kernel {
                 let ClosedKind { kept, shown } = ClosedKind::of(kind, set);
                 exact_rows::run(batch, closed, kept, shown, rows, out);
             }
-            for (number, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-                course(batch, course_memory, set, Kind::ALL[number / 2], rows, out);
+            for (number, rows) in sorted.others.iter().enumerate().filter(|(_, rows)| rows.count > 0) {
+                course(batch, course_memory, set, Kind::ALL[number / 2], rows.planned(), out);
             }
         }
     }
@@ -145,7 +145,7 @@ impl ClosedKind {
 
     /// That kind of the rows with a set of effects.
     fn of(kind: usize, set: EffectSet) -> Self {
-        let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(*kept::EFFECTS) };
+        let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(kept::EFFECTS) };
         let shown = if kind < 3 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
         Self { kept, shown }
     }
@@ -189,7 +189,40 @@ struct Sorted {
     /// Tests with closed forms, and their durations, s, by kind.
     closed: [Vec<(u32, f64)>; ClosedKind::COUNT],
     /// Others, by kind and area law: what lanes must have in common.
-    others: [Vec<(u32, Plan)>; 2 * Kind::ALL.len()],
+    others: [Planned; 2 * Kind::ALL.len()],
+}
+
+/// Rows and their plans, whose memory is kept.
+#[derive(Default)]
+struct Planned {
+    rows: Vec<(u32, Plan)>,
+    /// How many of these are of the present chunk.
+    count: usize,
+}
+
+impl Planned {
+    /// The longest plan, in stretches, whose memory is kept: plans along profiles may be of any length.
+    const LONGEST: usize = 8;
+
+    fn clear(&mut self) {
+        self.count = 0;
+        self.rows.retain(|(_, plan)| plan.stretches.capacity() <= Self::LONGEST);
+    }
+
+    /// Plans one more, unless it cannot be solved.
+    fn add(&mut self, row: u32, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<(), Failure> {
+        if self.count == self.rows.len() {
+            self.rows.push((row, Plan::default()));
+        }
+        let place = &mut self.rows[self.count];
+        *place = (row, Plan::new(std::mem::take(&mut place.1.stretches), set, active, scenario)?);
+        self.count += 1;
+        Ok(())
+    }
+
+    fn planned(&self) -> &[(u32, Plan)] {
+        &self.rows[..self.count]
+    }
 }
 
 impl Sorted {
@@ -197,14 +230,14 @@ impl Sorted {
     fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         self.sealed.clear();
         self.closed.iter_mut().for_each(Vec::clear);
-        self.others.iter_mut().for_each(Vec::clear);
+        self.others.iter_mut().for_each(Planned::clear);
         let of_sensor = effects::of_sensor();
         for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
             let row = row as u32;
             let swept = usize::from(s.chamber.geometry.area_law == AreaLaw::Swept);
             let sealed = s.mass_flow_in_kg_per_s == 0.0 && s.mass_flow_out_kg_per_s == 0.0 && s.profile.is_none();
             let active = s.chamber.active();
-            let (shown, of_gas) = (active.intersection(of_sensor), active.without(of_sensor));
+            let (shown, of_gas) = (active.intersection(of_sensor), on_the_gas(active));
             let integrates = options.solver == Solver::Adaptive;
             let behind = (!shown.is_empty()).then(|| Behind::new(shown, s));
             // A record that is late by more than the push or the hold shows other parts of the test.
@@ -225,16 +258,15 @@ impl Sorted {
                 }
                 continue;
             }
-            let kind = if !sealed || !effects::KEEP_THE_MASS.contains(on_the_gas(active)) {
+            let kind = if !sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
                 if s.profile.is_some() { Kind::Profiled } else { Kind::Open }
-            } else if !integrates && behind.is_none() && relaxation::EFFECTS.contains(on_the_gas(active)) {
+            } else if !integrates && behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
                 Kind::Relaxing
             } else {
                 Kind::Tight
             };
-            match Plan::new(set, active, s) {
-                Ok(plan) => self.others[swept + 2 * kind as usize].push((row, plan)),
-                Err(reason) => *out = Outcome::failed(reason),
+            if let Err(reason) = self.others[swept + 2 * kind as usize].add(row, set, active, s) {
+                *out = Outcome::failed(reason);
             }
         }
     }
@@ -329,6 +361,7 @@ sets_with_code_of_their_own![];
 sets_with_code_of_their_own![
     // Tight rows take the first that fits, the others the first that is not of tight ones.
     general::TIGHT | bit("wall_heating"),
+    general::TIGHT | bit("natural_convection"),
     general::TIGHT | general::ASKED | relaxation::EFFECTS.bits(),
     general::TIGHT | bit("gas_zones"),
     general::TIGHT | general::ASKED | on_the_gas_with(effects::MANY) & effects::KEEP_THE_MASS.bits(),
@@ -337,6 +370,7 @@ sets_with_code_of_their_own![
     bit("leakage"),
     bit("laminar_leakage"),
     bit("supply_leakage"),
+    bit("tube_volume"),
     bit("wall_heating"),
     bit("gas_zones"),
     on_the_gas_with(0) | general::ASKED,

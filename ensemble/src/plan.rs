@@ -129,7 +129,7 @@ impl Stretch<f64> {
 }
 
 /// A checked scenario, ready to integrate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// Effects that are not neutral.
     pub active: EffectSet,
@@ -151,21 +151,27 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
-    pub fn new(set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
+    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches, in the memory of others.
+    pub fn new(others: Vec<Stretch>, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
         check(set, active, scenario)?;
         let (push_end, duration) = times(scenario)?;
         let delay = effects::delay(active, &scenario.chamber.effects);
-        let mut stretches = match &scenario.profile {
-            None => ramp(scenario, duration),
-            Some(knots) => along(scenario, knots, duration),
-        };
-        let edges = [(push_end - delay).max(0.0), (duration - delay).max(0.0)];
-        let moments = [edges[0], edges[1], push_end];
-        for t in moments {
-            split(&mut stretches, t);
+        let mut stretches = others;
+        stretches.clear();
+        match &scenario.profile {
+            None => ramp(scenario, duration, &mut stretches),
+            Some(knots) => along(scenario, knots, duration, &mut stretches),
         }
-        let [from, to, hold] = moments.map(|t| split(&mut stretches, t));
+        let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));
+        // In the order of their times: a later one leaves the indices of the others as they are.
+        let from = split(&mut stretches, begin);
+        let (hold, to) = if push_end < end {
+            let hold = split(&mut stretches, push_end);
+            (hold, split(&mut stretches, end))
+        } else {
+            let to = split(&mut stretches, end);
+            (split(&mut stretches, push_end), to)
+        };
         let geometry = &scenario.chamber.geometry;
         let mut elapsed = delay;
         for stretch in &mut stretches {
@@ -318,17 +324,15 @@ fn still(s: &Scenario, position: f64, length: f64) -> Stretch {
     }
 }
 
-fn ramp(s: &Scenario, duration: f64) -> Vec<Stretch> {
+fn ramp(s: &Scenario, duration: f64, out: &mut Vec<Stretch>) {
     let velocity = (s.final_position_m - s.initial_position_m) / s.push_time_s;
-    vec![
-        Stretch { velocity, ..still(s, s.initial_position_m, s.push_time_s) },
-        still(s, s.final_position_m, duration - s.push_time_s),
-    ]
+    out.push(Stretch { velocity, ..still(s, s.initial_position_m, s.push_time_s) });
+    out.push(still(s, s.final_position_m, duration - s.push_time_s));
 }
 
 /// Stretches between knots, cut where the profile's flow turns round.
-fn along(s: &Scenario, knots: &[Knot], duration: f64) -> Vec<Stretch> {
-    let mut out = Vec::with_capacity(knots.len() + 3);
+fn along(s: &Scenario, knots: &[Knot], duration: f64, out: &mut Vec<Stretch>) {
+    out.reserve(knots.len() + 3);
     for (i, from) in knots.iter().enumerate().take_while(|(_, k)| k.time < duration) {
         let end = knots.get(i + 1).copied().unwrap_or(Knot { time: duration, ..*from });
         let span = end.time - from.time;
@@ -366,7 +370,6 @@ fn along(s: &Scenario, knots: &[Knot], duration: f64) -> Vec<Stretch> {
             });
         }
     }
-    out
 }
 
 /// Makes a stretch begin at time `t` and returns its index; the number of stretches where `t` is the end.

@@ -299,7 +299,7 @@ fn least_squares<const FUSED: bool>(nodes: &[[Node; POINTS]], reference: Lanes, 
         // A step that is no number ends the search.
         let away = (log_tau - begin).abs() + size * 0.0;
         open = (open - there) * each_lane!(i => if away.0[i] < FARTHEST { 1.0 } else { 0.0 });
-        if black_box(open).total() == 0.0 {
+        if !black_box(open).any_positive() {
             break;
         }
     }

@@ -15,7 +15,6 @@ use crate::lanes::Lanes;
 use crate::record::{self, Relaxing};
 use crate::regression::Records;
 use crate::root::{Curve, root};
-use chamber::Chamber;
 use chamber::balance::{Balance, Boundary, Contents, Tight};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
@@ -47,7 +46,7 @@ const SLOWEST: f64 = 1e-16;
 /// Tests at the end of their pushes, one a lane; SI units.
 pub struct Pushed<'a> {
     /// With the parameters of the effects.
-    pub chamber: &'a Chamber<Lanes>,
+    pub balance: &'a Balance<Lanes>,
     /// Mass, kg.
     pub mass: Lanes,
     /// Internal energy, J.
@@ -65,17 +64,17 @@ pub struct Pushed<'a> {
 }
 
 /// How the holds go on, one a lane.
-pub struct Ends {
+pub struct Ends<'a> {
     /// Temperature at the end, K; not a number where the hold could not be followed.
     pub end: Lanes,
     /// From when on the temperature is within 1 % of its way from its end, s.
     pub settling: Lanes,
     /// How many relaxations the hold takes.
     relaxations: Lanes,
-    gas: Gas,
+    gas: Gas<'a>,
 }
 
-impl Ends {
+impl Ends<'_> {
     /// Temperature of the wall, K.
     pub fn wall(&self) -> Lanes {
         self.gas.wall
@@ -100,9 +99,9 @@ pub struct Part {
 }
 
 /// The gas over u.
-struct Gas {
+struct Gas<'a> {
     set: EffectSet,
-    balance: Balance<Lanes>,
+    balance: &'a Balance<Lanes>,
     boundary: Boundary<Lanes>,
     contents: Contents<Lanes>,
     wall: Lanes,
@@ -115,11 +114,11 @@ struct Gas {
     slowest: Lanes,
 }
 
-impl Gas {
+impl<'a> Gas<'a> {
     #[inline(always)]
-    fn new(set: EffectSet, pushed: &Pushed) -> Self {
+    fn new(set: EffectSet, pushed: &Pushed<'a>) -> Self {
         let set = set.intersection(EFFECTS);
-        let balance = Balance::of(*pushed.chamber);
+        let balance = pushed.balance;
         let boundary = Boundary::closed(Lanes::ZERO, pushed.ambient_temperature, pushed.ambient_pressure);
         let contents = Contents::new(pushed.mass, pushed.energy, pushed.volume);
         let (at, ..) = balance.evaluate_within(&Tight, set, &boundary, &contents, &NO_STATES);
@@ -204,22 +203,22 @@ impl Curve for Part {
 }
 
 /// Follows holds to their ends; `parts` keeps the time.
-pub struct Solve<'a> {
+pub struct Solve<'b, 'a> {
     /// Effects that are active in any of them.
     pub set: EffectSet,
     /// Where they begin.
-    pub pushed: &'a Pushed<'a>,
+    pub pushed: &'b Pushed<'a>,
     /// Relative tolerance of the temperatures.
     pub relative: f64,
     /// The parts of the last hold are dropped.
-    pub parts: &'a mut Vec<Part>,
+    pub parts: &'b mut Vec<Part>,
 }
 
-impl WithSimd for Solve<'_> {
-    type Output = Ends;
+impl<'a> WithSimd for Solve<'_, 'a> {
+    type Output = Ends<'a>;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Ends {
+    fn with_simd<I: Simd>(self, _: I) -> Ends<'a> {
         let Self { set, pushed: start, relative, parts } = self;
         let start = black_box(start);
         let gas = black_box(Gas::new(set, start));
@@ -282,7 +281,7 @@ pub struct Record<'a> {
     /// Where they begin.
     pub pushed: &'a Pushed<'a>,
     /// How they go on.
-    pub ends: &'a Ends,
+    pub ends: &'a Ends<'a>,
     pub parts: &'a [Part],
     /// Where their records go.
     pub records: &'a mut Records,
@@ -305,7 +304,7 @@ impl WithSimd for Record<'_> {
 
 /// Holds that were followed to their ends.
 struct Followed<'a> {
-    gas: &'a Gas,
+    gas: &'a Gas<'a>,
     time: Time<'a>,
     hold: Lanes,
     relaxations: Lanes,

@@ -48,7 +48,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
         let scenario = |lane: usize| &scenarios[row(lane).row as usize];
         let volume = Lanes::from_fn(|lane| scenario(lane).chamber.geometry.volume(scenario(lane).final_position_m));
         let pushed = Pushed {
-            chamber: chambers.gather(set, |lane| &scenario(lane).chamber),
+            balance: chambers.gather(arch, set, |lane| &scenario(lane).chamber),
             mass: Lanes::from_fn(|lane| row(lane).mass),
             energy: Lanes::from_fn(|lane| row(lane).energy[1]),
             volume,

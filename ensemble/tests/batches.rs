@@ -297,20 +297,29 @@ fn effects_beside_each_other_do_not_fall_back_to_the_slow_way_of_all_effects() {
     }
 }
 
-#[test]
-fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
-    let kept: Vec<usize> =
+/// Rows with the effects that keep the closed form, of which every other one exchanges heat linearly in its volume.
+fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let kept: EffectSet =
         effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();
-    let mut rows = sealed(256);
+    let (column, _) = effects::find("gas_column_length").unwrap();
+    let mut rows = sealed(count);
     let mut r = Numbers(31);
-    for s in &mut rows {
-        for &index in &kept {
+    for (row, s) in rows.iter_mut().enumerate() {
+        for index in kept.iter() {
             for (to, p) in s.chamber.effects.of_mut(index).iter_mut().zip(effects::CARDS[index].parameters) {
                 *to = p.neutral + (p.typical - p.neutral) * r.between(-0.2, 1.2);
             }
         }
+        if row % 2 == 0 {
+            s.chamber.effects.of_mut(column)[0] = 0.0;
+        }
     }
-    let set: EffectSet = kept.iter().copied().collect();
+    (kept, rows)
+}
+
+#[test]
+fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
+    let (set, rows) = kept(256);
     let with = |solver| results(set, &rows, &Options { solver, ..Options::default() });
     for (k, (exact, integrated)) in with(Solver::Auto).iter().zip(with(Solver::Adaptive)).enumerate() {
         assert!(exact.exact && !integrated.exact);
@@ -496,13 +505,20 @@ fn sealed_rows_with_their_regressions_agree_with_the_sampled_record() {
 
 #[test]
 fn a_row_does_not_depend_on_its_neighbours() {
-    let relaxing = relaxing(300);
+    let (relaxing, kept) = (relaxing(300), kept(300));
+    let (lag, _) = effects::find("sensor_lag").unwrap();
+    let (mut r, mut lagging) = (Numbers(5), kept.1.clone());
+    for s in &mut lagging {
+        s.chamber.effects.of_mut(lag)[0] = r.log_between(1e-4, 0.3);
+    }
     for (set, rows, solver) in [
         (EffectSet::NONE, sealed(700), Solver::Adaptive),
         (EffectSet::NONE, sealed(700), Solver::Auto),
         (EffectSet::one(0), varied(300, Some(0)), Solver::Auto),
         (EffectSet::ALL, varied(100, None), Solver::Auto),
         (relaxing.0, relaxing.1, Solver::Auto),
+        (kept.0.union(EffectSet::one(lag)), lagging, Solver::Auto),
+        (kept.0, kept.1, Solver::Auto),
     ] {
         let options = Options { solver, ..Options::default() };
         for (name, instructions) in InstructionSet::all() {

@@ -99,22 +99,37 @@ impl<R: Real> Balance<R> {
     /// Of that chamber.
     #[inline(always)]
     pub fn of(chamber: Chamber<R>) -> Self {
-        let Gas { gas_constant, heat_capacity_ratio } = chamber.gas;
+        let mut balance = Self {
+            chamber,
+            expansion: R::ZERO,
+            per_expansion: R::ZERO,
+            cv: R::ZERO,
+            per_cv: R::ZERO,
+            cp: R::ZERO,
+            heat_transfer_factor: R::ZERO,
+            area: [R::ZERO; 2],
+            constants: [R::ZERO; effects::COUNT],
+        };
+        balance.work_out();
+        balance
+    }
+
+    /// Works out all else from its chamber: after that was changed in place, as lanes of chambers are too large to be moved.
+    #[inline(always)]
+    pub fn work_out(&mut self) {
+        let Gas { gas_constant, heat_capacity_ratio } = self.chamber.gas;
         let expansion = heat_capacity_ratio - 1.0;
         let [per_expansion, per_gas_constant] = reciprocals([expansion, gas_constant]);
-        let law = &chamber.heat_transfer;
+        let law = &self.chamber.heat_transfer;
         let reference = (gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
-        Self {
-            chamber,
-            expansion,
-            per_expansion,
-            cv: gas_constant * per_expansion,
-            per_cv: expansion * per_gas_constant,
-            cp: heat_capacity_ratio * gas_constant * per_expansion,
-            heat_transfer_factor: law.coefficient * expansion / reference,
-            area: chamber.geometry.area_constants(),
-            constants: effects::constants(&chamber.effects, &chamber.gas),
-        }
+        self.expansion = expansion;
+        self.per_expansion = per_expansion;
+        self.cv = gas_constant * per_expansion;
+        self.per_cv = expansion * per_gas_constant;
+        self.cp = heat_capacity_ratio * gas_constant * per_expansion;
+        self.heat_transfer_factor = law.coefficient * expansion / reference;
+        self.area = self.chamber.geometry.area_constants();
+        self.constants = effects::constants(&self.chamber.effects, &self.chamber.gas);
     }
 
     /// States of the chamber in equilibrium of its parts, with the effects in `set`, at a pressure, Pa, and temperature, K.

@@ -31,8 +31,9 @@ impl Traces<'_> {
             let lag = Lanes::from_fn(|lane| self.of_segment(piece(lane).segment).0.sensor.lag);
             let found = arch.dispatch(Follow { inside, to_powers: &self.memory.to_powers, from, length, lag });
             for (lane, &index) in group.iter().enumerate() {
-                let Followed { pressure, kept, fed } = found;
-                lags[index] = Followed { pressure: pressure.map(|term| term[lane]), kept: kept[lane], fed: fed[lane] };
+                let Followed { pressure, kept, fed, .. } = found;
+                let pressure = pressure.map(|term| term[lane]);
+                lags[index] = Followed { pressure, kept: kept[lane], fed: fed[lane], begin: 0.0 };
             }
         }
         for row in 0..self.rows.len() {
@@ -45,10 +46,10 @@ impl Traces<'_> {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
                 let elapsed = plan.stretches[segment.stretch as usize].elapsed;
                 let piece = &mut self.memory.pieces[index];
-                let Followed { pressure, kept, fed } = lags[index];
-                piece.lagged = reading;
+                let Followed { pressure, kept, fed, begin } = &mut lags[index];
+                *begin = reading;
                 let gas = [pressure[0], pressure.iter().sum()];
-                let readings = [reading, reading * kept + fed];
+                let readings = [reading, reading * *kept + *fed];
                 for end in 0..2 {
                     piece.shown[end] = sensor.shown(readings[end], elapsed + piece.times[end]);
                     piece.slopes[end] = (gas[end] - readings[end]) / sensor.lag + sensor.drift;
@@ -91,7 +92,8 @@ impl Traces<'_> {
                         core::array::from_fn(|k| Lanes::from_fn(|lane| self.memory.lags[job(lane).piece].pressure[k]));
                     let length = times[1] - times[0];
                     let stiffness = length / Lanes::from_fn(|lane| sensor(lane).lag);
-                    let lagged = Lagged { pressure, begin: Lanes::from_fn(|lane| piece(lane).lagged), stiffness };
+                    let begin = Lanes::from_fn(|lane| self.memory.lags[job(lane).piece].begin);
+                    let lagged = Lagged { pressure, begin, stiffness };
                     let reading = Lagging { lagged, from: times[0], per_length: length.recip(), offset, drift };
                     arch.dispatch(Look { reading, times, question })
                 } else {
@@ -114,6 +116,8 @@ pub(super) struct Followed<R> {
     pressure: [R; TERMS],
     kept: R,
     fed: R,
+    /// The reading at its begin, Pa, as far as that is known.
+    begin: R,
 }
 
 /// Finds this out for a piece of each lane.
@@ -133,7 +137,7 @@ impl WithSimd for Follow<'_> {
         let pressure = self.to_powers.of(&Interpolant::new(&self.inside), self.from, self.length);
         let stiffness = self.length / self.lag;
         let fed = Lagged { pressure, begin: Lanes::ZERO, stiffness }.at(Lanes::ONE);
-        Followed { pressure, kept: kept(stiffness), fed }
+        Followed { pressure, kept: kept(stiffness), fed, begin: Lanes::ZERO }
     }
 }
 

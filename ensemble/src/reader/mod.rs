@@ -52,14 +52,51 @@ struct Trace<'a> {
     before: f64,
 }
 
+impl Trace<'_> {
+    /// Cuts a segment, by its number, stretch and knots, into pieces.
+    fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<Piece>) {
+        let Sensor { lag, drift, .. } = self.sensor;
+        let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
+        // Time, what the record shows there and its slope, of a sensor that follows at once.
+        let seen = |knot: &Knot| {
+            let (time, pace) = stretch.clock.time_and_pace(knot.at);
+            let shown = self.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
+            (time, shown, knot.view.slope[PRESSURE] / pace + drift)
+        };
+        let mut begin = seen(&knots[0]);
+        for (knot, to) in knots[1..].iter().enumerate() {
+            let end = seen(to);
+            let mut piece = Piece {
+                segment,
+                knot: knot as u32,
+                times: [begin.0, end.0],
+                shown: [begin.1, end.1],
+                slopes: [begin.2, end.2],
+            };
+            // What a lagging sensor shows is found out later: `follow_lags`.
+            while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
+                if cut > piece.times[0] {
+                    piece.times[1] = cut;
+                    pieces.push(piece);
+                    piece.times = [cut, end.0];
+                }
+            }
+            pieces.push(piece);
+            begin = end;
+        }
+    }
+}
+
 /// Traces of rows, with memory that is kept from one group of rows to the next.
 #[derive(Default)]
 pub struct Memory {
     knots: Vec<Knot>,
     segments: Vec<Segment>,
     pieces: Vec<Piece>,
-    /// Where each row's pieces begin; one more for the end.
-    begins: Vec<usize>,
+    /// By row.
+    cut: Vec<Cut>,
+    /// In the order of the pieces.
+    turns: Vec<Turn>,
     lags: Vec<Followed<f64>>,
     to_powers: ToPowers,
     jobs: Vec<Job>,
@@ -85,17 +122,26 @@ struct Piece {
     /// What the record shows at both ends, Pa, and its slopes there, Pa/s.
     shown: [f64; 2],
     slopes: [f64; 2],
-    /// The lagging sensor's reading at its begin, Pa.
-    lagged: f64,
-    /// Where the record turns round inside: time from the segment's begin, s, and what it shows, Pa.
-    turn: Option<(f64, f64)>,
 }
 
-impl Piece {
-    /// Times and values at which the record goes from one monotone part to the next.
-    fn corners(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> {
-        [Some((self.times[0], self.shown[0])), self.turn, Some((self.times[1], self.shown[1]))].into_iter().flatten()
-    }
+/// The pieces that a record is cut into.
+#[derive(Clone, Debug)]
+struct Cut {
+    all: Range<usize>,
+    /// Those that it shows between the end of the push and the end of the test.
+    shown: Range<usize>,
+    /// Where it turns round in these.
+    turns: Range<usize>,
+}
+
+/// Where a record turns round inside a piece.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    piece: usize,
+    /// Time from the segment's begin, s.
+    time: f64,
+    /// What the record shows, Pa.
+    shown: f64,
 }
 
 /// A question about a piece, or about the temperature in an interval.
@@ -156,9 +202,10 @@ impl<'a> Traces<'a> {
         self.cut();
         self.follow_lags(arch);
         self.find_turns(arch);
+        self.memory.jobs.clear();
         let mut answers: Vec<Option<Answer>> = (0..self.rows.len()).map(|row| self.answer(row)).collect();
-        self.find_temperatures(arch, &mut answers);
         self.find_settling(arch, &mut answers);
+        self.find_temperatures(arch, &mut answers);
         answers
     }
 
@@ -170,79 +217,47 @@ impl<'a> Traces<'a> {
 
     /// Cuts all records into pieces.
     fn cut(&mut self) {
-        let Memory { knots, segments, pieces, begins, .. } = &mut *self.memory;
+        let Memory { knots, segments, pieces, cut, .. } = &mut *self.memory;
         pieces.clear();
-        begins.clear();
-        for (index, segment) in segments.iter().enumerate() {
-            let row = &self.rows[segment.row as usize];
-            while begins.len() <= segment.row as usize {
-                begins.push(pieces.len());
-            }
-            let stretch = &row.plan.stretches[segment.stretch as usize];
-            let Sensor { lag, drift, .. } = row.sensor;
-            let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
-            // Time, what the record shows there and its slope, of a sensor that follows at once.
-            let seen = |knot: &Knot| {
-                let (time, pace) = stretch.clock.time_and_pace(knot.at);
-                let shown = row.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
-                (time, shown, knot.view.slope[PRESSURE] / pace + drift)
-            };
-            let knots = &knots[segment.knots.clone()];
-            let mut begin = seen(&knots[0]);
-            for (knot, to) in knots[1..].iter().enumerate() {
-                let end = seen(to);
-                let mut piece = Piece {
-                    segment: index as u32,
-                    knot: knot as u32,
-                    times: [begin.0, end.0],
-                    shown: [begin.1, end.1],
-                    slopes: [begin.2, end.2],
-                    lagged: 0.0,
-                    turn: None,
-                };
-                // What a lagging sensor shows is found out later: `follow_lags`.
-                while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
-                    if cut > piece.times[0] {
-                        piece.times[1] = cut;
-                        pieces.push(piece);
-                        piece.times = [cut, end.0];
-                    }
+        cut.clear();
+        let mut segments = segments.iter().enumerate().peekable();
+        for (number, row) in self.rows.iter().enumerate() {
+            let begin = pieces.len();
+            let mut shown = begin..begin;
+            while let Some((index, segment)) = segments.next_if(|(_, segment)| segment.row as usize == number) {
+                let (stretch, from) = (segment.stretch as usize, pieces.len());
+                row.cut(index as u32, &row.plan.stretches[stretch], &knots[segment.knots.clone()], pieces);
+                let [first, end] = row.plan.window;
+                if (first..end).contains(&stretch) {
+                    shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
                 }
-                pieces.push(piece);
-                begin = end;
             }
-        }
-        while begins.len() <= self.rows.len() {
-            begins.push(pieces.len());
+            cut.push(Cut { all: begin..pieces.len(), shown, turns: 0..0 });
         }
     }
 
     /// The pieces of a row.
     fn pieces_of(&self, row: usize) -> Range<usize> {
-        self.memory.begins[row]..self.memory.begins[row + 1]
+        self.memory.cut[row].all.clone()
     }
 
     /// Where the records turn round.
     fn find_turns(&mut self, arch: Arch) {
-        let Memory { pieces, jobs, .. } = &mut *self.memory;
+        let Memory { pieces, cut, jobs, .. } = &mut *self.memory;
         jobs.clear();
-        for (index, piece) in pieces.iter().enumerate() {
-            if piece.slopes[0] * piece.slopes[1] < 0.0 {
-                jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+        for Cut { shown, turns, .. } in cut {
+            let first = jobs.len();
+            for (index, piece) in shown.clone().zip(&pieces[shown.clone()]) {
+                if piece.slopes[0] * piece.slopes[1] < 0.0 {
+                    jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+                }
             }
+            *turns = first..jobs.len();
         }
         self.work(arch, |_| Question::Turn);
-        let Memory { pieces, jobs, .. } = &mut *self.memory;
-        for job in jobs {
-            pieces[job.piece].turn = Some((job.answer[0], job.answer[1]));
-        }
-    }
-
-    /// Whether the record shows a piece between the end of the push and the end of the test.
-    fn shows(&self, piece: &Piece) -> bool {
-        let segment = &self.memory.segments[piece.segment as usize];
-        let window = self.rows[segment.row as usize].plan.window;
-        (window[0]..window[1]).contains(&(segment.stretch as usize))
+        let Memory { turns, jobs, .. } = &mut *self.memory;
+        turns.clear();
+        turns.extend(jobs.iter().map(|&Job { piece, answer: [time, shown, ..], .. }| Turn { piece, time, shown }));
     }
 
     /// What the record of a row shows, Pa, at a time of the record, s, before the gas of the test arrives.
@@ -250,30 +265,57 @@ impl<'a> Traces<'a> {
         self.rows[row].sensor.shown(self.rows[row].before, time)
     }
 
-    /// All but temperatures and the settling time.
-    fn answer(&self, row: usize) -> Option<Answer> {
-        let plan = self.rows[row].plan;
-        let pieces = &self.memory.pieces[self.pieces_of(row)];
-        if pieces.is_empty() {
+    /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
+    fn answer(&mut self, row: usize) -> Option<Answer> {
+        let Memory { pieces, cut, turns, .. } = &*self.memory;
+        let Cut { all, shown, turns: of_row } = &cut[row];
+        if all.is_empty() {
             return None;
         }
+        let (plan, turns) = (self.rows[row].plan, &turns[of_row.clone()]);
         let sign = if plan.expands { -1.0 } else { 1.0 };
-        let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, plan.push_end);
-        let mut pressure_final = None;
+        // The extreme is where the record begins, or ends a piece, or turns round.
+        let (mut pressure, mut peak) = (f64::NEG_INFINITY, None);
         if plan.push_end < plan.delay {
             pressure = sign * self.before(row, plan.push_end);
         }
-        for piece in pieces.iter().filter(|piece| self.shows(piece)) {
-            for (time, value) in piece.corners() {
-                if sign * value > pressure {
-                    pressure = sign * value;
-                    peak_time = self.record_time(piece, time);
-                }
+        let mut look = |piece: &Piece, time: f64, value: f64| {
+            if sign * value > pressure {
+                (pressure, peak) = (sign * value, Some((piece.segment, time)));
             }
-            pressure_final = Some(piece.shown[1]);
+        };
+        let shown_pieces = &pieces[shown.clone()];
+        if let Some(first) = shown_pieces.first() {
+            look(first, first.times[0], first.shown[0]);
         }
-        let pressure_final = pressure_final.unwrap_or_else(|| self.before(row, plan.duration));
+        for piece in shown_pieces {
+            look(piece, piece.times[1], piece.shown[1]);
+        }
+        for turn in turns {
+            look(&pieces[turn.piece], turn.time, turn.shown);
+        }
+        let peak_time = peak.map_or(plan.push_end, |(segment, time)| self.record_time(segment, time));
+        let pressure_final = shown_pieces.last().map_or_else(|| self.before(row, plan.duration), |last| last.shown[1]);
         let pressure_peak = sign * pressure.max(sign * pressure_final);
+        let band = SETTLED * (pressure_peak - pressure_final).abs();
+        let band = band.max(ROUNDING * pressure_final.abs());
+        // Back from the end to where the record was outside the last time, and the next such place after it.
+        let outside = |value: f64| (value - pressure_final).abs() > band;
+        let mut turns = turns.iter().rev().peekable();
+        let entry = shown.clone().rev().find_map(|index| {
+            let Piece { times: [begin, mut later], shown: [value, _], .. } = pieces[index];
+            if let Some(turn) = turns.next_if(|turn| turn.piece == index) {
+                if outside(turn.shown) {
+                    return Some((index, turn.time, later));
+                }
+                later = turn.time;
+            }
+            outside(value).then_some((index, begin, later))
+        });
+        if let Some((piece, from, later)) = entry {
+            let numbers = [from, later, pressure_final, band];
+            self.memory.jobs.push(Job { piece, numbers, answer: [0.0; POINTS] });
+        }
         Some(Answer { pressure_peak, peak_time, pressure_final, ..Answer::default() })
     }
 
@@ -290,15 +332,15 @@ impl<'a> Traces<'a> {
                 continue;
             }
             let sign = sign(&self.rows, segment.row);
-            let knots = &self.memory.knots[segment.knots.clone()];
-            for (knot, pair) in knots.windows(2).enumerate() {
-                let [begin, end] = [0, 1].map(|end| pair[end].view);
-                let warmest = (sign * begin.value[TEMPERATURE]).max(sign * end.value[TEMPERATURE]);
-                answer.temperature_peak = answer.temperature_peak.max(warmest);
-                if begin.slope[TEMPERATURE] * end.slope[TEMPERATURE] < 0.0 && sign * begin.slope[TEMPERATURE] > 0.0 {
-                    turns.push((index as u32, knot as u32));
+            let mut rises = false;
+            for (knot, Knot { view, .. }) in self.memory.knots[segment.knots.clone()].iter().enumerate() {
+                let [value, slope] = [view.value, view.slope].map(|of| sign * of[TEMPERATURE]);
+                answer.temperature_peak = answer.temperature_peak.max(value);
+                if rises && slope < 0.0 {
+                    turns.push((index as u32, knot as u32 - 1));
                 }
-                answer.temperature_final = end.value[TEMPERATURE];
+                rises = slope > 0.0;
+                answer.temperature_final = view.value[TEMPERATURE];
             }
         }
         for group in turns.chunks(WIDTH) {
@@ -327,49 +369,19 @@ impl<'a> Traces<'a> {
         }
     }
 
-    /// Time of the record, s, at a time of a piece's segment.
-    fn record_time(&self, piece: &Piece, time: f64) -> f64 {
-        self.of_segment(piece.segment).1.elapsed + time
+    /// Time of the record, s, at a time of a segment.
+    fn record_time(&self, segment: u32, time: f64) -> f64 {
+        self.of_segment(segment).1.elapsed + time
     }
 
-    /// When the records come within 1 % of their ends for good.
+    /// When the records come within 1 % of their ends for good: does the jobs of [`Traces::answer`].
     fn find_settling(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
-        let mut jobs = core::mem::take(&mut self.memory.jobs);
-        jobs.clear();
-        for (row, answer) in answers.iter_mut().enumerate() {
-            let Some(answer) = answer else { continue };
-            let band = SETTLED * (answer.pressure_peak - answer.pressure_final).abs();
-            let band = band.max(ROUNDING * answer.pressure_final.abs());
-            let plan = self.rows[row].plan;
-            // From the end back to the last corner outside, and the corner after it.
-            let mut later = None;
-            let seen = self.pieces_of(row).rev().map(|index| (index, &self.memory.pieces[index]));
-            let mut corners = seen
-                .filter(|(_, piece)| self.shows(piece))
-                .flat_map(|(index, piece)| piece.corners().rev().map(move |corner| (index, piece, corner)));
-            let outside = corners.find(|&(index, _, (time, value))| {
-                let outside = (value - answer.pressure_final).abs() > band;
-                if !outside {
-                    later = Some((index, time));
-                }
-                outside
-            });
-            let Some((index, piece, (time, _))) = outside else { continue };
-            match later {
-                Some((of, end)) if of == index => {
-                    let numbers = [time, end, answer.pressure_final, band];
-                    jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
-                }
-                _ => answer.settling = (self.record_time(piece, time) - plan.push_end).max(0.0),
-            }
-        }
-        self.memory.jobs = jobs;
         self.work(arch, |[outside, later, value, band]| Question::Enter { between: [outside, later], value, band });
         for job in &self.memory.jobs {
-            let piece = &self.memory.pieces[job.piece];
-            let row = self.memory.segments[piece.segment as usize].row as usize;
+            let segment = self.memory.pieces[job.piece].segment;
+            let row = self.memory.segments[segment as usize].row as usize;
             if let Some(answer) = &mut answers[row] {
-                let settled = self.record_time(piece, job.answer[0]) - self.rows[row].plan.push_end;
+                let settled = self.record_time(segment, job.answer[0]) - self.rows[row].plan.push_end;
                 answer.settling = settled.max(0.0);
             }
         }
@@ -389,7 +401,7 @@ mod tests {
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.04));
-        let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
+        let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let (start, rise, fall, slow) = (1e5, 1e5 / 0.04f64.powi(2), 0.8e5, 0.4);
         let pressure = |t: f64| {
             if t < 0.04 { start + rise * t * t } else { start + 1e5 - fall * (1.0 - (-(t - 0.04) / slow).exp()) }

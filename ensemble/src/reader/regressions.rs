@@ -23,11 +23,11 @@ impl Traces<'_> {
                 let pieces = self.pieces_of(row);
                 let holds = |&index: &usize| {
                     let piece = &self.memory.pieces[index];
-                    time <= self.record_time(piece, piece.times[1])
+                    time <= self.record_time(piece.segment, piece.times[1])
                 };
                 let index = pieces.clone().find(holds).unwrap_or(pieces.end - 1);
                 let piece = &self.memory.pieces[index];
-                let time = (time - self.record_time(piece, 0.0)).clamp(piece.times[0], piece.times[1]);
+                let time = (time - self.record_time(piece.segment, 0.0)).clamp(piece.times[0], piece.times[1]);
                 jobs.push(Job { piece: index, numbers: [time; POINTS], answer: [0.0; POINTS] });
             }
         }
@@ -48,7 +48,7 @@ impl Traces<'_> {
     /// Samples up to and at the begin of the pieces: before it a late record shows the gas before the test.
     fn samples_before(&self, row: usize, first: f64) -> Option<Part> {
         let piece = &self.memory.pieces[self.pieces_of(row)].first()?;
-        let begin = self.record_time(piece, piece.times[0]);
+        let begin = self.record_time(piece.segment, piece.times[0]);
         let samples = Samples { first, count: samples::after(begin) - first };
         let at_begin = piece.shown[0];
         let drift = self.rows[row].sensor.drift;
@@ -76,7 +76,7 @@ impl Traces<'_> {
             let end = samples::after(self.rows[row].plan.duration);
             for index in self.pieces_of(row) {
                 let piece = &self.memory.pieces[index];
-                let elapsed = self.record_time(piece, 0.0);
+                let elapsed = self.record_time(piece.segment, 0.0);
                 let next = samples::after(elapsed + piece.times[1]).min(end);
                 let samples = Samples { first, count: next - first };
                 if samples.count > 0.0 {

@@ -16,7 +16,7 @@ use crate::exact_rows::{Ends, Tests};
 use crate::filter::{Sensor, ToPowers};
 use crate::finish::SETTLED;
 use crate::fit;
-use crate::gauss::Panel;
+use crate::gauss::{NODES, Panel};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::outcome::Outcome;
@@ -103,8 +103,9 @@ impl Answer {
 /// Working memory, kept from one group to the next.
 #[derive(Default)]
 pub struct Memory {
-    /// 1/T along the push.
-    pub panels: Vec<Panel<Lanes>>,
+    /// 1/T at the nodes of each part of the push, and where it is asked for along them.
+    pub nodes: Vec<[Lanes; NODES]>,
+    panels: Vec<Panel<Lanes>>,
     pieces: Vec<Piece>,
     /// Of the first pieces, those of the push.
     polynomials: Vec<Polynomial>,
@@ -125,7 +126,7 @@ pub struct Readings<'a> {
 
 impl<'a> Readings<'a> {
     /// Of these tests with their sensors; `before` is the gas's pressure before the test, Pa. Where a sensor looks back,
-    /// `memory` has the panels of the push.
+    /// `memory` has the nodes of the push.
     pub fn new(
         arch: Arch,
         memory: &'a mut Memory,

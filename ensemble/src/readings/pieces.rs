@@ -59,7 +59,8 @@ impl Shown<'_> {
             None => held,
             Some(polynomial) => {
                 let pushed = self.of_push(polynomial, time);
-                [0, 1].map(|k| self.pushed.where_positive(pushed[k], held[k]))
+                let [reading, rise] = held;
+                [self.pushed.where_positive(pushed[0], reading), self.pushed.where_positive(pushed[1], rise)]
             }
         }
     }
@@ -149,8 +150,8 @@ impl WithSimd for Build<'_, '_> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) {
         let Readings { tests, memory, hold, sensors, duration, .. } = self.readings;
-        let Memory { panels, pieces, polynomials, to_powers, .. } = &mut **memory;
-        let pushed = Pushed::new(tests, panels);
+        let Memory { nodes, panels, pieces, polynomials, to_powers, .. } = &mut **memory;
+        let pushed = Pushed::new(tests, sensors, nodes, panels);
         let mut writer = Writer { to_powers, sensors, reading: self.before, pieces, polynomials };
         // The record shows this moment at the end of the push.
         let first = -sensors.delay;

@@ -2,11 +2,13 @@
 //! to a time t1, by 16-point Gauss–Legendre quadrature in √V.
 //!
 //! The rule takes the exponential over 21 τ to eleven digits and over 16 τ to all, and what is older than 37 τ weighs
-//! nothing: a short lag takes two windows beside the parts of the push, not steps of its own length.
+//! nothing: a short lag takes two windows beside the parts of the push, not steps of its own length. Where a window takes
+//! in the whole push, its nodes are those of the parts.
 
+use super::pieces::Sensors;
 use crate::exact_rows::Tests;
 use crate::filter;
-use crate::gauss::{NODES, Panel, node};
+use crate::gauss::{NODES, Panel, RULE, node};
 use crate::lanes::Lanes;
 use crate::root::Curve;
 use chamber::real::Real;
@@ -18,18 +20,36 @@ const WINDOWS: [[f64; 2]; 2] = [[37.0, 16.0], [16.0, 0.0]];
 /// The pressure during the push over the (negative) time since its end, s, of the gas.
 pub struct Pushed<'a> {
     tests: &'a Tests,
+    /// 1/T at the nodes of its parts.
+    nodes: &'a [[Lanes; NODES]],
+    /// 1/T along them; none where nodes are enough for all records.
     panels: &'a [Panel<Lanes>],
+    /// Positive where they are for a record.
+    by_nodes: Lanes,
     /// √V at the begin, and its rise.
     root: Lanes,
     rise: Lanes,
 }
 
 impl<'a> Pushed<'a> {
-    /// From 1/T along each part of the push.
+    /// From 1/T at the nodes of each part of the push; `panels` are made where these sensors need them.
     #[inline(always)]
-    pub fn new(tests: &'a Tests, panels: &'a [Panel<Lanes>]) -> Self {
+    pub fn new(
+        tests: &'a Tests,
+        sensors: &Sensors,
+        nodes: &'a [[Lanes; NODES]],
+        panels: &'a mut Vec<Panel<Lanes>>,
+    ) -> Self {
+        let last_window = sensors.lag * WINDOWS[1][0];
+        let by_nodes = if sensors.are_late() { Lanes::ZERO } else { last_window - tests.push };
+        panels.clear();
+        if by_nodes.where_positive(Lanes::ZERO, Lanes::ONE).any_positive() {
+            for values in nodes {
+                panels.push(black_box(Panel::through(values, &RULE)));
+            }
+        }
         let root = tests.from.sqrt();
-        Self { tests, panels, root, rise: tests.to.sqrt() - root }
+        Self { tests, nodes, panels, by_nodes, root, rise: tests.to.sqrt() - root }
     }
 
     /// Time since the end of the push, s, at a share of √V's way.
@@ -52,7 +72,7 @@ impl<'a> Pushed<'a> {
     pub fn behind(&self, lag: Lanes, until: Lanes, before: Lanes) -> Lanes {
         let parts = self.tests.parts;
         let mut reading = before * filter::kept((until + self.tests.push) / lag);
-        for index in 0..self.panels.len() {
+        for index in 0..self.nodes.len() {
             let ends = [index, index + 1].map(|end| self.time((Lanes::from(end as f64) / parts).min(Lanes::ONE)));
             for [early, late] in black_box(&WINDOWS) {
                 let (from, to) = (ends[0].max(until - lag * *early), ends[1].min(until - lag * *late));
@@ -78,8 +98,12 @@ impl<'a> Pushed<'a> {
             let share = begin + (end - begin) * place;
             let root = self.root + self.rise * share;
             let faded = filter::kept((until - self.time(share)) * per_lag);
+            let mut inverse = self.nodes[part][index];
+            if let Some(panel) = self.panels.get(part) {
+                inverse = self.by_nodes.where_positive(inverse, panel.at(share * parts - part as f64));
+            }
             // P √V = m R/(u √V).
-            sum += faded * weight / (self.panels[part].at(share * parts - part as f64) * root);
+            sum += faded * weight / (inverse * root);
         }
         sum * scale * self.tests.closed.mass_gas_constant
     }
