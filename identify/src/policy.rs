@@ -21,6 +21,7 @@ pub const JUDGED: usize = 4;
 
 /// How far λ0 may lie from its first guess, as the logarithm of their ratio: the paper's model is fitted from so far on either
 /// side too. What λ0 ends farther away is that of a model that lacks something, and is no place for a larger one to begin alone.
+/// A set that leaves λ0 a larger standard deviation than this does not determine it, and does not enter.
 pub const FIRST_GUESS_REACH: f64 = 2.0;
 
 /// Probability below which outliers lie at moves no longer by chance: one rig in a thousand keeps its spikes there, which

@@ -86,6 +86,11 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Whether a number of the rig that something was known of beforehand has gone as far from that as it may.
+    pub fn is_beyond_belief(&self) -> bool {
+        self.hypothesis.axes.iter().zip(&self.at_bound).any(|(axis, at_bound)| *at_bound && axis.prior.is_some())
+    }
+
     /// The fitted chamber.
     pub fn chamber(&self) -> Chamber {
         self.hypothesis.chamber(&self.rig)

@@ -15,7 +15,7 @@ pub mod starts;
 pub mod terms;
 
 use crate::error::Error;
-use crate::fit::{self, Fit};
+use crate::fit::{self, Fit, covariance};
 use crate::judge::adequacy::{self, Adequacy};
 use crate::judge::evidence::{self, bic, bic_widened};
 use crate::judge::left_out::{self, Fold};
@@ -269,7 +269,8 @@ impl Search {
         true
     }
 
-    /// Decisive evidence over the chosen model, and left-out data predicted better by more than nobody minds.
+    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, a λ0 that the
+    /// records determine (it is what they are for), and no fault of the recording so large that it has another cause.
     fn enters(&self, c: &Candidate, among: f64) -> bool {
         let over = &self.chosen;
         // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
@@ -279,7 +280,11 @@ impl Search {
             Some(_) => self.errs_less_on_left_out(c, least_gain),
             None => c.held_out_pa.is_some(),
         };
-        c.fit.converged && lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
+        c.fit.converged
+            && determines_lambda0(&c.fit)
+            && !c.fit.is_beyond_belief()
+            && lower
+            && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
     }
 
     /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
@@ -576,6 +581,11 @@ impl Search {
             .map(|c| c.model)
             .collect()
     }
+}
+
+/// Whether the records tell λ0 better than its first guess does.
+fn determines_lambda0(fit: &Fit) -> bool {
+    covariance::covariance(fit, false)[(0, 0)].sqrt() < policy::FIRST_GUESS_REACH
 }
 
 /// The first of the models with the same terms.
