@@ -1,7 +1,7 @@
 //! The model's pressure along one record: the gas by adaptive integration, the sensor's chain behind it in closed form.
 //!
 //! The same equations as [`chamber::simulate`], arranged for fits: the stroke is the smooth one of [`crate::record::stroke`],
-//! the energy is referred to the first volume ([`crate::isentrope`]), only pressures are computed, at the times asked for, and a
+//! the energy is referred to the first volume (`isentrope`), only pressures are computed, at the times asked for, and a
 //! sensor lag costs no integration steps ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual
 //! numbers give exact sensitivities.
 
