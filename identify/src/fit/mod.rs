@@ -15,7 +15,8 @@ mod descent;
 pub mod whiten;
 
 use crate::forward::Run;
-use crate::parameters::{Hypothesis, Model, Setting};
+use crate::parameters::{Axis, Hypothesis, Model, Setting};
+use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::prepare::{Block, Data, Prepared};
 use bordered::System;
@@ -86,9 +87,13 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Whether a number of the rig that something was known of beforehand has gone as far from that as it may.
+    /// Whether a number of the rig that something was known of beforehand has gone as far from that as it may:
+    /// [`policy::DEVIATIONS_BEFOREHAND`].
     pub fn is_beyond_belief(&self) -> bool {
-        self.hypothesis.axes.iter().zip(&self.at_bound).any(|(axis, at_bound)| *at_bound && axis.prior.is_some())
+        const NEARLY: f64 = 0.999;
+        let most = NEARLY * policy::DEVIATIONS_BEFOREHAND;
+        let is_far = |(x, axis): (&f64, &Axis)| axis.prior.is_some_and(|[mean, sd]| (x - mean).abs() > most * sd);
+        self.rig.iter().zip(&self.hypothesis.axes).any(is_far)
     }
 
     /// The fitted chamber.

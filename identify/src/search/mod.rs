@@ -625,4 +625,21 @@ mod tests {
         let anew = search.no_worse_than_a_part(&stuck, &[]);
         assert!((anew.fit.marginal / good.fit.marginal - 1.0).abs() < 1e-6);
     }
+
+    #[test]
+    fn a_fault_at_the_end_of_its_prior_is_beyond_belief_and_one_that_is_not_there_is_not() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let (data, paper) = baseline::fitted(data).unwrap();
+        let sizes = Sizes::of(&data, &paper.chamber());
+        for (name, ends) in [("sensor_offset", [true, true]), ("position_delay", [false, true])] {
+            let model = Model::with(EffectSet::one(find(name).unwrap().0));
+            let mut fit = fit_model(&data, model, &paper, &sizes).unwrap();
+            assert!(!fit.is_beyond_belief(), "{name}");
+            let last = fit.rig.len() - 1;
+            for (end, is_beyond) in fit.hypothesis.axes[last].bounds.into_iter().zip(ends) {
+                fit.rig[last] = end;
+                assert_eq!(fit.is_beyond_belief(), is_beyond, "{name} {end}");
+            }
+        }
+    }
 }
