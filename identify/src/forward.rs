@@ -215,15 +215,15 @@ impl<R: Scalar> Run<'_, R> {
         let Some(&last) = times.last() else { return Ok(Default::default()) };
         let inputs = Passing::new(course, chamber, set, warmer);
         let begin = inputs.begin();
-        let (gas_set, balance) = (set.without(effects::of_sensor()), Balance::of(*chamber));
+        let (gas_set, balance) = (set.without(effects::of_sensor()), &Balance::of(*chamber));
         let at_begin = inputs.boundary(0, begin);
-        let isentrope = &Isentrope::through(&balance, &at_begin);
-        let initial = balance::state_at(chamber, &at_begin, start.pressure, start.temperature);
+        let isentrope = &Isentrope::through(balance, &at_begin);
+        let initial = balance.state_at(EffectSet::ALL, &at_begin, start.pressure, start.temperature);
         let mut initial: [R; N] = core::array::from_fn(|i| initial[i]);
-        initial[ENERGY] = isentrope.at(&balance, &at_begin).referred(initial[ENERGY]);
+        initial[ENERGY] = isentrope.at(balance, &at_begin).referred(initial[ENERGY]);
         on_step(begin, initial[MASS]);
         let passing = Passing::new(course, chamber, set, warmer);
-        let mut sensor = Sensor::new(chamber, isentrope, set, passing, times, start.pressure);
+        let mut sensor = Sensor::new(balance, isentrope, set, passing, times, start.pressure);
         let evaluations = Cell::new(0usize);
         let mut most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * course.motion.rows();
         if mesh.steps() > 0 {
@@ -237,14 +237,7 @@ impl<R: Scalar> Run<'_, R> {
                 return [R::from(f64::NAN); N];
             }
             let disturbance = disturbance.at(t);
-            arch.dispatch(Moving::<R, N, M> {
-                set: gas_set,
-                balance: &balance,
-                isentrope,
-                boundary,
-                state,
-                disturbance,
-            })
+            arch.dispatch(Moving::<R, N, M> { set: gas_set, balance, isentrope, boundary, state, disturbance })
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
@@ -299,7 +292,7 @@ impl<R: Scalar, const N: usize, const M: usize> WithSimd for Moving<'_, R, N, M>
 
 /// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
 struct Sensor<'a, R> {
-    balance: Balance<R>,
+    balance: &'a Balance<R>,
     isentrope: &'a Isentrope,
     set: EffectSet,
     inputs: Passing<'a, R>,
@@ -311,20 +304,21 @@ struct Sensor<'a, R> {
 impl<'a, R: Scalar> Sensor<'a, R> {
     /// Before the record the chamber is at rest at its first pressure.
     fn new(
-        chamber: &'a Chamber<R>,
+        balance: &'a Balance<R>,
         isentrope: &'a Isentrope,
         set: EffectSet,
         inputs: Passing<'a, R>,
         times: &'a [f64],
         pressure: R,
     ) -> Self {
+        let chamber = &balance.chamber;
         let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
         let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
         let behind_lag = set.without(sensor_lag.into_iter().collect());
         let lead = effects::stroke_delay(set, &chamber.effects);
         let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
         readings.take(inputs.begin(), |_| shown(pressure));
-        Self { balance: Balance::of(*chamber), isentrope, set, inputs, lag, lagged: pressure, readings }
+        Self { balance, isentrope, set, inputs, lag, lagged: pressure, readings }
     }
 
     /// Takes every reading due in a step that ends at `until`, s.
@@ -379,27 +373,38 @@ mod tests {
     use chamber::dual::Dual;
     use chamber::{AreaLaw, Gas, Geometry, HeatTransfer};
 
+    fn chamber() -> Chamber {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5))
+    }
+
+    /// Position, m, in a push with a gentle begin and end, at a share of its duration.
+    fn push(share: f64) -> f64 {
+        let u = share.clamp(0.0, 1.0);
+        0.1 - 0.05 * (u * u * u * (10.0 - 15.0 * u + 6.0 * u * u))
+    }
+
+    /// So many rows at 100 Hz of a position, m, over time, s.
+    fn recorded(rows: u32, mut position: impl FnMut(f64) -> f64) -> (Vec<f64>, Course) {
+        let (times, positions): (Vec<f64>, Vec<f64>) =
+            (0..rows).map(|i| f64::from(i) * 0.01).map(|t| (t, position(t))).unzip();
+        let course = Course {
+            motion: Motion::detect(&times, &positions),
+            ambient_temperature: Spline::through(vec![0.0, 6.0], vec![293.0, 293.0], [None, None]),
+            ambient_pressure: 1.013e5,
+            mass_flow: None,
+        };
+        (times, course)
+    }
+
     #[test]
     fn no_step_passes_over_a_push_however_long_the_hold_before_it() {
-        let chamber = Chamber::new(
-            Gas::AIR,
-            Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total),
-            HeatTransfer::at_paper_reference(26.5),
-        );
-        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let chamber = chamber();
         let mut random = crate::synthetic::Random::new(11);
         for number in 0..60 {
             // A push of few rows among those of rest that widen it, at another place in them each time.
             let (begin, duration) = (3.0 + 0.0021 * f64::from(number), 0.02 + 0.01 * f64::from(number % 4));
-            let push = |t: f64| 0.1 - 0.05 * smooth(((t - begin) / duration).clamp(0.0, 1.0));
-            let (times, positions): (Vec<f64>, Vec<f64>) =
-                (0..600).map(|i| f64::from(i) * 0.01).map(|t| (t, push(t) + 2e-6 * random.normal())).unzip();
-            let course = Course {
-                motion: Motion::detect(&times, &positions),
-                ambient_temperature: Spline::through(vec![0.0, 6.0], vec![293.0, 293.0], [None, None]),
-                ambient_pressure: 1.013e5,
-                mass_flow: None,
-            };
+            let (times, course) = recorded(600, |t| push((t - begin) / duration) + 2e-6 * random.normal());
             let pressures = |relative_tolerance: f64| {
                 let start = Start { pressure: 2e5, temperature: 293.0 };
                 let (chamber, course, set) = (&chamber, &course, EffectSet::NONE);
@@ -413,21 +418,9 @@ mod tests {
 
     #[test]
     fn sensitivities_are_those_of_finite_differences() {
-        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-        let (times, positions): (Vec<f64>, Vec<f64>) = (0..300)
-            .map(|i| f64::from(i) * 0.01)
-            .map(|t| (t, 0.1 - 0.05 * smooth(((t - 0.5) / 0.2).clamp(0.0, 1.0))))
-            .unzip();
-        let course = Course {
-            motion: Motion::detect(&times, &positions),
-            ambient_temperature: Spline::through(vec![0.0, 3.0], vec![293.0, 293.0], [None, None]),
-            ambient_pressure: 1.013e5,
-            mass_flow: None,
-        };
+        let (times, course) = recorded(300, |t| push((t - 0.5) / 0.2));
         fn along<R: Scalar>(x: [R; 3], course: &Course, times: &[f64]) -> Vec<R> {
-            let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-            let mut chamber: Chamber<R> =
-                Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5)).lift();
+            let mut chamber: Chamber<R> = chamber().lift();
             (chamber.heat_transfer.coefficient, chamber.geometry.dead_volume) = (x[0], x[1]);
             let start = Start { pressure: x[2], temperature: R::from(293.0) };
             let (set, warmer) = (EffectSet::NONE, R::ZERO);

@@ -87,27 +87,14 @@ mod tests {
     use chamber::effects::EffectSet;
     use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 
-    fn chamber() -> Chamber {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5))
-    }
-
     fn at(position: f64, velocity: f64) -> Boundary<f64> {
-        Boundary {
-            position,
-            velocity,
-            mass_flow_in: 0.0,
-            temperature_in: 293.0,
-            mass_flow_out: 0.0,
-            ambient_temperature: 293.0,
-            ambient_pressure: 1.013e5,
-        }
+        Boundary { velocity, ..Boundary::closed(position, 293.0, 1.013e5) }
     }
 
     #[test]
     fn the_velocity_of_the_piston_has_no_part_in_the_rate() {
-        let chamber = chamber();
-        let balance = Balance::of(chamber);
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let balance = Balance::of(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5)));
         let isentrope = Isentrope::through(&balance, &at(0.1, 0.0));
         let begin = balance.state_at(EffectSet::NONE, &at(0.1, 0.0), 3e5, 310.0);
         let rate = |velocity: f64| {

@@ -102,12 +102,12 @@ impl System {
     pub fn step(&self, h: &Hypothesis, x: &[f64], damping: f64) -> Option<Step> {
         let (matrix, right) = self.reduced(damping)?;
         let mut free: Vec<usize> = (0..self.rig).filter(|&i| self.whole[(i, i)] > 0.0).collect();
-        let mut step = DVector::zeros(self.rig);
+        let mut rig = DVector::zeros(self.rig);
         while !free.is_empty() {
             let n = free.len();
             let mut sub = DMatrix::from_fn(n, n, |i, j| matrix[(free[i], free[j])]);
-            let bound = &matrix * &step;
-            let rhs = DVector::from_fn(n, |i, _| right[free[i]] - bound[free[i]]);
+            let of_others = &matrix * &rig;
+            let rhs = DVector::from_fn(n, |i, _| right[free[i]] - of_others[free[i]]);
             for (i, &f) in free.iter().enumerate() {
                 sub[(i, i)] += (damping + 1e-14) * self.whole[(f, f)];
             }
@@ -122,14 +122,13 @@ impl System {
             let (within, beyond): (Vec<_>, Vec<_>) =
                 free.iter().zip(&solution).map(goes).partition(|(_, wanted, allowed)| wanted == allowed);
             for &(i, _, allowed) in if beyond.is_empty() { &within } else { &beyond } {
-                step[i] = allowed;
+                rig[i] = allowed;
             }
             if beyond.is_empty() {
                 break;
             }
             free = within.into_iter().map(|(i, ..)| i).collect();
         }
-        let rig = step;
         let mut promised = 2.0 * self.right.dot(&rig) - rig.dot(&(&self.whole * &rig));
         let mut own_steps = Vec::with_capacity(self.parts.len());
         for part in &self.parts {

@@ -281,10 +281,10 @@ impl Search {
             None => c.held_out_pa.is_some(),
         };
         c.fit.converged
-            && determines_lambda0(&c.fit)
-            && !c.fit.is_beyond_belief()
             && lower
             && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
+            && !c.fit.is_beyond_belief()
+            && determines_lambda0(&c.fit)
     }
 
     /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
