@@ -9,6 +9,7 @@
 //! more than noise, the missing term is read off the residual as a curve ([`curve`]).
 
 pub mod baseline;
+mod conclude;
 pub mod curve;
 mod fold;
 pub mod starts;
@@ -17,9 +18,9 @@ pub mod terms;
 use crate::error::Error;
 use crate::fit::{self, Fit, covariance};
 use crate::judge::adequacy::{self, Adequacy};
-use crate::judge::evidence::{self, bic, bic_widened};
+use crate::judge::evidence::{self, bic};
 use crate::judge::left_out::{self, Fold};
-use crate::judge::{kinds, misfit, sanity};
+use crate::judge::{misfit, sanity};
 use crate::parameters::{Model, Sizes};
 use crate::policy;
 use crate::record::prepare::Data;
@@ -62,7 +63,7 @@ pub struct Found {
     pub steps: Vec<Candidate>,
     /// Models with as many terms as the chosen one that the data cannot tell from it.
     pub alike: Vec<Model>,
-    /// Whether what the records have for themselves follows the kind of test: see [`kinds`].
+    /// Whether what the records have for themselves follows the kind of test: see [`crate::judge::kinds`].
     pub follows_the_test: bool,
     /// An effect that would enter only with the geometry exactly as stated.
     pub by_geometry: Option<EffectSet>,
@@ -433,153 +434,6 @@ impl Search {
             .and_then(|part| fit_model(&self.data, c.model, &part.fit, &self.sizes))
             .filter(|fit| fit.marginal < c.fit.marginal)
             .map_or_else(|| c.clone(), |fit| self.candidate(fit))
-    }
-
-    /// Terms that are not decisive beside the others go out again; so do effects that a wrong geometry can stand for.
-    fn conclude(mut self) -> Result<(Data, Found), Error> {
-        let mut by_geometry = None;
-        while self.chosen.model.terms() > 0 {
-            let weakest = self
-                .without_one()
-                .into_iter()
-                .min_by(|a, b| self.needed(a).total_cmp(&self.needed(b)))
-                .map(|less| (self.needed(&less), self.needed_in_wide_geometry(&less), less));
-            let Some((needed, wide, less)) = weakest else { break };
-            if needed > policy::DECISIVE && wide > policy::DECISIVE {
-                break;
-            }
-            if needed > policy::DECISIVE {
-                by_geometry = Some(self.chosen.model.effects.without(less.model.effects));
-            }
-            self.steps.retain(|s| terms::is_part(&s.model, &less.model) && s.model != less.model);
-            self.chosen_adequacy = adequacy::test(&self.data, &less.fit);
-            self.chosen = self.judged(less);
-            self.steps.push(self.chosen.clone());
-        }
-        let mut follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
-        let mut verdict = self.verdict(follows_the_test);
-        if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
-            // Beside a leak the first fit cannot tell.
-            sanity::reference(&self.data, &self.chosen.fit)?;
-        }
-        let mut alike = self.alike();
-        let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
-        let read_off = match verdict {
-            Verdict::Adequate => None,
-            Verdict::Explained if self.chosen.model.of_rig().iter().count() < 2 => None,
-            Verdict::Explained => self.in_place_of(&self.chosen),
-            Verdict::Improved if self.chosen_adequacy.is_adequate() && !follows_the_test => None,
-            Verdict::Improved | Verdict::Unexplained => self.read_off(settled),
-        };
-        if let Some(found) = read_off.as_ref().filter(|found| found.accepted) {
-            self.steps.retain(|s| terms::is_part(&s.model, &found.candidate.model));
-            self.steps.push(found.candidate.clone());
-            self.tried.insert(0, found.candidate.clone());
-            self.chosen = found.candidate.clone();
-            self.chosen_adequacy = adequacy::test(&self.data, &self.chosen.fit);
-            follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
-            (verdict, alike) = (Verdict::Improved, Vec::new());
-        }
-        let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
-        sanity::dead_volume(&self.data, &settled.fit)?;
-        sanity::coefficient(&self.data, &settled.fit)?;
-        for (c, adequacy) in
-            [(&mut self.baseline, &mut self.baseline_adequacy), (&mut self.chosen, &mut self.chosen_adequacy)]
-        {
-            if let Some(fit) = sanity::without_negative_volume(&self.data, &c.fit) {
-                *adequacy = adequacy::test(&self.data, &fit);
-                c.fit = fit;
-            }
-        }
-        let found = Found {
-            verdict,
-            baseline: self.baseline,
-            baseline_adequacy: self.baseline_adequacy,
-            tried: self.tried,
-            chosen: self.chosen,
-            chosen_adequacy: self.chosen_adequacy,
-            steps: self.steps,
-            alike,
-            follows_the_test,
-            by_geometry,
-            read_off,
-        };
-        Ok((self.data, found))
-    }
-
-    /// The chosen model without each of its terms in turn.
-    fn without_one(&self) -> Vec<Candidate> {
-        let models = terms::without_one(&self.chosen.model);
-        models
-            .into_par_iter()
-            .filter_map(|model| {
-                if model == Model::PAPER {
-                    return Some(self.baseline.clone());
-                }
-                // From the chosen numbers too: a fit that ended beside its best would make a term seem needed.
-                let known = self.tried.iter().find(|c| c.model == model).cloned();
-                let anew = self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit));
-                known.into_iter().chain(anew).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
-            })
-            .collect()
-    }
-
-    /// A fit of a part of a fitted model, from the numbers that it has there.
-    fn refitted_without(&self, whole: &Fit, model: Model) -> Option<Fit> {
-        let mut from = whole.clone();
-        let chamber = whole.chamber();
-        let gone = whole.hypothesis.model.effects.without(model.effects);
-        let mut effects = chamber.effects.without(gone);
-        for effect in whole.hypothesis.model.secondary.without(model.secondary).iter() {
-            let values = effects.of_mut(effect).iter_mut().zip(CARDS[effect].parameters);
-            values.filter(|(_, p)| !p.fitted).for_each(|(value, p)| *value = p.neutral);
-        }
-        from.hypothesis.base = chamber::Chamber { effects, ..chamber };
-        from.hypothesis.axes.clear();
-        from.rig.clear();
-        fit_model(&self.data, model, &from, &self.sizes)
-    }
-
-    /// Evidence of the chosen model over one with a term less.
-    fn needed(&self, less: &Candidate) -> f64 {
-        self.chosen.delta_bic - less.delta_bic
-    }
-
-    /// The same with the geometry far more uncertain than stated.
-    fn needed_in_wide_geometry(&self, less: &Candidate) -> f64 {
-        let wide = |fit: &Fit| bic_widened(fit, policy::GEOMETRY_WIDENED);
-        wide(&less.fit) - wide(&self.chosen.fit)
-    }
-
-    fn verdict(&self, follows_the_test: bool) -> Verdict {
-        let nothing_named = self.chosen.model.of_rig().is_empty();
-        if self.chosen.model.terms() == 0 {
-            return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
-        }
-        if !follows_the_test && self.chosen_adequacy.settles(&self.baseline_adequacy) {
-            return match self.chosen_adequacy.explains(&self.baseline_adequacy) {
-                _ if nothing_named => Verdict::Adequate,
-                true => Verdict::Explained,
-                false => Verdict::Improved,
-            };
-        }
-        let noise = self.data.noise.total_pa();
-        let systematic = |rms: Option<f64>| rms.map(|r| (r * r - noise * noise).max(0.0).sqrt());
-        match (systematic(self.chosen.held_out_pa), systematic(self.baseline.held_out_pa)) {
-            (Some(after), Some(before)) if after < policy::PREDICTS_BETTER * before => Verdict::Improved,
-            _ => Verdict::Unexplained,
-        }
-    }
-
-    fn alike(&self) -> Vec<Model> {
-        let size = self.chosen.model.terms();
-        self.tried
-            .iter()
-            .filter(|c| size > 0 && c.model != self.chosen.model && c.model.terms() == size)
-            .filter(|c| Model { secondary: EffectSet::NONE, ..self.chosen.model } != c.model)
-            .filter(|c| self.chosen.delta_bic - c.delta_bic < policy::INDISTINGUISHABLE)
-            .map(|c| c.model)
-            .collect()
     }
 }
 
