@@ -44,6 +44,9 @@ pub const TOLERANCES: f64 = 3.0;
 /// So many standard deviations a fault of the recording may lie from what instruments have: an offset of 25 kPa may be the
 /// altitude, half a bar has another cause, which it imitates.
 pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;
+/// An effect of which a rig has more than this share of the most that its card allows stands for something else: gas zones with
+/// nine tenths of the gas in the core fit whatever reacts faster than one zone.
+pub const NEARLY_EXHAUSTED: f64 = 0.95;
 /// How far the records of one rig scatter about a number of its instruments, of how far instruments do: the weather and the
 /// room's temperature move a gauge's zero by a kilopascal, its make and the altitude by five.
 pub const BETWEEN_RECORDS: f64 = 0.2;

@@ -15,14 +15,14 @@ mod descent;
 pub mod whiten;
 
 use crate::forward::Run;
-use crate::parameters::{Axis, Hypothesis, Model, Setting};
+use crate::parameters::{Axis, Hypothesis, Model, Setting, Slot};
 use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::prepare::{Block, Data, Prepared};
 use bordered::System;
 use chamber::Chamber;
 use chamber::dual::Dual;
-use chamber::effects::{self, EffectSet, EffectValues};
+use chamber::effects::{self, CARDS, EffectSet, EffectValues};
 use chamber::integrate::IntegrationError;
 use chamber::real::{Real, Scalar};
 use chamber::record::Mesh;
@@ -94,6 +94,21 @@ impl Fit {
         let most = NEARLY * policy::DEVIATIONS_BEFOREHAND;
         let is_far = |(x, axis): (&f64, &Axis)| axis.prior.is_some_and(|[mean, sd]| (x - mean).abs() > most * sd);
         self.rig.iter().zip(&self.hypothesis.axes).any(is_far)
+    }
+
+    /// A number of an effect that has nearly gone to an end of what its card allows, other than one where the effect is off:
+    /// [`policy::NEARLY_EXHAUSTED`].
+    pub fn exhausted(&self) -> Option<Slot> {
+        let is_exhausted = |(x, axis): &(&f64, &Axis)| match axis.slot {
+            Slot::Effect(effect, parameter) if axis.prior.is_none() && !axis.logarithmic => {
+                let card = &CARDS[effect].parameters[parameter];
+                let way = axis.value(**x) - card.neutral;
+                let end = if way < 0.0 { card.bounds.start() } else { card.bounds.end() };
+                way.abs() > policy::NEARLY_EXHAUSTED * (end - card.neutral).abs()
+            }
+            _ => false,
+        };
+        self.rig.iter().zip(&self.hypothesis.axes).find(is_exhausted).map(|(_, axis)| axis.slot)
     }
 
     /// The fitted chamber.

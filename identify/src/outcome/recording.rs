@@ -213,6 +213,9 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             names.join(" and ")
         ));
     }
+    if let Some(number) = found.chosen.fit.exhausted() {
+        out.push(format!("{} is next to the most that it can be: something else stands behind it", number.name()));
+    }
     if !found.chosen.fit.converged {
         out.push("the last fit did not settle within its iterations: take its numbers with care".to_owned());
     }

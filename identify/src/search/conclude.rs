@@ -133,7 +133,7 @@ impl Search {
         wide(&less.fit) - wide(&self.chosen.fit)
     }
 
-    fn verdict(&self, follows_the_test: bool) -> Verdict {
+    pub(super) fn verdict(&self, follows_the_test: bool) -> Verdict {
         let nothing_named = self.chosen.model.of_rig().is_empty();
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
@@ -141,6 +141,7 @@ impl Search {
         if !follows_the_test && self.chosen_adequacy.settles(&self.baseline_adequacy) {
             return match self.chosen_adequacy.explains(&self.baseline_adequacy) {
                 _ if nothing_named => Verdict::Adequate,
+                _ if self.chosen.fit.exhausted().is_some() => Verdict::Improved,
                 true => Verdict::Explained,
                 false => Verdict::Improved,
             };

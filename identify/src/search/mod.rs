@@ -91,7 +91,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     let mut level = 1;
     while search.goes_on(level) {
         progress("further terms", 0.1 + 0.8 * (level + 1) as f64 / (1 + policy::MOST_IN_ALL) as f64);
-        if !search.round(level) {
+        if !search.round(level) && !search.describes() {
             break;
         }
         search.settle();
@@ -214,13 +214,15 @@ impl Search {
 
     /// The best sets of so many terms.
     fn best_of(&self, terms: usize, most: usize, suits: impl Fn(&Model) -> bool) -> Vec<Model> {
-        let sets = self.tried.iter().filter(|c| c.model.terms() == terms && c.delta_bic > 0.0).map(|c| c.model);
+        let leads_on = |c: &&Candidate| c.delta_bic > 0.0 && c.fit.exhausted().is_none();
+        let sets = self.tried.iter().filter(|c| c.model.terms() == terms).filter(leads_on).map(|c| c.model);
         distinct(sets.filter(suits).collect()).into_iter().take(most).collect()
     }
 
     /// Evidence of the best set without terms of single records.
     fn best_of_rig(&self) -> f64 {
-        self.tried.iter().find(|c| !c.model.has_terms_of_records()).map_or(0.0, |c| c.delta_bic)
+        let is_of_rig = |c: &&Candidate| !c.model.has_terms_of_records() && c.fit.exhausted().is_none();
+        self.tried.iter().find(is_of_rig).map_or(0.0, |c| c.delta_bic)
     }
 
     /// Those whose first step promises the best evidence, with terms of single records and without.
@@ -243,15 +245,36 @@ impl Search {
                 fresh.push(model);
             }
         }
-        let mut found = self.fit_all(&self.promising(fresh));
+        let found = self.fit_all(&self.promising(fresh));
+        let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());
         self.judge(&mut found, policy::JUDGED);
-        self.tried.extend(found.iter().cloned());
+        self.tried.extend(found.iter().cloned().chain(exhausting));
         sort(&mut self.tried);
         self.take_best(found)
     }
 
     /// Lets the best of these enter that may; whether one did.
     fn take_best(&mut self, mut candidates: Vec<Candidate>) -> bool {
+        candidates.retain(|c| c.fit.exhausted().is_none());
+        self.take_best_of(candidates)
+    }
+
+    /// Where nothing else leads on and more than noise is left: lets the best set enter that has nearly exhausted an effect.
+    /// It describes the records; that effect is not their cause.
+    fn describes(&mut self) -> bool {
+        if self.chosen_adequacy.is_adequate() {
+            return false;
+        }
+        let mut better = self.tried.clone();
+        better.retain(|c| c.fit.exhausted().is_some() && c.delta_bic > self.chosen.delta_bic + policy::DECISIVE);
+        self.judge(&mut better, policy::JUDGED);
+        for c in &better {
+            self.tried.iter_mut().filter(|t| t.model == c.model).for_each(|t| t.held_out_pa = c.held_out_pa);
+        }
+        self.take_best_of(better)
+    }
+
+    fn take_best_of(&mut self, mut candidates: Vec<Candidate>) -> bool {
         let among = candidates.len().max(2) as f64;
         candidates.retain(|c| self.enters(c, among));
         sort(&mut candidates);
@@ -270,8 +293,8 @@ impl Search {
         true
     }
 
-    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, a λ0 that the
-    /// records determine (it is what they are for), and no fault of the recording so large that it has another cause.
+    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, and numbers that can
+    /// be the rig's.
     fn enters(&self, c: &Candidate, among: f64) -> bool {
         let over = &self.chosen;
         // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
@@ -281,11 +304,7 @@ impl Search {
             Some(_) => self.errs_less_on_left_out(c, least_gain),
             None => c.held_out_pa.is_some(),
         };
-        c.fit.converged
-            && lower
-            && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln()
-            && !c.fit.is_beyond_belief()
-            && determines_lambda0(&c.fit)
+        lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
     }
 
     /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
@@ -334,9 +353,10 @@ impl Search {
         }
     }
 
+    /// Judges the first so many of those that may enter by data left out.
     fn judge(&self, candidates: &mut [Candidate], most: usize) {
-        let count = candidates.len().min(most);
-        candidates[..count].par_iter_mut().for_each(|c| self.hold_out(c));
+        let may_enter: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_credible(&c.fit)).take(most).collect();
+        may_enter.into_par_iter().for_each(|c| self.hold_out(c));
     }
 
     /// Fits each model from the largest part of it that is there; best evidence first.
@@ -437,6 +457,12 @@ impl Search {
     }
 }
 
+/// Whether a fit has come to a minimum with numbers that can be the rig's: a λ0 that the records determine (it is what they
+/// are for), and no fault of the recording so large that it has another cause.
+fn is_credible(fit: &Fit) -> bool {
+    fit.converged && !fit.is_beyond_belief() && determines_lambda0(fit)
+}
+
 /// Whether the records tell λ0 better than its first guess does.
 fn determines_lambda0(fit: &Fit) -> bool {
     covariance::covariance(fit, false)[(0, 0)].sqrt() < policy::FIRST_GUESS_REACH
@@ -478,6 +504,50 @@ mod tests {
         stuck.fit.marginal *= 2.0;
         let anew = search.no_worse_than_a_part(&stuck, &[]);
         assert!((anew.fit.marginal / good.fit.marginal - 1.0).abs() < 1e-6);
+    }
+
+    /// A search after its first fit, and a set with gas zones of which next to all gas is in the core, much better than the rest.
+    fn search_with_exhausted_zones() -> (Search, Candidate) {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.chamber.effects.of_mut(find("natural_convection").unwrap().0)[0] = 0.4;
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        assert!(!adequacy.is_adequate());
+        let search = Search::new(data, paper, adequacy);
+        let model = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
+        let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+        assert_eq!(fit.exhausted(), None);
+        let mut zones = search.candidate(fit);
+        let fraction = zones.fit.rig.len() - 2;
+        zones.fit.rig[fraction] = 0.94 / zones.fit.hypothesis.axes[fraction].scale;
+        (zones.delta_bic, zones.held_out_pa) = (1e6, Some(0.0));
+        (search, zones)
+    }
+
+    #[test]
+    fn an_effect_that_is_nearly_exhausted_has_a_name_and_one_that_is_off_or_without_influence_has_none() {
+        let (_, mut zones) = search_with_exhausted_zones();
+        assert_eq!(zones.fit.exhausted().map(|slot| slot.name()), Some("gas_zones.mass_fraction".to_owned()));
+        let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
+        zones.fit.rig[fraction] = 0.0;
+        zones.fit.rig[conductance] = zones.fit.hypothesis.axes[conductance].bounds[1];
+        assert_eq!(zones.fit.exhausted(), None);
+    }
+
+    #[test]
+    fn a_set_that_has_nearly_exhausted_an_effect_enters_only_to_describe_what_nothing_else_does() {
+        let (mut search, zones) = search_with_exhausted_zones();
+        assert!(!search.take_best(vec![zones.clone()]));
+        search.tried = vec![zones.clone()];
+        assert!(search.best_of(1, 1, |_| true).is_empty());
+        assert!(search.describes());
+        assert_eq!(search.chosen.model, zones.model);
+        assert_ne!(search.verdict(false), Verdict::Explained);
+
+        let (mut search, zones) = search_with_exhausted_zones();
+        search.tried = vec![zones];
+        search.chosen_adequacy = Adequacy { is_good_enough: true, ..search.chosen_adequacy };
+        assert!(search.chosen_adequacy.is_adequate() && !search.describes());
     }
 
     #[test]
