@@ -86,6 +86,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     let mut search = Search::new(data, baseline, adequacy);
     progress("one term at a time", 0.1);
     search.first_round();
+    search.refuse_hopeless()?;
     search.settle();
     search.fold();
     let mut level = 1;
@@ -153,6 +154,18 @@ impl Search {
         self.judge(&mut singles, usize::MAX);
         self.tried = singles;
         self.take_best(self.tried.clone());
+    }
+
+    /// Refuses a coefficient that no single term brings near to one that a gas in a cylinder can have: with a wrong unit of time
+    /// the search would go on to the end with ever larger sets.
+    fn refuse_hopeless(&self) -> Result<(), Error> {
+        let far = policy::FIRST_GUESS_REACH.exp();
+        let (least, most) = (*policy::PLAUSIBLE_COEFFICIENT.start() / far, *policy::PLAUSIBLE_COEFFICIENT.end() * far);
+        let is_near = |c: &Candidate| (least..most).contains(&c.fit.chamber().heat_transfer.coefficient);
+        match self.tried.iter().chain([&self.baseline]).any(is_near) {
+            true => Ok(()),
+            false => sanity::coefficient(&self.data, &self.baseline.fit),
+        }
     }
 
     /// Whether a further term than the sets of this many is worth looking for.
@@ -489,6 +502,7 @@ mod tests {
     use super::*;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]
     fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
@@ -504,6 +518,20 @@ mod tests {
         stuck.fit.marginal *= 2.0;
         let anew = search.no_worse_than_a_part(&stuck, &[]);
         assert!((anew.fit.marginal / good.fit.marginal - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn times_in_ms_declared_as_s_are_refused_before_larger_sets_are_tried() {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.tests.truncate(1);
+        recipe.faults.time_unit = 1e3;
+        let goes_on = AtomicBool::new(false);
+        let watch = |what: &str, _: f64| {
+            goes_on.fetch_or(what == "further terms", Ordering::Relaxed);
+        };
+        let error = search(Data::prepare(&recipe.rig()).unwrap(), &watch);
+        assert!(matches!(error, Err(Error::ImplausibleCoefficient { .. })));
+        assert!(!goes_on.into_inner());
     }
 
     /// A search after its first fit, and a set with gas zones of which next to all gas is in the core, much better than the rest.
