@@ -4,28 +4,29 @@
 //! better sets with every further term (a beam of all sets and one of those without terms of single records; those are fitted
 //! whose first step promises most) and, where none helps alone, with two of them, until what is left is adequate, nothing
 //! enters, or [`policy::MOST_TERMS`] are in. A term is an effect of the rig, an effect of the recording that each record has for
-//! itself, or initial temperatures. It enters by decisive evidence and a lower error on left-out data; at the end each has to be
-//! decisive beside the others and with the geometry far more uncertain than stated, or it goes out again. Where that leaves
-//! more than noise, the missing term is read off the residual as a curve ([`curve`]).
+//! itself, or initial temperatures. It enters by decisive evidence and a lower error on left-out data (`entry`); at the end each
+//! has to be decisive beside the others and with the geometry far more uncertain than stated, or it goes out again. Where that
+//! leaves more than noise, the missing term is read off the residual as a curve ([`curve`]).
 
+mod anew;
 pub mod baseline;
 mod conclude;
 pub mod curve;
+mod entry;
 mod fold;
 pub mod starts;
 pub mod terms;
 
 use crate::error::Error;
-use crate::fit::{self, Fit, covariance};
+use crate::fit::Fit;
 use crate::judge::adequacy::{self, Adequacy};
-use crate::judge::evidence::{self, bic};
+use crate::judge::evidence::bic;
 use crate::judge::left_out::{self, Fold};
-use crate::judge::{misfit, sanity};
+use crate::judge::sanity;
 use crate::parameters::{Model, Sizes};
 use crate::policy;
 use crate::record::prepare::Data;
-use crate::record::{colour, outliers};
-use chamber::effects::{CARDS, EffectSet};
+use chamber::effects::EffectSet;
 use curve::ReadOff;
 use rayon::prelude::*;
 pub use records::Verdict;
@@ -266,85 +267,6 @@ impl Search {
         self.take_best(found)
     }
 
-    /// Lets the best of these enter that may; whether one did.
-    fn take_best(&mut self, mut candidates: Vec<Candidate>) -> bool {
-        candidates.retain(|c| c.fit.exhausted().is_none());
-        self.take_best_of(candidates)
-    }
-
-    /// Where nothing else leads on and more than noise is left: lets the best set enter that has nearly exhausted an effect.
-    /// It describes the records; that effect is not their cause.
-    fn describes(&mut self) -> bool {
-        if self.chosen_adequacy.is_adequate() {
-            return false;
-        }
-        let mut better = self.tried.clone();
-        better.retain(|c| c.fit.exhausted().is_some() && c.delta_bic > self.chosen.delta_bic + policy::DECISIVE);
-        self.judge(&mut better, policy::JUDGED);
-        for c in &better {
-            self.tried.iter_mut().filter(|t| t.model == c.model).for_each(|t| t.held_out_pa = c.held_out_pa);
-        }
-        self.take_best_of(better)
-    }
-
-    fn take_best_of(&mut self, mut candidates: Vec<Candidate>) -> bool {
-        let among = candidates.len().max(2) as f64;
-        candidates.retain(|c| self.enters(c, among));
-        sort(&mut candidates);
-        let Some(highest) = candidates.first().map(|c| c.delta_bic) else { return false };
-        candidates.retain(|c| c.delta_bic > highest - policy::DECISIVE);
-        // Which of those next to each other is best may show with their secondary parameters free only.
-        let freed: Vec<Candidate> = candidates.par_iter().filter_map(|c| self.freed(c)).collect();
-        self.tried.extend(freed.iter().cloned());
-        sort(&mut self.tried);
-        candidates.extend(freed);
-        sort(&mut candidates);
-        let Some(best) = candidates.into_iter().next() else { return false };
-        self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
-        self.steps.push(best.clone());
-        self.chosen = best;
-        true
-    }
-
-    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, and numbers that can
-    /// be the rig's.
-    fn enters(&self, c: &Candidate, among: f64) -> bool {
-        let over = &self.chosen;
-        // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
-        let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
-        let least_gain = if in_place { 0.0 } else { self.least_gain() };
-        let lower = match over.held_out_pa {
-            Some(_) => self.errs_less_on_left_out(c, least_gain),
-            None => c.held_out_pa.is_some(),
-        };
-        lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
-    }
-
-    /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
-    fn errs_less_on_left_out(&self, c: &Candidate, least_gain: f64) -> bool {
-        let (Some(a), Some(b)) = (c.held_out_pa, self.chosen.held_out_pa) else { return false };
-        b * b - a * a > least_gain.powi(2)
-    }
-
-    /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic.
-    fn least_gain(&self) -> f64 {
-        self.data.accuracy_pa().min(self.chosen_adequacy.systematic_pa * 0.5f64.sqrt())
-    }
-
-    /// The same set with its secondary parameters free, where that is decisively better.
-    fn freed(&self, c: &Candidate) -> Option<Candidate> {
-        let model = Model { secondary: c.model.of_rig(), ..c.model };
-        let has_secondary = |e: usize| CARDS[e].parameters.iter().any(|p| !p.fitted);
-        if model == c.model || !model.secondary.iter().any(has_secondary) {
-            return None;
-        }
-        let fit = fit_model(&self.data, model, &c.fit, &self.sizes)?;
-        if fit.hypothesis.axes.len() == c.fit.hypothesis.axes.len() || bic(&c.fit) - bic(&fit) < policy::DECISIVE {
-            return None;
-        }
-        Some(self.judged(self.candidate(fit)))
-    }
-
     fn candidate(&self, fit: Fit) -> Candidate {
         Candidate {
             model: fit.hypothesis.model,
@@ -352,24 +274,6 @@ impl Search {
             fit,
             held_out_pa: None,
         }
-    }
-
-    fn judged(&self, mut c: Candidate) -> Candidate {
-        self.hold_out(&mut c);
-        c
-    }
-
-    /// Judges a candidate by data left out, unless that was done.
-    fn hold_out(&self, c: &mut Candidate) {
-        if c.held_out_pa.is_none() {
-            c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
-        }
-    }
-
-    /// Judges the first so many of those that may enter by data left out.
-    fn judge(&self, candidates: &mut [Candidate], most: usize) {
-        let may_enter: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_credible(&c.fit)).take(most).collect();
-        may_enter.into_par_iter().for_each(|c| self.hold_out(c));
     }
 
     /// Fits each model from the largest part of it that is there; best evidence first.
@@ -389,96 +293,6 @@ impl Search {
             .min_by_key(|c| (usize::MAX - c.model.terms(), c.fit.marginal as u64))
             .map_or(&self.baseline.fit, |c| &c.fit)
     }
-
-    /// Begins again with the outliers and the noise that this fit leaves and, where its records are moving averages, without what
-    /// these leave open of the moves; whether that is other data. The paper's model is then fitted anew.
-    fn weighs_anew(&mut self, best: &Fit) -> bool {
-        let Some(data) = self.as_shown_by(best, true) else { return false };
-        self.begin_again(data);
-        true
-    }
-
-    /// The data as a fit shows them, with the noise that it leaves where it tells that; `None` where that is as they are taken.
-    fn as_shown_by(&self, fit: &Fit, tells_noise: bool) -> Option<Data> {
-        let residuals = misfit::residuals(&self.data, fit);
-        let found = outliers::in_residuals(&self.data, &residuals);
-        let mut other = self.data.looked_at(&fit.looks(&self.data));
-        if !self.data.is_without(&found) {
-            other = Some(other.unwrap_or_else(|| self.data.clone()).without(&found));
-        }
-        if tells_noise {
-            let data = other.as_ref().unwrap_or(&self.data);
-            let noise = colour::estimate(data, &residuals, &data.noise);
-            if !baseline::is_alike(&noise, &data.noise) {
-                other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
-            }
-        }
-        other
-    }
-
-    /// Begins again with the data as the chosen model shows them, in whatever round that was found: without what the moves leave
-    /// open where the records are averages, without its outliers, and with the noise that it leaves where it has found when each
-    /// record was read. Before, repeats that are read at different times differ by more than noise. All that was tried is fitted
-    /// anew.
-    fn settle(&mut self) {
-        let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
-        let Some(data) = self.as_shown_by(&self.chosen.fit, has_own_times) else { return };
-        self.begin_again(data);
-        let mut tried = self.refitted(&self.tried);
-        self.judge(&mut tried, policy::FITTED);
-        self.tried = tried;
-        self.take_best(self.tried.clone());
-    }
-
-    /// Fits the paper's model to data with other weights, and begins the search with it.
-    fn begin_again(&mut self, data: Data) {
-        self.data = data;
-        // Without other outliers there are other blocks.
-        self.folds = left_out::folds(&self.data);
-        let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
-        self.baseline_adequacy = adequacy::test(&self.data, &fit);
-        self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
-        self.chosen = self.baseline.clone();
-        self.chosen_adequacy = self.baseline_adequacy.clone();
-        self.steps = vec![self.baseline.clone()];
-    }
-
-    fn refit(&self, fit: &Fit) -> Option<Fit> {
-        fit::fit(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &fit::all_blocks(&self.data)).ok()
-    }
-
-    fn refitted(&self, candidates: &[Candidate]) -> Vec<Candidate> {
-        let again: Vec<Candidate> =
-            candidates.par_iter().filter_map(|c| Some(self.candidate(self.refit(&c.fit)?))).collect();
-        let mut out: Vec<Candidate> = again.par_iter().map(|c| self.no_worse_than_a_part(c, &again)).collect();
-        sort(&mut out);
-        out
-    }
-
-    /// A candidate, begun anew from the best of its parts among the others where that fits better: with other weights of the
-    /// data the part may have gone on to a lower valley, and the candidate have stayed where it was.
-    fn no_worse_than_a_part(&self, c: &Candidate, others: &[Candidate]) -> Candidate {
-        let squares = |c: &Candidate| evidence::of_squares(c.fit.marginal, c.fit.blocks, 0);
-        let is_part = |part: &&Candidate| part.model != c.model && terms::is_part(&part.model, &c.model);
-        let parts = others.iter().chain([&self.baseline]).filter(is_part);
-        parts
-            .min_by(|a, b| a.fit.marginal.total_cmp(&b.fit.marginal))
-            .filter(|part| squares(c) - squares(part) > policy::INDISTINGUISHABLE)
-            .and_then(|part| fit_model(&self.data, c.model, &part.fit, &self.sizes))
-            .filter(|fit| fit.marginal < c.fit.marginal)
-            .map_or_else(|| c.clone(), |fit| self.candidate(fit))
-    }
-}
-
-/// Whether a fit has come to a minimum with numbers that can be the rig's: a λ0 that the records determine (it is what they
-/// are for), and no fault of the recording so large that it has another cause.
-fn is_credible(fit: &Fit) -> bool {
-    fit.converged && !fit.is_beyond_belief() && determines_lambda0(fit)
-}
-
-/// Whether the records tell λ0 better than its first guess does.
-fn determines_lambda0(fit: &Fit) -> bool {
-    covariance::covariance(fit, false)[(0, 0)].sqrt() < policy::FIRST_GUESS_REACH
 }
 
 /// The first of the models with the same terms.
@@ -501,24 +315,7 @@ fn sort(candidates: &mut [Candidate]) {
 mod tests {
     use super::*;
     use crate::synthetic::Recipe;
-    use chamber::effects::find;
     use std::sync::atomic::{AtomicBool, Ordering};
-
-    #[test]
-    fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
-        let data = Data::prepare(&Recipe::from_seed(5).rig()).unwrap();
-        let (data, paper) = baseline::fitted(data).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let search = Search::new(data, paper, adequacy);
-        let model = Model::with(EffectSet::one(find("leakage").unwrap().0));
-        let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
-        let good = search.candidate(fit);
-        assert_eq!(search.no_worse_than_a_part(&good, &[]).fit.marginal, good.fit.marginal);
-        let mut stuck = good.clone();
-        stuck.fit.marginal *= 2.0;
-        let anew = search.no_worse_than_a_part(&stuck, &[]);
-        assert!((anew.fit.marginal / good.fit.marginal - 1.0).abs() < 1e-6);
-    }
 
     #[test]
     fn times_in_ms_declared_as_s_are_refused_before_larger_sets_are_tried() {
@@ -532,66 +329,5 @@ mod tests {
         let error = search(Data::prepare(&recipe.rig()).unwrap(), &watch);
         assert!(matches!(error, Err(Error::ImplausibleCoefficient { .. })));
         assert!(!goes_on.into_inner());
-    }
-
-    /// A search after its first fit, and a set with gas zones of which next to all gas is in the core, much better than the rest.
-    fn search_with_exhausted_zones() -> (Search, Candidate) {
-        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
-        recipe.chamber.effects.of_mut(find("natural_convection").unwrap().0)[0] = 0.4;
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        assert!(!adequacy.is_adequate());
-        let search = Search::new(data, paper, adequacy);
-        let model = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
-        let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
-        assert_eq!(fit.exhausted(), None);
-        let mut zones = search.candidate(fit);
-        let fraction = zones.fit.rig.len() - 2;
-        zones.fit.rig[fraction] = 0.94 / zones.fit.hypothesis.axes[fraction].scale;
-        (zones.delta_bic, zones.held_out_pa) = (1e6, Some(0.0));
-        (search, zones)
-    }
-
-    #[test]
-    fn an_effect_that_is_nearly_exhausted_has_a_name_and_one_that_is_off_or_without_influence_has_none() {
-        let (_, mut zones) = search_with_exhausted_zones();
-        assert_eq!(zones.fit.exhausted().map(|slot| slot.name()), Some("gas_zones.mass_fraction".to_owned()));
-        let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
-        zones.fit.rig[fraction] = 0.0;
-        zones.fit.rig[conductance] = zones.fit.hypothesis.axes[conductance].bounds[1];
-        assert_eq!(zones.fit.exhausted(), None);
-    }
-
-    #[test]
-    fn a_set_that_has_nearly_exhausted_an_effect_enters_only_to_describe_what_nothing_else_does() {
-        let (mut search, zones) = search_with_exhausted_zones();
-        assert!(!search.take_best(vec![zones.clone()]));
-        search.tried = vec![zones.clone()];
-        assert!(search.best_of(1, 1, |_| true).is_empty());
-        assert!(search.describes());
-        assert_eq!(search.chosen.model, zones.model);
-        assert_ne!(search.verdict(false), Verdict::Explained);
-
-        let (mut search, zones) = search_with_exhausted_zones();
-        search.tried = vec![zones];
-        search.chosen_adequacy = Adequacy { is_good_enough: true, ..search.chosen_adequacy };
-        assert!(search.chosen_adequacy.is_adequate() && !search.describes());
-    }
-
-    #[test]
-    fn a_fault_at_the_end_of_its_prior_is_beyond_belief_and_one_that_is_not_there_is_not() {
-        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
-        let (data, paper) = baseline::fitted(data).unwrap();
-        let sizes = Sizes::of(&data, &paper.chamber());
-        for (name, ends) in [("sensor_offset", [true, true]), ("position_delay", [false, true])] {
-            let model = Model::with(EffectSet::one(find(name).unwrap().0));
-            let mut fit = fit_model(&data, model, &paper, &sizes).unwrap();
-            assert!(!fit.is_beyond_belief(), "{name}");
-            let last = fit.rig.len() - 1;
-            for (end, is_beyond) in fit.hypothesis.axes[last].bounds.into_iter().zip(ends) {
-                fit.rig[last] = end;
-                assert_eq!(fit.is_beyond_belief(), is_beyond, "{name} {end}");
-            }
-        }
     }
 }

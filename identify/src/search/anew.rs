@@ -1,0 +1,116 @@
+//! The search begun anew with other weights of the data: the outliers, the noise and the open course of moves that a better model
+//! shows.
+
+use super::starts::fit_model;
+use super::{Candidate, Search, baseline, sort, terms};
+use crate::fit::{self, Fit};
+use crate::judge::{adequacy, evidence, left_out, misfit};
+use crate::policy;
+use crate::record::prepare::Data;
+use crate::record::{colour, outliers};
+use rayon::prelude::*;
+
+impl Search {
+    /// Begins again with the outliers and the noise that this fit leaves and, where its records are moving averages, without what
+    /// these leave open of the moves; whether that is other data. The paper's model is then fitted anew.
+    pub(super) fn weighs_anew(&mut self, best: &Fit) -> bool {
+        let Some(data) = self.as_shown_by(best, true) else { return false };
+        self.begin_again(data);
+        true
+    }
+
+    /// The data as a fit shows them, with the noise that it leaves where it tells that; `None` where that is as they are taken.
+    fn as_shown_by(&self, fit: &Fit, tells_noise: bool) -> Option<Data> {
+        let residuals = misfit::residuals(&self.data, fit);
+        let found = outliers::in_residuals(&self.data, &residuals);
+        let mut other = self.data.looked_at(&fit.looks(&self.data));
+        if !self.data.is_without(&found) {
+            other = Some(other.unwrap_or_else(|| self.data.clone()).without(&found));
+        }
+        if tells_noise {
+            let data = other.as_ref().unwrap_or(&self.data);
+            let noise = colour::estimate(data, &residuals, &data.noise);
+            if !baseline::is_alike(&noise, &data.noise) {
+                other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
+            }
+        }
+        other
+    }
+
+    /// Begins again with the data as the chosen model shows them, in whatever round that was found: without what the moves leave
+    /// open where the records are averages, without its outliers, and with the noise that it leaves where it has found when each
+    /// record was read. Before, repeats that are read at different times differ by more than noise. All that was tried is fitted
+    /// anew.
+    pub(super) fn settle(&mut self) {
+        let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
+        let Some(data) = self.as_shown_by(&self.chosen.fit, has_own_times) else { return };
+        self.begin_again(data);
+        let mut tried = self.refitted(&self.tried);
+        self.judge(&mut tried, policy::FITTED);
+        self.tried = tried;
+        self.take_best(self.tried.clone());
+    }
+
+    /// Fits the paper's model to data with other weights, and begins the search with it.
+    fn begin_again(&mut self, data: Data) {
+        self.data = data;
+        // Without other outliers there are other blocks.
+        self.folds = left_out::folds(&self.data);
+        let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
+        self.baseline_adequacy = adequacy::test(&self.data, &fit);
+        self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
+        self.chosen = self.baseline.clone();
+        self.chosen_adequacy = self.baseline_adequacy.clone();
+        self.steps = vec![self.baseline.clone()];
+    }
+
+    pub(super) fn refit(&self, fit: &Fit) -> Option<Fit> {
+        fit::fit(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &fit::all_blocks(&self.data)).ok()
+    }
+
+    pub(super) fn refitted(&self, candidates: &[Candidate]) -> Vec<Candidate> {
+        let again: Vec<Candidate> =
+            candidates.par_iter().filter_map(|c| Some(self.candidate(self.refit(&c.fit)?))).collect();
+        let mut out: Vec<Candidate> = again.par_iter().map(|c| self.no_worse_than_a_part(c, &again)).collect();
+        sort(&mut out);
+        out
+    }
+
+    /// A candidate, begun anew from the best of its parts among the others where that fits better: with other weights of the
+    /// data the part may have gone on to a lower valley, and the candidate have stayed where it was.
+    fn no_worse_than_a_part(&self, c: &Candidate, others: &[Candidate]) -> Candidate {
+        let squares = |c: &Candidate| evidence::of_squares(c.fit.marginal, c.fit.blocks, 0);
+        let is_part = |part: &&Candidate| part.model != c.model && terms::is_part(&part.model, &c.model);
+        let parts = others.iter().chain([&self.baseline]).filter(is_part);
+        parts
+            .min_by(|a, b| a.fit.marginal.total_cmp(&b.fit.marginal))
+            .filter(|part| squares(c) - squares(part) > policy::INDISTINGUISHABLE)
+            .and_then(|part| fit_model(&self.data, c.model, &part.fit, &self.sizes))
+            .filter(|fit| fit.marginal < c.fit.marginal)
+            .map_or_else(|| c.clone(), |fit| self.candidate(fit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Model;
+    use crate::synthetic::Recipe;
+    use chamber::effects::{EffectSet, find};
+
+    #[test]
+    fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
+        let data = Data::prepare(&Recipe::from_seed(5).rig()).unwrap();
+        let (data, paper) = baseline::fitted(data).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let search = Search::new(data, paper, adequacy);
+        let model = Model::with(EffectSet::one(find("leakage").unwrap().0));
+        let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+        let good = search.candidate(fit);
+        assert_eq!(search.no_worse_than_a_part(&good, &[]).fit.marginal, good.fit.marginal);
+        let mut stuck = good.clone();
+        stuck.fit.marginal *= 2.0;
+        let anew = search.no_worse_than_a_part(&stuck, &[]);
+        assert!((anew.fit.marginal / good.fit.marginal - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,194 @@
+//! What a set needs to enter: decisive evidence, a lower error on left-out data, and numbers that can be a rig's.
+
+use super::starts::fit_model;
+use super::{Candidate, Search, sort};
+use crate::fit::{Fit, covariance};
+use crate::judge::evidence::bic;
+use crate::judge::{adequacy, left_out};
+use crate::parameters::Model;
+use crate::policy;
+use chamber::effects::CARDS;
+use rayon::prelude::*;
+
+impl Search {
+    /// Lets the best of these enter that may; whether one did.
+    pub(super) fn take_best(&mut self, mut candidates: Vec<Candidate>) -> bool {
+        candidates.retain(|c| c.fit.exhausted().is_none());
+        self.take_best_of(candidates)
+    }
+
+    /// Where nothing else leads on and more than noise is left: lets the best set enter that has nearly exhausted an effect.
+    /// It describes the records; that effect is not their cause.
+    pub(super) fn describes(&mut self) -> bool {
+        if self.chosen_adequacy.is_adequate() {
+            return false;
+        }
+        let mut better = self.tried.clone();
+        better.retain(|c| c.fit.exhausted().is_some() && c.delta_bic > self.chosen.delta_bic + policy::DECISIVE);
+        self.judge(&mut better, policy::JUDGED);
+        for c in &better {
+            self.tried.iter_mut().filter(|t| t.model == c.model).for_each(|t| t.held_out_pa = c.held_out_pa);
+        }
+        self.take_best_of(better)
+    }
+
+    /// Lets the best of these enter that has what it needs.
+    fn take_best_of(&mut self, mut candidates: Vec<Candidate>) -> bool {
+        let among = candidates.len().max(2) as f64;
+        candidates.retain(|c| self.enters(c, among));
+        sort(&mut candidates);
+        let Some(highest) = candidates.first().map(|c| c.delta_bic) else { return false };
+        candidates.retain(|c| c.delta_bic > highest - policy::DECISIVE);
+        // Which of those next to each other is best may show with their secondary parameters free only.
+        let freed: Vec<Candidate> = candidates.par_iter().filter_map(|c| self.freed(c)).collect();
+        self.tried.extend(freed.iter().cloned());
+        sort(&mut self.tried);
+        candidates.extend(freed);
+        sort(&mut candidates);
+        let Some(best) = candidates.into_iter().next() else { return false };
+        self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
+        self.steps.push(best.clone());
+        self.chosen = best;
+        true
+    }
+
+    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, and numbers that can
+    /// be the rig's.
+    fn enters(&self, c: &Candidate, among: f64) -> bool {
+        let over = &self.chosen;
+        // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
+        let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
+        let least_gain = if in_place { 0.0 } else { self.least_gain() };
+        let lower = match over.held_out_pa {
+            Some(_) => self.errs_less_on_left_out(c, least_gain),
+            None => c.held_out_pa.is_some(),
+        };
+        lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
+    }
+
+    /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
+    pub(super) fn errs_less_on_left_out(&self, c: &Candidate, least_gain: f64) -> bool {
+        let (Some(a), Some(b)) = (c.held_out_pa, self.chosen.held_out_pa) else { return false };
+        b * b - a * a > least_gain.powi(2)
+    }
+
+    /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic.
+    pub(super) fn least_gain(&self) -> f64 {
+        self.data.accuracy_pa().min(self.chosen_adequacy.systematic_pa * 0.5f64.sqrt())
+    }
+
+    /// The same set with its secondary parameters free, where that is decisively better.
+    pub(super) fn freed(&self, c: &Candidate) -> Option<Candidate> {
+        let model = Model { secondary: c.model.of_rig(), ..c.model };
+        let has_secondary = |e: usize| CARDS[e].parameters.iter().any(|p| !p.fitted);
+        if model == c.model || !model.secondary.iter().any(has_secondary) {
+            return None;
+        }
+        let fit = fit_model(&self.data, model, &c.fit, &self.sizes)?;
+        if fit.hypothesis.axes.len() == c.fit.hypothesis.axes.len() || bic(&c.fit) - bic(&fit) < policy::DECISIVE {
+            return None;
+        }
+        Some(self.judged(self.candidate(fit)))
+    }
+
+    pub(super) fn judged(&self, mut c: Candidate) -> Candidate {
+        self.hold_out(&mut c);
+        c
+    }
+
+    /// Judges a candidate by data left out, unless that was done.
+    fn hold_out(&self, c: &mut Candidate) {
+        if c.held_out_pa.is_none() {
+            c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
+        }
+    }
+
+    /// Judges the first so many of those that may enter by data left out.
+    pub(super) fn judge(&self, candidates: &mut [Candidate], most: usize) {
+        let may_enter: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_credible(&c.fit)).take(most).collect();
+        may_enter.into_par_iter().for_each(|c| self.hold_out(c));
+    }
+}
+
+/// Whether a fit has come to a minimum with numbers that can be the rig's: a λ0 that the records determine (it is what they
+/// are for), and no fault of the recording so large that it has another cause.
+fn is_credible(fit: &Fit) -> bool {
+    fit.converged && !fit.is_beyond_belief() && determines_lambda0(fit)
+}
+
+/// Whether the records tell λ0 better than its first guess does.
+fn determines_lambda0(fit: &Fit) -> bool {
+    covariance::covariance(fit, false)[(0, 0)].sqrt() < policy::FIRST_GUESS_REACH
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::adequacy::Adequacy;
+    use crate::parameters::Sizes;
+    use crate::record::prepare::Data;
+    use crate::search::{Verdict, baseline};
+    use crate::synthetic::Recipe;
+    use chamber::effects::{EffectSet, find};
+
+    /// A search after its first fit, and a set with gas zones of which next to all gas is in the core, much better than the rest.
+    fn search_with_exhausted_zones() -> (Search, Candidate) {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.chamber.effects.of_mut(find("natural_convection").unwrap().0)[0] = 0.4;
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        assert!(!adequacy.is_adequate());
+        let search = Search::new(data, paper, adequacy);
+        let model = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
+        let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+        assert_eq!(fit.exhausted(), None);
+        let mut zones = search.candidate(fit);
+        let fraction = zones.fit.rig.len() - 2;
+        zones.fit.rig[fraction] = 0.94 / zones.fit.hypothesis.axes[fraction].scale;
+        (zones.delta_bic, zones.held_out_pa) = (1e6, Some(0.0));
+        (search, zones)
+    }
+
+    #[test]
+    fn an_effect_that_is_nearly_exhausted_has_a_name_and_one_that_is_off_or_without_influence_has_none() {
+        let (_, mut zones) = search_with_exhausted_zones();
+        assert_eq!(zones.fit.exhausted().map(|slot| slot.name()), Some("gas_zones.mass_fraction".to_owned()));
+        let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
+        zones.fit.rig[fraction] = 0.0;
+        zones.fit.rig[conductance] = zones.fit.hypothesis.axes[conductance].bounds[1];
+        assert_eq!(zones.fit.exhausted(), None);
+    }
+
+    #[test]
+    fn a_set_that_has_nearly_exhausted_an_effect_enters_only_to_describe_what_nothing_else_does() {
+        let (mut search, zones) = search_with_exhausted_zones();
+        assert!(!search.take_best(vec![zones.clone()]));
+        search.tried = vec![zones.clone()];
+        assert!(search.best_of(1, 1, |_| true).is_empty());
+        assert!(search.describes());
+        assert_eq!(search.chosen.model, zones.model);
+        assert_ne!(search.verdict(false), Verdict::Explained);
+
+        let (mut search, zones) = search_with_exhausted_zones();
+        search.tried = vec![zones];
+        search.chosen_adequacy = Adequacy { is_good_enough: true, ..search.chosen_adequacy };
+        assert!(search.chosen_adequacy.is_adequate() && !search.describes());
+    }
+
+    #[test]
+    fn a_fault_at_the_end_of_its_prior_is_beyond_belief_and_one_that_is_not_there_is_not() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let (data, paper) = baseline::fitted(data).unwrap();
+        let sizes = Sizes::of(&data, &paper.chamber());
+        for (name, ends) in [("sensor_offset", [true, true]), ("position_delay", [false, true])] {
+            let model = Model::with(EffectSet::one(find(name).unwrap().0));
+            let mut fit = fit_model(&data, model, &paper, &sizes).unwrap();
+            assert!(!fit.is_beyond_belief(), "{name}");
+            let last = fit.rig.len() - 1;
+            for (end, is_beyond) in fit.hypothesis.axes[last].bounds.into_iter().zip(ends) {
+                fit.rig[last] = end;
+                assert_eq!(fit.is_beyond_belief(), is_beyond, "{name} {end}");
+            }
+        }
+    }
+}
