@@ -6,7 +6,7 @@
 //! the rig states are carried through the fit and added.
 
 use crate::fit::Fit;
-use crate::parameters::Axis;
+use crate::parameters::{Axis, Slot};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use report::digits;
 use serde::Serialize;
@@ -176,7 +176,17 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
     let h = &fit.hypothesis;
     let variance = |i: usize| if fit.at_bound[i] { off_its_bound(fit, i) } else { covariance[(i, i)] };
     let each = h.axes.iter().zip(&fit.rig).enumerate();
-    each.map(|(i, (axis, x))| (axis.slot.name(), estimate(axis, *x, variance(i), h.unit(axis.slot)))).collect()
+    each.map(|(i, (axis, x))| {
+        let mut estimate = estimate(axis, *x, variance(i), h.unit(axis.slot));
+        if axis.slot == Slot::DeadVolume {
+            // See [`Fit::possible_chamber`]: below zero it is given as one at that bound.
+            let missing = (-estimate.value).max(0.0);
+            estimate.value += missing;
+            estimate.ci95 = estimate.ci95.map(|end| (end + missing).max(0.0));
+        }
+        (axis.slot.name(), estimate)
+    })
+    .collect()
 }
 
 /// Variance of a coordinate at a bound if it were free beside the others that are. What the records allow on the bound's one

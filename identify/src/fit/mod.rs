@@ -116,6 +116,19 @@ impl Fit {
         self.hypothesis.chamber(&self.rig)
     }
 
+    /// The fitted chamber as one can be: a dead volume below zero says that positions are counted from too far, and is zero.
+    pub fn possible_chamber(&self) -> Chamber {
+        let mut chamber = self.chamber();
+        chamber.geometry.dead_volume = chamber.geometry.dead_volume.max(0.0);
+        chamber
+    }
+
+    /// By how much positions then read too much, m; `None` where the dead volume is not below zero.
+    pub fn positions_too_far_m(&self) -> Option<f64> {
+        let geometry = self.chamber().geometry;
+        (geometry.dead_volume < 0.0).then(|| -geometry.dead_volume / geometry.piston_area)
+    }
+
     /// What a record is simulated with, at the stated numbers.
     pub fn setting(&self, trace: &Prepared, own: &[f64]) -> Setting<f64> {
         self.hypothesis.setting(trace, &self.rig, &[], own)

@@ -22,17 +22,6 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     Ok(())
 }
 
-/// The fit with its dead volume held at zero, where it is negative by no more than [`dead_volume`] lets pass: no chamber has less,
-/// and no model of one could be written.
-pub fn without_negative_volume(data: &Data, fitted: &Fit) -> Option<Fit> {
-    let axes = &fitted.hypothesis.axes;
-    let i = axes.iter().position(|a| a.slot == Slot::DeadVolume).filter(|&i| fitted.rig[i] < 0.0)?;
-    let (mut h, mut rig) = (fitted.hypothesis.clone(), fitted.rig.clone());
-    h.axes[i].bounds[0] = 0.0;
-    rig[i] = 0.0;
-    fit::fit(data, &h, rig, fitted.own.clone(), &fit::all_blocks(data)).ok()
-}
-
 /// Refuses a heat transfer coefficient that no gas in a cylinder has, in the model that is settled on: a lag or a delay that the
 /// model does not have yet can make it anything.
 pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {

@@ -185,13 +185,13 @@ pub struct Diagnosed {
 impl Diagnosed {
     /// The chamber to go on with: with the effects found, else the paper's model.
     pub fn chamber(&self) -> Chamber {
-        settled(&self.found).fit.chamber()
+        self.found.settled().fit.possible_chamber()
     }
 
     /// How well that chamber's numbers are known.
     pub fn uncertainty(&self) -> records::Uncertainty {
         let is_noise = matches!(self.found.verdict, Verdict::Adequate | Verdict::Explained);
-        let mut known = uncertainty(&settled(&self.found).fit, is_noise);
+        let mut known = uncertainty(&self.found.settled().fit, is_noise);
         let told = &self.diagnosis.after.parameters;
         for (name, ci95) in known.parameters.iter().zip(&mut known.ci95) {
             if let Some((_, estimate)) = told.iter().find(|(other, _)| other == name) {
@@ -200,10 +200,6 @@ impl Diagnosed {
         }
         known
     }
-}
-
-fn settled(found: &Found) -> &Candidate {
-    if found.verdict == Verdict::Unexplained { &found.baseline } else { &found.chosen }
 }
 
 /// Diagnoses a rig. `progress` is told what is being done and how far it is, 0 to 1.
@@ -217,7 +213,7 @@ pub fn diagnose(rig: &records::Rig, progress: &(dyn Fn(&str, f64) + Sync)) -> Re
 
 /// Puts a finished search into words and numbers.
 pub fn describe(data: Data, found: Found) -> Diagnosed {
-    let after = settled(&found);
+    let after = found.settled();
     let adequacy =
         if found.verdict == Verdict::Unexplained { &found.baseline_adequacy } else { &found.chosen_adequacy };
     let residuals_before = misfit::residuals(&data, &found.baseline.fit);

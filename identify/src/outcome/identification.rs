@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::fit::covariance::{Estimate, Undetermined, undetermined};
 use crate::judge::{adequacy, left_out, misfit, sanity};
 use crate::outcome::diagnosis::{Estimates, Rmse, as_map, parameters, uncertainty};
-use crate::outcome::recording::notes;
+use crate::outcome::recording::{notes, positions_too_far};
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::record::prepare::{Data, Prepared};
 use crate::search::baseline;
@@ -167,9 +167,9 @@ fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
         residual_is_noise: adequacy.is_adequate(),
         experiments: experiments(&data, steps, Some(&masses)),
         undetermined: undetermined(&fit),
-        assumptions: notes(&data, None),
+        assumptions: notes(&data, None).into_iter().chain(positions_too_far(&fit)).collect(),
         uncertainty: Some(uncertainty(&fit, adequacy.is_adequate())),
-        chamber,
+        chamber: fit.possible_chamber(),
         ambient_temperature_k: data.ambient_temperature_k,
     })
 }

@@ -206,6 +206,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         out.push("the records differ in how they were recorded (see records), not in physics".to_owned());
     }
     out.extend(common_start(data, fit));
+    out.extend(positions_too_far(&found.settled().fit));
     if found.follows_the_test {
         let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
@@ -220,6 +221,16 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         out.push("the last fit did not settle within its iterations: take its numbers with care".to_owned());
     }
     out
+}
+
+/// What a dead volume below zero says of the positions.
+pub fn positions_too_far(fit: &Fit) -> Option<String> {
+    let too_far_m = fit.positions_too_far_m()?;
+    Some(format!(
+        "the dead volume that fits best is below zero and is given as zero: positions seem to read {} mm too much; with offset_m of the position column smaller by {}, model and records agree",
+        digits(1e3 * too_far_m, 2),
+        digits(too_far_m, 2)
+    ))
 }
 
 /// What the records' initial temperatures have in common, where they are fitted and that is more than chance.

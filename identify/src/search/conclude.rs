@@ -13,6 +13,7 @@ use crate::judge::{adequacy, kinds, sanity};
 use crate::parameters::Model;
 use crate::policy;
 use crate::record::prepare::Data;
+use chamber::card::Balance;
 use chamber::effects::{CARDS, EffectSet};
 use rayon::prelude::*;
 
@@ -41,8 +42,12 @@ impl Search {
         let mut follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
         let mut verdict = self.verdict(follows_the_test);
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
-            // Beside a leak the first fit cannot tell.
-            sanity::reference(&self.data, &self.chosen.fit)?;
+            // Beside a leak the first fit cannot tell, and with wrong pressures another term may have entered in its place.
+            let leaky = self.tried.iter().find(|c| has_a_leak_alone(&c.model));
+            [Some(&self.chosen), leaky]
+                .into_iter()
+                .flatten()
+                .try_for_each(|c| sanity::reference(&self.data, &c.fit))?;
         }
         let mut alike = self.alike();
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
@@ -65,14 +70,6 @@ impl Search {
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         sanity::dead_volume(&self.data, &settled.fit)?;
         sanity::coefficient(&self.data, &settled.fit)?;
-        for (c, adequacy) in
-            [(&mut self.baseline, &mut self.baseline_adequacy), (&mut self.chosen, &mut self.chosen_adequacy)]
-        {
-            if let Some(fit) = sanity::without_negative_volume(&self.data, &c.fit) {
-                *adequacy = adequacy::test(&self.data, &fit);
-                c.fit = fit;
-            }
-        }
         let found = Found {
             verdict,
             baseline: self.baseline,
@@ -164,4 +161,9 @@ impl Search {
             .map(|c| c.model)
             .collect()
     }
+}
+
+/// Whether the rig alone loses or gains gas, and nothing is taken up by terms of single records.
+fn has_a_leak_alone(model: &Model) -> bool {
+    !model.has_terms_of_records() && model.effects.iter().any(|e| CARDS[e].balance == Balance::Mass)
 }

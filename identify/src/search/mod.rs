@@ -72,6 +72,13 @@ pub struct Found {
     pub read_off: Option<ReadOff>,
 }
 
+impl Found {
+    /// The model that is reported and written: the chosen one, or the paper's where nothing known predicts better.
+    pub fn settled(&self) -> &Candidate {
+        if self.verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen }
+    }
+}
+
 /// Searches. `progress` is told what is being done and how far it is. The data come back with outliers left out and the noise as
 /// the best model shows it.
 ///
