@@ -25,6 +25,9 @@ pub trait Real:
     const ZERO: Self;
     /// The number 1.
     const ONE: Self;
+    /// Whether these are several numbers side by side. A function of such has to be inlined: by itself it would be compiled
+    /// for the least of machines.
+    const WIDE: bool = false;
 
     /// Square root; of a negative number, NaN.
     fn sqrt(self) -> Self;

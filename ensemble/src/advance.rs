@@ -29,6 +29,8 @@ pub const LONGEST: f64 = 0.26;
 /// Longest step, as a share of the stretch, where the piston moves: over a whole push both error estimates can vanish at
 /// once, and a step that errs by twenty times its tolerance passes. Longer steps are rejected so often that they gain nothing.
 pub const LONGEST_OF_MOVE: f64 = 0.34;
+/// How many times the length of the last step a kink is foreseen at most.
+const FORESIGHT: f64 = 1.0;
 /// A step of this share of what is left goes to the end.
 const NEARLY: f64 = 1.0 - 1e-12;
 /// A step shorter than this share of the stretch is no progress.
@@ -139,7 +141,7 @@ pub struct Tried<const N: usize> {
     pub end: [Lanes; N],
     /// What is seen at its end.
     pub view: View<Lanes>,
-    /// Per lane: 1 where the step was accepted, else 0.
+    /// Per lane: 1 where the step was accepted, 2 where it was and a kink had cut it short, else 0.
     pub accepted: Lanes,
 }
 
@@ -213,6 +215,11 @@ struct Group<const N: usize, S> {
     idle: u32,
     t: Lanes,
     h: Lanes,
+    /// Where a kink cuts a step short: the length to go on with behind it.
+    beyond: Lanes,
+    /// What was seen at the begin of the last good step of the stretch, and its length; zero where there was none.
+    before: View<Lanes>,
+    since: Lanes,
     length: Lanes,
     longest: Lanes,
     y: [Lanes; N],
@@ -278,6 +285,9 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
         idle: 0,
         t: Lanes::ZERO,
         h: Lanes::ZERO,
+        beyond: Lanes::ZERO,
+        before: View::NONE,
+        since: Lanes::ZERO,
         length: Lanes::ZERO,
         longest: Lanes::ZERO,
         y: [Lanes::ONE; N],
@@ -472,7 +482,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
             }
             (self.t[lane], self.length[lane], self.longest[lane]) = (0.0, problem.length, problem.longest);
             self.h[lane] = problem.first.min(problem.longest).min(problem.longest_first);
-            self.attempts[lane] = 0.0;
+            (self.attempts[lane], self.beyond[lane], self.since[lane]) = (0.0, 0.0, 0.0);
             self.owner[lane] = *next;
             *next += 1;
         }
@@ -495,37 +505,62 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// How long a step to try.
     #[inline(always)]
-    fn planned(&self) -> Lanes {
+    fn planned(&mut self) -> Lanes {
         let left = self.length - self.t;
         let last = self.h - left * NEARLY;
         // Two even steps rather than a whole one and a sliver.
-        last.where_positive(left, self.h.min(left * 0.5))
+        let planned = last.where_positive(left, self.h.min(left * 0.5));
+        if self.system.has_kinks() { self.up_to_kink(planned) } else { planned }
+    }
+
+    /// Ends steps at kinks that are seen to come.
+    #[inline(always)]
+    fn up_to_kink(&mut self, planned: Lanes) -> Lanes {
+        let since = self.since.where_positive(self.since, Lanes::ONE);
+        let view = &self.moment.view;
+        let ahead = view.extrapolated(planned, &self.before, since);
+        let cut = planned * self.system.kink(planned, [view, &ahead]);
+        // Not from afar.
+        let comes = self.since.min(planned - cut).min(self.since * FORESIGHT - cut);
+        self.beyond = comes.where_positive(self.h, self.beyond);
+        comes.where_positive(cut, planned)
     }
 
     /// Takes a step that was tried in every lane where it is good.
     #[inline(always)]
     fn take<W: Watch<N>>(&mut self, tried: Lanes, step: Attempt<N>, watch: &mut W) {
         let (t, h, length, y) = (self.t, self.h, self.length, self.y);
-        let last = h - (length - t) * NEARLY;
-        let kink = self.system.kink(tried, [&self.moment.view, &step.moment.view]);
+        let last = tried - (length - t) * NEARLY;
+        let kinked = self.system.has_kinks();
+        let kink = if kinked { self.system.kink(tried, [&self.moment.view, &step.moment.view]) } else { Lanes::ONE };
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
-        watch.see(&Tried { from: t, length: tried, begin: y, end: step.end, view: step.moment.view, accepted: good });
+        let accepted = good.where_positive(self.beyond.where_positive(Lanes::from(2.0), good), good);
+        watch.see(&Tried { from: t, length: tried, begin: y, end: step.end, view: step.moment.view, accepted });
         // error^(−1/8) from its square.
         let error = (step.error_squared + 1e-40).sqrt();
         let root = inverse_eighth_root(error) * SAFETY;
         let factor = root.max(Lanes::from(SHRINK)).min(Lanes::from(GROW));
         let by_error = each_lane!(i => if step.error_squared.0[i] > 1.0 { factor.0[i].min(0.9) } else { NOT_A_NUMBER });
-        let shrunk = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { by_error.0[i] }).min(kink);
+        let smooth = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { by_error.0[i] });
+        let shrunk = tried * smooth.min(kink);
         let grown = tried * factor;
-        // A step cut short by the end says nothing against the longer one that was planned.
-        let kept = last.where_positive(h.max(grown), grown);
-        let h = good.where_positive(kept, tried * shrunk);
+        // A step cut short by the end, or by a kink, says nothing against the longer one that was planned.
+        let kept = last.where_positive(h.max(grown), grown.max(self.beyond));
+        let h = good.where_positive(kept, shrunk);
+        self.beyond = good.where_positive(Lanes::ZERO, (Lanes::ONE - kink).where_positive(tried * smooth, Lanes::ZERO));
         let t = good.where_positive(last.where_positive(length, t + tried), t);
         for part in 0..2 {
             self.energy[part] += good.where_positive(step.energy[part], Lanes::ZERO);
         }
         self.y = choose(good, &step.end, &y);
+        if kinked {
+            self.since = good.where_positive(tried, self.since);
+            for i in 0..2 {
+                self.before.value[i] = good.where_positive(self.moment.view.value[i], self.before.value[i]);
+                self.before.slope[i] = good.where_positive(self.moment.view.slope[i], self.before.slope[i]);
+            }
+        }
         let (to, from) = (&mut self.moment, &step.moment);
         to.slope = choose(good, &from.slope, &to.slope);
         to.view.value = choose(good, &from.view.value, &to.view.value);

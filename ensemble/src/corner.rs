@@ -1,5 +1,5 @@
-//! Where a step meets a corner of a flow: a pressure, Pa, at which its rate bends ([`effects::corner`]). An error estimate
-//! is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
+//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`effects::corner`]). An error
+//! estimate is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
 
 use crate::lanes::Lanes;
 use chamber::effects::{self, EffectSet, EffectValues};

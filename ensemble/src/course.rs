@@ -276,7 +276,7 @@ impl<'a, const N: usize> Course<'a, N> {
         let passed = &passed[self.first..self.first + self.passed];
         for (stretch, &(steps, view)) in passed.iter().enumerate().skip(seen_from(self.plan, &self.sensor)) {
             traces.stretch(stretch, |knots| {
-                knots.push(Knot { at: 0.0, view });
+                knots.push(Knot { at: 0.0, view, kink: false });
                 history.read(steps, knots);
             });
         }

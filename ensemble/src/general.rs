@@ -253,10 +253,12 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     }
 
     #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        !self.set().intersection(effects::WITH_CORNERS).is_empty()
+    }
+
+    #[inline(always)]
     fn kink(&self, h: Lanes, ends: [&View<Lanes>; 2]) -> Lanes {
-        if self.set().intersection(effects::WITH_CORNERS).is_empty() {
-            return Lanes::ONE;
-        }
         let [pressure, slope] = [ends.map(|end| end.value[0]), ends.map(|end| end.slope[0] * h)];
         corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, pressure, slope)
     }

@@ -6,7 +6,7 @@ use crate::advance::{Steps, Tried, Watch};
 use crate::lanes::Lanes;
 use crate::step::View;
 
-/// Lanes that a step takes: its end, whether it was accepted, two quantities and their slopes.
+/// Lanes that a step takes: its end, whether it was accepted (2 where up to a kink), two quantities and their slopes.
 const STRIDE: usize = 6;
 
 /// Steps of all lanes.
@@ -26,6 +26,8 @@ pub struct Knot {
     pub at: f64,
     /// Pressure, Pa, and temperature, K, of the gas, and their slopes in the integrator's time.
     pub view: View<f64>,
+    /// Whether the rates have a kink there.
+    pub kink: bool,
 }
 
 impl History {
@@ -46,7 +48,7 @@ impl History {
         for step in self.lanes[steps.from as usize * STRIDE..steps.to as usize * STRIDE].chunks_exact(STRIDE) {
             if step[1][lane] > 0.0 {
                 let view = View { value: [step[2][lane], step[3][lane]], slope: [step[4][lane], step[5][lane]] };
-                to.push(Knot { at: step[0][lane], view });
+                to.push(Knot { at: step[0][lane], view, kink: step[1][lane] > 1.0 });
             }
         }
     }

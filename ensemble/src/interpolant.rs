@@ -15,6 +15,8 @@ use chamber::real::Real;
 /// Knots that an interval is interpolated by, and the number of the polynomial's terms.
 const KNOTS: usize = 6;
 const TERMS: usize = 2 * KNOTS;
+/// Knots that are enough for an interval beside a kink.
+const ENOUGH: usize = 4;
 /// Knots nearer to each other than this share of the interval add rounding rather than knowledge.
 const NEAREST: f64 = 0.3;
 /// A neighbour's terms count where they are, in the middle of the interval, below this share of those of the one before.
@@ -44,17 +46,26 @@ impl Stencil {
         let mut sides = [index, index + 1];
         let next_before = |from: usize| (0..from).rev().find(|&i| knots[from].at - knots[i].at > near);
         let next_after = |from: usize| (from + 1..knots.len()).find(|&i| knots[i].at - knots[from].at > near);
-        while count < KNOTS {
-            let had = count;
-            for side in 0..2 {
-                let next = if side == 0 { next_before(sides[0]) } else { next_after(sides[1]) };
-                if let Some(next) = next.filter(|_| count < KNOTS) {
-                    picked[count] = next;
-                    sides[side] = next;
-                    count += 1;
+        // Those beyond a kink only where there are few others.
+        for beyond_kinks in [false, true] {
+            while count < KNOTS {
+                let had = count;
+                for side in 0..2 {
+                    if knots[sides[side]].kink && !beyond_kinks {
+                        continue;
+                    }
+                    let next = if side == 0 { next_before(sides[0]) } else { next_after(sides[1]) };
+                    if let Some(next) = next.filter(|_| count < KNOTS) {
+                        picked[count] = next;
+                        sides[side] = next;
+                        count += 1;
+                    }
+                }
+                if count == had {
+                    break;
                 }
             }
-            if count == had {
+            if count >= ENOUGH {
                 break;
             }
         }
@@ -170,5 +181,34 @@ impl Curve for Interpolant {
             sum = self.terms[order - 1] + (x - self.places[(order - 1) / 2]) * sum;
         }
         sum.recip()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::step::View;
+
+    #[test]
+    fn neighbours_beyond_a_kink_are_left_out_where_others_are_enough() {
+        // Up to t = 1 the one relaxation, from there on another.
+        let relaxation = |t: f64, kink: f64| 2e5 + 5e4 * (-t).exp() + kink * (t - 1.0);
+        let slope = |t: f64, kink: f64| -5e4 * (-t).exp() + kink;
+        let error = |marked: bool| {
+            let knots: Vec<Knot> = (0..9)
+                .map(|k| {
+                    let at = f64::from(k) * 0.25;
+                    let kink = if at < 1.0 { 0.0 } else { 2e3 };
+                    let view = View { value: [relaxation(at, kink), 300.0], slope: [slope(at, kink), 0.0] };
+                    Knot { at, view, kink: marked && k == 4 }
+                })
+                .collect();
+            // Behind the kink.
+            let stencil = Stencil::new(&knots, 4, 0);
+            let clock = Clock::new(1e-4, 1e-4, 2.0);
+            let inside = Interpolant::new(&Stencils::new(|_| (&clock, stencil)));
+            (inside.at(Lanes::from(1.1))[2] / relaxation(1.1, 2e3) - 1.0).abs()
+        };
+        assert!(error(true) < 1e-11 && error(false) > 1e-9, "{:e} {:e}", error(true), error(false));
     }
 }

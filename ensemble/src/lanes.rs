@@ -126,6 +126,7 @@ impl SubAssign for Lanes {
 impl Real for Lanes {
     const ZERO: Self = Self([0.0; WIDTH]);
     const ONE: Self = Self([1.0; WIDTH]);
+    const WIDE: bool = true;
 
     #[inline(always)]
     fn sqrt(self) -> Self {

@@ -340,8 +340,7 @@ fn compiled_for(set: EffectSet, tight: bool) -> Option<u32> {
     COMPILED.iter().copied().find(fits)
 }
 
-/// The effects on the gas with at most so many states of their own, but for the curve of any kind, whose code is as long as
-/// that of the others together.
+/// The effects on the gas with at most so many states of their own, but for the curve of any kind, whose code is long.
 const fn on_the_gas_with(states: usize) -> u32 {
     let mut bits = 0;
     let mut effect = 0;
@@ -373,6 +372,7 @@ sets_with_code_of_their_own![
     bit("tube_volume"),
     bit("wall_heating"),
     bit("gas_zones"),
-    on_the_gas_with(0) | general::ASKED,
+    bit("empirical") | general::ASKED,
+    on_the_gas_with(0) | bit("empirical") | general::ASKED,
     on_the_gas_with(effects::MANY) | general::ASKED,
 ];

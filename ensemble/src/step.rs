@@ -17,6 +17,20 @@ pub struct View<R> {
 impl View<Lanes> {
     /// Zero throughout: a lane without a system.
     pub const NONE: Self = Self { value: [Lanes::ZERO; 2], slope: [Lanes::ZERO; 2] };
+
+    /// What will be seen a time `ahead`, as the cubics have it that lead here from `before` over a time `since`.
+    #[inline(always)]
+    pub fn extrapolated(&self, ahead: Lanes, before: &Self, since: Lanes) -> Self {
+        let x = ahead / since;
+        let mut view = *self;
+        for i in 0..2 {
+            let (way, from, to) = (self.value[i] - before.value[i], before.slope[i] * since, self.slope[i] * since);
+            let (bend, twist) = (to * 2.0 + from - way * 3.0, from + to - way * 2.0);
+            view.value[i] += ((twist * x + bend) * x + to) * x;
+            view.slope[i] = ((twist * x * 3.0 + bend * 2.0) * x + to) / since;
+        }
+        view
+    }
 }
 
 /// A system at one moment.
@@ -56,6 +70,12 @@ pub trait LaneSystem<const N: usize> {
     #[inline(always)]
     fn counted(&self) -> Lanes {
         Lanes::from(N as f64)
+    }
+
+    /// Whether the rates can have kinks.
+    #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        false
     }
 
     /// Share of a step of length `h` at which it meets a kink of the rates, by what is seen at both its ends; 1 where
@@ -271,4 +291,24 @@ pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
         energy[part] = weighted!(FUSED, powers, part, A[12]; 0 5 6 7 8 9 10 11) * h;
     }
     Attempt { end, moment, energy, error_squared }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_moves_along_a_cubic_is_extrapolated_as_it_goes_on() {
+        let cubic = |t: f64| 3.0 - 2.0 * t + 0.5 * t * t - 0.25 * t * t * t;
+        let slope = |t: f64| -2.0 + t - 0.75 * t * t;
+        let view = |t: f64| View { value: [cubic(t), t].map(Lanes::from), slope: [slope(t), 1.0].map(Lanes::from) };
+        for (from, to, ahead) in [(0.0, 0.5, 0.4), (-1.0, 1.0, 3.0)] {
+            let found = view(to).extrapolated(Lanes::from(ahead), &view(from), Lanes::from(to - from));
+            let expected = view(to + ahead);
+            for i in 0..2 {
+                assert!((found.value[i][3] - expected.value[i][3]).abs() < 1e-12, "{found:?}");
+                assert!((found.slope[i][5] - expected.slope[i][5]).abs() < 1e-12, "{found:?}");
+            }
+        }
+    }
 }

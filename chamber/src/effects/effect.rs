@@ -94,10 +94,10 @@ pub trait Effect {
     /// has to begin with short steps.
     const SINGULAR: bool = false;
 
-    /// Whether its flow has corners: [`Effect::corner`].
+    /// Whether its law has corners at some pressures: [`Effect::corner`].
     const CORNERS: bool = false;
 
-    /// The first pressure after `from` and before `to`, Pa, at which its flow has a corner; `to` where there is none.
+    /// The first pressure after `from` and before `to`, Pa, at which its law has a corner; `to` where there is none.
     #[inline(always)]
     fn corner<R: Real>(_p: &[R], _ambient_pressure: R, _from: R, to: R) -> R {
         to

@@ -14,7 +14,7 @@
 //! A list that is shorter than its places repeats its last number: a knot that is not above the one before it is not there.
 //! The term describes the records that it was read off; it need not be the cause, and beyond its knots it knows nothing.
 
-use super::Effect;
+use super::{Effect, nearer};
 use crate::balance::{Conditions, Flows, Rates};
 use crate::card::{self, ActsOn, Card, Kind, Parameter, Unit};
 use crate::real::Real;
@@ -213,35 +213,58 @@ fn says<R: Real>(p: R, word: usize) -> R {
     R::from(0.5) - (p - (word + 1) as f64).abs()
 }
 
-/// The value at x, and its slope there. One function for all that ask: in each of the hooks, in each of the integrators, it would
-/// be as much code as all other effects. Only the piece that x lies in is worked out: most of the cost is its division.
-#[inline(never)]
+/// The value at x, and its slope there.
+#[inline(always)]
 fn curve<R: Real>(p: &[R], x: R) -> [R; 2] {
+    if R::WIDE { inlined_curve(p, x) } else { called_curve(p, x) }
+}
+
+/// One function for all that ask: in each of the hooks, in each of the integrators, it would be as much code as all other
+/// effects.
+#[inline(never)]
+fn called_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
+    inlined_curve(p, x)
+}
+
+/// Only the piece that x lies in is worked out: most of the cost is its division.
+#[inline(always)]
+fn inlined_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);
-    let (mut value, mut slope) = (values[0], R::ZERO);
+    // Of that piece: its length and how far x is beyond its begin, the values at its begin and end and their difference.
+    let (mut span, mut beyond) = (R::ONE, R::ONE);
+    let (mut begin, mut end, mut rise) = (values[0], values[0], R::ZERO);
     let mut open = R::ONE;
     for k in 1..KNOTS {
-        let span = knots[k] - knots[k - 1];
-        let beyond = x - knots[k - 1];
+        let [length, distance] = [knots[k] - knots[k - 1], x - knots[k - 1]];
         // The first knot that is not above the one before it ends the table.
-        open = beyond.where_positive(span.where_positive(open, R::ZERO), R::ZERO);
+        open = open.min(length).min(distance);
         if !open.any_positive() {
             break;
         }
-        value = open.where_positive(values[k], value);
-        let is_within = open.where_positive(span - beyond, R::ZERO);
-        if is_within.any_positive() {
-            let steepness = (values[k] - values[k - 1]) / span;
-            value = is_within.where_positive(values[k - 1] + steepness * beyond, value);
-            slope = is_within.where_positive(steepness, slope);
-        }
+        span = open.where_positive(length, span);
+        beyond = open.where_positive(distance, beyond);
+        begin = open.where_positive(values[k - 1], begin);
+        end = open.where_positive(values[k], end);
+        rise = open.where_positive(values[k] - values[k - 1], rise);
     }
-    [value, slope]
+    let steepness = rise / span;
+    let inside = span - beyond;
+    [inside.where_positive(begin + steepness * beyond, end), inside.where_positive(steepness, R::ZERO)]
 }
 
 /// The variable at these conditions.
-#[inline(never)]
+#[inline(always)]
 fn variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
+    if R::WIDE { inlined_variable(p, at) } else { called_variable(p, at) }
+}
+
+#[inline(never)]
+fn called_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
+    inlined_variable(p, at)
+}
+
+#[inline(always)]
+fn inlined_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
     let mut x = at.pressure;
     for variable in Variable::ALL {
         let is = says(p[VARIABLE], variable as usize);
@@ -324,6 +347,22 @@ impl Effect for Empirical {
     fn reading<R: Real>(p: &[R], _: &[R], reading: R, _: R) -> R {
         let is = says(p[BALANCE], Balance::Reading as usize);
         is.where_positive(reading + curve(p, reading)[0], reading)
+    }
+
+    const CORNERS: bool = true;
+
+    /// The knots of a curve over the pressure.
+    #[inline(always)]
+    fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
+        let of_pressure = says(p[VARIABLE], Variable::Pressure as usize);
+        if !of_pressure.any_positive() {
+            return to;
+        }
+        let mut first = to;
+        for knot in &p[FIRST_KNOT..FIRST_VALUE] {
+            first = nearer(*knot, from, first);
+        }
+        of_pressure.where_positive(first, to)
     }
 
     const KINKS: usize = KNOTS + 1;

@@ -418,7 +418,7 @@ mod tests {
                         let at = (to - from) * (k as f64 / steps);
                         let t = from + clock.time(at);
                         let slope = [slope(t, stretch == 1) * clock.pace(at), 0.0];
-                        knots.push(Knot { at, view: View { value: [pressure(t), 300.0], slope } });
+                        knots.push(Knot { at, view: View { value: [pressure(t), 300.0], slope }, kink: false });
                     }
                 });
             }
