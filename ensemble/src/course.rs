@@ -2,6 +2,7 @@
 //! of their records.
 
 use crate::advance::{LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
+use crate::conduction;
 use crate::filter::Sensor;
 use crate::finish::SETTLED;
 use crate::fit;
@@ -19,7 +20,6 @@ use chamber::balance::{Balance, ENERGY, MASS};
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::simulate::tolerance;
-use pulp::Arch;
 
 /// Share of the initial mass below which a chamber whose equations cannot be followed further has run empty.
 const EMPTY: f64 = 0.01;
@@ -69,6 +69,7 @@ pub struct Memory {
     history: History,
     reader: reader::Memory,
     relaxing: relaxing_rows::Memory,
+    conduction: conduction::Memory,
 }
 
 /// Runs checked rows (number and plan) that have their area law and their kind in common. `set` are the effects on the gas,
@@ -82,7 +83,7 @@ pub fn run<const N: usize, const BITS: u32>(
     out: &mut [Outcome],
 ) {
     let Batch { arch, scenarios, options } = batch;
-    let Memory { balances, passed, history, reader, relaxing } = memory;
+    let Memory { balances, passed, history, reader, relaxing, conduction } = memory;
     balances.resize(rows.len(), Balance::of(scenarios[rows[0].0 as usize].chamber));
     for (balance, (row, _)) in balances.iter_mut().zip(rows) {
         balance.chamber = scenarios[*row as usize].chamber;
@@ -92,9 +93,8 @@ pub fn run<const N: usize, const BITS: u32>(
     let courses: Vec<Course<N>> = Course::all::<BITS>(rows, balances, scenarios, options.relative_tolerance);
     let relaxes = kind == Kind::Relaxing;
     let stretches = if relaxes { 1 } else { usize::MAX };
-    let Some(courses) =
-        integrate::<N, BITS>(arch, history, passed, set, courses, stretches, options.relative_tolerance)
-    else {
+    let remembers = (kind == Kind::Remembering).then_some(conduction);
+    let Some(courses) = integrate::<N, BITS>(batch, history, passed, set, courses, stretches, remembers) else {
         // Too many steps to keep: fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
             run::<N, BITS>(batch, memory, set, kind, rows, out);
@@ -129,15 +129,16 @@ pub fn run<const N: usize, const BITS: u32>(
     }
 }
 
-/// Integrates rows over so many stretches at most; none where the history is too long.
+/// Integrates rows over so many stretches at most; none where the history is too long. With walls that remember, `remembers`
+/// has the memory for their holds.
 fn integrate<'a, const N: usize, const BITS: u32>(
-    arch: Arch,
+    batch: Batch,
     history: &mut History,
     passed: &mut Vec<Passed>,
     set: EffectSet,
     mut courses: Vec<Course<'a, N>>,
     stretches: usize,
-    relative: f64,
+    mut remembers: Option<&mut conduction::Memory>,
 ) -> Option<Vec<Course<'a, N>>> {
     history.clear();
     passed.clear();
@@ -145,25 +146,47 @@ fn integrate<'a, const N: usize, const BITS: u32>(
     passed.resize(all, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0..stretches {
-        let active = |c: &Course<N>| c.failure.is_none() && index < c.plan.stretches.len();
-        let systems: Vec<Row> = courses.iter().filter(|c| active(c)).map(|c| c.system(index)).collect();
-        if systems.is_empty() {
+        let mut active: Vec<usize> = (0..courses.len()).filter(|&c| courses[c].goes_on(index)).collect();
+        if active.is_empty() {
             break;
         }
-        problems.clear();
-        problems.extend(courses.iter().filter(|c| active(c)).map(|c| c.problem(index)));
-        let system = General::<N, BITS>::new(&systems, set);
         history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
-        advance(arch, &system, &mut problems, relative, history);
+        if General::<N, BITS>::REMEMBERS
+            && let Some(memory) = &mut remembers
+        {
+            let rests = |c: &usize| courses[*c].plan.stretches[index].velocity == 0.0;
+            let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
+            let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
+            problems.clear();
+            problems.extend(held.iter().map(|&c| courses[c].problem(index)));
+            let levels: Vec<usize> = held.iter().map(|&c| conduction::coarsest(&courses[c].sensor)).collect();
+            let places = General::<N, BITS>::places_of_wall();
+            let open = conduction::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
+            for (number, &c) in held.iter().enumerate() {
+                if open.binary_search(&number).is_ok() {
+                    others.push(c);
+                } else {
+                    courses[c].pass::<BITS>(index, &problems[number], passed);
+                }
+            }
+            active = others;
+            if active.is_empty() {
+                continue;
+            }
+        }
+        let systems: Vec<Row> = active.iter().map(|&c| courses[c].system(index)).collect();
+        problems.clear();
+        problems.extend(active.iter().map(|&c| courses[c].problem(index)));
+        let system = General::<N, BITS>::new(&systems, set);
+        advance(batch.arch, &system, &mut problems, batch.options.relative_tolerance, history);
         if history.is_at_limit() {
             return None;
         }
-        for (c, problem) in courses.iter_mut().filter(|c| active(c)).zip(&problems) {
-            passed[c.first + index] = (problem.steps, problem.view);
-            c.take::<BITS>(problem);
+        for (&c, problem) in active.iter().zip(&problems) {
+            courses[c].pass::<BITS>(index, problem, passed);
         }
     }
-    Some(courses)
+    (!history.is_at_limit()).then_some(courses)
 }
 
 /// Boundary of the chamber at the end of a stretch, SI units.
@@ -239,7 +262,18 @@ impl<'a, const N: usize> Course<'a, N> {
             && (initial_temperature_k - rest).abs() < NEAR_EQUILIBRIUM_K
     }
 
-    /// Goes on from where a stretch has ended.
+    /// Whether it goes through a stretch.
+    fn goes_on(&self, index: usize) -> bool {
+        self.failure.is_none() && index < self.plan.stretches.len()
+    }
+
+    /// Goes on from where a stretch has ended, whose steps it notes.
+    fn pass<const BITS: u32>(&mut self, index: usize, problem: &Problem<N>, passed: &mut [Passed]) {
+        passed[self.first + index] = (problem.steps, problem.view);
+        self.take::<BITS>(problem);
+    }
+
+    /// Goes on from a problem's end.
     fn take<const BITS: u32>(&mut self, problem: &Problem<N>) {
         self.contents = General::<N, BITS>::mass_and_energy(&problem.state, self.initial[MASS]);
         self.state = problem.state;

@@ -107,6 +107,14 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         Self { rows, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
     }
 
+    /// Whether a wall can be among its effects that remembers.
+    pub const REMEMBERS: bool = EffectSet::from_bits(BITS).contains(effects::REMEMBERING);
+    /// Places of the energy among its states, and of the first of such a wall's.
+    pub fn places_of_wall() -> [usize; 2] {
+        let first = effects::REMEMBERING.iter().map(|effect| OWN + effects::STATE_OFFSETS[effect]).next();
+        [Self::ENERGY, Self::PLACES.iter().position(|place| Some(*place) == first).unwrap_or(N)]
+    }
+
     #[inline(always)]
     fn set(&self) -> EffectSet {
         let compiled = EffectSet::from_bits(BITS);

@@ -42,6 +42,19 @@ impl History {
         self.limit.is_some_and(|limit| self.lanes.len() >= limit * STRIDE)
     }
 
+    /// Keeps a step of all lanes: its end, whether it is one (1) or not (0), and what is seen there.
+    #[inline(always)]
+    pub fn push(&mut self, at: Lanes, taken: Lanes, View { value, slope }: &View<Lanes>) {
+        if self.awake {
+            self.lanes.extend_from_slice(&[at, taken, value[0], value[1], slope[0], slope[1]]);
+        }
+    }
+
+    /// How many steps are kept.
+    pub fn len(&self) -> usize {
+        self.lanes.len() / STRIDE
+    }
+
     /// Appends the ends of a problem's accepted steps.
     pub fn read(&self, steps: Steps, to: &mut Vec<Knot>) {
         let lane = steps.lane as usize;
@@ -57,16 +70,12 @@ impl History {
 impl<const N: usize> Watch<N> for History {
     #[inline(always)]
     fn see(&mut self, tried: &Tried<N>) {
-        if self.awake {
-            let View { value, slope } = tried.view;
-            let step = [tried.from + tried.length, tried.accepted, value[0], value[1], slope[0], slope[1]];
-            self.lanes.extend_from_slice(&step);
-        }
+        self.push(tried.from + tried.length, tried.accepted, &tried.view);
     }
 
     #[inline(always)]
     fn kept(&self) -> usize {
-        self.lanes.len() / STRIDE
+        self.len()
     }
 
     #[inline(always)]

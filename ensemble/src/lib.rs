@@ -9,6 +9,7 @@
 //! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
+//! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
 //!
 //! Rows of the last kind leave a trace: pressure and temperature with their slopes at the end of each step (`history`).
@@ -24,6 +25,7 @@ mod adaptive;
 mod advance;
 mod chambers;
 mod clock;
+mod conduction;
 mod corner;
 mod course;
 mod exact_rows;
@@ -170,14 +172,16 @@ enum Kind {
     Tight,
     /// Nor has the hold a state but the temperature: see [`relaxation`].
     Relaxing,
+    /// Nor has the hold states but the temperature and those of a wall that remembers: see [`conduction`].
+    Remembering,
 }
 
 impl Kind {
-    const ALL: [Self; 4] = [Self::Open, Self::Profiled, Self::Tight, Self::Relaxing];
+    const ALL: [Self; 5] = [Self::Open, Self::Profiled, Self::Tight, Self::Relaxing, Self::Remembering];
 
     /// Whether no gas enters or leaves.
     fn is_tight(self) -> bool {
-        matches!(self, Self::Tight | Self::Relaxing)
+        matches!(self, Self::Tight | Self::Relaxing | Self::Remembering)
     }
 }
 
@@ -262,6 +266,11 @@ impl Sorted {
                 if s.profile.is_some() { Kind::Profiled } else { Kind::Open }
             } else if !integrates && behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
                 Kind::Relaxing
+            } else if !integrates
+                && conduction::EFFECTS.contains(of_gas)
+                && !of_gas.intersection(effects::REMEMBERING).is_empty()
+            {
+                Kind::Remembering
             } else {
                 Kind::Tight
             };
@@ -312,6 +321,7 @@ macro_rules! sets_with_code_of_their_own {
             // What the sensor does to a known pressure is no matter of the integration.
             let set = on_the_gas(set);
             let set = if kind.is_tight() { set.intersection(effects::KEEP_THE_MASS) } else { set };
+            let set = if kind == Kind::Remembering { set.intersection(conduction::EFFECTS) } else { set };
             match compiled_for(set, kind.is_tight()) {
                 $(Some(bits) if bits == const { $bits } && !matches!(batch.arch, pulp::Arch::Scalar) => {
                     const BITS: u32 = $bits;
@@ -364,7 +374,7 @@ sets_with_code_of_their_own![
     general::TIGHT | general::ASKED | relaxation::EFFECTS.bits(),
     general::TIGHT | bit("gas_zones"),
     general::TIGHT | general::ASKED | on_the_gas_with(effects::MANY) & effects::KEEP_THE_MASS.bits(),
-    general::TIGHT | bit("wall_conduction"),
+    general::TIGHT | general::ASKED | conduction::EFFECTS.bits(),
     0,
     bit("leakage"),
     bit("laminar_leakage"),

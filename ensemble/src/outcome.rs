@@ -41,7 +41,7 @@ pub struct Outcome {
     pub settling_time_s: Option<f64>,
     /// Closure of the energy balance: |U(t) − U(0) − ∫Q̇ dt − ∫ḣ dt + ∫P dV| over the work of the push, or over U(0) where the
     /// piston rests. The integrals are quadratures beside the integrator's states; zero for the exact solution, and of the push
-    /// alone where the hold is an integral over the temperature.
+    /// alone where the hold is an integral over the temperature or solved by collocation.
     pub energy_error: f64,
     /// Length of the test, s.
     pub duration_s: f64,

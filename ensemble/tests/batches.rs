@@ -398,6 +398,50 @@ fn holds_that_are_integrals_over_the_temperature_agree_with_the_integrator() {
 }
 
 #[test]
+fn holds_before_a_wall_that_remembers_agree_with_the_integrator() {
+    let [conduction, column, warm, surface, lag, delay] =
+        ["wall_conduction", "gas_column_length", "warm_wall", "dead_volume_surface", "sensor_lag", "record_delay"]
+            .map(|name| effects::find(name).unwrap().0);
+    let mut r = Numbers(29);
+    let mut rows = sealed(600);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let values = &mut s.chamber.effects;
+        values.of_mut(conduction)[0] = r.log_between(1e-5, 1e-2);
+        for (effect, is_there, value) in [
+            (column, k % 3 > 0, r.between(-0.5, 0.5)),
+            (warm, k % 4 > 1, r.between(-5.0, 20.0)),
+            (surface, k % 5 > 3, r.log_between(1e-3, 1e-2)),
+            (lag, k % 6 > 4, r.log_between(1e-3, 0.1)),
+            (delay, k % 7 > 5, r.between(0.0, 0.02)),
+        ] {
+            if is_there {
+                values.of_mut(effect)[0] = value;
+            }
+        }
+        s.initial_temperature_k += r.between(-20.0, 20.0);
+        s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
+        s.push_time_s = r.log_between(0.01, 0.5);
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.01, 200.0));
+    }
+    let set: EffectSet = [conduction, column, warm, surface, lag, delay].into_iter().collect();
+    let with =
+        |solver, relative_tolerance| results(set, &rows, &Options { solver, relative_tolerance, ..Options::default() });
+    let integrated = with(Solver::Adaptive, 1e-12);
+    for (relative_tolerance, error) in [(1e-10, 5e-9), (1e-7, 1e-8)] {
+        let all = with(Solver::Auto, relative_tolerance).into_iter().zip(&integrated).enumerate();
+        for (k, (mut ours, integrated)) in all {
+            let mut integrated = *integrated;
+            let hold = integrated.duration_s - rows[k].push_time_s;
+            if integrated.fit.is_some_and(|fit| fit.time_constant_s > 5.0 * hold) {
+                // So little of an exponential has a τ to a few digits only.
+                (ours.fit, integrated.fit) = (None, None);
+            }
+            assert_same(&ours, &integrated, error, &format!("row {k} {:?}", rows[k].chamber.effects.active()));
+        }
+    }
+}
+
+#[test]
 fn a_hold_with_natural_convection_alone_is_as_its_exact_solution() {
     let place = |name: &str| effects::find(name).unwrap().0;
     let [natural, exponents] = ["natural_convection", "pressure_exponent"].map(place);

@@ -117,6 +117,16 @@ pub trait Effect {
         None
     }
 
+    /// Whether its own states are the modes of [`wall_conduction::KERNEL`](super::wall_conduction::KERNEL), fed by the heat
+    /// flux into the wall times [`Effect::inverse_effusivity`], and it does nothing but warm the wall by their sum.
+    const REMEMBERS: bool = false;
+
+    /// 1/e of a wall that remembers, W^−1 s^−½ m² K.
+    #[inline(always)]
+    fn inverse_effusivity<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
+
     /// Rates of its own states, per second.
     #[inline(always)]
     fn own_rates<R: Real>(

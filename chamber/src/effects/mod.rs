@@ -242,6 +242,10 @@ macro_rules! effects {
             reading
         }
 
+        /// Effects with [`Effect::REMEMBERS`].
+        pub const REMEMBERING: EffectSet = EffectSet::of([$($module::$name::REMEMBERS),*]);
+
+        effects! { @sum inverse_effusivity of $($module::$name),* }
         effects! { @sum lag of $($module::$name),* }
         effects! { @sum delay of $($module::$name),* }
         effects! { @sum stroke_delay of $($module::$name),* }
@@ -249,7 +253,7 @@ macro_rules! effects {
         effects! { @sum stroke_window of $($module::$name),* }
     };
     (@sum $hook:ident of $($module:ident::$name:ident),*) => {
-        #[doc = concat!("Sum of [`Effect::", stringify!($hook), "`] of the effects in `set`, s.")]
+        #[doc = concat!("Sum of [`Effect::", stringify!($hook), "`] of the effects in `set`.")]
         #[inline(always)]
         pub fn $hook<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
             let mut sum = R::ZERO;

@@ -29,17 +29,19 @@ const LOGARITHM: f64 = 1.609_437_912_434_100_3;
 const SLOWEST: f64 = 1.0 / (RATIO * RATIO * RATIO * RATIO * RATIO);
 const SLOWEST_ROOT: f64 = ROOT / (RATIO * RATIO * RATIO);
 /// Number of modes.
-const MODES: usize = 9;
+pub const MODES: usize = 9;
 
-/// Rate μ, 1/s, and weight c, s^−½, of a mode.
-#[derive(Clone, Copy)]
-struct Mode {
-    rate: f64,
-    weight: f64,
+/// A mode of the kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct Mode {
+    /// Rate μ, 1/s.
+    pub rate: f64,
+    /// Weight c, s^−½.
+    pub weight: f64,
 }
 
 /// All modes, the slowest first.
-const KERNEL: [Mode; MODES] = {
+pub const KERNEL: [Mode; MODES] = {
     // Sums over all modes beyond an end are geometric series of these ratios.
     let (by_root, by_cube) = (1.0 - 1.0 / ROOT, 1.0 - 1.0 / (ROOT * RATIO));
     let mut modes = [Mode { rate: 0.0, weight: 0.0 }; MODES];
@@ -96,6 +98,13 @@ impl Effect for WallConduction {
         for warming in own {
             at.wall_temperature += *warming;
         }
+    }
+
+    const REMEMBERS: bool = true;
+
+    #[inline(always)]
+    fn inverse_effusivity<R: Real>(p: &[R]) -> R {
+        p[0]
     }
 
     #[inline(always)]
