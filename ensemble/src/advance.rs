@@ -535,7 +535,8 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let kink = if kinked { self.system.kink(tried, [&self.moment.view, &step.moment.view]) } else { Lanes::ONE };
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
-        let accepted = good.where_positive(self.beyond.where_positive(Lanes::from(2.0), good), good);
+        let accepted =
+            if kinked { good.where_positive(self.beyond.where_positive(Lanes::from(2.0), good), good) } else { good };
         watch.see(&Tried { from: t, length: tried, begin: y, end: step.end, view: step.moment.view, accepted });
         // error^(−1/8) from its square.
         let error = (step.error_squared + 1e-40).sqrt();
@@ -546,15 +547,17 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let shrunk = tried * smooth.min(kink);
         let grown = tried * factor;
         // A step cut short by the end, or by a kink, says nothing against the longer one that was planned.
-        let kept = last.where_positive(h.max(grown), grown.max(self.beyond));
+        let behind = if kinked { grown.max(self.beyond) } else { grown };
+        let kept = last.where_positive(h.max(grown), behind);
         let h = good.where_positive(kept, shrunk);
-        self.beyond = good.where_positive(Lanes::ZERO, (Lanes::ONE - kink).where_positive(tried * smooth, Lanes::ZERO));
         let t = good.where_positive(last.where_positive(length, t + tried), t);
         for part in 0..2 {
             self.energy[part] += good.where_positive(step.energy[part], Lanes::ZERO);
         }
         self.y = choose(good, &step.end, &y);
         if kinked {
+            let on = (Lanes::ONE - kink).where_positive(tried * smooth, Lanes::ZERO);
+            self.beyond = good.where_positive(Lanes::ZERO, on);
             self.since = good.where_positive(tried, self.since);
             for i in 0..2 {
                 self.before.value[i] = good.where_positive(self.moment.view.value[i], self.before.value[i]);

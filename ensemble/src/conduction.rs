@@ -18,14 +18,14 @@
 use crate::Batch;
 use crate::advance::{Problem, Steps};
 use crate::chambers::Chambers;
-use crate::filter::{Lagged, Sensor, TERMS};
+use crate::filter::{self, Sensor, TERMS};
 use crate::general::Row;
 use crate::history::History;
 use crate::kept;
 use crate::lanes::{Lanes, WIDTH};
 use crate::step::{View, multiply_add};
 use chamber::balance::{Balance, Boundary, Contents};
-use chamber::effects::wall_conduction::{KERNEL, MODES};
+use chamber::effects::wall_conduction::{KERNEL, MODES, Mode};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -111,46 +111,67 @@ struct Response<R> {
     fed: [[R; NODES]; MODES],
 }
 
-impl Response<f64> {
-    fn new(length: f64) -> Self {
+impl<R: Real> Response<R> {
+    const NONE: Self = Self {
+        length: R::ZERO,
+        kept: [[R::ZERO; MODES]; NODES],
+        warming: [[R::ZERO; NODES]; NODES],
+        fed: [[R::ZERO; NODES]; MODES],
+    };
+
+    /// Works out that over a length, s.
+    #[inline(always)]
+    fn work_out(&mut self, length: R) {
         let rule = &*RULE;
-        let mut response =
-            Self { length, kept: [[0.0; MODES]; NODES], warming: [[0.0; NODES]; NODES], fed: [[0.0; NODES]; MODES] };
-        for (mode, of) in KERNEL.iter().enumerate() {
-            let stiffness = of.rate * length;
-            for (node, &place) in PLACES.iter().enumerate() {
-                response.kept[node][mode] = (-stiffness * place).exp();
-                for from in 0..NODES {
-                    // A sensor with a lag of 1/μ shows μ times the integral.
-                    let shown = Lagged { pressure: rule.powers[from], begin: 0.0, stiffness }.at(place);
-                    let fed = of.weight / of.rate * shown;
-                    response.warming[node][from] += fed;
-                    if node == NODES - 1 {
-                        response.fed[mode][from] = fed;
+        (self.length, self.warming) = (length, [[R::ZERO; NODES]; NODES]);
+        for mode in 0..black_box(MODES) {
+            let Mode { rate, weight } = KERNEL[mode];
+            for node in 0..black_box(NODES) {
+                let place = PLACES[node];
+                let w = length * (rate * place);
+                let faded = filter::kept(w);
+                self.kept[node][mode] = faded;
+                // Of a power of the place a sensor with a lag of 1/μ shows its share g: μ times the integral.
+                let shares = filter::shares(w, faded);
+                for from in 0..black_box(NODES) {
+                    let (mut shown, mut power) = (R::ZERO, weight / rate);
+                    for k in 0..NODES {
+                        shown += shares[k] * (rule.powers[from][k] * power);
+                        power *= place;
                     }
+                    self.warming[node][from] += shown;
+                    // The last node is the end.
+                    self.fed[mode][from] = shown;
                 }
             }
         }
-        response
-    }
-
-    /// That over the step of a number: see [`length`].
-    fn of(number: usize) -> &'static Self {
-        static ALL: [OnceLock<Response<f64>>; LENGTHS] = [const { OnceLock::new() }; LENGTHS];
-        ALL[number].get_or_init(|| Self::new(length(number)))
     }
 }
 
-impl Response<Lanes> {
-    /// Those of each lane.
-    fn side_by_side<'a>(of: impl Fn(usize) -> &'a Response<f64>) -> Self {
-        let gather = |pick: &dyn Fn(&Response<f64>) -> f64| Lanes::from_fn(|lane| pick(of(lane)));
-        Self {
-            length: gather(&|r| r.length),
-            kept: core::array::from_fn(|node| core::array::from_fn(|mode| gather(&|r| r.kept[node][mode]))),
-            warming: core::array::from_fn(|node| core::array::from_fn(|from| gather(&|r| r.warming[node][from]))),
-            fed: core::array::from_fn(|mode| core::array::from_fn(|from| gather(&|r| r.fed[mode][from]))),
-        }
+impl Response<f64> {
+    /// That over the step of a number: see [`length`].
+    fn of(number: usize) -> &'static Self {
+        static ALL: [OnceLock<Response<f64>>; LENGTHS] = [const { OnceLock::new() }; LENGTHS];
+        ALL[number].get_or_init(|| {
+            let mut response = Self::NONE;
+            response.work_out(length(number));
+            response
+        })
+    }
+}
+
+/// Works out the responses over a length, s, in each lane.
+struct WorkOut<'a> {
+    response: &'a mut Response<Lanes>,
+    length: Lanes,
+}
+
+impl WithSimd for WorkOut<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        self.response.work_out(black_box(self.length));
     }
 }
 
@@ -178,11 +199,16 @@ fn parted(level: usize, hold: f64) -> (usize, f64) {
 }
 
 /// What is kept from one batch to the next.
-#[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
-    /// The last step's response: most rows of a study are held equally long.
-    last: Option<Box<Response<f64>>>,
+    /// Responses over the last steps of rows: most rows of a study are held equally long.
+    last: Box<Response<Lanes>>,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self { chambers: Chambers::default(), last: Box::new(Response::NONE) }
+    }
 }
 
 /// The coarsest steps for a row: the record of a sensor that lags is read from polynomials between their ends.
@@ -191,7 +217,7 @@ pub fn coarsest(sensor: &Sensor) -> usize {
 }
 
 /// Solves problems of rows whose pistons rest, with effects of [`EFFECTS`], from a level each on; among their states √U has the first of `places`
-/// and the modes follow from the second on. Answers with the numbers of those that it could not solve and has left as they are.
+/// and the modes follow from the second on. Answers which it has solved; the others are left as they are.
 pub fn hold<const N: usize>(
     batch: Batch,
     memory: &mut Memory,
@@ -200,30 +226,23 @@ pub fn hold<const N: usize>(
     (rows, levels): (&[Row], &[usize]),
     problems: &mut [Problem<N>],
     history: &mut History,
-) -> Vec<usize> {
+) -> Vec<bool> {
     let Batch { arch, options, .. } = batch;
     let set = set.intersection(EFFECTS);
-    let mut open: Vec<usize> = (0..problems.len()).collect();
+    let mut solved = vec![false; problems.len()];
     for level in 0..LEVELS {
-        let now: Vec<usize> = open.iter().copied().filter(|index| levels[*index] <= level).collect();
+        let now: Vec<usize> = (0..rows.len()).filter(|index| levels[*index] <= level && !solved[*index]).collect();
         for group in now.chunks(WIDTH) {
             let at = |lane: usize| group[lane.min(group.len() - 1)];
             let row = |lane: usize| &rows[at(lane)];
             let problem = |lane: usize| &problems[at(lane)];
-            let balance = memory.chambers.gather(arch, set, |lane| &row(lane).balance.chamber);
+            let Memory { chambers, last } = memory;
+            let balance = chambers.gather(arch, set, |lane| &row(lane).balance.chamber);
             let parts: [(usize, f64); WIDTH] = core::array::from_fn(|lane| parted(level, problem(lane).length));
-            let mut responses: Vec<Box<Response<f64>>> = Vec::new();
-            let mut of_lane = [0; WIDTH];
-            for (lane, (_, left)) in parts.iter().enumerate() {
-                let known = responses.iter().position(|known| known.length == *left);
-                of_lane[lane] = known.unwrap_or_else(|| {
-                    let kept = memory.last.take().filter(|last| last.length == *left);
-                    responses.push(kept.unwrap_or_else(|| Box::new(Response::new(*left))));
-                    responses.len() - 1
-                });
+            let left = Lanes::from_fn(|lane| parts[lane].1);
+            if last.length != left {
+                arch.dispatch(WorkOut { response: last, length: left });
             }
-            let last = Response::side_by_side(|lane| &responses[of_lane[lane]]);
-            memory.last = responses.pop();
             let from = history.len() as u32;
             let held = arch.dispatch(Hold {
                 set,
@@ -236,7 +255,7 @@ pub fn hold<const N: usize>(
                 ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.ambient_pressure),
                 level,
                 counts: Lanes::from_fn(|lane| parts[lane].0 as f64),
-                last: &last,
+                last,
                 relative: options.relative_tolerance,
                 history,
             });
@@ -253,12 +272,12 @@ pub fn hold<const N: usize>(
                     for mode in 0..MODES {
                         problem.state[first_mode + mode] = held.modes[mode][lane];
                     }
-                    open.retain(|other| *other != index);
+                    solved[index] = true;
                 }
             }
         }
     }
-    open
+    solved
 }
 
 /// As many holds as there are lanes.
@@ -521,7 +540,8 @@ mod tests {
     fn modes_respond_as_their_equations_say_from_slow_to_stiff() {
         let drive = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(4);
         for length in [1e-3, 0.03, 0.5, 20.0] {
-            let response = Response::new(length);
+            let mut response = Response::NONE;
+            response.work_out(length);
             let values = PLACES.map(drive);
             let mut surface = [0.0; NODES];
             for (mode, of) in KERNEL.iter().enumerate() {

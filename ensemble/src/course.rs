@@ -161,12 +161,12 @@ fn integrate<'a, const N: usize, const BITS: u32>(
             problems.extend(held.iter().map(|&c| courses[c].problem(index)));
             let levels: Vec<usize> = held.iter().map(|&c| conduction::coarsest(&courses[c].sensor)).collect();
             let places = General::<N, BITS>::places_of_wall();
-            let open = conduction::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
-            for (number, &c) in held.iter().enumerate() {
-                if open.binary_search(&number).is_ok() {
-                    others.push(c);
+            let solved = conduction::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
+            for ((&c, problem), solved) in held.iter().zip(&problems).zip(solved) {
+                if solved {
+                    courses[c].pass::<BITS>(index, problem, passed);
                 } else {
-                    courses[c].pass::<BITS>(index, &problems[number], passed);
+                    others.push(c);
                 }
             }
             active = others;

@@ -119,37 +119,46 @@ pub struct Lagged<R> {
     pub stiffness: R,
 }
 
+/// g_k(w) for all k, of a `w` whose e^(−w) is `faded`.
+#[inline(always)]
+pub fn shares<R: Real>(w: R, faded: R) -> [R; TERMS] {
+    const TOP: usize = TERMS - 1;
+    // Downwards from the series, where any lane goes that way.
+    let mut down = [R::ZERO; TERMS];
+    if (R::from(UPWARDS + 1.0) - w).any_positive() {
+        let small = w.min(R::from(UPWARDS));
+        let mut series = R::ONE;
+        for j in (1..SERIES).rev() {
+            series = R::ONE - small * (1.0 / (TOP + 1 + j) as f64) * series;
+        }
+        down[TOP] = small * (1.0 / TERMS as f64) * series;
+        for k in (1..TERMS).rev() {
+            down[k - 1] = (R::ONE - down[k]) * small * (1.0 / k as f64);
+        }
+    }
+    // Upwards from the exponential.
+    let large = w.max(R::from(UPWARDS));
+    let per_large = large.recip();
+    let mut up = R::ONE - faded;
+    for k in 0..TERMS {
+        if k > 0 {
+            up = R::ONE - per_large * k as f64 * up;
+        }
+        down[k] = (w - UPWARDS).where_positive(up, down[k]);
+    }
+    down
+}
+
 impl<R: Real> Lagged<R> {
     /// The reading at a share of the piece, Pa.
     #[inline(always)]
     pub fn at(&self, x: R) -> R {
-        const TOP: usize = TERMS - 1;
         let w = self.stiffness * x;
         let faded = kept(w);
-        // Downwards from the series, where any lane goes that way.
-        let mut down = [R::ZERO; TERMS];
-        if (R::from(UPWARDS + 1.0) - w).any_positive() {
-            let small = w.min(R::from(UPWARDS));
-            let mut series = R::ONE;
-            for j in (1..SERIES).rev() {
-                series = R::ONE - small * (1.0 / (TOP + 1 + j) as f64) * series;
-            }
-            down[TOP] = small * (1.0 / TERMS as f64) * series;
-            for k in (1..TERMS).rev() {
-                down[k - 1] = (R::ONE - down[k]) * small * (1.0 / k as f64);
-            }
-        }
-        // Upwards from the exponential.
-        let large = w.max(R::from(UPWARDS));
-        let per_large = large.recip();
-        let mut up = R::ONE - faded;
+        let shares = shares(w, faded);
         let (mut power, mut reading) = (R::ONE, self.begin * faded);
         for k in 0..TERMS {
-            if k > 0 {
-                up = R::ONE - per_large * k as f64 * up;
-            }
-            let share = (w - UPWARDS).where_positive(up, down[k]);
-            reading += self.pressure[k] * power * share;
+            reading += self.pressure[k] * power * shares[k];
             power = power * x;
         }
         reading
