@@ -15,8 +15,6 @@ use chamber::real::Real;
 /// Knots that an interval is interpolated by, and the number of the polynomial's terms.
 const KNOTS: usize = 6;
 const TERMS: usize = 2 * KNOTS;
-/// Knots that are enough for an interval beside a kink.
-const ENOUGH: usize = 4;
 /// Knots nearer to each other than this share of the interval add rounding rather than knowledge.
 const NEAREST: f64 = 0.3;
 /// A neighbour's terms count where they are, in the middle of the interval, below this share of those of the one before.
@@ -46,7 +44,7 @@ impl Stencil {
         let mut sides = [index, index + 1];
         let next_before = |from: usize| (0..from).rev().find(|&i| knots[from].at - knots[i].at > near);
         let next_after = |from: usize| (from + 1..knots.len()).find(|&i| knots[i].at - knots[from].at > near);
-        // Those beyond a kink only where there are few others.
+        // Those beyond a kink after all others.
         for beyond_kinks in [false, true] {
             while count < KNOTS {
                 let had = count;
@@ -64,9 +62,6 @@ impl Stencil {
                 if count == had {
                     break;
                 }
-            }
-            if count >= ENOUGH {
-                break;
             }
         }
         let mut at = picked.map(|i| knots[i].at);
@@ -190,7 +185,7 @@ mod tests {
     use crate::step::View;
 
     #[test]
-    fn neighbours_beyond_a_kink_are_left_out_where_others_are_enough() {
+    fn neighbours_beyond_a_kink_come_after_the_others_and_count_only_if_their_terms_shrink() {
         // Up to t = 1 the one relaxation, from there on another.
         let relaxation = |t: f64, kink: f64| 2e5 + 5e4 * (-t).exp() + kink * (t - 1.0);
         let slope = |t: f64, kink: f64| -5e4 * (-t).exp() + kink;
