@@ -34,8 +34,10 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// That of a chamber, with the effects of a set.
+    /// That of a chamber, with the effects of a set. A curve of the reading, which a model may have without being a sensor's
+    /// effect, has no part in it: results are of the pressure before it.
     pub fn new(set: EffectSet, values: &EffectValues) -> Self {
+        let set = set.intersection(effects::of_sensor());
         if set.is_empty() {
             return Self { lag: 0.0, offset: 0.0, drift: 0.0 };
         }

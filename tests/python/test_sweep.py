@@ -724,3 +724,21 @@ def test_the_pareto_front_is_the_rows_that_no_other_betters(tmp_path, pneutherm)
     # The same without rows, which are merged from the parts.
     pneutherm("sweep", study, "-o", tmp_path / "summary", "--no-rows")
     assert json.loads((tmp_path / "summary" / "statistics.json").read_text())["pareto"] == found
+
+
+def test_a_curve_of_the_reading_is_in_time_series_only_and_the_program_says_so(tmp_path):
+    study = write(tmp_path, 'design = "factorial"', "initial_pressure_pa = { values = [1.01e5, 3e5] }")
+    run = [PROGRAM, "sweep", study, "--traces", "0-1", "--progress", "none"]
+    plain = subprocess.run([*run, "-o", tmp_path / "plain"], check=True, capture_output=True, text=True)
+    with open(tmp_path / "model.toml", "a") as model:
+        model.write('[effect.empirical]\nbalance = "reading"\nvariable = "pressure"\nknots = [1e5, 5e5]\nvalues = [1e3, 5e3]\n')
+    curved = subprocess.run([*run, "-o", tmp_path / "curved"], check=True, capture_output=True, text=True)
+    said = "curve of the reading is in time series only"
+    assert said in curved.stdout and said not in plain.stdout
+    for column in ["pressure_peak_pa", "pressure_final_pa"]:
+        without, with_curve = (table(tmp_path / name)[column].to_numpy() for name in ["plain", "curved"])
+        assert np.allclose(without, with_curve, rtol=1e-8)
+    traces = pq.read_table(tmp_path / "curved/traces/traces.parquet")
+    gas, shown = (traces[column].to_numpy() for column in ["gas_pressure_pa", "pressure_pa"])
+    within = (gas > 1e5) & (gas < 5e5)
+    assert within.sum() > 300 and np.allclose(shown[within], 1.01 * gas[within], rtol=1e-12)
