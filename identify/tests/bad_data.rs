@@ -2,7 +2,7 @@
 
 use identify::synthetic::Recipe;
 use identify::synthetic::outside::Outside;
-use identify::{Error, Method};
+use identify::{Diagnosed, Error, Method};
 use records::{Rig, Trace};
 
 fn spoilt(change: impl Fn(&mut Trace)) -> Error {
@@ -56,26 +56,26 @@ fn positions_that_count_from_a_little_too_far_leave_no_negative_dead_volume() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(7) };
     let geometry = recipe.chamber.geometry;
     let mut rig = recipe.rig();
-    let coefficient = |rig: &Rig| {
-        let mut found = identify::diagnose(rig, &|_, _| ()).unwrap();
-        let (_, lambda0) = found.diagnosis.after.parameters.swap_remove(0);
+    let diagnosed = |rig: &Rig| identify::diagnose(rig, &|_, _| ()).unwrap();
+    let coefficient = |found: &Diagnosed| {
+        let (_, lambda0) = found.diagnosis.after.parameters[0].clone();
         assert_eq!(lambda0.unit, "W/(m2.K)");
         lambda0
     };
-    let as_stated = coefficient(&rig);
+    let as_stated = coefficient(&diagnosed(&rig));
     let traces = || rig.experiments.iter().flat_map(|e| &e.traces).flat_map(|t| &t.position_m);
     let smallest = traces().copied().fold(f64::INFINITY, f64::min);
     let by_m = geometry.dead_volume / geometry.piston_area + 0.02 * smallest;
     for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
         t.position_m.iter_mut().for_each(|x| *x += by_m);
     }
-    let found = identify::diagnose(&rig, &|_, _| ()).unwrap();
+    let found = diagnosed(&rig);
     assert_eq!(found.chamber().geometry.dead_volume, 0.0);
     let note = found.diagnosis.assumptions.iter().find(|note| note.contains("positions seem to read")).unwrap();
     assert!(note.contains(&format!("{:.1} mm too much", 1e3 * 0.02 * smallest)), "{note}");
     // The other numbers are those of positions that count from where they should.
     let half_width = 0.5 * (as_stated.ci95[1] - as_stated.ci95[0]);
-    assert!((coefficient(&rig).value - as_stated.value).abs() < 0.05 * half_width);
+    assert!((coefficient(&found).value - as_stated.value).abs() < 0.05 * half_width);
     let parameters = found.diagnosis.after.parameters;
     let (_, dead) = parameters.iter().find(|(name, _)| name == "dead_volume_m3").unwrap();
     assert!(dead.value == 0.0 && dead.ci95[0] == 0.0 && dead.ci95[1] > 0.0, "{:?}", dead.ci95);

@@ -77,7 +77,7 @@ fn diagnosed(study: &str, index: u64) -> Option<String> {
 fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let seconds = begun.elapsed().as_secs_f64();
     let found = names(t.chosen.model.of_rig()).join("+");
-    let settled = if t.verdict == Verdict::Unexplained { &t.baseline } else { &t.chosen };
+    let settled = t.settled();
     // Intervals are judged where the model is the true one.
     let mut deviations = String::new();
     if (t.verdict == Verdict::Adequate && set.truth == "none")

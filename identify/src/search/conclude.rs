@@ -44,6 +44,7 @@ impl Search {
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
             // Beside a leak the first fit cannot tell, and with wrong pressures another term may have entered in its place.
             let leaky = self.tried.iter().find(|c| has_a_leak_alone(&c.model));
+            let leaky = leaky.filter(|c| c.model != self.chosen.model);
             [Some(&self.chosen), leaky]
                 .into_iter()
                 .flatten()
@@ -67,9 +68,6 @@ impl Search {
             follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
             (verdict, alike) = (Verdict::Improved, Vec::new());
         }
-        let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
-        sanity::dead_volume(&self.data, &settled.fit)?;
-        sanity::coefficient(&self.data, &settled.fit)?;
         let found = Found {
             verdict,
             baseline: self.baseline,
@@ -83,6 +81,8 @@ impl Search {
             by_geometry,
             read_off,
         };
+        sanity::dead_volume(&self.data, &found.settled().fit)?;
+        sanity::coefficient(&self.data, &found.settled().fit)?;
         Ok((self.data, found))
     }
 

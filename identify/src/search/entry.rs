@@ -23,8 +23,9 @@ impl Search {
         if self.chosen_adequacy.is_adequate() {
             return false;
         }
-        let mut better = self.tried.clone();
-        better.retain(|c| c.fit.exhausted().is_some() && c.delta_bic > self.chosen.delta_bic + policy::DECISIVE);
+        let least = self.chosen.delta_bic + policy::DECISIVE;
+        let is_better = |c: &&Candidate| c.fit.exhausted().is_some() && c.delta_bic > least;
+        let mut better: Vec<Candidate> = self.tried.iter().filter(is_better).cloned().collect();
         self.judge(&mut better, policy::JUDGED);
         for c in &better {
             self.tried.iter_mut().filter(|t| t.model == c.model).for_each(|t| t.held_out_pa = c.held_out_pa);
