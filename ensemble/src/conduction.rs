@@ -77,17 +77,7 @@ struct Rule {
 }
 
 static RULE: LazyLock<Rule> = LazyLock::new(|| {
-    let mut powers = [[0.0; TERMS]; NODES];
-    for (node, polynomial) in powers.iter_mut().enumerate() {
-        polynomial[0] = 1.0;
-        for place in (0..NODES).filter(|other| *other != node).map(|other| PLACES[other]) {
-            let scale = 1.0 / (PLACES[node] - place);
-            for power in (0..NODES).rev() {
-                let lower = if power > 0 { polynomial[power - 1] } else { 0.0 };
-                polynomial[power] = (lower - polynomial[power] * place) * scale;
-            }
-        }
-    }
+    let powers = filter::polynomials(PLACES);
     let integral = |polynomial: &[f64; TERMS], x: f64| {
         (0..NODES).rev().fold(0.0, |sum, power| (sum + polynomial[power] / (power + 1) as f64) * x)
     };
@@ -216,8 +206,9 @@ pub fn coarsest(sensor: &Sensor) -> usize {
     usize::from(sensor.lag > 0.0)
 }
 
-/// Solves problems of rows whose pistons rest, with effects of [`EFFECTS`], from a level each on; among their states √U has the first of `places`
-/// and the modes follow from the second on. Answers which it has solved; the others are left as they are.
+/// Solves problems of rows whose pistons rest, with effects of [`EFFECTS`], from a level each on. Among their states √U has the
+/// first of the two places, and the modes follow from the second on. Answers which it has solved; the others are left as they
+/// are.
 pub fn hold<const N: usize>(
     batch: Batch,
     memory: &mut Memory,

@@ -63,24 +63,25 @@ fn places() -> [f64; TERMS] {
 impl Default for ToPowers {
     fn default() -> Self {
         // Row i of the inverse holds the coefficient of x^i in each of Lagrange's polynomials.
-        let places = places();
-        let mut inverse = [[0.0; TERMS]; TERMS];
-        for j in 0..TERMS {
-            let mut polynomial = [0.0; TERMS];
-            polynomial[0] = 1.0;
-            for place in (0..TERMS).filter(|k| *k != j).map(|k| places[k]) {
-                let scale = 1.0 / (places[j] - place);
-                for i in (0..TERMS).rev() {
-                    let lower = if i > 0 { polynomial[i - 1] } else { 0.0 };
-                    polynomial[i] = (lower - polynomial[i] * place) * scale;
-                }
-            }
-            for i in 0..TERMS {
-                inverse[i][j] = polynomial[i];
+        let polynomials = polynomials(places());
+        Self(core::array::from_fn(|i| polynomials.map(|polynomial| polynomial[i])))
+    }
+}
+
+/// Lagrange's polynomials, each one at one of the places and zero at the others, by their coefficients in powers of the place.
+pub fn polynomials<const PLACES: usize>(places: [f64; PLACES]) -> [[f64; TERMS]; PLACES] {
+    core::array::from_fn(|one| {
+        let mut polynomial = [0.0; TERMS];
+        polynomial[0] = 1.0;
+        for place in (0..PLACES).filter(|other| *other != one).map(|other| places[other]) {
+            let scale = 1.0 / (places[one] - place);
+            for power in (0..PLACES).rev() {
+                let lower = if power > 0 { polynomial[power - 1] } else { 0.0 };
+                polynomial[power] = (lower - polynomial[power] * place) * scale;
             }
         }
-        Self(inverse)
-    }
+        polynomial
+    })
 }
 
 impl ToPowers {
