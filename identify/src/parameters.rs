@@ -5,6 +5,8 @@
 //! where it does not begin in equilibrium, and the parameters of effects that belong to the recording where the records do
 //! not share them. What the rig *states* — bore, scale and zero of the position, ambient temperature — stays as stated, but is
 //! known within its tolerance only: its sensitivities with that prior take part in every evidence, test and interval.
+//! Secondary parameters of an effect stay as its card has them unless the records speak for others; how far they are known
+//! takes part in the intervals of the rest.
 //! λ0 and wall capacities move on a logarithmic scale, everything else on a linear one within the bounds of its card.
 
 use crate::policy;
@@ -284,7 +286,8 @@ pub struct Hypothesis {
     pub model: Model,
     /// The rig's free numbers.
     pub axes: Vec<Axis>,
-    /// What the rig states within its tolerance, in units of that.
+    /// What the rig states within its tolerance, in units of that, and behind it the secondary parameters that the effects' cards
+    /// state.
     pub stated: Vec<Axis>,
     /// What each record has for itself beyond its initial state.
     pub own: Vec<Axis<Own>>,
@@ -345,7 +348,13 @@ impl Hypothesis {
                 }
             }
         }
-        Self { model, axes, stated: stated(data, &model), own, base: *base }
+        let stated = stated(data, &model).into_iter().chain(stated_by_cards(data, &model)).collect();
+        Self { model, axes, stated, own, base: *base }
+    }
+
+    /// How many of the stated numbers are the rig's.
+    pub fn stated_by_rig(&self) -> usize {
+        self.stated.iter().filter(|axis| !matches!(axis.slot, Slot::Effect(..))).count()
     }
 
     /// The chamber at these coordinates of the rig, its stated numbers as stated.
@@ -451,6 +460,7 @@ impl Hypothesis {
                 Slot::PositionZero => geometry.dead_volume += geometry.piston_area * value,
                 Slot::AmbientTemperature => warmer = value,
                 Slot::RestTemperature if trace.starts_at_rest => at_rest = value,
+                Slot::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] += value,
                 _ => {}
             }
         }
@@ -567,8 +577,24 @@ fn stated(data: &Data, model: &Model) -> Vec<Axis> {
     ]
     .into_iter()
     .filter(|(_, scale)| *scale > 0.0)
-    .map(|(slot, scale)| Axis { slot, logarithmic: false, scale, bounds: [-1e3, 1e3], prior: Some([0.0, 1.0]) })
+    .map(|(slot, scale)| within_tolerance(slot, scale))
     .collect()
+}
+
+/// Secondary parameters that are not free, in units of how far they are known beforehand.
+fn stated_by_cards(data: &Data, model: &Model) -> Vec<Axis> {
+    let held = model.of_rig().without(model.secondary);
+    let of_effect =
+        |e: usize| CARDS[e].parameters.iter().enumerate().filter(|(_, p)| !p.fitted).map(move |(p, it)| (e, p, it));
+    held.iter()
+        .flat_map(of_effect)
+        .filter_map(|(e, p, it)| Some(within_tolerance(Slot::Effect(e, p), it.prior(&data.gas)?.standard_deviation)))
+        .collect()
+}
+
+/// A stated number with its tolerance, or how far it is known, for unit.
+fn within_tolerance(slot: Slot, scale: f64) -> Axis {
+    Axis { slot, logarithmic: false, scale, bounds: [-1e3, 1e3], prior: Some([0.0, 1.0]) }
 }
 
 /// The paper's model of a rig before anything is fitted.

@@ -303,6 +303,23 @@ fn an_interval_holds_the_truth_where_records_tell_the_ambient_temperature_better
 }
 
 #[test]
+fn the_interval_of_a_leak_holds_the_truth_where_records_do_not_tell_its_critical_pressure_ratio() {
+    let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(31) };
+    recipe.tests.truncate(2);
+    recipe.tests.iter_mut().for_each(|test| test.pressure_pa = 1.6e5);
+    let conductance = recipe.leak_of(0.1);
+    for ratio in [0.1, 0.3, 0.55] {
+        let found = traced(&recipe.clone().with("leakage", &[conductance, ratio])).chosen.fit;
+        let names: Vec<String> = found.hypothesis.axes.iter().map(|axis| axis.slot.name()).collect();
+        assert_eq!(names, ["lambda0_w_per_m2_k", "dead_volume_m3", "leakage.conductance_m3_per_s_pa"]);
+        let leak = &covariance::estimates(&found, &covariance::covariance(&found, true))[2].1;
+        assert!(leak.ci95[0] < conductance && conductance < leak.ci95[1], "{ratio}: {leak:?}, {conductance}");
+        let by_ratio = covariance::budget(&found, 2, true).pop().unwrap();
+        assert!(by_ratio.0 == "leakage.critical_pressure_ratio" && by_ratio.1 > 0.5, "{by_ratio:?}");
+    }
+}
+
+#[test]
 fn what_no_card_describes_is_never_called_explained() {
     for outside in [Outside::FadingTurbulence(0.6, 0.4), Outside::Compliance(0.004), Outside::Hysteresis(600.0)] {
         let found = traced(&Recipe { repeats: 2, ..Recipe::from_seed(41) }.with_outside(outside));

@@ -7,7 +7,7 @@
 
 use super::nearer;
 use crate::balance::{Conditions, Flows};
-use crate::card::{Parameter, Unit};
+use crate::card::{Normal, Parameter, Prior, Unit};
 use crate::gas::Gas;
 use crate::real::Real;
 
@@ -28,6 +28,8 @@ pub const CRITICAL_RATIO: Parameter = Parameter {
     neutral: 0.3,
     typical: 0.3,
     fitted: false,
+    // From a long narrow gap to a sharp orifice.
+    prior: Prior::Normal(Normal { mean: 0.3, standard_deviation: 0.12 }),
     doc: "Critical pressure ratio b; of no influence while the conductance is zero",
     ..Parameter::DEFAULT
 };

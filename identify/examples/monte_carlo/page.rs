@@ -185,7 +185,7 @@ fn coverage(out: &mut String, lines: &[Line]) {
     }
     out.push_str(
         "\nA leak's conductance is that of a critical pressure ratio of 0.3 unless the data speak decisively for another; on wide rigs the true ratio is \
-         0.1–0.55, which its interval does not know.\n\n",
+         0.1–0.55. Its interval counts the ratio as known within 0.12.\n\n",
     );
 }
 

@@ -7,7 +7,9 @@
 //!
 //! What the rig states within a tolerance stays as stated in the fit. At its end the problem is linearised in those numbers
 //! too, with their priors: [`Fit::chi2`] is the sum of squares at the stated numbers, [`Fit::marginal`] that at the best
-//! numbers within the tolerances, their own squares included.
+//! numbers within the tolerances, their own squares included. The secondary parameters that the effects' cards state take part in
+//! the linearised problem too, for the intervals; in sums of squares they stay as stated, and where the records speak for others
+//! they are set free.
 
 pub mod bordered;
 pub mod covariance;
@@ -153,12 +155,26 @@ impl Fit {
         for k in free..all {
             matrix[(k, k)] += 1.0 / (factor * factor);
         }
-        best_move(&matrix, &right, &self.at_bound).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
+        best_move(&matrix, &right, |i| self.adapts(i)).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
+    }
+
+    /// Whether a number of the linearised problem, free or stated by the rig, may move to where the records ask for it: it does
+    /// not stand at a bound.
+    pub fn adapts(&self, place: usize) -> bool {
+        adapts(&self.hypothesis, &self.at_bound, place)
     }
 
     /// Number of free parameters beyond those that every record has.
     pub fn freedom(&self) -> usize {
         self.hypothesis.freedom(self.linear.iter().filter(|l| l.blocks > 0).count())
+    }
+}
+
+/// See [`Fit::adapts`].
+fn adapts(hypothesis: &Hypothesis, at_bound: &[bool], place: usize) -> bool {
+    match at_bound.get(place) {
+        Some(is_at_bound) => !is_at_bound,
+        None => place - at_bound.len() < hypothesis.stated_by_rig(),
     }
 }
 
@@ -227,7 +243,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         for k in free..free + stated {
             matrix[(k, k)] += 1.0;
         }
-        if let Some((gain, x)) = best_move(&matrix, &right, &at_bound) {
+        if let Some((gain, x)) = best_move(&matrix, &right, |i| adapts(hypothesis, &at_bound, i)) {
             marginal = (chi2 - gain).max(0.0);
             shift = x[free..].to_vec();
             follow = x[..free].to_vec();
@@ -252,11 +268,10 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
     })
 }
 
-/// How much of χ² the best move of all numbers but those at a bound takes away, and that move.
-fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, at_bound: &[bool]) -> Option<(f64, Vec<f64>)> {
+/// How much of χ² the best move of all numbers that adapt takes away, and that move.
+fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, adapts: impl Fn(usize) -> bool) -> Option<(f64, Vec<f64>)> {
     let n = right.len();
-    let free: Vec<usize> =
-        (0..n).filter(|&i| !at_bound.get(i).copied().unwrap_or(false) && matrix[(i, i)] > 0.0).collect();
+    let free: Vec<usize> = (0..n).filter(|&i| adapts(i) && matrix[(i, i)] > 0.0).collect();
     let scale: Vec<f64> = free.iter().map(|&i| 1.0 / matrix[(i, i)].sqrt()).collect();
     let m = free.len();
     let sub = DMatrix::from_fn(m, m, |i, j| {
