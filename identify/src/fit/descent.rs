@@ -7,7 +7,8 @@
 //! acceleration, here with the whole step as the difference).
 
 use super::bordered::{Step, System};
-use super::{Failure, Linear, Selection, linearise, moved, residuals, total};
+use super::linear::{Failure, Linear, Linearised, Selection, linearise, residuals, total};
+use super::moved;
 use crate::parameters::{Axis, Hypothesis, Own};
 use crate::policy;
 use crate::record::prepare::Data;
@@ -61,27 +62,6 @@ pub struct Descent {
     pub converged: bool,
     /// Where the problem was linearised last.
     pub at: Linearised,
-}
-
-/// Where a problem was linearised.
-#[derive(Clone, Debug)]
-pub enum Linearised {
-    /// At the coordinates themselves.
-    Here(Vec<Linear>),
-    /// So near to them that the steps of the simulations hold.
-    Near(Vec<Linear>),
-    /// Not yet, or far from there.
-    Nowhere,
-}
-
-impl Linearised {
-    /// What tells the steps of the simulations.
-    fn near(&self) -> Option<&[Linear]> {
-        match self {
-            Linearised::Here(linear) | Linearised::Near(linear) => Some(linear),
-            Linearised::Nowhere => None,
-        }
-    }
 }
 
 impl Descent {

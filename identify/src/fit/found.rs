@@ -1,0 +1,156 @@
+//! What a fit found: the numbers, what they leave, and the linearised problem there.
+
+use super::bordered::System;
+use super::linear::Linear;
+use crate::parameters::{Axis, Hypothesis, Setting, Slot};
+use crate::policy;
+use crate::record::between_rows::Look;
+use crate::record::prepare::{Data, Prepared};
+use chamber::Chamber;
+use chamber::effects::{self, CARDS, EffectValues};
+use nalgebra::{DMatrix, DVector};
+
+/// A fitted hypothesis.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// What was fitted.
+    pub hypothesis: Hypothesis,
+    /// The rig's coordinates.
+    pub rig: Vec<f64>,
+    /// Each record's own coordinates.
+    pub own: Vec<Vec<f64>>,
+    /// Σ of squares of the whitened residuals.
+    pub chi2: f64,
+    /// The same where what the rig states may move within its tolerance, squares of those moves included.
+    pub marginal: f64,
+    /// How far the stated numbers then move, in units of their tolerance.
+    pub moved: Vec<f64>,
+    /// How far the rig's free coordinates move with them.
+    pub follow: Vec<f64>,
+    /// Σ of squares that effects which smear or shift the records may take off by smoothing the stroke's noise alone.
+    pub smoothed: f64,
+    /// Blocks that took part.
+    pub blocks: usize,
+    /// The linearised problem at the solution, record by record; its columns include the stated numbers.
+    pub linear: Vec<Linear>,
+    /// Normal matrix of the rig's free and stated numbers, priors included, with the records' own eliminated.
+    pub information: DMatrix<f64>,
+    /// Free numbers of the rig that ended at a bound.
+    pub at_bound: Vec<bool>,
+    /// Iterations used.
+    pub iterations: usize,
+    /// Whether the iteration ended at a minimum rather than at its limit.
+    pub converged: bool,
+}
+
+impl Fit {
+    /// Whether a number of the rig that something was known of beforehand has gone as far from that as it may:
+    /// [`policy::DEVIATIONS_BEFOREHAND`].
+    pub fn is_beyond_belief(&self) -> bool {
+        const NEARLY: f64 = 0.999;
+        let most = NEARLY * policy::DEVIATIONS_BEFOREHAND;
+        let is_far = |(x, axis): (&f64, &Axis)| axis.prior.is_some_and(|[mean, sd]| (x - mean).abs() > most * sd);
+        self.rig.iter().zip(&self.hypothesis.axes).any(is_far)
+    }
+
+    /// A number of an effect that has nearly gone to an end of what its card allows, other than one where the effect is off:
+    /// [`policy::NEARLY_EXHAUSTED`].
+    pub fn exhausted(&self) -> Option<Slot> {
+        let is_exhausted = |(x, axis): &(&f64, &Axis)| match axis.slot {
+            Slot::Effect(effect, parameter) if axis.prior.is_none() && !axis.logarithmic => {
+                let card = &CARDS[effect].parameters[parameter];
+                let way = axis.value(**x) - card.neutral;
+                let end = if way < 0.0 { card.bounds.start() } else { card.bounds.end() };
+                way.abs() > policy::NEARLY_EXHAUSTED * (end - card.neutral).abs()
+            }
+            _ => false,
+        };
+        self.rig.iter().zip(&self.hypothesis.axes).find(is_exhausted).map(|(_, axis)| axis.slot)
+    }
+
+    /// The fitted chamber.
+    pub fn chamber(&self) -> Chamber {
+        self.hypothesis.chamber(&self.rig)
+    }
+
+    /// The fitted chamber as one can be: a dead volume below zero says that positions are counted from too far, and is zero.
+    pub fn possible_chamber(&self) -> Chamber {
+        let mut chamber = self.chamber();
+        chamber.geometry.dead_volume = chamber.geometry.dead_volume.max(0.0);
+        chamber
+    }
+
+    /// By how much positions then read too much, m; `None` where the dead volume is not below zero.
+    pub fn positions_too_far_m(&self) -> Option<f64> {
+        let geometry = self.chamber().geometry;
+        (geometry.dead_volume < 0.0).then(|| -geometry.dead_volume / geometry.piston_area)
+    }
+
+    /// What a record is simulated with, at the stated numbers.
+    pub fn setting(&self, trace: &Prepared, own: &[f64]) -> Setting<f64> {
+        self.hypothesis.setting(trace, &self.rig, &[], own)
+    }
+
+    /// How each record's readings look at the recorded stroke.
+    pub fn looks(&self, data: &Data) -> Vec<Look> {
+        let set = self.hypothesis.model.effects;
+        let look = |values: &EffectValues| Look {
+            window_s: effects::stroke_window(set, values),
+            lag_s: effects::lag(set, values),
+            late_s: effects::delay(set, values) - effects::stroke_delay(set, values),
+            filter_s: effects::stroke_filter(set, values),
+        };
+        data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
+    }
+
+    /// [`Fit::marginal`] with tolerances so many times as wide.
+    pub fn marginal_widened(&self, factor: f64) -> f64 {
+        let (free, all) = (self.rig.len(), self.information.nrows());
+        let Some((mut matrix, right)) = System::new(&self.linear, all).reduced(0.0) else { return self.chi2 };
+        for k in free..all {
+            matrix[(k, k)] += 1.0 / (factor * factor);
+        }
+        best_move(&matrix, &right, |i| self.adapts(i)).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
+    }
+
+    /// Whether a number of the linearised problem, free or stated by the rig, may move to where the records ask for it: it does
+    /// not stand at a bound.
+    pub fn adapts(&self, place: usize) -> bool {
+        adapts(&self.hypothesis, &self.at_bound, place)
+    }
+
+    /// Number of free parameters beyond those that every record has.
+    pub fn freedom(&self) -> usize {
+        self.hypothesis.freedom(self.linear.iter().filter(|l| l.blocks > 0).count())
+    }
+}
+
+/// See [`Fit::adapts`].
+pub fn adapts(hypothesis: &Hypothesis, at_bound: &[bool], place: usize) -> bool {
+    match at_bound.get(place) {
+        Some(is_at_bound) => !is_at_bound,
+        None => place - at_bound.len() < hypothesis.stated_by_rig(),
+    }
+}
+
+/// How much of χ² the best move of all numbers that adapt takes away, and that move.
+pub fn best_move(
+    matrix: &DMatrix<f64>,
+    right: &DVector<f64>,
+    adapts: impl Fn(usize) -> bool,
+) -> Option<(f64, Vec<f64>)> {
+    let n = right.len();
+    let free: Vec<usize> = (0..n).filter(|&i| adapts(i) && matrix[(i, i)] > 0.0).collect();
+    let scale: Vec<f64> = free.iter().map(|&i| 1.0 / matrix[(i, i)].sqrt()).collect();
+    let m = free.len();
+    let sub = DMatrix::from_fn(m, m, |i, j| {
+        matrix[(free[i], free[j])] * scale[i] * scale[j] + if i == j { 1e-12 } else { 0.0 }
+    });
+    let rhs = DVector::from_fn(m, |i, _| right[free[i]] * scale[i]);
+    let solution = sub.cholesky()?.solve(&rhs);
+    let mut x = vec![0.0; n];
+    for (i, &f) in free.iter().enumerate() {
+        x[f] = solution[i] * scale[i];
+    }
+    Some((solution.dot(&rhs), x))
+}

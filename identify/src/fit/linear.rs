@@ -1,0 +1,347 @@
+//! Residuals of the records and their sensitivities: the simulation in dual numbers, block by block, whitened.
+
+use crate::forward::Run;
+use crate::parameters::{Hypothesis, Setting};
+use crate::record::prepare::{Block, Data, Prepared};
+use chamber::dual::Dual;
+use chamber::effects::EffectSet;
+use chamber::integrate::IntegrationError;
+use chamber::real::{Real, Scalar};
+use chamber::record::Mesh;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Derivatives in one pass of the simulation at the most.
+const WIDEST: usize = 12;
+
+/// Which blocks take part: the number of leading blocks of each record.
+pub type Selection = [usize];
+
+/// Why a fit failed: the record whose simulation failed at the very begin, and how.
+pub type Failure = (usize, IntegrationError);
+
+/// Residuals and sensitivities of one record's blocks, whitened: each of standard deviation one, independent of the others.
+/// Behind the blocks stands a row for each prior of the record's own numbers.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// Number of blocks.
+    pub blocks: usize,
+    /// (mean − model)/σ.
+    pub residual: Vec<f64>,
+    /// d(model/σ)/d(coordinate of the rig), a row for each block; behind the free ones, where wanted, the stated ones.
+    pub by_rig: DMatrix<f64>,
+    /// d(model/σ)/d(own coordinate).
+    pub by_own: DMatrix<f64>,
+    /// The steps of the simulation.
+    pub mesh: Mesh,
+}
+
+/// Where a problem was linearised.
+#[derive(Clone, Debug)]
+pub enum Linearised {
+    /// At the coordinates themselves.
+    Here(Vec<Linear>),
+    /// So near to them that the steps of the simulations hold.
+    Near(Vec<Linear>),
+    /// Not yet, or far from there.
+    Nowhere,
+}
+
+impl Linearised {
+    /// What tells the steps of the simulations.
+    pub(super) fn near(&self) -> Option<&[Linear]> {
+        match self {
+            Linearised::Here(linear) | Linearised::Near(linear) => Some(linear),
+            Linearised::Nowhere => None,
+        }
+    }
+}
+
+/// Residuals and sensitivities of all selected blocks, or the record whose simulation failed and why; by the steps that the
+/// simulations took `near` these coordinates.
+pub(super) fn linearise(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &[f64],
+    own: &[Vec<f64>],
+    selection: &Selection,
+    near: Option<&[Linear]>,
+) -> Result<Vec<Linear>, Failure> {
+    let new = Mesh::default();
+    linearised(data, hypothesis, rig, own, 0, |k, x| {
+        let mesh = near.map_or(&new, |near| &near[k].mesh);
+        record(&data.traces[k], hypothesis, x, selection[k], mesh)
+    })
+}
+
+/// The same with the sensitivities by the stated numbers too; where the others are known, by those alone.
+pub(super) fn linearise_in_all(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &[f64],
+    own: &[Vec<f64>],
+    selection: &Selection,
+    at: &Linearised,
+) -> Result<Vec<Linear>, Failure> {
+    let stated = hypothesis.stated.len();
+    linearised(data, hypothesis, rig, own, stated, |k, x| {
+        let (t, blocks) = (&data.traces[k], selection[k]);
+        match at {
+            Linearised::Here(known) => by_stated_too(t, hypothesis, x, blocks, &known[k]),
+            Linearised::Near(near) => record(t, hypothesis, x, blocks, &near[k].mesh),
+            Linearised::Nowhere => record(t, hypothesis, x, blocks, &Mesh::default()),
+        }
+    })
+}
+
+/// Every record linearised by `record`, the priors of the rig's numbers behind them.
+fn linearised<'a>(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &'a [f64],
+    own: &'a [Vec<f64>],
+    stated: usize,
+    record: impl Fn(usize, &Coordinates<'a>) -> Result<Linear, IntegrationError> + Sync,
+) -> Result<Vec<Linear>, Failure> {
+    let records: Result<Vec<Linear>, Failure> = (0..data.traces.len())
+        .into_par_iter()
+        .map(|k| record(k, &Coordinates { rig, stated, own: &own[k] }).map_err(|e| (k, e)))
+        .collect();
+    let mut records = records?;
+    records.extend(priors(hypothesis, rig, stated));
+    Ok(records)
+}
+
+/// The residuals that [`linearise`] would find there by the steps taken `near`, record by record and the priors of the rig's
+/// numbers behind them, at a fraction of its cost; `None` where the simulation fails.
+pub(super) fn residuals(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: &[f64],
+    own: &[Vec<f64>],
+    selection: &Selection,
+    near: &[Linear],
+) -> Option<Vec<Vec<f64>>> {
+    let records: Option<Vec<Vec<f64>>> = (0..data.traces.len())
+        .into_par_iter()
+        .map(|k| residual(&data.traces[k], hypothesis, rig, &own[k], selection[k], &near[k].mesh))
+        .collect();
+    let mut records = records?;
+    records.extend(priors(hypothesis, rig, 0).map(|l| l.residual));
+    Some(records)
+}
+
+/// One record's whitened residuals, the priors of its own numbers behind them.
+fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], own: &[f64], blocks: usize, mesh: &Mesh) -> Option<Vec<f64>> {
+    let selected = &t.blocks[..blocks];
+    let mut out = Vec::new();
+    if blocks > 0 {
+        let setting = h.setting(t, rig, &[], own);
+        let (shown, _) = run(t, &setting, h.model.effects).pressures_along(&points(selected), mesh).ok()?;
+        let mut shown = shown.into_iter();
+        out.extend(selected.iter().map(|block| block.mean_pa - mean(block, &mut shown)));
+        t.whitener.apply(&mut out);
+    }
+    out.extend(own_priors(t, h, blocks).into_iter().map(|(i, [mean, sd])| (mean - own[i]) / sd));
+    out.iter().all(|r| r.is_finite()).then_some(out)
+}
+
+/// What is known beforehand of a record's own numbers, by their places; nothing where the record takes no part.
+fn own_priors(t: &Prepared, h: &Hypothesis, blocks: usize) -> Vec<(usize, [f64; 2])> {
+    match blocks {
+        0 => Vec::new(),
+        _ => h.own_of(t).iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect(),
+    }
+}
+
+/// What is known of the rig's free numbers beforehand, as one more record without blocks.
+fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear> {
+    let known: Vec<(usize, [f64; 2])> =
+        hypothesis.axes.iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect();
+    if known.is_empty() {
+        return None;
+    }
+    let bends = hypothesis.bends();
+    let mut by_rig = DMatrix::zeros(known.len() + bends.len(), rig.len() + stated);
+    let mut residual = Vec::with_capacity(known.len());
+    for (row, (i, [mean, sd])) in known.into_iter().enumerate() {
+        residual.push((mean - rig[i]) / sd);
+        by_rig[(row, i)] = 1.0 / sd;
+    }
+    for (combination, sd) in bends {
+        let row = residual.len();
+        residual.push(-combination.iter().map(|(i, weight)| weight * rig[*i]).sum::<f64>() / sd);
+        combination.iter().for_each(|(i, weight)| by_rig[(row, *i)] = weight / sd);
+    }
+    let by_own = DMatrix::zeros(residual.len(), 0);
+    Some(Linear { blocks: 0, residual, by_rig, by_own, mesh: Mesh::default() })
+}
+
+/// Where one record is linearised.
+struct Coordinates<'a> {
+    rig: &'a [f64],
+    /// How many of the stated numbers take part, each at zero.
+    stated: usize,
+    own: &'a [f64],
+}
+
+impl Coordinates<'_> {
+    fn count(&self) -> usize {
+        self.rig.len() + self.stated + self.own.len()
+    }
+}
+
+fn record(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    blocks: usize,
+    mesh: &Mesh,
+) -> Result<Linear, IntegrationError> {
+    // Columns: residual, free, stated, own.
+    let (columns, mesh) = columns(t, h, x, 0..x.count(), blocks, mesh)?;
+    let priors = own_priors(t, h, blocks);
+    let rig = x.rig.len() + x.stated;
+    let mut columns = columns.resize_vertically(blocks + priors.len(), 0.0);
+    for (k, (i, [mean, sd])) in priors.into_iter().enumerate() {
+        columns[(blocks + k, 0)] = (mean - x.own[i]) / sd;
+        columns[(blocks + k, 1 + rig + i)] = 1.0 / sd;
+    }
+    let out = Linear {
+        blocks,
+        residual: columns.column(0).iter().copied().collect(),
+        by_rig: columns.columns(1, rig).into_owned(),
+        by_own: columns.columns(1 + rig, x.own.len()).into_owned(),
+        mesh,
+    };
+    if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
+}
+
+/// A record that was linearised by its free and own numbers, by the stated ones as well.
+fn by_stated_too(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    blocks: usize,
+    known: &Linear,
+) -> Result<Linear, IntegrationError> {
+    if x.stated == 0 {
+        return Ok(known.clone());
+    }
+    let free = x.rig.len();
+    let (columns, _) = columns(t, h, x, free..free + x.stated, blocks, &known.mesh)?;
+    let Linear { residual, by_rig, by_own, mesh, .. } = known.clone();
+    let mut by_rig = by_rig.resize_horizontally(free + x.stated, 0.0);
+    by_rig.view_mut((0, free), (blocks, x.stated)).copy_from(&columns.columns(1, x.stated));
+    Ok(Linear { blocks, residual, by_rig, by_own, mesh })
+}
+
+/// Whitened columns of the residual and of the derivatives by the coordinates at these places, for the first `blocks` blocks;
+/// with the steps taken.
+fn columns(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    places: Range<usize>,
+    blocks: usize,
+    mesh: &Mesh,
+) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
+    let mut columns = DMatrix::zeros(blocks, 1 + places.len());
+    let mut taken = Mesh::default();
+    if blocks == 0 {
+        return Ok((columns, taken));
+    }
+    let width = |first: usize| (places.end - first).min(WIDEST);
+    let firsts: Vec<usize> = (places.start..places.end.max(places.start + 1)).step_by(WIDEST).collect();
+    let passes: Result<Vec<(DMatrix<f64>, Mesh)>, IntegrationError> = firsts
+        .par_iter()
+        // No wider than need be.
+        .map(|&first| match width(first) {
+            ..=4 => pass::<4>(t, h, x, first, blocks, mesh),
+            5..=6 => pass::<6>(t, h, x, first, blocks, mesh),
+            7..=8 => pass::<8>(t, h, x, first, blocks, mesh),
+            _ => pass::<WIDEST>(t, h, x, first, blocks, mesh),
+        })
+        .collect();
+    for (first, (passed, steps)) in firsts.into_iter().zip(passes?) {
+        taken = steps;
+        columns.set_column(0, &passed.column(0));
+        columns.columns_mut(1 + first - places.start, width(first)).copy_from(&passed.columns(1, width(first)));
+    }
+    t.whitener.apply_to(&mut columns);
+    Ok((columns, taken))
+}
+
+/// Columns of the residual and of the derivatives by N coordinates from the `first` on, for the first `blocks` blocks.
+fn pass<const N: usize>(
+    t: &Prepared,
+    h: &Hypothesis,
+    x: &Coordinates<'_>,
+    first: usize,
+    blocks: usize,
+    mesh: &Mesh,
+) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
+    let variable = |value: f64, place: usize| -> Dual<N> {
+        if (first..first + N).contains(&place) { Dual::variable(value, place - first) } else { Dual::from(value) }
+    };
+    let behind = x.rig.len() + x.stated;
+    let rig: Vec<Dual<N>> = x.rig.iter().enumerate().map(|(i, v)| variable(*v, i)).collect();
+    let stated: Vec<Dual<N>> = (0..x.stated).map(|i| variable(0.0, x.rig.len() + i)).collect();
+    let own: Vec<Dual<N>> = x.own.iter().enumerate().map(|(i, v)| variable(*v, behind + i)).collect();
+    let setting = h.setting(t, &rig, &stated, &own);
+    let blocks = &t.blocks[..blocks];
+    let (shown, taken) = run(t, &setting, h.model.effects).pressures_along(&points(blocks), mesh)?;
+    let mut shown = shown.into_iter();
+    let mut columns = DMatrix::zeros(blocks.len(), 1 + N);
+    for (row, block) in blocks.iter().enumerate() {
+        let model = mean(block, &mut shown);
+        columns[(row, 0)] = block.mean_pa - model.value;
+        for (column, tangent) in model.tangent.iter().enumerate() {
+            columns[(row, 1 + column)] = *tangent;
+        }
+    }
+    Ok((columns, taken))
+}
+
+/// The model along a record.
+pub fn run<'a, R: Real>(t: &'a Prepared, setting: &'a Setting<R>, set: EffectSet) -> Run<'a, R> {
+    let Setting { chamber, start, warmer } = setting;
+    let (course, relative_tolerance) = (&t.course, t.relative_tolerance);
+    Run { chamber, set, start: *start, warmer: *warmer, course, relative_tolerance }
+}
+
+/// Times at which the blocks' means need the model.
+pub fn points(blocks: &[Block]) -> Vec<f64> {
+    let mut times = Vec::with_capacity(2 * blocks.len());
+    for b in blocks {
+        times.push(b.points_s[0]);
+        if b.rows > 1 {
+            times.push(b.points_s[1]);
+        }
+    }
+    times
+}
+
+/// The model's mean over a block, from its values at [`points`].
+pub fn mean<R: Real>(block: &Block, shown: &mut impl Iterator<Item = R>) -> R {
+    let first = shown.next().unwrap_or(R::ZERO);
+    if block.rows > 1 { (first + shown.next().unwrap_or(R::ZERO)) * 0.5 } else { first }
+}
+
+pub(super) fn total(linear: &[Linear]) -> f64 {
+    linear.iter().flat_map(|l| &l.residual).map(|r| r * r).sum()
+}
+
+/// Every block of every record.
+pub fn all_blocks(data: &Data) -> Vec<usize> {
+    data.traces.iter().map(|t| t.blocks.len()).collect()
+}
+
+/// The model's reading at every row of a record, Pa, for plain numbers.
+///
+/// # Errors
+/// Where the state leaves what the equations can follow.
+pub fn readings<R: Scalar>(t: &Prepared, setting: &Setting<R>, set: EffectSet) -> Result<Vec<R>, IntegrationError> {
+    run(t, setting, set).pressures(&t.time_s)
+}

@@ -1,0 +1,118 @@
+//! Numbers of a fit, of the rig and of a record, and the coordinates in which it changes them.
+
+use chamber::effects::CARDS;
+use chamber::real::Real;
+
+/// A number that holds for the whole rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// λ0.
+    Lambda0,
+    /// Dead volume.
+    DeadVolume,
+    /// A parameter of an effect: its place among the effects, its place on the card.
+    Effect(usize, usize),
+    /// Bore over the stated one.
+    Bore,
+    /// Scale of the measured position.
+    PositionScale,
+    /// Zero of the measured position; where the dead volume is free it is part of that.
+    PositionZero,
+    /// Ambient temperature less the stated one.
+    AmbientTemperature,
+    /// By how much gas at rest is warmer than its surroundings, in all records: where their initial temperatures are free.
+    RestTemperature,
+}
+
+impl Slot {
+    /// Its name in result files.
+    pub fn name(self) -> String {
+        match self {
+            Slot::Lambda0 => "lambda0_w_per_m2_k".to_owned(),
+            Slot::DeadVolume => "dead_volume_m3".to_owned(),
+            Slot::Effect(e, p) => format!("{}.{}", CARDS[e].name, CARDS[e].parameters[p].key()),
+            Slot::Bore => "bore_m".to_owned(),
+            Slot::PositionScale => "position_scale".to_owned(),
+            Slot::PositionZero => "position_offset_m".to_owned(),
+            Slot::AmbientTemperature => "ambient_temperature_k".to_owned(),
+            Slot::RestTemperature => "rest_temperature_k".to_owned(),
+        }
+    }
+
+    /// Its unit's symbol.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Slot::Lambda0 => "W/(m2.K)",
+            Slot::DeadVolume => "m3",
+            Slot::Effect(e, p) => CARDS[e].parameters[p].unit.symbol(),
+            Slot::Bore | Slot::PositionZero => "m",
+            Slot::PositionScale => "1",
+            Slot::AmbientTemperature | Slot::RestTemperature => "K",
+        }
+    }
+}
+
+/// A number of one record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Own {
+    /// Initial pressure over its first guess.
+    Pressure,
+    /// Initial temperature over its first guess.
+    Temperature,
+    /// A parameter of an effect of the recording.
+    Effect(usize, usize),
+}
+
+impl Own {
+    /// Its name in result files.
+    pub fn name(self) -> String {
+        match self {
+            Own::Pressure => "initial_pressure_pa".to_owned(),
+            Own::Temperature => "initial_temperature_k".to_owned(),
+            Own::Effect(e, p) => Slot::Effect(e, p).name(),
+        }
+    }
+
+    /// Its unit's symbol.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Own::Pressure => "Pa",
+            Own::Temperature => "K",
+            Own::Effect(e, p) => Slot::Effect(e, p).unit(),
+        }
+    }
+}
+
+/// One coordinate of the fit: x with value = scale · x, or scale · eˣ.
+#[derive(Clone, Copy, Debug)]
+pub struct Axis<S = Slot> {
+    /// The number behind it.
+    pub slot: S,
+    /// Whether it is logarithmic.
+    pub logarithmic: bool,
+    /// Size of one unit of x (linear), or the value at x = 0 (logarithmic).
+    pub scale: f64,
+    /// Bounds of x.
+    pub bounds: [f64; 2],
+    /// Mean and standard deviation of x before anything is measured.
+    pub prior: Option<[f64; 2]>,
+}
+
+impl<S> Axis<S> {
+    /// The number at coordinate x.
+    #[inline]
+    pub fn value<R: Real>(&self, x: R) -> R {
+        if self.logarithmic { x.exp() * self.scale } else { x * self.scale }
+    }
+
+    /// d value/d x at x.
+    pub fn slope(&self, x: f64) -> f64 {
+        if self.logarithmic { self.value(x) } else { self.scale }
+    }
+
+    /// The coordinate of a number.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        let x = if self.logarithmic { (value / self.scale).max(f64::MIN_POSITIVE).ln() } else { value / self.scale };
+        x.clamp(self.bounds[0], self.bounds[1])
+    }
+}

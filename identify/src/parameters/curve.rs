@@ -1,0 +1,59 @@
+//! The values of a curve as numbers of a fit: the effect `empirical`.
+
+use super::axis::{Axis, Slot};
+use super::hypothesis::Hypothesis;
+use super::sizes::Sizes;
+use chamber::Chamber;
+use chamber::effects::empirical::{Balance, Curve, Empirical};
+use chamber::effects::{CARDS, Effect};
+
+/// The curve that an effect of a chamber is, if it is one.
+pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
+    let is_curve = CARDS[effect].name == Empirical::CARD.name;
+    is_curve.then(|| Curve::of(chamber.effects.of(effect))).flatten()
+}
+
+/// By how much a value of a curve differs beforehand from the straight line through its neighbours, of the largest value.
+const BEND: f64 = 0.04;
+
+/// A value of a curve: scaled by what would be a lot on this rig, which is its standard deviation beforehand. That decides
+/// what the records leave open, as a share of λ that is the same everywhere and λ0.
+pub fn axis_of_value(curve: &Curve, slot: Slot, sizes: &Sizes) -> Axis {
+    let any = [-1e6, 1e6];
+    let (scale, bounds) = match curve.balance {
+        // What 60 K between gas and wall drive, and a seventh of the work.
+        Balance::HeatFlow => (60.0 * sizes.gas_capacity / sizes.relaxation + 0.15 * sizes.piston_power, any),
+        // A seventh of the gas over a record: density 1.2 kg/m³ at 1 bar.
+        Balance::MassFlow => (0.15 * 1.2 * sizes.volume * sizes.pressure / 1e5 / sizes.duration, any),
+        // A share above −1 leaves something.
+        Balance::CoefficientShare => (1.0, [-0.95, 20.0]),
+        Balance::VolumeShare => (0.06, [-10.0, 20.0]),
+        Balance::Reading => (0.06 * sizes.pressure, any),
+    };
+    Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, 1.0]) }
+}
+
+impl Hypothesis {
+    /// Combinations of axes whose mean beforehand is zero, with their standard deviations: how much each value of a curve
+    /// differs from the straight line through its neighbours. Where nothing is measured a curve goes on as it began. A knot
+    /// at zero is free of that: laws have corners where their variable changes its sign.
+    pub fn bends(&self) -> Vec<([(usize, f64); 3], f64)> {
+        let Some((curve, first)) = self.axes.iter().enumerate().find_map(|(i, axis)| match axis.slot {
+            Slot::Effect(e, _) => Some((curve_of(e, &self.base)?, i)),
+            _ => None,
+        }) else {
+            return Vec::new();
+        };
+        // In coordinates: as a first fit has found the curve, or what would be a lot.
+        let sizes = curve.values.iter().zip(&self.axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
+        let size = Some(sizes.fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0);
+        let knots = &curve.knots;
+        let bend = |k: usize| {
+            let share = (knots[k + 1] - knots[k]) / (knots[k + 2] - knots[k]);
+            let at = |k: usize, weight: f64| (first + k, weight);
+            ([at(k, share - 1.0), at(k + 1, 1.0), at(k + 2, -share)], BEND * size)
+        };
+        let inner = (0..knots.len().saturating_sub(2)).filter(|k| knots[k + 1] != 0.0);
+        inner.map(bend).collect()
+    }
+}

@@ -1,0 +1,240 @@
+//! A model on a rig: which numbers are free, and what each record is simulated with.
+
+use super::axis::{Axis, Own, Slot};
+use super::curve::{axis_of_value, curve_of};
+use super::model::{Model, delays_pressure};
+use super::sizes::Sizes;
+use super::stated::{REST_DEVIATION_K, stated, stated_by_cards};
+use crate::policy;
+use crate::record::prepare::{Data, Prepared};
+use chamber::card::{Kind, Parameter, Prior, Unit};
+use chamber::effects::{CARDS, PARAMETER_OFFSETS};
+use chamber::real::Real;
+use chamber::simulate::Start;
+use chamber::{Chamber, HeatTransfer};
+
+/// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
+pub const FIRST_LAMBDA0: f64 = 30.0;
+
+/// A model to be fitted: which numbers are free.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// Effects that are in it and the scope of each.
+    pub model: Model,
+    /// The rig's free numbers.
+    pub axes: Vec<Axis>,
+    /// What the rig states within its tolerance, in units of that, and behind it the secondary parameters that the effects' cards
+    /// state.
+    pub stated: Vec<Axis>,
+    /// What each record has for itself beyond its initial state.
+    pub own: Vec<Axis<Own>>,
+    /// What is not free, and the start of what is.
+    pub base: Chamber,
+}
+
+impl Hypothesis {
+    /// Number of free parameters with so many records, beyond those that every record has.
+    pub fn freedom(&self, records: usize) -> usize {
+        let temperatures = if self.model.initial_temperature { records } else { 0 };
+        self.axes.len() + self.own.len() * records + temperatures
+    }
+
+    /// That model on a rig; begins from `base` (its free numbers too).
+    pub fn new(data: &Data, model: Model, base: &Chamber, sizes: &Sizes) -> Self {
+        let swept = data.cylinder.piston_area_m2 * data.smallest_position_m();
+        let axis = |slot, logarithmic, scale, bounds| Axis { slot, logarithmic, scale, bounds, prior: None };
+        let mut axes = vec![axis(Slot::Lambda0, true, FIRST_LAMBDA0, [-12.0, 12.0])];
+        if !data.dead_volume_known {
+            let scale = base.geometry.volume(data.smallest_position_m()).abs().max(1e-12);
+            // Some volume must remain at the smallest position.
+            axes.push(axis(Slot::DeadVolume, false, scale, [(-swept + 1e-3 * scale) / scale, 1e4]));
+        }
+        let mut own = Vec::new();
+        for e in model.effects.iter() {
+            let in_use = (CARDS[e].length)(base.effects.of(e));
+            let free = |p: &Parameter| match p.kind {
+                Kind::Place { index, .. } => p.fitted && index < in_use,
+                _ => p.fitted || model.secondary.has(e),
+            };
+            for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
+                if let Some(curve) = curve_of(e, base).filter(|_| matches!(parameter.kind, Kind::Place { .. })) {
+                    axes.push(axis_of_value(&curve, Slot::Effect(e, p), sizes));
+                    continue;
+                }
+                let (logarithmic, scale, mut bounds) = coordinates_of(parameter, sizes);
+                let known = parameter.prior(&data.gas).filter(|_| !logarithmic);
+                let prior = known.map(|normal| [normal.mean / scale, normal.standard_deviation / scale]);
+                match parameter.prior {
+                    // What tables say of the gas keeps its sign.
+                    Prior::OfGas(_) if known.is_some_and(|normal| normal.mean > 0.0) => bounds[0] = bounds[0].max(0.0),
+                    Prior::Normal(normal) => {
+                        let far = policy::DEVIATIONS_BEFOREHAND * normal.standard_deviation / scale;
+                        let mean = normal.mean / scale;
+                        bounds = [bounds[0].max(mean - far), bounds[1].min(mean + far)];
+                    }
+                    _ => {}
+                }
+                if model.own.has(e) {
+                    // Two clocks have no order: a record's pressure is late beside its position, or its position is.
+                    if delays_pressure(e) {
+                        bounds[0] = -bounds[1];
+                    }
+                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior });
+                } else {
+                    axes.push(Axis { prior, ..axis(Slot::Effect(e, p), logarithmic, scale, bounds) });
+                }
+            }
+        }
+        let stated = stated(data, &model).into_iter().chain(stated_by_cards(data, &model)).collect();
+        Self { model, axes, stated, own, base: *base }
+    }
+
+    /// How many of the stated numbers are the rig's.
+    pub fn stated_by_rig(&self) -> usize {
+        self.stated.iter().filter(|axis| !matches!(axis.slot, Slot::Effect(..))).count()
+    }
+
+    /// The chamber at these coordinates of the rig, its stated numbers as stated.
+    pub fn chamber<R: Real>(&self, x: &[R]) -> Chamber<R> {
+        let mut chamber: Chamber<R> = self.base.lift();
+        for (axis, x) in self.axes.iter().zip(x) {
+            set(&mut chamber, axis, *x);
+        }
+        chamber
+    }
+
+    /// Unit of a number of the rig: a curve's is that of what it is.
+    pub fn unit(&self, slot: Slot) -> &'static str {
+        match slot {
+            Slot::Effect(e, p) if CARDS[e].parameters[p].unit == Unit::OfTable => {
+                curve_of(e, &self.base).map_or("", |curve| curve.balance.unit())
+            }
+            _ => slot.unit(),
+        }
+    }
+
+    /// The coordinates of a chamber's numbers.
+    pub fn coordinates(&self, chamber: &Chamber) -> Vec<f64> {
+        self.axes
+            .iter()
+            .map(|axis| {
+                axis.coordinate(match axis.slot {
+                    Slot::Lambda0 => chamber.heat_transfer.coefficient,
+                    Slot::DeadVolume => chamber.geometry.dead_volume,
+                    Slot::Effect(e, p) => chamber.effects.of(e)[p],
+                    _ => 0.0,
+                })
+            })
+            .collect()
+    }
+
+    /// The free numbers of one record: its initial state first.
+    pub fn own_of(&self, trace: &Prepared) -> Vec<Axis<Own>> {
+        let initial = |slot, scale| Axis { slot, logarithmic: false, scale, bounds: [0.2, 5.0], prior: None };
+        let mut out = vec![initial(Own::Pressure, trace.initial_pressure_pa)];
+        if !trace.starts_at_rest || self.model.initial_temperature {
+            let mut axis = initial(Own::Temperature, trace.initial_temperature_k);
+            // A gas at rest has nearly the temperature of its surroundings.
+            axis.prior = trace.starts_at_rest.then_some([1.0, REST_DEVIATION_K / trace.initial_temperature_k]);
+            out.push(axis);
+        }
+        out.extend(self.own.iter().copied());
+        out
+    }
+
+    /// Where a record's own numbers begin: its first guesses, what `base` has of the effects.
+    pub fn first_own(&self, trace: &Prepared) -> Vec<f64> {
+        let begin = |axis: &Axis<Own>| match axis.slot {
+            Own::Pressure | Own::Temperature => 1.0,
+            Own::Effect(e, p) => axis.coordinate(self.base.effects.of(e)[p]),
+        };
+        self.own_of(trace).iter().map(begin).collect()
+    }
+
+    /// The same for every record.
+    pub fn first_owns(&self, data: &Data) -> Vec<Vec<f64>> {
+        data.traces.iter().map(|t| self.first_own(t)).collect()
+    }
+
+    /// Chamber, start and surroundings of one record: `stated` in units of their tolerances.
+    pub fn setting<R: Real>(&self, trace: &Prepared, x: &[R], stated: &[R], own: &[R]) -> Setting<R> {
+        let mut chamber = self.chamber(x);
+        let (mut warmer, mut at_rest) = (R::ZERO, R::ZERO);
+        for (axis, x) in self.stated.iter().zip(stated) {
+            let value = axis.value(*x);
+            let geometry = &mut chamber.geometry;
+            match axis.slot {
+                Slot::Bore => {
+                    let factor = value + 1.0;
+                    geometry.bore = geometry.bore * factor;
+                    geometry.rod_diameter = geometry.rod_diameter * factor;
+                    geometry.piston_area = geometry.piston_area * factor * factor;
+                }
+                Slot::PositionScale => geometry.piston_area = geometry.piston_area * (value + 1.0),
+                Slot::PositionZero => geometry.dead_volume += geometry.piston_area * value,
+                Slot::AmbientTemperature => warmer = value,
+                Slot::RestTemperature if trace.starts_at_rest => at_rest = value,
+                Slot::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] += value,
+                _ => {}
+            }
+        }
+        let ambient = warmer + trace.initial_temperature_k;
+        let mut start = Start::at_rest(&chamber, R::from(trace.initial_pressure_pa), ambient);
+        for (axis, x) in self.own_of(trace).iter().zip(own) {
+            match axis.slot {
+                Own::Pressure => start.pressure = axis.value(*x),
+                Own::Temperature => start.temperature = axis.value(*x) + warmer + at_rest,
+                Own::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = axis.value(*x),
+            }
+        }
+        Setting { chamber, start, warmer }
+    }
+}
+
+/// What one record is simulated with.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting<R> {
+    /// The chamber at the coordinates given, the stated numbers moved.
+    pub chamber: Chamber<R>,
+    /// How it begins.
+    pub start: Start<R>,
+    /// How much warmer than stated the surroundings are, K.
+    pub warmer: R,
+}
+
+fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
+    let value = axis.value(x);
+    match axis.slot {
+        Slot::Lambda0 => chamber.heat_transfer.coefficient = value,
+        Slot::DeadVolume => chamber.geometry.dead_volume = value,
+        Slot::Effect(e, p) => {
+            let parameters = CARDS[e].parameters;
+            let values = &mut chamber.effects.0[PARAMETER_OFFSETS[e]..];
+            values[p] = value;
+            // A list that is shorter than its places repeats its last number.
+            let places = parameters.iter().zip(values).skip(p + 1);
+            let of_list = |q: &Parameter| q.name == parameters[p].name && matches!(q.kind, Kind::Place { .. });
+            places.take_while(|(q, _)| of_list(q)).for_each(|(_, rest)| *rest = value);
+        }
+        Slot::Bore | Slot::PositionScale | Slot::PositionZero | Slot::AmbientTemperature | Slot::RestTemperature => {}
+    }
+}
+
+/// Whether a parameter is logarithmic, its size on this rig, and the bounds of its coordinate.
+fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2]) {
+    let size = sizes.size_of(parameter.unit, parameter.typical);
+    // A capacity is off at zero and without effect when large: only its logarithm is at home in a fit.
+    let logarithmic = parameter.unit == Unit::JoulePerKelvin;
+    let (low, mut high) = (*parameter.bounds.start(), *parameter.bounds.end());
+    if matches!(parameter.unit, Unit::WattPerKelvin) {
+        // Beyond this a conductance holds both its sides at one temperature, and only makes the model stiff.
+        high = high.min(300.0 * size);
+    }
+    // From half the gas's own capacity to so much that nothing warms.
+    (logarithmic, size, if logarithmic { [-3.7, 9.0] } else { [low / size, high / size] })
+}
+
+/// The paper's model of a rig before anything is fitted.
+pub fn first_chamber(data: &Data) -> Chamber {
+    Chamber::new(data.gas, data.cylinder.geometry(data.dead_volume_m3), HeatTransfer::at_paper_reference(FIRST_LAMBDA0))
+}

@@ -1,0 +1,79 @@
+//! Which terms a model has beyond the paper's.
+
+use chamber::card::{ActsOn, Card, Unit};
+use chamber::effects::{self, CARDS, EffectSet, EffectValues};
+
+/// Which model is to be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Model {
+    /// Effects beyond the paper's model.
+    pub effects: EffectSet,
+    /// Those of them whose parameters each record has for itself.
+    pub own: EffectSet,
+    /// Effects whose secondary parameters are free too.
+    pub secondary: EffectSet,
+    /// Whether each record's initial temperature is free, also where it begins at rest.
+    pub initial_temperature: bool,
+}
+
+impl Model {
+    /// The paper's.
+    pub const PAPER: Model = Model {
+        effects: EffectSet::NONE,
+        own: EffectSet::NONE,
+        secondary: EffectSet::NONE,
+        initial_temperature: false,
+    };
+
+    /// The paper's with these effects of the rig.
+    pub fn with(effects: EffectSet) -> Self {
+        Self { effects, ..Self::PAPER }
+    }
+
+    /// Effects that hold for the rig: what a diagnosis names.
+    pub fn of_rig(&self) -> EffectSet {
+        self.effects.without(self.own)
+    }
+
+    /// Whether some of it each record has for itself, beyond its initial pressure: with many records that fits much.
+    pub fn has_terms_of_records(&self) -> bool {
+        self.initial_temperature || !self.own.is_empty()
+    }
+
+    /// Number of effects that shift or smear the records in time, and the stroke's noise with them.
+    pub fn timings(&self) -> usize {
+        self.effects.iter().filter(|&e| is_timing(&CARDS[e])).count()
+    }
+
+    /// Number of terms beyond the paper's model.
+    pub fn terms(&self) -> usize {
+        self.effects.iter().count() + usize::from(self.initial_temperature)
+    }
+}
+
+/// Whether an effect of the sensor or the logger shifts or smears records in time, and has no part in how much is read.
+pub fn is_timing(card: &Card) -> bool {
+    let of_recording = matches!(card.acts_on, ActsOn::Reading | ActsOn::RecordedStroke);
+    of_recording && card.parameters.iter().all(|p| p.unit == Unit::Second)
+}
+
+/// Whether the effect shows the pressure late.
+pub fn delays_pressure(effect: usize) -> bool {
+    effects::delay(EffectSet::one(effect), &ones(effect)) > 0.0
+}
+
+/// Whether the effect is a stroke that was recorded late.
+pub fn delays_position(effect: usize) -> bool {
+    effects::stroke_delay(EffectSet::one(effect), &ones(effect)) > 0.0
+}
+
+fn ones(effect: usize) -> EffectValues {
+    let mut values = EffectValues::NEUTRAL;
+    values.of_mut(effect).fill(1.0);
+    values
+}
+
+/// Places of the effects of a set, by name, in the list's order.
+pub fn names(set: EffectSet) -> Vec<&'static str> {
+    effects::all().filter(|(i, _)| set.has(*i)).map(|(_, card)| card.name).collect()
+}

@@ -1,0 +1,44 @@
+//! What the rig states within its tolerances, and the effects' cards of their secondary parameters: numbers that stay as stated.
+
+use super::axis::{Axis, Slot};
+use super::model::Model;
+use crate::record::prepare::Data;
+use chamber::effects::CARDS;
+
+/// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.
+pub const REST_DEVIATION_K: f64 = 3.0;
+
+/// What the rig states, each in units of its tolerance. That gas at rest has the temperature of its surroundings is such a
+/// statement too: where it does not hold it fails in all records alike, for which a wall of another temperature would stand.
+pub fn stated(data: &Data, model: &Model) -> Vec<Axis> {
+    let t = &data.tolerance;
+    let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };
+    let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
+    [
+        (Slot::Bore, t.bore_m / data.cylinder.bore_m),
+        (Slot::PositionScale, t.position_scale),
+        (Slot::PositionZero, zero),
+        (Slot::AmbientTemperature, t.ambient_temperature_k),
+        (Slot::RestTemperature, rest),
+    ]
+    .into_iter()
+    .filter(|(_, scale)| *scale > 0.0)
+    .map(|(slot, scale)| within_tolerance(slot, scale))
+    .collect()
+}
+
+/// Secondary parameters that are not free, in units of how far they are known beforehand.
+pub fn stated_by_cards(data: &Data, model: &Model) -> Vec<Axis> {
+    let held = model.of_rig().without(model.secondary);
+    let of_effect =
+        |e: usize| CARDS[e].parameters.iter().enumerate().filter(|(_, p)| !p.fitted).map(move |(p, it)| (e, p, it));
+    held.iter()
+        .flat_map(of_effect)
+        .filter_map(|(e, p, it)| Some(within_tolerance(Slot::Effect(e, p), it.prior(&data.gas)?.standard_deviation)))
+        .collect()
+}
+
+/// A stated number with its tolerance, or how far it is known, for unit.
+fn within_tolerance(slot: Slot, scale: f64) -> Axis {
+    Axis { slot, logarithmic: false, scale, bounds: [-1e3, 1e3], prior: Some([0.0, 1.0]) }
+}
