@@ -84,7 +84,10 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
         || (t.verdict == Verdict::Explained && found == set.truth)
     {
         let h = &settled.fit.hypothesis;
-        let truth = h.coordinates(&set.recipe.chamber_as_recorded());
+        // As the zero of the position was recorded the true dead volume may be below zero, and is reported as zero then.
+        let mut truth = set.recipe.chamber_as_recorded();
+        truth.geometry.dead_volume = truth.geometry.dead_volume.max(0.0);
+        let truth = h.coordinates(&truth);
         for ((name, e), (axis, x)) in
             diagnosis::parameters(&data, &settled.fit, true).iter().zip(h.axes.iter().zip(truth))
         {

@@ -1,0 +1,125 @@
+//! The families: in which balance a term may be missing, and what it may follow.
+
+use chamber::effects::empirical::{self, Balance};
+
+/// What a missing term may follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variable {
+    /// Time from the record's start, s.
+    Time,
+    /// Time since the last move began, s.
+    SinceMove,
+    /// Pressure of the gas, Pa.
+    Pressure,
+    /// Temperature of the gas, K.
+    Temperature,
+    /// T − Tw, K.
+    TemperatureDifference,
+    /// |T − Tw|, K.
+    TemperatureDistance,
+    /// Speed of the piston, m/s.
+    Speed,
+    /// Its amount, m/s.
+    SpeedAmount,
+    /// dP/dt, Pa/s.
+    PressureRate,
+    /// Position of the piston, m.
+    Position,
+    /// Power of the gas on the piston P dV/dt, W.
+    PistonPower,
+    /// Mass of the gas, kg.
+    Mass,
+}
+
+impl Variable {
+    /// Name and unit, for people.
+    pub fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Variable::Time => ("time from the record's start", "s"),
+            Variable::SinceMove => ("time since the last move began", "s"),
+            Variable::Pressure => ("pressure", "Pa"),
+            Variable::Temperature => ("temperature of the gas", "K"),
+            Variable::TemperatureDifference => ("temperature difference gas − wall", "K"),
+            Variable::TemperatureDistance => ("size of the temperature difference gas − wall", "K"),
+            Variable::Speed => ("piston speed", "m/s"),
+            Variable::SpeedAmount => ("amount of the piston speed", "m/s"),
+            Variable::PressureRate => ("rate of pressure", "Pa/s"),
+            Variable::Position => ("piston position", "m"),
+            Variable::PistonPower => ("power of the gas on the piston", "W"),
+            Variable::Mass => ("mass of the gas", "kg"),
+        }
+    }
+
+    /// The same in a model; `None` for what is no matter of the chamber's state and stroke at one moment.
+    pub fn in_model(self) -> Option<empirical::Variable> {
+        match self {
+            Variable::Pressure => Some(empirical::Variable::Pressure),
+            Variable::Temperature => Some(empirical::Variable::Temperature),
+            Variable::TemperatureDifference => Some(empirical::Variable::TemperatureDifference),
+            Variable::Position => Some(empirical::Variable::Position),
+            Variable::Speed => Some(empirical::Variable::Velocity),
+            Variable::PistonPower => Some(empirical::Variable::PistonPower),
+            Variable::Mass => Some(empirical::Variable::Mass),
+            Variable::Time
+            | Variable::SinceMove
+            | Variable::TemperatureDistance
+            | Variable::SpeedAmount
+            | Variable::PressureRate => None,
+        }
+    }
+}
+
+/// What a missing term is, for people.
+pub fn quantity(term: Balance) -> &'static str {
+    match term {
+        Balance::MassFlow => "missing mass flow into the gas",
+        Balance::HeatFlow => "missing heat flow into the gas",
+        Balance::CoefficientShare => "missing share of the heat transfer coefficient",
+        Balance::VolumeShare => "missing share of the volume",
+        Balance::Reading => "missing part of the pressure reading",
+    }
+}
+
+/// The families tried. A volume that is a function of position alone would be a matter of geometry, a reading that is one
+/// of pressure alone a matter of calibration; both are outside what a closed chamber is modelled by, and so belong here.
+pub const FAMILIES: [(Balance, Variable); 19] = [
+    (Balance::MassFlow, Variable::Time),
+    (Balance::MassFlow, Variable::Pressure),
+    (Balance::MassFlow, Variable::PressureRate),
+    (Balance::HeatFlow, Variable::TemperatureDifference),
+    (Balance::HeatFlow, Variable::Time),
+    (Balance::HeatFlow, Variable::Speed),
+    (Balance::CoefficientShare, Variable::TemperatureDistance),
+    (Balance::CoefficientShare, Variable::TemperatureDifference),
+    (Balance::CoefficientShare, Variable::Pressure),
+    (Balance::CoefficientShare, Variable::Position),
+    (Balance::CoefficientShare, Variable::SpeedAmount),
+    (Balance::CoefficientShare, Variable::SinceMove),
+    (Balance::VolumeShare, Variable::Pressure),
+    (Balance::VolumeShare, Variable::Position),
+    (Balance::VolumeShare, Variable::Speed),
+    (Balance::Reading, Variable::Time),
+    (Balance::Reading, Variable::Pressure),
+    (Balance::Reading, Variable::PressureRate),
+    (Balance::Reading, Variable::SinceMove),
+];
+
+/// The families that a model can hold: the term follows from the chamber's state and stroke at the moment, so that it carries
+/// over to another motion.
+pub const CURVES: [(Balance, Variable); 15] = [
+    (Balance::MassFlow, Variable::Pressure),
+    (Balance::MassFlow, Variable::Mass),
+    (Balance::HeatFlow, Variable::TemperatureDifference),
+    (Balance::HeatFlow, Variable::Pressure),
+    (Balance::HeatFlow, Variable::Position),
+    (Balance::HeatFlow, Variable::Speed),
+    (Balance::HeatFlow, Variable::PistonPower),
+    (Balance::CoefficientShare, Variable::Temperature),
+    (Balance::CoefficientShare, Variable::TemperatureDifference),
+    (Balance::CoefficientShare, Variable::Pressure),
+    (Balance::CoefficientShare, Variable::Position),
+    (Balance::CoefficientShare, Variable::Speed),
+    (Balance::VolumeShare, Variable::Pressure),
+    (Balance::VolumeShare, Variable::Position),
+    (Balance::Reading, Variable::Pressure),
+];
