@@ -252,6 +252,19 @@ fn inlined_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     [inside.where_positive(begin + steepness * beyond, end), inside.where_positive(steepness, R::ZERO)]
 }
 
+/// The first knot after `from` and before `to` where `counts` is positive; else `to`.
+#[inline(always)]
+fn first_knot<R: Real>(p: &[R], counts: R, from: R, to: R) -> R {
+    if !counts.any_positive() {
+        return to;
+    }
+    let mut first = to;
+    for knot in &p[FIRST_KNOT..FIRST_VALUE] {
+        first = nearer(*knot, from, first);
+    }
+    counts.where_positive(first, to)
+}
+
 /// The variable at these conditions.
 #[inline(always)]
 fn variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
@@ -349,20 +362,21 @@ impl Effect for Empirical {
         is.where_positive(reading + curve(p, reading)[0], reading)
     }
 
+    const BENDS: bool = true;
+
+    /// The knots of a curve of the reading.
+    #[inline(always)]
+    fn bend<R: Real>(p: &[R], from: R, to: R) -> R {
+        first_knot(p, says(p[BALANCE], Balance::Reading as usize), from, to)
+    }
+
     const CORNERS: bool = true;
 
-    /// The knots of a curve over the pressure.
+    /// The knots of a curve over the pressure, but for one of the reading, which the gas knows nothing of.
     #[inline(always)]
     fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
         let of_pressure = says(p[VARIABLE], Variable::Pressure as usize);
-        if !of_pressure.any_positive() {
-            return to;
-        }
-        let mut first = to;
-        for knot in &p[FIRST_KNOT..FIRST_VALUE] {
-            first = nearer(*knot, from, first);
-        }
-        of_pressure.where_positive(first, to)
+        first_knot(p, of_pressure.min(-says(p[BALANCE], Balance::Reading as usize)), from, to)
     }
 
     const KINKS: usize = KNOTS + 1;
@@ -472,6 +486,17 @@ mod tests {
             assert_eq!(Curve::of(&one.parameters()), Some(one));
         }
         assert_eq!(Curve::of(&[0.0; PARAMETERS]), None);
+    }
+
+    #[test]
+    fn a_curve_of_the_reading_bends_at_its_knots_and_one_over_the_pressure_has_corners_there() {
+        let places = |balance, from: f64, to: f64| {
+            let p = curve_of(balance, Variable::Pressure, &[1e5, 2e5, 4e5], &[0.0, 1e3, 3e3]).parameters();
+            [Empirical::bend(&p, from, to), Empirical::corner(&p, 1e5, from, to)]
+        };
+        assert_eq!(places(Balance::Reading, 1e5, 5e5), [2e5, 5e5]);
+        assert_eq!(places(Balance::Reading, 5e5, 1e5), [4e5, 1e5]);
+        assert_eq!(places(Balance::HeatFlow, 1e5, 5e5), [5e5, 2e5]);
     }
 
     #[test]
