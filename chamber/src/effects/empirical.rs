@@ -226,30 +226,27 @@ fn called_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     inlined_curve(p, x)
 }
 
-/// Only the piece that x lies in is worked out: most of the cost is its division.
+/// Only the piece that x lies in is worked out: its division costs as much as the search. No lane waits for the last that has
+/// found its own: where that is would be guessed wrong each time.
 #[inline(always)]
 fn inlined_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);
-    // Of that piece: its length and how far x is beyond its begin, the values at its begin and end and their difference.
-    let (mut span, mut beyond) = (R::ONE, R::ONE);
-    let (mut begin, mut end, mut rise) = (values[0], values[0], R::ZERO);
+    // Knots and values at that piece's begin and end.
+    let (mut from, mut to) = (knots[0], knots[0]);
+    let (mut begin, mut end) = (values[0], values[0]);
     let mut open = R::ONE;
     for k in 1..KNOTS {
-        let [length, distance] = [knots[k] - knots[k - 1], x - knots[k - 1]];
         // The first knot that is not above the one before it ends the table.
-        open = open.min(length).min(distance);
-        if !open.any_positive() {
-            break;
-        }
-        span = open.where_positive(length, span);
-        beyond = open.where_positive(distance, beyond);
+        open = open.min(knots[k] - knots[k - 1]).min(x - knots[k - 1]);
+        from = open.where_positive(knots[k - 1], from);
+        to = open.where_positive(knots[k], to);
         begin = open.where_positive(values[k - 1], begin);
         end = open.where_positive(values[k], end);
-        rise = open.where_positive(values[k] - values[k - 1], rise);
     }
-    let steepness = rise / span;
-    let inside = span - beyond;
-    [inside.where_positive(begin + steepness * beyond, end), inside.where_positive(steepness, R::ZERO)]
+    // Below the first knot there is no piece: both ends are there, and the value is the first.
+    let inside = (to - from).min(to - x);
+    let steepness = (end - begin) / inside.where_positive(to - from, R::ONE);
+    [inside.where_positive(begin + steepness * (x - from), end), inside.where_positive(steepness, R::ZERO)]
 }
 
 /// The first knot after `from` and before `to` where `counts` is positive; else `to`.
@@ -279,6 +276,9 @@ fn called_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
 #[inline(always)]
 fn inlined_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
     let mut x = at.pressure;
+    if !(-says(p[VARIABLE], Variable::Pressure as usize)).any_positive() {
+        return x;
+    }
     for variable in Variable::ALL {
         let is = says(p[VARIABLE], variable as usize);
         if is.any_positive() {
