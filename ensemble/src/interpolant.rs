@@ -129,7 +129,7 @@ impl Interpolant {
         let mut table = [Lanes::ZERO; TERMS];
         let mut terms = [Lanes::ZERO; TERMS];
         terms[0] = value[0];
-        // One division a knot: what a knot that there is not is away from others spoils no others' distances.
+        // One division a knot. Where a place that stands for no knot falls on another, only its own distances are no numbers.
         let mut per_distance = [[Lanes::ONE; KNOTS]; KNOTS];
         for k in 1..KNOTS {
             for i in 0..k {
