@@ -10,7 +10,7 @@ use crate::general::{self, General, Row};
 use crate::history::{History, Knot};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::plan::Plan;
-use crate::reader::{self, Answer, ROUNDING, Traces, seen_from};
+use crate::reader::{self, Answer, Bends, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
 use crate::relaxing_rows::{self, AfterPush};
 use crate::scenario::Scenario;
@@ -42,6 +42,7 @@ struct Course<'a, const N: usize> {
     plan: &'a Plan,
     balance: &'a Balance,
     sensor: Sensor,
+    bends: Bends<'a>,
     /// Number of states that count in the error norm.
     counted: f64,
     /// Mass, kg, and internal energy, J, at its begin.
@@ -219,6 +220,7 @@ impl<'a, const N: usize> Course<'a, N> {
                 plan,
                 balance,
                 sensor: Sensor::new(plan.active, &scenario.chamber.effects),
+                bends: Bends::new(plan.active, &scenario.chamber.effects),
                 counted: general::states(of_gas.bits() | BITS & general::TIGHT) as f64,
                 initial,
                 state: General::<N, BITS>::states(&states),
@@ -303,7 +305,7 @@ impl<'a, const N: usize> Course<'a, N> {
 
     /// Hands its trace over.
     fn trace(&self, history: &History, passed: &[Passed], traces: &mut Traces<'a>) {
-        traces.begin(self.plan, self.sensor, self.scenario.initial_pressure_pa);
+        traces.begin(self.plan, self.sensor, self.bends, self.scenario.initial_pressure_pa);
         if self.failure.is_some() {
             return;
         }
@@ -343,7 +345,9 @@ impl<'a, const N: usize> Course<'a, N> {
         let End { position, volume, ambient_temperature: ambient } = self.end();
         let distance = (a.pressure_peak - a.pressure_final).abs();
         let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;
-        let unsettled = gas_pressure * (1.0 - ambient / a.temperature_final).abs();
+        let to_be_lost = gas_pressure * (1.0 - ambient / a.temperature_final);
+        let reading = self.sensor.shown(gas_pressure, self.plan.duration);
+        let unsettled = self.bends.change(reading, to_be_lost).abs();
         let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs();
         let positions = [self.plan.stretches[0].position, position];
         let start = self.scenario.initial_pressure_pa;

@@ -34,8 +34,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// That of a chamber, with the effects of a set. A curve of the reading, which a model may have without being a sensor's
-    /// effect, has no part in it: results are of the pressure before it.
+    /// That of a chamber, with the effects of a set. What bends its reading has no part in it.
     pub fn new(set: EffectSet, values: &EffectValues) -> Self {
         let set = set.intersection(effects::of_sensor());
         if set.is_empty() {

@@ -1,6 +1,7 @@
 //! What 16-point Gauss–Legendre quadrature makes of a quantity beside its integral: the integrals up to each node, by a
 //! matrix, and the polynomial through the values. Places are shares of an interval, from 0 to 1.
 
+use crate::math::in_powers;
 use chamber::exact::GAUSS_16;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -96,7 +97,7 @@ impl<R: Real> Panel<R> {
             terms[order] = rule.legendre(values, order);
         }
         for power in 0..black_box(NODES) {
-            for order in 0..NODES {
+            for order in power..NODES {
                 powers[power] += terms[order] * rule.powers[order][power];
             }
         }
@@ -106,12 +107,7 @@ impl<R: Real> Panel<R> {
     /// Its value at a share of the interval.
     #[inline(always)]
     pub fn at(&self, share: R) -> R {
-        let place = share * 2.0 - 1.0;
-        let mut sum = self.0[NODES - 1];
-        for power in (0..NODES - 1).rev() {
-            sum = sum * place + self.0[power];
-        }
-        sum
+        in_powers(&self.0, share * 2.0 - 1.0)
     }
 }
 

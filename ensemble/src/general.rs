@@ -170,7 +170,9 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         let root = root_mass * square;
         let per_both = (root * root_energy).recip();
         let (energy, volume) = (root_energy * root_energy, square * square);
-        (Contents { mass, energy, volume, per_root: per_both * root_energy }, per_both * root)
+        let per_root_energy = per_both * root;
+        let (per_root, per_energy) = (per_both * root_energy, per_root_energy * per_root_energy);
+        (Contents { mass, energy, volume, per_root, per_energy }, per_root_energy)
     }
 
     /// The boundary when the clock shows `s`.

@@ -10,7 +10,7 @@ use crate::clock::Clock;
 use crate::history::Knot;
 use crate::lanes::{Lanes, WIDTH};
 use crate::root::Curve;
-use chamber::real::Real;
+use chamber::real::{Real, reciprocals};
 
 /// Knots that an interval is interpolated by, and the number of the polynomial's terms.
 const KNOTS: usize = 6;
@@ -129,22 +129,24 @@ impl Interpolant {
         let mut table = [Lanes::ZERO; TERMS];
         let mut terms = [Lanes::ZERO; TERMS];
         terms[0] = value[0];
+        // One division a knot. Where a place that stands for no knot falls on another, only its own distances are no numbers.
+        let mut per_distance = [[Lanes::ONE; KNOTS]; KNOTS];
+        for k in 1..KNOTS {
+            for i in 0..k {
+                per_distance[k][i] = places[k] - places[i];
+            }
+            per_distance[k] = reciprocals(per_distance[k]);
+        }
         for k in 0..KNOTS {
             table[2 * k] = slope[k] * length;
             if k + 1 < KNOTS {
-                table[2 * k + 1] = (value[k + 1] - value[k]) / (places[k + 1] - places[k]);
+                table[2 * k + 1] = (value[k + 1] - value[k]) * per_distance[k + 1][k];
             }
         }
         terms[1] = table[0];
-        let mut per_distance = [[Lanes::ZERO; KNOTS]; KNOTS];
-        for k in 0..KNOTS {
-            for i in 0..k {
-                per_distance[i][k] = (places[k] - places[i]).recip();
-            }
-        }
         for order in 2..TERMS {
             for i in 0..TERMS - order {
-                table[i] = (table[i + 1] - table[i]) * per_distance[i / 2][(i + order) / 2];
+                table[i] = (table[i + 1] - table[i]) * per_distance[(i + order) / 2][i / 2];
             }
             terms[order] = (*count - (order / 2) as f64).where_positive(table[0], Lanes::ZERO);
         }

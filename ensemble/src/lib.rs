@@ -13,8 +13,8 @@
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
 //!
 //! Rows of the last kind leave a trace: pressure and temperature with their slopes at the end of each step (`history`).
-//! What the sensor does to it is a filter of that trace (`filter`) and costs no steps; peaks, settling and samples are read
-//! from it (`reader`).
+//! What the sensor does to it is a filter of that trace (`filter`) and at last a curve of the reading (`reader::bends`), and
+//! costs no steps; peaks, settling and samples are read from it (`reader`).
 
 // Several arrays of lanes side by side, by one index, read as the equations do.
 #![allow(clippy::needless_range_loop)]

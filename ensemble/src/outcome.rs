@@ -36,8 +36,8 @@ pub struct Outcome {
     /// The paper's regression, where it was asked for and the record allows one.
     pub fit: Option<Fit>,
     /// From the end of the push until the pressure stays within 1 % of its peak-to-final distance of the final one, s.
-    /// None when not settled in time: when the test ends with more than that 1 % of the pressure, P |1 − Tamb/T|,
-    /// still to be lost to or gained from the wall; so too where the pressure peaks at the end.
+    /// None when not settled in time: when the test ends with more than that 1 % of the pressure, P |1 − Tamb/T| as the
+    /// sensor shows it, still to be lost to or gained from the wall; so too where the pressure peaks at the end.
     pub settling_time_s: Option<f64>,
     /// Closure of the energy balance: |U(t) − U(0) − ∫Q̇ dt − ∫ḣ dt + ∫P dV| over the work of the push, or over U(0) where the
     /// piston rests. The integrals are quadratures beside the integrator's states; zero for the exact solution, and of the push

@@ -1,9 +1,11 @@
 //! One scenario after the other with the plain integrator: the reference that tests hold the lanes against.
 
+use crate::filter::Sensor;
 use crate::fit;
 use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome};
 use crate::plan::{Plan, Stretch};
+use crate::reader::Bends;
 use crate::regression::{Part, Records};
 use crate::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::{Options, Scenario};
@@ -58,16 +60,20 @@ impl Run<'_> {
         let mut best: Option<f64> = None;
         for piece in self.pieces.iter().filter(|p| p.stretch >= stretches[0] && p.stretch < stretches[1]) {
             let f = |t: f64| sign * value(self.at(piece, t));
-            let points: Vec<f64> = (0..=8).map(|k| piece.from + (piece.to - piece.from) * f64::from(k) / 8.0).collect();
-            for (k, t) in points.iter().enumerate() {
-                let mut v = f(*t);
-                if k > 0 && k < 8 && v > f(points[k - 1]) && v > f(points[k + 1]) {
-                    let (mut a, mut b) = (points[k - 1], points[k + 1]);
+            const PARTS: usize = 32;
+            let times: Vec<f64> =
+                (0..=PARTS).map(|k| piece.from + (piece.to - piece.from) * k as f64 / PARTS as f64).collect();
+            let values: Vec<f64> = times.iter().map(|t| f(*t)).collect();
+            for (k, &at_time) in values.iter().enumerate() {
+                let mut v = at_time;
+                let [before, after] = [k.saturating_sub(1), (k + 1).min(PARTS)];
+                if v >= values[before] && v >= values[after] {
+                    let (mut a, mut b) = (times[before], times[after]);
                     for _ in 0..60 {
                         let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
                         if f(c) < f(d) { a = c } else { b = d }
                     }
-                    v = f(0.5 * (a + b));
+                    v = v.max(f(0.5 * (a + b)));
                 }
                 best = Some(best.map_or(v, |x| x.max(v)));
             }
@@ -128,7 +134,9 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let ambient = plan.stretches[plan.stretches.len() - 1].boundary(plan.stretches[plan.stretches.len() - 1].length);
     let distance = (peak - pressure_final).abs();
     let rest = effects::rest_temperature(&chamber.effects, ambient.ambient_temperature);
-    let unsettled = gas_final * (1.0 - rest / temperature_final).abs();
+    let (sensor, bends) = (Sensor::new(set, &chamber.effects), Bends::new(set, &chamber.effects));
+    let to_be_lost = gas_final * (1.0 - rest / temperature_final);
+    let unsettled = bends.change(sensor.shown(gas_final, plan.duration), to_be_lost).abs();
     let settling = settling(&run, pressure_final, distance);
     let fit = if options.fit { evaluate(&run, scenario, sign) } else { None };
     Ok(Outcome {

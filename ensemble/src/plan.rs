@@ -50,46 +50,45 @@ impl<R: Real> Stretch<R> {
     /// The boundary a time `t`, s, after the stretch's begin.
     #[inline(always)]
     pub fn boundary(&self, t: R) -> Boundary<R> {
-        let ambient_temperature = self.ambient_temperature + self.ambient_temperature_rate * t;
-        let mut mass_flow_in = self.inflow[0];
-        let mut temperature_in = self.temperature_in;
-        if self.profiled {
-            // One inflow of the mean temperature.
-            let from_profile = self.inflow[1] + self.inflow_rate * t;
-            let kelvin = mass_flow_in * temperature_in + from_profile * ambient_temperature;
-            mass_flow_in += from_profile;
-            temperature_in = kelvin / (mass_flow_in + SMALLEST_FLOW);
-        }
-        Boundary {
+        let mut at = Boundary {
             position: self.position + self.velocity * t,
             velocity: self.velocity,
-            mass_flow_in,
-            temperature_in,
-            mass_flow_out: self.outflow + self.outflow_rate * t,
-            ambient_temperature,
+            mass_flow_in: self.inflow[0],
+            temperature_in: self.temperature_in,
+            mass_flow_out: self.outflow,
+            ambient_temperature: self.ambient_temperature,
             ambient_pressure: self.ambient_pressure,
+        };
+        if self.profiled {
+            at.ambient_temperature += self.ambient_temperature_rate * t;
+            at.mass_flow_out += self.outflow_rate * t;
+            // One inflow of the mean temperature.
+            let from_profile = self.inflow[1] + self.inflow_rate * t;
+            let kelvin = at.mass_flow_in * at.temperature_in + from_profile * at.ambient_temperature;
+            at.mass_flow_in += from_profile;
+            at.temperature_in = kelvin / (at.mass_flow_in + SMALLEST_FLOW);
         }
+        at
     }
 }
 
 impl Stretch<Lanes> {
-    /// Puts a stretch into a lane; [`Stretch::profiled`] is for all lanes alike.
+    /// Puts of a stretch what the rates read into a lane: no times and no position. [`Stretch::profiled`] is for all lanes alike.
     #[inline(always)]
     pub fn load(&mut self, lane: usize, from: &Stretch) {
-        self.elapsed[lane] = from.elapsed;
-        self.length[lane] = from.length;
-        self.position[lane] = from.position;
         self.velocity[lane] = from.velocity;
         self.inflow[0][lane] = from.inflow[0];
-        self.inflow[1][lane] = from.inflow[1];
-        self.inflow_rate[lane] = from.inflow_rate;
         self.temperature_in[lane] = from.temperature_in;
         self.outflow[lane] = from.outflow;
-        self.outflow_rate[lane] = from.outflow_rate;
         self.ambient_temperature[lane] = from.ambient_temperature;
-        self.ambient_temperature_rate[lane] = from.ambient_temperature_rate;
         self.ambient_pressure[lane] = from.ambient_pressure;
         self.clock.load(lane, &from.clock);
+        if self.profiled {
+            self.inflow[1][lane] = from.inflow[1];
+            self.inflow_rate[lane] = from.inflow_rate;
+            self.outflow_rate[lane] = from.outflow_rate;
+            self.ambient_temperature_rate[lane] = from.ambient_temperature_rate;
+        }
     }
 }
 

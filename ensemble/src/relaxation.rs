@@ -155,7 +155,7 @@ impl<'a> Gas<'a> {
         let temperature = self.temperature(relaxations);
         let capacity = contents.mass * balance.cv;
         let energy = capacity * temperature * effects::internal_energy(*set, &balance.chamber.effects, temperature);
-        let contents = Contents { energy, ..*contents };
+        let contents = Contents { energy, per_energy: energy.recip(), ..*contents };
         let (at, rates, _) = balance.evaluate_within(&Tight, *set, boundary, &contents, &NO_STATES);
         let warming = rates.energy * at.per_mass / at.cv;
         let mean = warms.where_positive(temperature, *wall);

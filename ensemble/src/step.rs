@@ -1,7 +1,7 @@
 //! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
 
 use crate::lanes::{Lanes, each_lane};
-use crate::tableau::{A, C, E3, E5, STAGES};
+use crate::tableau::{A, C, E3, E5, FIRST, STAGES};
 use chamber::real::Real;
 use core::ops::Range;
 
@@ -21,13 +21,14 @@ impl View<Lanes> {
     /// What will be seen a time `ahead`, as the cubics have it that lead here from `before` over a time `since`.
     #[inline(always)]
     pub fn extrapolated(&self, ahead: Lanes, before: &Self, since: Lanes) -> Self {
-        let x = ahead / since;
+        let per_since = since.recip();
+        let x = ahead * per_since;
         let mut view = *self;
         for i in 0..2 {
             let (way, from, to) = (self.value[i] - before.value[i], before.slope[i] * since, self.slope[i] * since);
             let (bend, twist) = (to * 2.0 + from - way * 3.0, from + to - way * 2.0);
             view.value[i] += ((twist * x + bend) * x + to) * x;
-            view.slope[i] = ((twist * x * 3.0 + bend * 2.0) * x + to) / since;
+            view.slope[i] = ((twist * x * 3.0 + bend * 2.0) * x + to) * per_since;
         }
         view
     }
@@ -224,7 +225,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     for stage in stages {
         for i in 0..system.moving() {
             let mut sum = k[0][i] * A[stage][0];
-            for j in 1..stage.min(STAGES - 1) {
+            for j in FIRST[stage]..stage.min(STAGES - 1) {
                 sum = multiply_add::<FUSED>(k[j][i], Lanes::from(A[stage][j]), sum);
             }
             at[i] = multiply_add::<FUSED>(sum, h, y[i]);

@@ -3,8 +3,6 @@
 use super::progress::{Progress, Telling};
 use crate::{output, stores, study_pictures};
 use anyhow::{Context, bail};
-use chamber::effects;
-use chamber::effects::empirical::{Balance, Curve};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -231,9 +229,6 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
     if let Some(note) = output::left_out(study.left_out) {
         text += &note;
     }
-    if has_a_curve_of_the_reading(study) {
-        text += "the model's curve of the reading is in time series only: the results are of the pressure before it\n";
-    }
     for name in &report.results {
         let _ = writeln!(text, "results: {name}");
     }
@@ -242,12 +237,6 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
         false => writeln!(text, "parts of other shards are missing: manifest.json is not yet written"),
     };
     text
-}
-
-/// Whether the model has a term that was read off the data and acts on what the sensor shows.
-fn has_a_curve_of_the_reading(study: &Study) -> bool {
-    let curve = effects::find("empirical").and_then(|(place, _)| Curve::of(study.model.chamber.effects.of(place)));
-    curve.is_some_and(|curve| curve.balance == Balance::Reading)
 }
 
 fn taken(report: &Report, earlier: &Earlier) -> String {

@@ -32,8 +32,8 @@ fn page() -> String {
             [code(o.name), o.unit.to_owned(), format!("{}{when}", o.doc)]
         }),
     );
-    page += "\nPressures are those that the sensor of the model shows, with its lag, delay, offset and drift. A curve of the reading (the \
-             effect\n`empirical` with `balance = \"reading\"`) is not in them; it is in the time series of `--traces`.\n";
+    page += "\nPressures are those that the sensor of the model shows, with its lag, delay, offset and drift, and with a curve of the \
+             reading\n(the effect `empirical` with `balance = \"reading\"`).\n";
     page += "\nand `status`, which is one of\n\n\
              - `ok`;\n\
              - `not_settled`: the test ends before the pressure has settled;\n\

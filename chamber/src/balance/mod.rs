@@ -158,7 +158,7 @@ impl<R: Real> Balance<R> {
     #[inline(always)]
     pub fn conditions(&self, set: EffectSet, boundary: &Boundary<R>, contents: &Contents<R>) -> Conditions<R> {
         let chamber = &self.chamber;
-        let Contents { mass, energy, volume, per_root } = *contents;
+        let Contents { mass, energy, volume, per_root, per_energy } = *contents;
         let Boundary { ambient_temperature, ambient_pressure, velocity, .. } = *boundary;
         let per_both = per_root * per_root;
         let (per_mass, per_volume) = (per_both * volume, per_both * mass);
@@ -172,6 +172,7 @@ impl<R: Real> Balance<R> {
             per_mass,
             per_volume,
             energy,
+            per_energy,
             eichelberg: self.heat_transfer_factor * energy * per_root,
             gas_temperature_at_wall: temperature,
             wall_temperature: ambient_temperature,

@@ -70,6 +70,8 @@ pub struct Conditions<R> {
     pub per_volume: R,
     /// P V/(γ − 1), J: with constant heat capacities the internal energy.
     pub energy: R,
+    /// Reciprocal of that, 1/J.
+    pub per_energy: R,
     /// λ, W/(m² K), before any effect.
     pub eichelberg: R,
     /// Temperature of the gas that touches the wall, K: the T of λ and Q̇.
@@ -176,13 +178,15 @@ pub struct Contents<R = f64> {
     pub volume: R,
     /// 1/√(m V), kg^-½ m^-1.5: the only root that λ(P, T) needs.
     pub per_root: R,
+    /// 1/U, 1/J.
+    pub per_energy: R,
 }
 
 impl<R: Real> Contents<R> {
     /// Of mass, kg, internal energy, J, and volume, m³.
     #[inline(always)]
     pub fn new(mass: R, energy: R, volume: R) -> Self {
-        Self { mass, energy, volume, per_root: (mass * volume).sqrt().recip() }
+        Self { mass, energy, volume, per_root: (mass * volume).sqrt().recip(), per_energy: energy.recip() }
     }
 }
 

@@ -145,6 +145,16 @@ pub trait Effect {
         reading
     }
 
+    /// Whether what the sensor shows over its reading has bends: [`Effect::bend`]. Such an effect comes after the others on
+    /// the reading, and between its bends [`Effect::reading`] is a straight line over the reading.
+    const BENDS: bool = false;
+
+    /// The first reading after `from` and before `to`, Pa, at which what the sensor shows bends; `to` where there is none.
+    #[inline(always)]
+    fn bend<R: Real>(_p: &[R], _from: R, to: R) -> R {
+        to
+    }
+
     /// How much later than the gas the record shows the gas's state, s.
     #[inline(always)]
     fn delay<R: Real>(_p: &[R]) -> R {

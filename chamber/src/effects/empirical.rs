@@ -226,30 +226,40 @@ fn called_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     inlined_curve(p, x)
 }
 
-/// Only the piece that x lies in is worked out: most of the cost is its division.
+/// Only the piece that x lies in is worked out: its division costs as much as the search. No lane waits for the last that has
+/// found its own: where that is would be guessed wrong each time.
 #[inline(always)]
 fn inlined_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);
-    // Of that piece: its length and how far x is beyond its begin, the values at its begin and end and their difference.
-    let (mut span, mut beyond) = (R::ONE, R::ONE);
-    let (mut begin, mut end, mut rise) = (values[0], values[0], R::ZERO);
+    // Knots and values at that piece's begin and end.
+    let (mut from, mut to) = (knots[0], knots[0]);
+    let (mut begin, mut end) = (values[0], values[0]);
     let mut open = R::ONE;
     for k in 1..KNOTS {
-        let [length, distance] = [knots[k] - knots[k - 1], x - knots[k - 1]];
         // The first knot that is not above the one before it ends the table.
-        open = open.min(length).min(distance);
-        if !open.any_positive() {
-            break;
-        }
-        span = open.where_positive(length, span);
-        beyond = open.where_positive(distance, beyond);
+        open = open.min(knots[k] - knots[k - 1]).min(x - knots[k - 1]);
+        from = open.where_positive(knots[k - 1], from);
+        to = open.where_positive(knots[k], to);
         begin = open.where_positive(values[k - 1], begin);
         end = open.where_positive(values[k], end);
-        rise = open.where_positive(values[k] - values[k - 1], rise);
     }
-    let steepness = rise / span;
-    let inside = span - beyond;
-    [inside.where_positive(begin + steepness * beyond, end), inside.where_positive(steepness, R::ZERO)]
+    // Below the first knot there is no piece: both ends are there, and the value is the first.
+    let inside = (to - from).min(to - x);
+    let steepness = (end - begin) / inside.where_positive(to - from, R::ONE);
+    [inside.where_positive(begin + steepness * (x - from), end), inside.where_positive(steepness, R::ZERO)]
+}
+
+/// The first knot after `from` and before `to` where `counts` is positive; else `to`.
+#[inline(always)]
+fn first_knot<R: Real>(p: &[R], counts: R, from: R, to: R) -> R {
+    if !counts.any_positive() {
+        return to;
+    }
+    let mut first = to;
+    for knot in &p[FIRST_KNOT..FIRST_VALUE] {
+        first = nearer(*knot, from, first);
+    }
+    counts.where_positive(first, to)
 }
 
 /// The variable at these conditions.
@@ -266,6 +276,9 @@ fn called_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
 #[inline(always)]
 fn inlined_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
     let mut x = at.pressure;
+    if !(-says(p[VARIABLE], Variable::Pressure as usize)).any_positive() {
+        return x;
+    }
     for variable in Variable::ALL {
         let is = says(p[VARIABLE], variable as usize);
         if is.any_positive() {
@@ -349,20 +362,21 @@ impl Effect for Empirical {
         is.where_positive(reading + curve(p, reading)[0], reading)
     }
 
+    const BENDS: bool = true;
+
+    /// The knots of a curve of the reading.
+    #[inline(always)]
+    fn bend<R: Real>(p: &[R], from: R, to: R) -> R {
+        first_knot(p, says(p[BALANCE], Balance::Reading as usize), from, to)
+    }
+
     const CORNERS: bool = true;
 
-    /// The knots of a curve over the pressure.
+    /// The knots of a curve over the pressure, but for one of the reading, which the gas knows nothing of.
     #[inline(always)]
     fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
         let of_pressure = says(p[VARIABLE], Variable::Pressure as usize);
-        if !of_pressure.any_positive() {
-            return to;
-        }
-        let mut first = to;
-        for knot in &p[FIRST_KNOT..FIRST_VALUE] {
-            first = nearer(*knot, from, first);
-        }
-        of_pressure.where_positive(first, to)
+        first_knot(p, of_pressure.min(-says(p[BALANCE], Balance::Reading as usize)), from, to)
     }
 
     const KINKS: usize = KNOTS + 1;
@@ -472,6 +486,17 @@ mod tests {
             assert_eq!(Curve::of(&one.parameters()), Some(one));
         }
         assert_eq!(Curve::of(&[0.0; PARAMETERS]), None);
+    }
+
+    #[test]
+    fn a_curve_of_the_reading_bends_at_its_knots_and_one_over_the_pressure_has_corners_there() {
+        let places = |balance, from: f64, to: f64| {
+            let p = curve_of(balance, Variable::Pressure, &[1e5, 2e5, 4e5], &[0.0, 1e3, 3e3]).parameters();
+            [Empirical::bend(&p, from, to), Empirical::corner(&p, 1e5, from, to)]
+        };
+        assert_eq!(places(Balance::Reading, 1e5, 5e5), [2e5, 5e5]);
+        assert_eq!(places(Balance::Reading, 5e5, 1e5), [4e5, 1e5]);
+        assert_eq!(places(Balance::HeatFlow, 1e5, 5e5), [5e5, 2e5]);
     }
 
     #[test]

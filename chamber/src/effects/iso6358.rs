@@ -66,12 +66,15 @@ impl<R: Real> Passage<R> {
         let warmth = out.where_positive(at.energy * at.mass * at.cv, self.temperature);
         let root = (flow_function(upstream, downstream, self.critical_ratio) * warmth).sqrt();
 
-        // 1/U upstream, and what the root is divided by: U of the gas or T outside. One division for both, and none by
-        // an outside from which nothing flows in, as that may be a vacuum.
-        let kelvin = out.where_positive(R::ONE, self.temperature);
-        let per_upstream_kelvin = (upstream * kelvin).recip();
-        let per_root = per_upstream_kelvin * out.where_positive(R::ONE, outside);
-        let fade = fade(downstream * kelvin * per_upstream_kelvin);
+        // 1/U upstream, and what the root is divided by: U of the gas or T outside. Of an outside from which gas flows in
+        // one division gives both; from others there is none, as they may be a vacuum.
+        let (mut per_upstream, mut per_root) = (at.per_energy, at.per_energy);
+        if (outside - at.energy).any_positive() {
+            let per_both = (out.where_positive(R::ONE, outside) * self.temperature).recip();
+            per_upstream = out.where_positive(per_upstream, per_both * self.temperature);
+            per_root = out.where_positive(per_root, per_both * outside);
+        }
+        let fade = fade(downstream * per_upstream);
         let flow = constant * at.expansion * at.per_volume * root * per_root * fade;
         flows.outflow += out.where_positive(flow, R::ZERO);
         flows.enter(out.where_positive(R::ZERO, flow), self.temperature);
@@ -84,7 +87,10 @@ impl<R: Real> Passage<R> {
 pub fn corner<R: Real>(critical_ratio: R, outside: R, from: R, to: R) -> R {
     // Outward the pressure is the outside's over the ratio. Multiplied through, as b may be zero.
     let choked = (outside - critical_ratio * from) * (critical_ratio * to - outside);
-    let mut first = choked.where_positive(outside / critical_ratio.max(R::from(f64::MIN_POSITIVE)), to);
+    let mut first = to;
+    if choked.any_positive() {
+        first = choked.where_positive(outside / critical_ratio.max(R::from(f64::MIN_POSITIVE)), to);
+    }
     if !(outside * (1.0 / STEEP_ABOVE) - from.min(to)).any_positive() {
         return first;
     }

@@ -7,6 +7,7 @@
 use super::{Effect, nearer};
 use crate::balance::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
+use crate::gas::Gas;
 use crate::real::Real;
 
 /// Laminar leak between the gas and its surroundings.
@@ -30,12 +31,22 @@ impl Effect for LaminarLeakage {
         ..Card::DEFAULT
     };
 
+    /// C/(2 R).
     #[inline(always)]
-    fn flows<R: Real>(p: &[R], _: R, at: &Conditions<R>, flows: &mut Flows<R>) {
+    fn constant<R: Real>(p: &[R], gas: &Gas<R>) -> R {
+        p[0] / (gas.gas_constant * 2.0)
+    }
+
+    #[inline(always)]
+    fn flows<R: Real>(_: &[R], constant: R, at: &Conditions<R>, flows: &mut Flows<R>) {
         let (inside, outside) = (at.pressure, at.ambient_pressure);
         let out = inside - outside;
-        let upstream = out.where_positive(at.temperature, at.ambient_temperature);
-        let flow = p[0] * out * (inside + outside) / (at.gas_constant * upstream * 2.0);
+        // 1/T is m cv/U.
+        let mut per_upstream = at.mass * at.cv * at.per_energy;
+        if (outside - inside).any_positive() {
+            per_upstream = out.where_positive(per_upstream, at.ambient_temperature.recip());
+        }
+        let flow = constant * out * (inside + outside) * per_upstream;
         flows.outflow += out.where_positive(flow, R::ZERO);
         flows.enter(out.where_positive(R::ZERO, -flow), at.ambient_temperature);
     }

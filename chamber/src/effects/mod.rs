@@ -242,6 +242,18 @@ macro_rules! effects {
             reading
         }
 
+        /// Effects with [`Effect::BENDS`].
+        pub const WITH_BENDS: EffectSet = EffectSet::of([$($module::$name::BENDS),*]);
+
+        /// [`Effect::bend`] of the effects in `set`: the first of all.
+        pub fn bend<R: Real>(set: EffectSet, values: &EffectValues<R>, from: R, to: R) -> R {
+            let mut first = to;
+            $(if set.has($module::$name::INDEX) {
+                first = $module::$name::bend($module::$name::values(values), from, first);
+            })*
+            first
+        }
+
         /// Effects with [`Effect::REMEMBERS`].
         pub const REMEMBERING: EffectSet = EffectSet::of([$($module::$name::REMEMBERS),*]);
 
@@ -435,6 +447,12 @@ mod tests {
                 assert!(!p.doc.is_empty() && !p.doc.ends_with('.'), "{}.{}", card.name, p.name);
             }
         }
+    }
+
+    #[test]
+    fn what_bends_the_reading_comes_after_all_else_that_the_sensor_does() {
+        let first = WITH_BENDS.iter().min();
+        assert!(of_sensor().iter().all(|effect| first.is_none_or(|first| effect < first)));
     }
 
     #[test]

@@ -72,6 +72,7 @@ impl Effect for TemperatureDependentHeatCapacity {
         at.pressure = at.pressure * rise;
         at.eichelberg = at.eichelberg * rise;
         at.energy = at.energy * rise * capacity;
+        at.per_energy = at.per_energy / (rise * capacity);
         at.temperature = temperature;
         at.gas_temperature_at_wall = temperature;
         at.cv = at.cv * capacity;

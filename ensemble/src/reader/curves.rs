@@ -18,7 +18,6 @@ impl Traces<'_> {
         }
         let mut lags = core::mem::take(&mut self.memory.lags);
         lags.clear();
-        lags.resize(self.memory.pieces.len(), Followed::default());
         let lagging: Vec<usize> = (0..self.rows.len())
             .filter(|&row| self.rows[row].sensor.lag > 0.0)
             .flat_map(|row| self.pieces_of(row))
@@ -31,13 +30,15 @@ impl Traces<'_> {
             let lag = Lanes::from_fn(|lane| self.of_segment(piece(lane).segment).0.sensor.lag);
             let found = arch.dispatch(Follow { inside, to_powers: &self.memory.to_powers, from, length, lag });
             for (lane, &index) in group.iter().enumerate() {
-                let Followed { pressure, kept, fed, .. } = found;
+                let Followed { pressure, from, length, kept, fed, .. } = found;
                 let pressure = pressure.map(|term| term[lane]);
-                lags[index] = Followed { pressure, kept: kept[lane], fed: fed[lane], begin: 0.0 };
+                self.memory.pieces[index].lag = lags.len() as u32;
+                let [from, length, kept, fed] = [from, length, kept, fed].map(|of| of[lane]);
+                lags.push(Followed { pressure, from, length, kept, fed, begin: 0.0 });
             }
         }
         for row in 0..self.rows.len() {
-            let Trace { plan, sensor, before } = self.rows[row];
+            let Trace { plan, sensor, before, .. } = self.rows[row];
             if sensor.lag == 0.0 {
                 continue;
             }
@@ -46,7 +47,7 @@ impl Traces<'_> {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
                 let elapsed = plan.stretches[segment.stretch as usize].elapsed;
                 let piece = &mut self.memory.pieces[index];
-                let Followed { pressure, kept, fed, begin } = &mut lags[index];
+                let Followed { pressure, kept, fed, begin, .. } = &mut lags[piece.lag as usize];
                 *begin = reading;
                 let gas = [pressure[0], pressure.iter().sum()];
                 let readings = [reading, reading * *kept + *fed];
@@ -84,21 +85,24 @@ impl Traces<'_> {
                 let times = [0, 1].map(|end| Lanes::from_fn(|lane| piece(lane).times[end]));
                 let sensor = |lane: usize| self.of_segment(piece(lane).segment).0.sensor;
                 let elapsed = |lane: usize| self.of_segment(piece(lane).segment).1.elapsed;
-                let offset = Lanes::from_fn(|lane| sensor(lane).shown(0.0, elapsed(lane)));
-                let drift = Lanes::from_fn(|lane| sensor(lane).drift);
+                let gain = Lanes::from_fn(|lane| piece(lane).straight.gain);
+                let level = Lanes::from_fn(|lane| piece(lane).straight.level);
+                let offset = level + gain * Lanes::from_fn(|lane| sensor(lane).shown(0.0, elapsed(lane)));
+                let drift = gain * Lanes::from_fn(|lane| sensor(lane).drift);
                 let question = question(numbers);
                 let answer = if lagging {
-                    let pressure =
-                        core::array::from_fn(|k| Lanes::from_fn(|lane| self.memory.lags[job(lane).piece].pressure[k]));
-                    let length = times[1] - times[0];
+                    let lag = |lane: usize| &self.memory.lags[piece(lane).lag as usize];
+                    let pressure = core::array::from_fn(|k| Lanes::from_fn(|lane| lag(lane).pressure[k]));
+                    let length = Lanes::from_fn(|lane| lag(lane).length);
                     let stiffness = length / Lanes::from_fn(|lane| sensor(lane).lag);
-                    let begin = Lanes::from_fn(|lane| self.memory.lags[job(lane).piece].begin);
+                    let begin = Lanes::from_fn(|lane| lag(lane).begin);
                     let lagged = Lagged { pressure, begin, stiffness };
-                    let reading = Lagging { lagged, from: times[0], per_length: length.recip(), offset, drift };
+                    let from = Lanes::from_fn(|lane| lag(lane).from);
+                    let reading = Lagging { lagged, from, per_length: length.recip(), gain, offset, drift };
                     arch.dispatch(Look { reading, times, question })
                 } else {
                     let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
-                    arch.dispatch(Look { reading: Prompt { inside, offset, drift }, times, question })
+                    arch.dispatch(Look { reading: Prompt { inside, gain, offset, drift }, times, question })
                 };
                 for (lane, &job) in group.iter().enumerate() {
                     jobs[job as usize].answer = answer.map(|answer| answer[lane]);
@@ -114,6 +118,9 @@ impl Traces<'_> {
 pub(super) struct Followed<R> {
     /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
     pressure: [R; TERMS],
+    /// Its begin and its length, s.
+    from: R,
+    length: R,
     kept: R,
     fed: R,
     /// The reading at its begin, Pa, as far as that is known.
@@ -134,17 +141,20 @@ impl WithSimd for Follow<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Self::Output {
-        let pressure = self.to_powers.of(&Interpolant::new(&self.inside), self.from, self.length);
-        let stiffness = self.length / self.lag;
+        let Self { inside, to_powers, from, length, lag } = self;
+        let pressure = to_powers.of(&Interpolant::new(&inside), from, length);
+        let stiffness = length / lag;
         let fed = Lagged { pressure, begin: Lanes::ZERO, stiffness }.at(Lanes::ONE);
-        Followed { pressure, kept: kept(stiffness), fed, begin: Lanes::ZERO }
+        Followed { pressure, from, length, kept: kept(stiffness), fed, begin: Lanes::ZERO }
     }
 }
 
-/// A sensor's reading that follows the gas at once; `I` are stencils, then interpolants.
+/// A record that follows the gas at once; `I` are stencils, then interpolants.
 pub(super) struct Prompt<I> {
     pub(super) inside: I,
-    /// What it shows too much at the segment's begin, Pa, and its rate, Pa/s.
+    /// How much it rises with the pressure.
+    pub(super) gain: Lanes,
+    /// What it shows beside at the segment's begin, Pa, and its rate, Pa/s.
     pub(super) offset: Lanes,
     pub(super) drift: Lanes,
 }
@@ -154,22 +164,24 @@ impl Reading for Prompt<Stencils> {
 
     #[inline(always)]
     fn curve(self) -> Self::Curve {
-        Prompt { inside: Interpolant::new(&self.inside), offset: self.offset, drift: self.drift }
+        let Self { inside, gain, offset, drift } = self;
+        Prompt { inside: Interpolant::new(&inside), gain, offset, drift }
     }
 }
 
 impl Curve for Prompt<Interpolant> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
-        self.inside.at(time) + (self.offset + self.drift * time)
+        self.inside.at(time) * self.gain + (self.offset + self.drift * time)
     }
 }
 
-/// A lagging sensor's reading.
+/// The record of a lagging sensor.
 struct Lagging {
     lagged: Lagged<Lanes>,
     from: Lanes,
     per_length: Lanes,
+    gain: Lanes,
     offset: Lanes,
     drift: Lanes,
 }
@@ -186,6 +198,6 @@ impl Reading for Lagging {
 impl Curve for Lagging {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
-        self.lagged.at((time - self.from) * self.per_length) + (self.offset + self.drift * time)
+        self.lagged.at((time - self.from) * self.per_length) * self.gain + (self.offset + self.drift * time)
     }
 }

@@ -4,8 +4,11 @@
 //! hand, all else is a matter of comparing. Only intervals that turn, the one in which the record settles, and with the
 //! regression those that hold samples are looked into, as many at once as there are lanes.
 
+mod bends;
 mod curves;
 mod regressions;
+
+pub use bends::Bends;
 
 use crate::filter::{CUTS, Sensor, ToPowers};
 use crate::finish::SETTLED;
@@ -15,6 +18,7 @@ use crate::look::{Look, Question};
 use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
 use crate::samples::POINTS;
+use bends::Straight;
 use chamber::real::Real;
 use curves::{Followed, Prompt};
 use pulp::Arch;
@@ -48,6 +52,7 @@ pub struct Answer {
 struct Trace<'a> {
     plan: &'a Plan,
     sensor: Sensor,
+    bends: Bends<'a>,
     /// Pressure of the gas before the test, Pa.
     before: f64,
 }
@@ -69,9 +74,11 @@ impl Trace<'_> {
             let mut piece = Piece {
                 segment,
                 knot: knot as u32,
+                lag: 0,
                 times: [begin.0, end.0],
                 shown: [begin.1, end.1],
                 slopes: [begin.2, end.2],
+                straight: Straight::READING,
             };
             // What a lagging sensor shows is found out later: `follow_lags`.
             while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
@@ -97,6 +104,7 @@ pub struct Memory {
     cut: Vec<Cut>,
     /// In the order of the pieces.
     turns: Vec<Turn>,
+    /// Of the pieces behind sensors that lag.
     lags: Vec<Followed<f64>>,
     to_powers: ToPowers,
     jobs: Vec<Job>,
@@ -111,23 +119,28 @@ struct Segment {
     knots: Range<usize>,
 }
 
-/// A part of a record between two knots, or of such a part where the sensor lags.
+/// A part of a record between two knots, or of such a part where the sensor lags or bends its reading.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     segment: u32,
     /// The knot at which its interval begins, of its segment's.
     knot: u32,
+    /// Its place among [`Memory::lags`], where the sensor lags.
+    lag: u32,
     /// Times of its ends from the segment's begin, s.
     times: [f64; 2],
-    /// What the record shows at both ends, Pa, and its slopes there, Pa/s.
+    /// What the record shows at both ends, Pa, and its slopes there, Pa/s; up to [`Traces::bend`], the reading.
     shown: [f64; 2],
     slopes: [f64; 2],
+    straight: Straight,
 }
 
 /// The pieces that a record is cut into.
 #[derive(Clone, Debug)]
 struct Cut {
     all: Range<usize>,
+    /// The reading at the begin of the first, Pa.
+    begin: f64,
     /// Those that it shows between the end of the push and the end of the test.
     shown: Range<usize>,
     /// Where it turns round in these.
@@ -172,8 +185,8 @@ impl<'a> Traces<'a> {
     }
 
     /// Begins the trace of a row: its pressure before the test, Pa.
-    pub fn begin(&mut self, plan: &'a Plan, sensor: Sensor, before: f64) {
-        self.rows.push(Trace { plan, sensor, before });
+    pub fn begin(&mut self, plan: &'a Plan, sensor: Sensor, bends: Bends<'a>, before: f64) {
+        self.rows.push(Trace { plan, sensor, bends, before });
     }
 
     /// Goes on with a stretch of that row, whose knots `fill` appends.
@@ -201,6 +214,7 @@ impl<'a> Traces<'a> {
     pub fn answers(&mut self, arch: Arch) -> Vec<Option<Answer>> {
         self.cut();
         self.follow_lags(arch);
+        self.bend(arch);
         self.find_turns(arch);
         self.memory.jobs.clear();
         let mut answers: Vec<Option<Answer>> = (0..self.rows.len()).map(|row| self.answer(row)).collect();
@@ -232,7 +246,8 @@ impl<'a> Traces<'a> {
                     shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
                 }
             }
-            cut.push(Cut { all: begin..pieces.len(), shown, turns: 0..0 });
+            let reading = pieces.get(begin).map_or(row.before, |first| first.shown[0]);
+            cut.push(Cut { all: begin..pieces.len(), begin: reading, shown, turns: 0..0 });
         }
     }
 
@@ -260,7 +275,7 @@ impl<'a> Traces<'a> {
         turns.extend(jobs.iter().map(|&Job { piece, answer: [time, shown, ..], .. }| Turn { piece, time, shown }));
     }
 
-    /// What the record of a row shows, Pa, at a time of the record, s, before the gas of the test arrives.
+    /// The reading of a row's sensor, Pa, at a time of the record, s, before the gas of the test arrives.
     fn before(&self, row: usize, time: f64) -> f64 {
         self.rows[row].sensor.shown(self.rows[row].before, time)
     }
@@ -268,20 +283,27 @@ impl<'a> Traces<'a> {
     /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
     fn answer(&mut self, row: usize) -> Option<Answer> {
         let Memory { pieces, cut, turns, .. } = &*self.memory;
-        let Cut { all, shown, turns: of_row } = &cut[row];
+        let Cut { all, shown, turns: of_row, .. } = &cut[row];
         if all.is_empty() {
             return None;
         }
-        let (plan, turns) = (self.rows[row].plan, &turns[of_row.clone()]);
+        let (Trace { plan, bends, sensor, .. }, turns) = (&self.rows[row], &turns[of_row.clone()]);
         let sign = if plan.expands { -1.0 } else { 1.0 };
         // The extreme is where the record begins, or ends a piece, or turns round.
-        let (mut pressure, mut peak) = (f64::NEG_INFINITY, None);
+        let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, plan.push_end);
         if plan.push_end < plan.delay {
-            pressure = sign * self.before(row, plan.push_end);
+            let [begin, end] = [plan.push_end, plan.delay.min(plan.duration)].map(|time| self.before(row, time));
+            pressure = sign * bends.shown(begin);
+            for reading in bends.between(begin, end) {
+                let shown = sign * bends.shown(reading);
+                if shown > pressure {
+                    (pressure, peak_time) = (shown, plan.push_end + (reading - begin) / sensor.drift);
+                }
+            }
         }
         let mut look = |piece: &Piece, time: f64, value: f64| {
             if sign * value > pressure {
-                (pressure, peak) = (sign * value, Some((piece.segment, time)));
+                (pressure, peak_time) = (sign * value, self.record_time(piece.segment, time));
             }
         };
         let shown_pieces = &pieces[shown.clone()];
@@ -294,8 +316,8 @@ impl<'a> Traces<'a> {
         for turn in turns {
             look(&pieces[turn.piece], turn.time, turn.shown);
         }
-        let peak_time = peak.map_or(plan.push_end, |(segment, time)| self.record_time(segment, time));
-        let pressure_final = shown_pieces.last().map_or_else(|| self.before(row, plan.duration), |last| last.shown[1]);
+        let at_rest = || bends.shown(self.before(row, plan.duration));
+        let pressure_final = shown_pieces.last().map_or_else(at_rest, |last| last.shown[1]);
         let pressure_peak = sign * pressure.max(sign * pressure_final);
         let band = SETTLED * (pressure_peak - pressure_final).abs();
         let band = band.max(ROUNDING * pressure_final.abs());
@@ -353,7 +375,7 @@ impl<'a> Traces<'a> {
                     self.of_segment(segment).1.clock.time(self.memory.knots[knots][knot as usize + end].at)
                 })
             });
-            let reading = Prompt { inside, offset: Lanes::ZERO, drift: Lanes::ZERO };
+            let reading = Prompt { inside, gain: Lanes::ONE, offset: Lanes::ZERO, drift: Lanes::ZERO };
             let found = arch.dispatch(Look { reading, times, question: Question::Turn });
             for (lane, &(segment, _)) in group.iter().enumerate() {
                 let row = self.memory.segments[segment as usize].row;
@@ -410,7 +432,8 @@ mod tests {
         for lag in [1e-4, 1e-3, 1e-2, 0.1, 1.0] {
             let mut memory = Memory::default();
             let mut traces = Traces::new(&mut memory);
-            traces.begin(&plan, Sensor { lag, offset: 0.0, drift: 0.0 }, start);
+            let bends = Bends::new(EffectSet::NONE, &chamber.effects);
+            traces.begin(&plan, Sensor { lag, offset: 0.0, drift: 0.0 }, bends, start);
             for (stretch, [from, to, steps]) in [[0.0, 0.04, 8.0], [0.04, 5.04, 30.0]].into_iter().enumerate() {
                 let clock = plan.stretches[stretch].clock;
                 traces.stretch(stretch, |knots| {

@@ -1,6 +1,6 @@
 //! Step 1 of the paper on the samples of traced records.
 
-use super::{Answer, Job, Memory, Traces};
+use super::{Answer, Cut, Job, Memory, Trace, Traces};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::Question;
 use crate::regression::{Part, Regression};
@@ -46,14 +46,21 @@ impl Traces<'_> {
     }
 
     /// Samples up to and at the begin of the pieces: before it a late record shows the gas before the test.
-    fn samples_before(&self, row: usize, first: f64) -> Option<Part> {
-        let piece = &self.memory.pieces[self.pieces_of(row)].first()?;
+    fn samples_before(&self, row: usize, mut first: f64, to: &mut Vec<Part>) {
+        to.clear();
+        let Cut { all, begin: at_begin, .. } = &self.memory.cut[row];
+        let Some(piece) = self.memory.pieces[all.clone()].first() else { return };
         let begin = self.record_time(piece.segment, piece.times[0]);
-        let samples = Samples { first, count: samples::after(begin) - first };
-        let at_begin = piece.shown[0];
-        let drift = self.rows[row].sensor.drift;
-        let pressure = samples.nodes().numbers.map(|number| at_begin + drift * (number / SAMPLE_RATE_HZ - begin));
-        (samples.count > 0.0).then_some(Part { samples, pressure })
+        let Trace { sensor, bends, .. } = &self.rows[row];
+        // So few samples are their own nodes, whatever the curve.
+        let most = if bends.is_none() { f64::INFINITY } else { POINTS as f64 };
+        while samples::after(begin) > first {
+            let samples = Samples { first, count: (samples::after(begin) - first).min(most) };
+            let reading = |number: f64| at_begin + sensor.drift * (number / SAMPLE_RATE_HZ - begin);
+            let pressure = samples.nodes().numbers.map(|number| bends.shown(reading(number)));
+            to.push(Part { samples, pressure });
+            first += samples.count;
+        }
     }
 
     /// Step 1 of the paper on the samples of each record from its peak on, from guesses of τ.
@@ -67,12 +74,11 @@ impl Traces<'_> {
         self.memory.jobs.clear();
         // Per job: the samples its piece holds.
         let mut held: Vec<Samples> = Vec::new();
-        let mut befores = vec![None; answers.len()];
+        let mut befores: Vec<Vec<Part>> = vec![Vec::new(); answers.len()];
         for row in 0..answers.len() {
             let Some(first) = firsts[row] else { continue };
-            let before = self.samples_before(row, first);
-            befores[row] = before;
-            let mut first = before.map_or(first, |part| first + part.samples.count);
+            self.samples_before(row, first, &mut befores[row]);
+            let mut first = first + befores[row].iter().map(|part| part.samples.count).sum::<f64>();
             let end = samples::after(self.rows[row].plan.duration);
             for index in self.pieces_of(row) {
                 let piece = &self.memory.pieces[index];
@@ -96,8 +102,8 @@ impl Traces<'_> {
             records.clear();
             let group = base..answers.len().min(base + WIDTH);
             for row in group.clone() {
-                if let Some(part) = befores[row] {
-                    records.add(row - base, part);
+                for part in &befores[row] {
+                    records.add(row - base, *part);
                 }
                 while let Some((job, samples)) = jobs.next_if(|(job, _)| row_of(job) == row) {
                     records.add(row - base, Part { samples, pressure: job.answer });

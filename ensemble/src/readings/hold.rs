@@ -9,6 +9,7 @@
 
 use crate::filter;
 use crate::lanes::Lanes;
+use crate::math::in_powers;
 use chamber::real::Real;
 use core::hint::black_box;
 
@@ -128,11 +129,7 @@ impl BehindLag {
         let Self { gas, per_lag, terms, fading, near: [power, distance, coefficient] } = self;
         let (since, left) = (time * *per_lag, (-(gas.rate * time)).exp());
         let faded = filter::kept(since);
-        let mut sum = terms[POWERS - 1];
-        for n in (0..POWERS - 1).rev() {
-            sum = sum * left + terms[n];
-        }
-        let mut reading = sum + *fading * faded;
+        let mut reading = in_powers(terms, left) + *fading * faded;
         if coefficient.abs().any_positive() {
             let x = *distance * since;
             let mut series = Lanes::ONE;

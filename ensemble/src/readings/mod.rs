@@ -182,7 +182,8 @@ impl<'a> Readings<'a> {
         let piece: [usize; WIDTH] = core::array::from_fn(piece);
         let times = [0, 1].map(|end| Lanes::from_fn(|lane| pieces[piece[lane]].times[end][lane]));
         let pushed = Lanes::from_fn(|lane| if piece[lane] < polynomials.len() { 1.0 } else { 0.0 });
-        let polynomial = polynomials.first().map(|_| {
+        let any_pushed = piece.iter().any(|piece| *piece < polynomials.len());
+        let polynomial = any_pushed.then(|| {
             let of = |lane: usize| &polynomials[piece[lane].min(polynomials.len() - 1)];
             let gas = core::array::from_fn(|term| Lanes::from_fn(|lane| of(lane).gas[term][lane]));
             Polynomial { gas, lagged: Lanes::from_fn(|lane| of(lane).lagged[lane]) }

@@ -44,7 +44,7 @@ pub struct Shown<'a> {
     pub times: [Lanes; 2],
     /// 1 where it is of the push, 0 where of the hold.
     pub pushed: Lanes,
-    /// That of the push, where any is.
+    /// That of the push, where any of the pieces is of it.
     pub polynomial: Option<Polynomial>,
     pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,

@@ -26,9 +26,12 @@ pub struct Pushed<'a> {
     panels: &'a [Panel<Lanes>],
     /// Positive where they are for a record.
     by_nodes: Lanes,
-    /// √V at the begin, and its rise.
+    /// √V at the begin, its rise, and the reciprocal of the sum of √V at both ends.
     root: Lanes,
     rise: Lanes,
+    per_sum: Lanes,
+    /// Reciprocal of the length of the push, 1/s.
+    per_push: Lanes,
 }
 
 impl<'a> Pushed<'a> {
@@ -48,21 +51,21 @@ impl<'a> Pushed<'a> {
                 panels.push(black_box(Panel::through(values, &RULE)));
             }
         }
-        let root = tests.from.sqrt();
-        Self { tests, nodes, panels, by_nodes, root, rise: tests.to.sqrt() - root }
+        let [root, end] = [tests.from.sqrt(), tests.to.sqrt()];
+        let (per_sum, per_push) = ((root + end).recip(), tests.push.recip());
+        Self { tests, nodes, panels, by_nodes, root, rise: end - root, per_sum, per_push }
     }
 
     /// Time since the end of the push, s, at a share of √V's way.
     #[inline(always)]
     pub fn time(&self, share: Lanes) -> Lanes {
-        let (rise, twice) = (self.rise, self.root * 2.0);
-        self.tests.push * (share * (twice + rise * share) / (twice + rise) - 1.0)
+        self.tests.push * (share * (self.root * 2.0 + self.rise * share) * self.per_sum - 1.0)
     }
 
     /// Share of √V's way at a time since the end of the push, s, and √V there.
     #[inline(always)]
     pub fn share(&self, time: Lanes) -> [Lanes; 2] {
-        let way = (time / self.tests.push + 1.0) * (self.root * 2.0 + self.rise);
+        let way = (time * self.per_push + 1.0) * (self.root * 2.0 + self.rise);
         let root = (self.root * self.root + self.rise * way).sqrt();
         [way / (root + self.root), root]
     }
@@ -91,7 +94,7 @@ impl<'a> Pushed<'a> {
         let [begin, end] = times.map(|time| self.share(time)[0]);
         let (parts, per_lag) = (self.tests.parts, lag.recip());
         // dt/dx = 2 (duration) √V/(√V0 + √V1), by the share x of √V's way.
-        let scale = (end - begin) * (self.tests.push * 2.0 / (self.root * 2.0 + self.rise)) * per_lag;
+        let scale = (end - begin) * (self.tests.push * 2.0 * self.per_sum) * per_lag;
         let mut sum = Lanes::ZERO;
         for index in 0..black_box(NODES) {
             let (place, weight) = node(index);
