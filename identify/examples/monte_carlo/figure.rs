@@ -6,7 +6,7 @@ use report::{Axis, Chart, Colour, Error, Mark, Series, chart};
 pub type Curve = Vec<(f64, f64, f64)>;
 
 const WEAKEST: f64 = 0.01;
-const COLUMNS: usize = 4;
+const COLUMNS: usize = 3;
 
 /// Panels of rates against strength on a logarithmic axis, as SVG.
 pub fn rates(curves: &[(&str, Curve)]) -> Result<String, Error> {
@@ -24,7 +24,7 @@ pub fn rates(curves: &[(&str, Curve)]) -> Result<String, Error> {
                     Series { points: named.clone(), colour: Colour::After, label: "", mark: Mark::Line(1.8) },
                     Series { points: named, colour: Colour::After, label: "", mark: Mark::Dots(2.4) },
                 ],
-                size: (240, 200),
+                size: (320, 210),
                 ..Chart::default()
             }
         })
