@@ -63,5 +63,11 @@ pub const PREDICTS_BETTER: f64 = 0.5;
 /// fast stroke between two rows, and the like.
 pub const NEXT_TO_NOTHING: f64 = 0.02;
 
+/// A rest this near to the pressure of the surroundings, once its unit is another, may be one with the port open: the weather
+/// moves a barometer by so much.
+pub const AT_AMBIENT: f64 = 0.02;
+/// Absolute pressures at which chambers on compressed air rest, Pa: from a vacuum generator's to that of a net of 10 bar.
+pub const COMPRESSED_AIR_PA: std::ops::RangeInclusive<f64> = 2.5e4..=1.2e6;
+
 /// λ0 that a gas in a cylinder can have, W/(m² K).
 pub const PLAUSIBLE_COEFFICIENT: std::ops::RangeInclusive<f64> = 1.0..=1000.0;

@@ -14,6 +14,7 @@ use crate::model::{check_rod, read_ambient};
 use crate::names::repeated;
 use crate::table::Table;
 use crate::trace::{Need, Reading, Trace, Window};
+use crate::units::Unit;
 use chamber::{AreaLaw, Geometry};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,8 @@ pub struct Rig {
     pub tolerance: Tolerance,
     /// Whether the file declares the pressures as gauge; the traces' pressures are absolute either way.
     pub gauge_pressures: bool,
+    /// The declared unit of the pressures, where no scale or offset is declared beside it.
+    pub pressure_unit: Option<&'static Unit>,
     /// The experiments, in the file's order.
     pub experiments: Vec<Experiment>,
 }
@@ -221,6 +224,7 @@ impl RigFile {
             accuracy_pa: read_accuracy(&root)?,
             tolerance: stated_tolerance.or(Tolerance::default_of(cylinder.bore_m, temperature_k.is_some())),
             gauge_pressures: layout.column(Quantity::Pressure).gauge,
+            pressure_unit: layout.column(Quantity::Pressure).plain_unit(Quantity::Pressure),
             experiments: Vec::new(),
         };
         let folder = document.path().parent().unwrap_or(Path::new(""));

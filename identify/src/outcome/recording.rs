@@ -10,6 +10,7 @@ use crate::policy::TOLERANCES;
 use crate::record::between_rows::Look;
 use crate::record::prepare::{Data, Prepared};
 use crate::record::readout::Between;
+use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
 use chamber::effects::{CARDS, EffectSet};
 use report::digits;
@@ -93,14 +94,15 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             data.ambient_temperature_k, data.tolerance.ambient_temperature_k
         ));
     }
-    let highest = data.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max);
-    if highest < data.ambient_pressure_pa {
+    let highest = data.highest_pressure_pa();
+    if highest < data.ambient_pressure_pa && data.unit_doubt.is_none() {
         out.push(format!(
             "no pressure reaches that of the surroundings: {} bar at most, of {} bar; check the unit of the pressure column",
             digits(highest * 1e-5, 3),
             digits(data.ambient_pressure_pa * 1e-5, 3)
         ));
     }
+    out.extend(data.unit_doubt.iter().map(Doubt::sentence));
     let noise = &data.noise;
     if let Some(stated) = noise.stated_pa.filter(|s| (s / noise.total_pa() - 1.0).abs() > 0.2) {
         out.push(format!("the rig states a noise of {stated:.1} Pa, the records show {:.1} Pa", noise.total_pa()));
