@@ -287,6 +287,13 @@ impl Data {
         self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max)
     }
 
+    /// Some of its records alone, with white noise: what was taken for coloured may be what records differ by.
+    pub fn of_records(&self, records: &[usize]) -> Self {
+        let noise = Noise { colours: Vec::new(), hum: None, ..self.noise.clone() };
+        let traces = records.iter().map(|k| self.traces[*k].clone()).collect();
+        Self { traces, ..self.clone() }.with_noise(noise)
+    }
+
     /// The same with another noise.
     pub fn with_noise(mut self, noise: Noise) -> Self {
         for t in &mut self.traces {
