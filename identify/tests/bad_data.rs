@@ -257,3 +257,13 @@ fn an_implausible_level_names_the_units_that_would_make_one_of_compressed_air() 
     let error = refused(&misdeclared(7, "bar", "Pa", false, &[]));
     assert!(error.to_string().contains("(is it in bar?)"), "{error}");
 }
+
+#[test]
+fn a_pressure_of_the_surroundings_in_another_unit_is_noted() {
+    let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
+    let notes = |rig: &Rig| identify::identify(rig, Method::Exact).unwrap().assumptions;
+    let is_note = |note: &String| note.contains("the pressure of the surroundings is stated as 0.0101 bar");
+    assert!(!notes(&rig).iter().any(|note| note.contains("weather and altitude")));
+    rig.ambient.pressure_pa = 1013.0;
+    assert!(notes(&rig).iter().any(is_note), "{:?}", notes(&rig));
+}

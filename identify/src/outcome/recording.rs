@@ -85,6 +85,9 @@ pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], residual_is_noise
         .collect()
 }
 
+/// Pressures of the surroundings where people work, Pa.
+const USUAL_AMBIENT_PA: std::ops::RangeInclusive<f64> = 5e4..=1.1e5;
+
 /// What was assumed where the rig says nothing, what was left out, what was noticed.
 pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let mut out = Vec::new();
@@ -92,6 +95,12 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
         out.push(format!(
             "the ambient temperature is not stated: {:.2} K assumed, ± {:.0} K; pressures alone do not determine it (lambda0 follows it to the power 1.5, and its interval includes that)",
             data.ambient_temperature_k, data.tolerance.ambient_temperature_k
+        ));
+    }
+    if !USUAL_AMBIENT_PA.contains(&data.ambient_pressure_pa) {
+        out.push(format!(
+            "the pressure of the surroundings is stated as {} bar, and weather and altitude make 0.5 to 1.1 bar of it: check [ambient] pressure_pa (1 bar is 1e5, 1 mbar 100)",
+            digits(data.ambient_pressure_pa * 1e-5, 3)
         ));
     }
     let highest = data.highest_pressure_pa();

@@ -107,6 +107,12 @@ pub enum TraceProblem {
         /// gauge or absolute, in the rig file or by default.
         expected: &'static str,
     },
+    /// A record that is there already.
+    #[error("the same rows are the record {} already; a copy is no repeat: leave one of them out, or give each its own from_s and to_s", other.display())]
+    Copy {
+        /// The record with the same rows.
+        other: std::path::PathBuf,
+    },
     /// A header without rows.
     #[error("there is no row after the header in line {line}")]
     NoRows {
