@@ -1,5 +1,6 @@
 //! What can be wrong with measured data, each with the number that gives it away.
 
+use crate::record::unit::Doubt;
 use std::path::PathBuf;
 
 /// Why a rig could not be identified or diagnosed.
@@ -29,13 +30,21 @@ pub enum Error {
         least: usize,
     },
     /// A pressure column in another unit than the rig says.
-    #[error("{}: half of the pressures are {} {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column (Pa, kPa, bar, psi)",
-        trace.display(), if *median_pa < 1e5 { "below" } else { "above" })]
+    #[error("{}: half of the pressures are {} {median_pa:.3} Pa, which no pneumatic chamber has; check the unit of the pressure column{}",
+        trace.display(), if *median_pa < 1e5 { "below" } else { "above" }, likely(units).unwrap_or_else(|| " (Pa, kPa, bar, psi)".to_owned()))]
     ImplausiblePressure {
         /// File of the trace.
         trace: PathBuf,
         /// Median of its pressures, Pa.
         median_pa: f64,
+        /// Units that would make one of compressed air of it.
+        units: Vec<&'static str>,
+    },
+    /// Absolute pressures in another unit than declared.
+    #[error("{}; if the unit is right, say scale = 1.0 in that column, and its values are taken as they are", doubt.sentence())]
+    OtherPressureUnit {
+        /// What speaks for it.
+        doubt: Doubt,
     },
     /// A heat transfer coefficient that no gas in a cylinder has.
     #[error("the records ask for lambda0 = {} W/(m2 K), and a gas in a cylinder has 1 to 1000; check the unit of the time column (the pressure relaxes over {} s), the bore, and whether pressure or position is recorded late",
@@ -71,8 +80,8 @@ pub enum Error {
         noise_m: f64,
     },
     /// The pressure does not answer the move.
-    #[error("{}: the pressure stays within {range_pa:.1} Pa while the piston moves {:.1} mm; is the column the right one, the chamber closed, the sensor alive?",
-        trace.display(), stroke_m * 1e3)]
+    #[error("{}: the pressure stays within {range_pa:.1} Pa while the piston moves {:.1} mm; is the column the right one, its unit right{}, the chamber closed, the sensor alive?",
+        trace.display(), stroke_m * 1e3, likely(units).unwrap_or_default())]
     ConstantPressure {
         /// File of the trace.
         trace: PathBuf,
@@ -80,6 +89,8 @@ pub enum Error {
         range_pa: f64,
         /// Extent of the position, m.
         stroke_m: f64,
+        /// Units in which it would answer.
+        units: Vec<&'static str>,
     },
     /// The sensor is at the end of its range.
     #[error("{}: the pressure sensor is saturated: {rows} rows in a row, from t = {from_s:.3} s on, read exactly {value_pa} Pa, the record's {}",
@@ -95,6 +106,19 @@ pub enum Error {
         value_pa: f64,
         /// Whether it is the upper end.
         high: bool,
+    },
+    /// Gauge pressures in another unit than declared.
+    #[error(
+        "the pressures seem to be gauge pressures in {unit}, not in {declared}: so read they leave {:.0} % of what model and records differ by; say unit = \"{unit}\" for the pressure column",
+        100.0 * share_left
+    )]
+    GaugeUnit {
+        /// The unit that the records ask for.
+        unit: &'static str,
+        /// The declared one.
+        declared: &'static str,
+        /// Misfit beyond noise with that unit, of that without.
+        share_left: f64,
     },
     /// Gauge pressure taken for absolute.
     #[error(
@@ -121,7 +145,7 @@ pub enum Error {
         ambient_pa: f64,
     },
     /// The geometry contradicts the pressures.
-    #[error("the geometry contradicts the pressures: they ask for a dead volume of {:.3} cm3 (± {:.3}), {:.0} % of the smallest swept volume below zero; check bore, rod and the position's offset and sign",
+    #[error("the geometry contradicts the pressures: they ask for a dead volume of {:.3} cm3 (± {:.3}), {:.0} % of the smallest swept volume below zero; check bore, rod, the position's offset and sign, and the unit of gauge pressures",
         dead_volume_m3 * 1e6, half_width_m3 * 1e6, -100.0 * dead_volume_m3 / swept_m3)]
     NegativeDeadVolume {
         /// Dead volume that fits, m³.
@@ -162,4 +186,9 @@ pub enum Error {
     /// From a method on a single trace.
     #[error("{0}")]
     Method(String),
+}
+
+/// Units that are worth a look, in brackets.
+fn likely(units: &[&str]) -> Option<String> {
+    (!units.is_empty()).then(|| format!(" (is it in {}?)", units.join(" or ")))
 }

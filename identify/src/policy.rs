@@ -63,5 +63,17 @@ pub const PREDICTS_BETTER: f64 = 0.5;
 /// fast stroke between two rows, and the like.
 pub const NEXT_TO_NOTHING: f64 = 0.02;
 
+/// A rest this near to the pressure of the surroundings, once its unit is another, may be one with the port open: the weather
+/// moves a barometer by so much.
+pub const AT_AMBIENT: f64 = 0.02;
+/// Absolute pressures at which chambers on compressed air rest, Pa: from a vacuum generator's to that of a net of 10 bar.
+pub const COMPRESSED_AIR_PA: std::ops::RangeInclusive<f64> = 2.5e4..=1.2e6;
+
+/// The paper's model's error, of the white noise, from which on records are looked at for those of another rig: a wrong volume
+/// or coefficient makes much more.
+pub const APART_FROM: f64 = 3.0;
+/// What two groups of records leave of that error's square when each is fitted alone, below which they are of two rigs.
+pub const APART: f64 = 0.1;
+
 /// λ0 that a gas in a cylinder can have, W/(m² K).
 pub const PLAUSIBLE_COEFFICIENT: std::ops::RangeInclusive<f64> = 1.0..=1000.0;

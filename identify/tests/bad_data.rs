@@ -3,6 +3,7 @@
 use identify::synthetic::Recipe;
 use identify::synthetic::outside::Outside;
 use identify::{Diagnosed, Error, Method};
+use records::units::{Quantity, Unit};
 use records::{Rig, Trace};
 
 fn spoilt(change: impl Fn(&mut Trace)) -> Error {
@@ -177,4 +178,92 @@ fn honest_gauge_pressures_pass_whatever_the_model_lacks() {
             identify::diagnose(&rig, &|_, _| ()).unwrap();
         }
     }
+}
+
+fn unit(name: &str) -> &'static Unit {
+    Quantity::Pressure.unit_spelled(name).unwrap()
+}
+
+/// A rig whose pressures, absolute or gauge, are in one unit and declared in another.
+fn misdeclared(seed: u64, truth: &str, declared: &str, gauge: bool, keep: &[&str]) -> Rig {
+    let mut rig = Recipe { repeats: 2, ..Recipe::from_seed(seed) }.rig();
+    rig.experiments.retain(|e| keep.is_empty() || keep.contains(&e.name.as_str()));
+    let zero = if gauge { rig.ambient.pressure_pa } else { 0.0 };
+    let ratio = unit(declared).factor / unit(truth).factor;
+    for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
+        pressures(t).iter_mut().for_each(|p| *p = zero + (*p - zero) * ratio);
+    }
+    (rig.gauge_pressures, rig.pressure_unit) = (gauge, Some(unit(declared)));
+    rig
+}
+
+#[test]
+fn absolute_pressures_in_another_unit_are_refused_where_some_rest_at_that_of_the_surroundings() {
+    for (truth, declared) in [("psi", "bar"), ("bar", "psi"), ("kPa", "bar"), ("MPa", "bar"), ("psi", "kPa")] {
+        let error = refused(&misdeclared(7, truth, declared, false, &[]));
+        assert!(
+            matches!(&error, Error::OtherPressureUnit { doubt } if doubt.unit == truth && doubt.at_ambient),
+            "{error}"
+        );
+        for part in [&format!("unit = \"{truth}\""), &format!("declared in {declared}"), "surroundings", "scale = 1.0"]
+        {
+            assert!(error.to_string().contains(part), "{error}");
+        }
+    }
+}
+
+#[test]
+fn absolute_pressures_that_may_be_right_get_a_note_and_with_a_scale_of_their_own_none() {
+    let found = |rig: &Rig| identify::identify(rig, Method::Exact).unwrap().assumptions;
+    // None at that of the surroundings; and at 10 bar, a usual level.
+    for (truth, declared, keep) in
+        [("psi", "bar", &["compress-3bar", "expand-5bar", "compress-part"][..]), ("bar", "MPa", &[])]
+    {
+        let mut rig = misdeclared(7, truth, declared, false, keep);
+        let notes = found(&rig);
+        let is_note =
+            |note: &String| note.contains(&format!("check the unit of the pressure column (unit = \"{truth}\")"));
+        assert!(notes.iter().any(is_note), "{notes:?}");
+        rig.pressure_unit = None;
+        assert!(!found(&rig).iter().any(is_note));
+    }
+}
+
+#[test]
+fn pressures_in_their_own_unit_are_not_doubted() {
+    for seed in 0..12 {
+        for declared in ["bar", "kPa", "psi", "MPa", "Pa"] {
+            let rig = misdeclared(seed, declared, declared, false, &[]);
+            let data = identify::record::prepare::Data::prepare(&rig).unwrap();
+            assert_eq!(data.unit_doubt, None, "{seed} {declared}");
+        }
+    }
+}
+
+#[test]
+fn gauge_pressures_in_another_unit_are_named_by_what_model_and_records_differ_by() {
+    let keep = ["compress-3bar", "expand-5bar", "compress-part"];
+    for (truth, declared) in [("psi", "bar"), ("bar", "psi"), ("kPa", "bar"), ("MPa", "bar")] {
+        let error = refused(&misdeclared(7, truth, declared, true, &keep));
+        assert!(matches!(error, Error::GaugeUnit { unit, .. } if unit == truth), "{truth} as {declared}: {error}");
+    }
+    // With records from the surroundings' pressure on the answer to the move is too small for any gas.
+    let error = refused(&misdeclared(7, "bar", "psi", true, &[]));
+    assert!(matches!(&error, Error::ConstantPressure { units, .. } if units[..] == ["bar"]), "{error}");
+}
+
+#[test]
+fn an_implausible_level_names_the_units_that_would_make_one_of_compressed_air() {
+    let error = refused(&misdeclared(7, "bar", "Pa", false, &[]));
+    assert!(error.to_string().contains("(is it in bar?)"), "{error}");
+}
+
+#[test]
+fn a_pressure_of_the_surroundings_in_another_unit_is_noted() {
+    let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
+    let notes = |rig: &Rig| identify::identify(rig, Method::Exact).unwrap().assumptions;
+    let is_note = |note: &String| note.contains("the pressure of the surroundings is stated as 0.0101 bar");
+    assert!(!notes(&rig).iter().any(|note| note.contains("weather and altitude")));
+    rig.ambient.pressure_pa = 1013.0;
+    assert!(notes(&rig).iter().any(is_note), "{:?}", notes(&rig));
 }

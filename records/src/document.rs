@@ -46,6 +46,15 @@ pub(crate) enum Value {
     Table(Vec<Entry>),
 }
 
+/// `bore_m = 0,02`
+fn has_decimal_comma(line: &str) -> bool {
+    let value = line.split('#').next().and_then(|line| line.split_once('=')).map_or("", |(_, value)| value.trim());
+    let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    value
+        .split_once(',')
+        .is_some_and(|(whole, decimals)| is_digits(whole.trim_start_matches('-')) && is_digits(decimals))
+}
+
 impl Document {
     /// Reads and parses the file.
     ///
@@ -73,6 +82,9 @@ impl Document {
             let source = text.lines().nth(line - 1).unwrap_or("");
             if source.contains('"') && source.contains('\\') {
                 message += "; write a path with a backslash in single quotes, or with forward slashes";
+            }
+            if !source.contains('"') && has_decimal_comma(source) {
+                message += "; numbers have a decimal point here, not a comma";
             }
             Error::Syntax { path: path.to_owned(), line, column, message }
         })?;

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::format::Format;
 use crate::key::{Bounds, KeyProblem};
 use crate::table::Table;
-use crate::units::{CLOCK, VOLT};
+use crate::units::{CLOCK, Unit, VOLT};
 
 pub use crate::format::Separator;
 pub use crate::units::Quantity;
@@ -25,18 +25,25 @@ pub struct Column {
     pub mapped: bool,
     /// Pressure above the surroundings', whose pressure is part of the offset.
     pub gauge: bool,
+    /// Whether the rig file states a scale or an offset, so that the unit is not just what the header says.
+    pub scaled: bool,
 }
 
 impl Column {
     fn default_of(quantity: Quantity) -> Self {
         let name = quantity.default_name().to_owned();
-        Self { name, unit: quantity.si_unit(), factor: 1.0, offset: 0.0, mapped: false, gauge: false }
+        Self { name, unit: quantity.si_unit(), factor: 1.0, offset: 0.0, mapped: false, gauge: false, scaled: false }
     }
 
     /// The SI value of a number in this column.
     #[inline]
     pub fn si(&self, number: f64) -> f64 {
         self.factor * number + self.offset
+    }
+
+    /// The unit of that quantity in which its numbers are, where no scale or offset changes them.
+    pub fn plain_unit(&self, quantity: Quantity) -> Option<&'static Unit> {
+        quantity.units().iter().find(|unit| unit.name == self.unit && !self.scaled && unit.name != VOLT)
     }
 
     /// Whether it holds clock times.
@@ -92,6 +99,7 @@ fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Optio
     let unit = table.choice("unit", &units)?.unwrap_or(units[0].1);
     let scale = read_scale(table, quantity, unit.name)?;
     let added = table.number("offset", &Bounds::Finite)?.unwrap_or(0.0);
+    let scaled = table.has("scale") || table.has("offset");
     let mut column = Column {
         name: name.trim().to_owned(),
         unit: unit.name,
@@ -99,6 +107,7 @@ fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Optio
         offset: unit.factor * added + unit.offset,
         mapped: true,
         gauge: table.choice("reference", &[("absolute", false), ("gauge", true)])?.unwrap_or(false),
+        scaled,
     };
     if column.gauge {
         column.offset += ambient_pressure_pa.ok_or_else(|| {

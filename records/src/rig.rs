@@ -13,7 +13,8 @@ use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
 use crate::model::{check_rod, read_ambient};
 use crate::names::repeated;
 use crate::table::Table;
-use crate::trace::{Need, Reading, Trace, Window};
+use crate::trace::{Need, Reading, Trace, TraceProblem, Window};
+use crate::units::Unit;
 use chamber::{AreaLaw, Geometry};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,8 @@ pub struct Rig {
     pub tolerance: Tolerance,
     /// Whether the file declares the pressures as gauge; the traces' pressures are absolute either way.
     pub gauge_pressures: bool,
+    /// The declared unit of the pressures, where no scale or offset is declared beside it.
+    pub pressure_unit: Option<&'static Unit>,
     /// The experiments, in the file's order.
     pub experiments: Vec<Experiment>,
 }
@@ -138,10 +141,18 @@ impl Rig {
             return Err(document.root().missing("experiment", "at least one [[experiment]] with its traces"));
         }
         let stroke_m = rig.cylinder.stroke_m;
+        let mut seen: Vec<(String, PathBuf, Window)> = Vec::new();
         for PlannedExperiment { name, traces, window } in plan {
             let reading = Reading { layout: &layout, stroke_m, window, need: Need::Measurement };
-            let traces = traces.iter().map(|path| Trace::read(path, &reading)).collect::<Result<_, _>>()?;
+            let traces: Vec<Trace> = traces.iter().map(|path| Trace::read(path, &reading)).collect::<Result<_, _>>()?;
+            for trace in &traces {
+                refuse_copy(trace, &window, &seen)?;
+                seen.push((trace.sha256.clone(), trace.path.clone(), window));
+            }
             rig.experiments.push(Experiment { name, traces });
+        }
+        if let Some(dead_volume) = rig.dead_volume {
+            check_dead_volume(document, &rig, dead_volume)?;
         }
         let recorded = rig.traces().all(|trace| trace.ambient_temperature_k.is_some());
         let ambient_known = rig.ambient.temperature_k.is_some() || recorded;
@@ -221,12 +232,44 @@ impl RigFile {
             accuracy_pa: read_accuracy(&root)?,
             tolerance: stated_tolerance.or(Tolerance::default_of(cylinder.bore_m, temperature_k.is_some())),
             gauge_pressures: layout.column(Quantity::Pressure).gauge,
+            pressure_unit: layout.column(Quantity::Pressure).plain_unit(Quantity::Pressure),
             experiments: Vec::new(),
         };
         let folder = document.path().parent().unwrap_or(Path::new(""));
         let plan = root.tables("experiment")?.into_iter().map(|table| read_experiment(&table, folder));
         Ok(Self { rig, stated_tolerance, layout, plan: plan.collect::<Result<_, _>>()? })
     }
+}
+
+/// Refuses rows that are part of another record as well: a copy is no repeat.
+fn refuse_copy(trace: &Trace, window: &Window, seen: &[(String, PathBuf, Window)]) -> Result<(), Error> {
+    let overlaps = |other: &Window| window.from_s < other.to_s && other.from_s < window.to_s;
+    match seen.iter().find(|(sha256, _, other)| *sha256 == trace.sha256 && overlaps(other)) {
+        Some((_, other, _)) => {
+            let problem = Box::new(TraceProblem::Copy { other: other.clone() });
+            Err(Error::Trace { path: trace.path.clone(), problem })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses a dead volume beside which no stroke would show in the pressure: litres or cubic centimetres taken for cubic metres.
+fn check_dead_volume(document: &Document, rig: &Rig, dead_volume: DeadVolume) -> Result<(), Error> {
+    /// Of the largest swept volume; a stroke then changes the pressure by a percent.
+    const LARGEST: f64 = 100.0;
+    let largest_m = rig.traces().flat_map(|trace| &trace.position_m).copied().fold(0.0, f64::max);
+    let swept_m3 = rig.cylinder.piston_area_m2 * largest_m;
+    if swept_m3 > 0.0 && dead_volume.value_m3 > LARGEST * swept_m3 {
+        let problem = format!(
+            "{:?} m3 is {:.0} times the largest swept volume, {:.3e} m3; 1 cm3 is 1e-6 m3",
+            dead_volume.value_m3,
+            dead_volume.value_m3 / swept_m3,
+            swept_m3
+        );
+        let table = document.root().required_table("cylinder")?;
+        return Err(table.refuse("dead_volume_m3", KeyProblem::Contradiction(problem)));
+    }
+    Ok(())
 }
 
 fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {

@@ -159,6 +159,38 @@ impl Quantity {
     }
 }
 
+/// A name without its unit, and the unit: in brackets, or after the last blank, slash or underscore.
+pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
+    let known = |text: &str| Quantity::ALL.into_iter().any(|quantity| quantity.unit_spelled(text).is_some());
+    // `bar(g)` ends in brackets of its own: the first bracket whose content is a unit counts.
+    let open = name.match_indices(['[', '(', '<']).map(|(at, _)| at);
+    for at in open {
+        let inside = name[at + 1..].trim_end().trim_end_matches([']', '>']);
+        let inside = if known(inside) { inside } else { inside.strip_suffix(')').unwrap_or(inside) };
+        if known(inside) {
+            return (&name[..at], Some(inside));
+        }
+    }
+    for (at, sign) in name.rmatch_indices([' ', '_', '/', ',', ';', ':']) {
+        let (stem, unit) = (&name[..at], &name[at + sign.len()..]);
+        if known(unit) && !stem.trim().is_empty() {
+            return (stem.strip_suffix(" in").unwrap_or(stem), Some(unit));
+        }
+    }
+    (name, None)
+}
+
+/// The unit that a column's name surely has: in brackets, or at its end where it is no other word (`p_atm`, `x_in`).
+pub fn sure_unit(name: &str) -> Option<&str> {
+    /// Units that are no other word.
+    const NO_OTHER_WORD: [&str; 11] = ["Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi", "ms", "us", "mm", "cm"];
+    let (stem, unit) = name_and_unit(name);
+    let unit = unit?;
+    let bracketed = name[stem.len()..].trim_start().starts_with(['[', '(', '<']);
+    let is_sure = |q: Quantity| q.unit_spelled(unit).is_some_and(|unit| NO_OTHER_WORD.contains(&unit.name));
+    (bracketed || Quantity::ALL.into_iter().any(is_sure)).then_some(unit)
+}
+
 /// A text without blanks and brackets around all of it.
 fn unbracketed(text: &str) -> &str {
     let mut text = text.trim();
@@ -199,6 +231,14 @@ mod tests {
         assert_eq!(name(Quantity::Position, "kPa"), None);
         assert!(says_absolute("(psia)") && says_absolute("bar abs") && !says_absolute("psig") && !says_absolute("bar"));
         assert!(says_gauge("(psig)") && says_gauge("[bar(g)]") && !says_gauge("psia") && !says_gauge("bar"));
+    }
+
+    #[test]
+    fn a_unit_in_a_name_is_sure_in_brackets_or_where_it_is_no_other_word() {
+        let units = ["Pressure (psi)", "P [bar]", "pressure_kPa", "Weg/mm", "T (C)", "x (in)"].map(sure_unit);
+        assert_eq!(units, ["psi", "bar", "kPa", "mm", "C", "in"].map(Some));
+        let none = ["p_atm", "x_in", "x_m", "t_min", "P_A", "Displacement meter", "P", "P (chamber A)"];
+        assert!(none.iter().all(|name| sure_unit(name).is_none()), "{:?}", none.map(sure_unit));
     }
 
     #[test]

@@ -251,3 +251,46 @@ fn a_folder_without_a_rig_file_is_told_how_to_get_one() {
     let message = RigFile::read(folder.path()).unwrap_err().to_string();
     assert!(message.contains("has no rig.toml; `pneutherm look"), "{message}");
 }
+
+#[test]
+fn a_copy_of_a_record_is_no_repeat_but_another_part_of_the_same_file_is_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = std::fs::read_to_string(Path::new(CASE_01).join("compress-ambient-1.csv")).unwrap();
+    for name in ["a.csv", "b.csv"] {
+        std::fs::write(folder.path().join(name), &one).unwrap();
+    }
+    let read = |experiments: &[&str]| {
+        let experiments: String = experiments.iter().map(|e| format!("[[experiment]]\nname = \"x\"\n{e}\n")).collect();
+        std::fs::write(folder.path().join("rig.toml"), format!("[cylinder]\nbore_m = 0.02\n{experiments}")).unwrap();
+        Rig::read(folder.path()).map_err(|error| error.to_string())
+    };
+    for copies in [&["traces = [\"a.csv\", \"b.csv\"]"][..], &["traces = [\"a.csv\"]", "traces = [\"a.csv\"]"]] {
+        let message = read(copies).unwrap_err();
+        assert!(message.contains("a.csv already; a copy is no repeat") && !message.contains('\n'), "{message}");
+    }
+    assert!(read(&["traces = [\"a.csv\"]\nto_s = 0.5", "traces = [\"a.csv\"]\nfrom_s = 0.5"]).is_ok());
+}
+
+#[test]
+fn a_dead_volume_beside_which_no_stroke_would_show_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(Path::new(CASE_01).join("compress-ambient-1.csv"), folder.path().join("a.csv")).unwrap();
+    let read = |dead_volume: &str| {
+        let rig = format!(
+            "[cylinder]\nbore_m = 0.02\ndead_volume_m3 = {dead_volume}\n[[experiment]]\nname = \"x\"\ntraces = [\"a.csv\"]\n"
+        );
+        std::fs::write(folder.path().join("rig.toml"), rig).unwrap();
+        Rig::read(folder.path()).map_err(|error| error.to_string())
+    };
+    let message = read("9.6").unwrap_err();
+    assert!(message.contains("line 3: cylinder.dead_volume_m3: ") && message.contains("1 cm3 is 1e-6 m3"), "{message}");
+    // A bottle of ten times the swept volume is none.
+    assert!(read("3.1e-4").is_ok());
+}
+
+#[test]
+fn a_decimal_comma_in_a_rig_file_is_told() {
+    refusal("[cylinder]\nbore_m = 0,02\n", &["line 2", "not valid TOML", "numbers have a decimal point here"]);
+    let message = parse("[cylinder]\nbore_m = 0.02 0.03\n").unwrap_err().to_string();
+    assert!(!message.contains("decimal point"), "{message}");
+}

@@ -507,3 +507,60 @@ mod any_bytes {
         }
     }
 }
+
+#[test]
+fn a_unit_in_a_column_s_name_that_contradicts_the_rig_is_refused() {
+    let rows = "0,14.7,0.1\n1,14.7,0.1\n2,14.7,0.1\n";
+    let bench = |more: &str| {
+        let pressure = format!("pressure = {{ {more} }}\n");
+        Bench::with_rig(&format!("[columns]\n{pressure}time = {{ name = \"t\" }}\nposition = {{ name = \"x\" }}\n"))
+    };
+    for name in ["Pressure (psi)", "P [psi]", "p_psi"] {
+        let text = format!("t,{name},x\n{rows}");
+        let message = bench(&format!("name = \"{name}\", unit = \"bar\"")).refusal(&text);
+        assert_says(&message, &[&format!("line 1, column `{name}`"), "unit is psi by its name", "but bar", "\"psi\""]);
+        assert_says(&message, &["name = \"column 2\""]);
+        // Right, by its number, and with a scale that makes the one of the other.
+        for right in ["unit = \"psi\"", "unit = \"bar\", scale = 0.0689476"] {
+            assert!(bench(&format!("name = \"{name}\", {right}")).read(&text).is_ok(), "{name}: {right}");
+        }
+        assert!(bench("name = \"column 2\", unit = \"bar\"").read(&text).is_ok());
+    }
+    // No unit, whatever it looks like.
+    assert!(bench("name = \"p_atm\", unit = \"bar\"").read(format!("t,p_atm,x\n{rows}")).is_ok());
+}
+
+#[test]
+fn volts_that_are_declared_as_a_pressure_without_a_scale_are_refused() {
+    let text = "Time,Ch 1,Ch 2\n(s),(V),(V)\n\n0,1,0.1\n1,1,0.1\n2,1,0.1\n";
+    let bench = |pressure: &str| {
+        let position = "position = { name = \"Ch 2\", unit = \"V\", scale = 0.1 }";
+        Bench::with_rig(&format!(
+            "[columns]\ntime = {{ name = \"Time\" }}\npressure = {{ name = \"Ch 1\", {pressure} }}\n{position}\n"
+        ))
+    };
+    let message = bench("unit = \"bar\"").refusal(text);
+    assert_says(
+        &message,
+        &["line 2, column `Ch 1`: these are volts", "but bar", "unit = \"V\" and scale, how many Pa"],
+    );
+    for right in ["unit = \"V\", scale = 1e5", "unit = \"bar\", scale = 1.0"] {
+        assert_eq!(bench(right).read(text).unwrap().pressure_pa.unwrap(), [1e5; 3]);
+    }
+}
+
+#[test]
+fn a_gauge_unit_in_a_file_that_the_rig_declares_absolute_is_refused_and_the_reverse() {
+    let read = |unit: &str, reference: &str| {
+        let columns = format!("pressure = {{ name = \"p ({unit})\", unit = \"bar\"{reference} }}\n");
+        let text = format!("time_s,p ({unit}),position_m\n0,1,0.1\n1,1,0.1\n2,1,0.1\n");
+        Bench::with_rig(&format!("[columns]\n{columns}")).read(text).map_err(|error| error.to_string())
+    };
+    for (unit, right, wrong) in [("barg", "gauge", ""), ("bara", "absolute", ", reference = \"gauge\"")] {
+        let message = read(unit, wrong).unwrap_err();
+        assert_says(&message, &["line 1", &format!("the pressure is {right} here (`{unit}`)"), "write reference"]);
+        assert!(read(unit, &format!(", reference = \"{right}\"")).is_ok());
+    }
+    // The offset may be that of the surroundings.
+    assert!(read("barg", ", offset = 1.013").is_ok());
+}

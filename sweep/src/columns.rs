@@ -212,10 +212,6 @@ pub fn properties(study: &Study, schema: &SchemaRef, extra: &[(&str, String)]) -
             DataType::Float64 if !is_discrete(study, field.name()) => {
                 properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT)
             }
-            // A dictionary says more than the first and the last of its words.
-            DataType::Dictionary(..) => properties
-                .set_column_statistics_enabled(path.clone(), EnabledStatistics::None)
-                .set_column_dictionary_enabled(path, true),
             _ => properties.set_column_dictionary_enabled(path, true),
         };
     }

@@ -193,6 +193,10 @@ POLICY = {
     "ACCURACY_OF_NOISE: f64 = 0.25": "by default a quarter of the noise",
     "PREDICTS_BETTER: f64 = 0.5": "the effects at least halve the systematic error",
     "NEXT_TO_NOTHING: f64 = 0.02": "leaves less than 2 % of the systematic misfit",
+    "AT_AMBIENT: f64 = 0.02": "within 2 % of the pressure of the surroundings",
+    "COMPRESSED_AIR_PA: std::ops::RangeInclusive<f64> = 2.5e4..=1.2e6": "outside 0.25 to 12 bar",
+    "APART_FROM: f64 = 3.0": "more than three times the white noise",
+    "APART: f64 = 0.1": "a tenth of its square",
     "PLAUSIBLE_COEFFICIENT: std::ops::RangeInclusive<f64> = 1.0..=1000.0": "a coefficient outside 1 to 1000 W/(m² K)",
 }
 

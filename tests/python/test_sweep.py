@@ -149,6 +149,18 @@ def test_readers_skip_row_groups_by_their_statistics(tmp_path, pneutherm):
     assert count % 500 == 0 and largest < 0.02
 
 
+def test_the_status_of_a_row_group_is_in_its_statistics(swept):
+    """A reader that looks for failed rows skips the groups that have none."""
+    for part in sorted((swept / "rows").iterdir()):
+        file = pq.ParquetFile(part)
+        for k in range(file.num_row_groups):
+            group = file.metadata.row_group(k)
+            columns = {group.column(i).path_in_schema: group.column(i) for i in range(group.num_columns)}
+            found = file.read_row_group(k, ["status"]).column("status").to_pylist()
+            statistics = columns["status"].statistics
+            assert (statistics.min, statistics.max) == (min(found), max(found))
+
+
 def test_readers_find_a_damaged_page_by_its_checksum(swept, tmp_path):
     part = sorted((swept / "rows").iterdir())[0]
     metadata = pq.ParquetFile(part).metadata

@@ -6,6 +6,8 @@ use crate::fit::{self, Fit};
 use crate::parameters::{Sizes, Slot};
 use crate::policy;
 use crate::record::prepare::Data;
+use crate::record::unit;
+use rayon::prelude::*;
 
 /// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume.
 pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
@@ -34,45 +36,73 @@ pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
     Err(Error::ImplausibleCoefficient { coefficient, time_constant_s })
 }
 
-/// Refuses gauge pressure that is declared absolute, and absolute pressure that is declared gauge: adding the ambient pressure to
-/// every reading, or taking it away again, takes away nine tenths of the misfit, and the offset that fits best is the ambient
-/// pressure within a seventh.
+/// Refuses gauge pressure that is declared absolute, absolute pressure that is declared gauge, and gauge pressure in another unit
+/// than declared: adding the right pressure to every reading takes away nine tenths of the misfit, and the one that fits best is
+/// that within a seventh.
+///
+/// Gauge pressures r times as large as they are, with r times the pressure of the surroundings added, are the absolute pressures
+/// times r, which a model fits as well as these.
 pub fn reference(data: &Data, fitted: &Fit) -> Result<(), Error> {
     const SHARE_LEFT: f64 = 0.1;
     const NEARLY: f64 = 0.15;
     let ambient_pa = data.ambient_pressure_pa;
-    let offset_pa = if data.gauge_pressures { -ambient_pa } else { ambient_pa };
-    // Readings that would be below vacuum are gauge.
-    if data.lowest_pressure_pa() + offset_pa <= 0.0 {
-        return Ok(());
-    }
-    let misfit = |share: f64| {
-        let shifted = shifted(data, share * offset_pa);
+    let misfit = |offset_pa: f64| {
+        let shifted = shifted(data, offset_pa);
         let h = &fitted.hypothesis;
         fit::fit(&shifted, h, fitted.rig.clone(), h.first_owns(&shifted), &fit::all_blocks(&shifted))
             .map_or(f64::INFINITY, |f| f.chi2)
     };
-    let corrected = misfit(1.0);
-    if corrected - fitted.blocks as f64 > SHARE_LEFT * (fitted.chi2 - fitted.blocks as f64) {
+    let beyond_noise = fitted.chi2 - fitted.blocks as f64;
+    let sign = if data.gauge_pressures { -1.0 } else { 1.0 };
+    let tried = [Shift { offset_pa: sign * ambient_pa, unit: None }].into_iter().chain(other_units(data));
+    // Readings that would be below vacuum are not so.
+    let tried: Vec<Shift> = tried.filter(|shift| data.lowest_pressure_pa() + shift.offset_pa > 0.0).collect();
+    let corrected = tried.into_par_iter().map(|shift| (misfit(shift.offset_pa), shift));
+    let Some((corrected, shift)) = corrected.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
+    let left = corrected - fitted.blocks as f64;
+    if left > SHARE_LEFT * beyond_noise {
         return Ok(());
     }
     // The parabola of χ² through three offsets.
-    let (low, high) = (misfit(0.9), misfit(1.1));
+    let (low, high) = (misfit(0.9 * shift.offset_pa), misfit(1.1 * shift.offset_pa));
     let curvature = low + high - 2.0 * corrected;
-    if curvature.is_finite() && curvature > 0.0 {
-        let best = 1.0 + 0.05 * (low - high) / curvature;
-        if (best - 1.0).abs() < NEARLY {
-            let half_width_pa =
-                1.96 * ambient_pa * (0.02 / curvature * (corrected / fitted.blocks as f64).max(1.0)).sqrt();
-            let offset_pa = best * ambient_pa;
-            return Err(if data.gauge_pressures {
-                Error::NotGauge { offset_pa, half_width_pa, ambient_pa }
-            } else {
-                Error::Gauge { offset_pa, half_width_pa, ambient_pa }
-            });
-        }
+    if !(curvature.is_finite() && curvature > 0.0) {
+        return Ok(());
     }
-    Ok(())
+    let best = 1.0 + 0.05 * (low - high) / curvature;
+    if (best - 1.0).abs() > NEARLY {
+        return Ok(());
+    }
+    let half_width_pa =
+        1.96 * shift.offset_pa.abs() * (0.02 / curvature * (corrected / fitted.blocks as f64).max(1.0)).sqrt();
+    let offset_pa = best * ambient_pa;
+    Err(match (shift.unit, data.gauge_pressures) {
+        (Some((declared, unit)), _) => Error::GaugeUnit { unit, declared, share_left: (left / beyond_noise).max(0.0) },
+        (None, true) => Error::NotGauge { offset_pa, half_width_pa, ambient_pa },
+        (None, false) => Error::Gauge { offset_pa, half_width_pa, ambient_pa },
+    })
+}
+
+/// What is added to every reading, and the declared and the other unit that this stands for.
+struct Shift {
+    offset_pa: f64,
+    unit: Option<(&'static str, &'static str)>,
+}
+
+/// Units that would make pressures of compressed air of gauge pressures.
+fn other_units(data: &Data) -> impl Iterator<Item = Shift> {
+    let (ambient_pa, highest_pa) = (data.ambient_pressure_pa, data.highest_pressure_pa());
+    let declared = data.pressure_unit.filter(|_| data.gauge_pressures);
+    declared.into_iter().flat_map(move |declared| {
+        let is_plausible = move |&(_, ratio): &(&str, f64)| {
+            let highest_pa = ambient_pa + (highest_pa - ambient_pa) / ratio;
+            highest_pa > 1.2 * ambient_pa && highest_pa < 2.0 * policy::COMPRESSED_AIR_PA.end()
+        };
+        unit::others(declared).filter(is_plausible).map(move |(unit, ratio)| Shift {
+            offset_pa: ambient_pa * (ratio - 1.0),
+            unit: Some((declared.name, unit)),
+        })
+    })
 }
 
 fn shifted(data: &Data, by_pa: f64) -> Data {

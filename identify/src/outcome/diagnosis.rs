@@ -10,6 +10,7 @@ use crate::outcome::over_sets;
 use crate::outcome::probability;
 use crate::outcome::read_off::Empirical;
 use crate::outcome::recording::{self, NoiseFound, RecordFound};
+use crate::outcome::rigs;
 use crate::parameters::{Model, names};
 use crate::record::prepare::Data;
 use crate::search::curve::ReadOff;
@@ -241,6 +242,8 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     };
     let steps = steps(&data, &found);
     let lambda0_budget = budget(&after.fit, adequacy.is_adequate(), &of_set, &after_side.parameters);
+    let is_open = found.verdict != Verdict::Explained;
+    let of_two_rigs = is_open.then(|| rigs::apart(&data, before.rmse_pa.fit, rigs::Overlap::Levels)).flatten();
     let diagnosis = Diagnosis {
         verdict: found.verdict.name(),
         effects,
@@ -261,7 +264,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         missing,
         undetermined: covariance::undetermined(&after.fit),
         next_experiments: next_experiment::next(&data, &found),
-        assumptions: recording::notes(&data, Some(&found)),
+        assumptions: recording::notes(&data, Some(&found)).into_iter().chain(of_two_rigs).collect(),
     };
     let paths = Search::new(&data, &found.baseline.fit).map(|s| s.paths().to_vec()).unwrap_or_default();
     Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, found }

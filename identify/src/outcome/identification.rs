@@ -8,6 +8,7 @@ use crate::fit::covariance::{Estimate, Undetermined, undetermined};
 use crate::judge::{adequacy, left_out, misfit, sanity};
 use crate::outcome::diagnosis::{Estimates, Rmse, as_map, parameters, uncertainty};
 use crate::outcome::recording::{notes, positions_too_far};
+use crate::outcome::rigs;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::record::prepare::{Data, Prepared};
 use crate::search::baseline;
@@ -156,18 +157,17 @@ fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
         .map_or(0.0, |(_, e)| 0.5 * (e.ci95[1] - e.ci95[0]) / first_volume(&data.traces[0]));
     parameters.push(("mass_kg".to_owned(), interval(mass, relative * mass, "kg")));
     let residuals = misfit::residuals(&data, &fit);
+    let rms_pa = misfit::rms(&data, &residuals);
+    let of_two_rigs = rigs::apart(&data, rms_pa, rigs::Overlap::LevelsAndPositions);
     Ok(Identification {
         method: Method::Exact.name(),
         parameters,
-        rmse_pa: Rmse {
-            fit: misfit::rms(&data, &residuals),
-            held_out: left_out::rmse(&data, &fit, &left_out::folds(&data)),
-        },
+        rmse_pa: Rmse { fit: rms_pa, held_out: left_out::rmse(&data, &fit, &left_out::folds(&data)) },
         noise_pa: data.noise.total_pa(),
         residual_is_noise: adequacy.is_adequate(),
         experiments: experiments(&data, steps, Some(&masses)),
         undetermined: undetermined(&fit),
-        assumptions: notes(&data, None).into_iter().chain(positions_too_far(&fit)).collect(),
+        assumptions: notes(&data, None).into_iter().chain(positions_too_far(&fit)).chain(of_two_rigs).collect(),
         uncertainty: Some(uncertainty(&fit, adequacy.is_adequate())),
         chamber: fit.possible_chamber(),
         ambient_temperature_k: data.ambient_temperature_k,

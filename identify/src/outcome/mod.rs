@@ -7,4 +7,5 @@ pub mod over_sets;
 pub mod probability;
 pub mod read_off;
 pub mod recording;
+pub mod rigs;
 pub mod validation;

@@ -10,6 +10,7 @@ use crate::policy::TOLERANCES;
 use crate::record::between_rows::Look;
 use crate::record::prepare::{Data, Prepared};
 use crate::record::readout::Between;
+use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
 use chamber::effects::{CARDS, EffectSet};
 use report::digits;
@@ -84,6 +85,9 @@ pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], residual_is_noise
         .collect()
 }
 
+/// Pressures of the surroundings where people work, Pa.
+const USUAL_AMBIENT_PA: std::ops::RangeInclusive<f64> = 5e4..=1.1e5;
+
 /// What was assumed where the rig says nothing, what was left out, what was noticed.
 pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let mut out = Vec::new();
@@ -93,14 +97,21 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             data.ambient_temperature_k, data.tolerance.ambient_temperature_k
         ));
     }
-    let highest = data.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max);
-    if highest < data.ambient_pressure_pa {
+    if !USUAL_AMBIENT_PA.contains(&data.ambient_pressure_pa) {
+        out.push(format!(
+            "the pressure of the surroundings is stated as {} bar, and weather and altitude make 0.5 to 1.1 bar of it: check [ambient] pressure_pa (1 bar is 1e5, 1 mbar 100)",
+            digits(data.ambient_pressure_pa * 1e-5, 3)
+        ));
+    }
+    let highest = data.highest_pressure_pa();
+    if highest < data.ambient_pressure_pa && data.unit_doubt.is_none() {
         out.push(format!(
             "no pressure reaches that of the surroundings: {} bar at most, of {} bar; check the unit of the pressure column",
             digits(highest * 1e-5, 3),
             digits(data.ambient_pressure_pa * 1e-5, 3)
         ));
     }
+    out.extend(data.unit_doubt.iter().map(Doubt::sentence));
     let noise = &data.noise;
     if let Some(stated) = noise.stated_pa.filter(|s| (s / noise.total_pa() - 1.0).abs() > 0.2) {
         out.push(format!("the rig states a noise of {stated:.1} Pa, the records show {:.1} Pa", noise.total_pa()));

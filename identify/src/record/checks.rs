@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::record::line::Line;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, extent};
+use crate::record::unit::Declared;
 use records::{Trace, correlation};
 use std::ops::Range;
 
@@ -24,16 +25,23 @@ pub fn rows(trace: &Trace) -> Result<(), Error> {
 }
 
 /// A move, a pressure that answers it the right way round, and a sensor within its range?
-pub fn trace(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout) -> Result<(), Error> {
+pub fn trace(
+    trace: &Trace,
+    pressure_pa: &[f64],
+    motion: &Motion,
+    readout: &Readout,
+    declared: Declared,
+) -> Result<(), Error> {
     let path = || trace.path.clone();
-    units(trace, pressure_pa)?;
+    units(trace, pressure_pa, declared)?;
     let (low, high) = extent(&trace.position_m);
     if !motion.segments.iter().any(|s| s.phase == Phase::Move) || high - low < 20.0 * motion.noise_m {
         return Err(Error::NoMove { trace: path(), range_m: high - low, noise_m: motion.noise_m });
     }
     let (least, most) = extent(pressure_pa);
     if most - least < 0.1 * (high - low) / high.abs().max(low.abs()) * least {
-        return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low });
+        let units = if low > 0.0 { declared.of_answer((least, most), high / low) } else { Vec::new() };
+        return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low, units });
     }
     saturation(trace, pressure_pa, motion, readout, (least, most))?;
     closed(trace, pressure_pa, motion)?;
@@ -45,12 +53,13 @@ pub fn trace(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Read
 }
 
 /// Pressures and times that no cylinder on a bench has: the unit of their column is wrong.
-fn units(trace: &Trace, pressure_pa: &[f64]) -> Result<(), Error> {
+fn units(trace: &Trace, pressure_pa: &[f64], declared: Declared) -> Result<(), Error> {
     let mut sorted = pressure_pa.to_vec();
     let middle = sorted.len() / 2;
     let median_pa = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
     if !PLAUSIBLE_PRESSURE_PA.contains(&median_pa) {
-        return Err(Error::ImplausiblePressure { trace: trace.path.clone(), median_pa });
+        let units = declared.of_level(median_pa);
+        return Err(Error::ImplausiblePressure { trace: trace.path.clone(), median_pa, units });
     }
     Ok(())
 }

@@ -13,4 +13,5 @@ pub mod readout;
 pub mod spline;
 pub mod stroke;
 pub mod true_stroke;
+pub mod unit;
 pub mod unresolved;

@@ -13,9 +13,11 @@ use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Spline, extent};
+use crate::record::unit::{self, Doubt};
 use crate::record::unresolved::{self, Unresolved};
 use crate::record::{checks, clock};
 use chamber::Gas;
+use records::units::Unit;
 use records::{Cylinder, Rig, Tolerance, Trace};
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -188,6 +190,10 @@ pub struct Data {
     pub ambient_pressure_pa: f64,
     /// Whether the rig declares its pressures as gauge, so that the ambient pressure has been added to the readings.
     pub gauge_pressures: bool,
+    /// The declared unit of the pressures, where their column has no scale of its own.
+    pub pressure_unit: Option<&'static Unit>,
+    /// What speaks for another one.
+    pub unit_doubt: Option<Doubt>,
     /// Names of the experiments.
     pub experiments: Vec<String>,
     /// The traces, experiment by experiment.
@@ -222,8 +228,9 @@ impl Data {
         }
         let records: Vec<(&[f64], f64)> = columns.iter().map(|c| (c.pressure_pa, c.row_s())).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
+        let declared = unit::Declared::of(rig);
         for (c, readout) in columns.iter_mut().zip(readouts) {
-            checks::trace(c.trace, c.pressure_pa, &c.motion, &readout)?;
+            checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared)?;
             c.readout = readout;
         }
         if columns.is_empty() {
@@ -249,7 +256,7 @@ impl Data {
         let smallest = smallest_position(&traces);
         // A twentieth of the smallest swept volume; where the positions count from elsewhere, so much that some is left.
         let first_guess = (0.05 * area * smallest.abs()).max(-1.2 * area * smallest);
-        Ok(Self {
+        let mut data = Self {
             gas: rig.gas.gas,
             cylinder: rig.cylinder,
             dead_volume_m3: rig.dead_volume.map_or(first_guess, |d| d.value_m3),
@@ -263,12 +270,28 @@ impl Data {
             noise,
             tolerance: rig.tolerance,
             accuracy_pa: rig.accuracy_pa,
-        })
+            pressure_unit: rig.pressure_unit,
+            unit_doubt: None,
+        };
+        data.unit_doubt = unit::check(&data, rig.pressure_unit)?;
+        Ok(data)
     }
 
     /// Lowest pressure of all rows, Pa.
     pub fn lowest_pressure_pa(&self) -> f64 {
         self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Highest pressure of all rows, Pa.
+    pub fn highest_pressure_pa(&self) -> f64 {
+        self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max)
+    }
+
+    /// Some of its records alone, with white noise: what was taken for coloured may be what records differ by.
+    pub fn of_records(&self, records: &[usize]) -> Self {
+        let noise = Noise { colours: Vec::new(), hum: None, ..self.noise.clone() };
+        let traces = records.iter().map(|k| self.traces[*k].clone()).collect();
+        Self { traces, ..self.clone() }.with_noise(noise)
     }
 
     /// The same with another noise.

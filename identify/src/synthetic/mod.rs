@@ -339,6 +339,7 @@ impl Recipe {
             accuracy_pa: None,
             tolerance: Tolerance::default_of(geometry.bore, true),
             gauge_pressures: false,
+            pressure_unit: None,
             experiments,
         }
     }

@@ -7,7 +7,7 @@ use crate::layout::{Column, Layout};
 use crate::limits::STANDARD_ATMOSPHERE_PA;
 use crate::statistics::{correlation, extremes, median};
 use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem, excel};
-use crate::units::{CLOCK, Quantity, Unit, VOLT, says_absolute, says_gauge};
+use crate::units::{CLOCK, Quantity, Unit, VOLT, name_and_unit, says_absolute, says_gauge};
 
 /// Positions that count from anywhere are first read with so much added, m.
 const FAR_M: f64 = 1e3;
@@ -113,6 +113,7 @@ impl Guess {
                 offset: column.unit.offset + column.offset_m + if column.gauge { STANDARD_ATMOSPHERE_PA } else { 0.0 },
                 mapped: true,
                 gauge: column.gauge,
+                scaled: false,
             };
         }
         layout
@@ -294,27 +295,6 @@ fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
 
 fn are_excel_days(values: &[f64]) -> bool {
     matches!(values, [from, .., to] if excel::are_days(*from, *to, values.len()))
-}
-
-/// A name without its unit, and the unit: in brackets, or after the last blank, slash or underscore.
-fn name_and_unit(name: &str) -> (&str, Option<&str>) {
-    let known = |text: &str| Quantity::ALL.into_iter().any(|quantity| quantity.unit_spelled(text).is_some());
-    // `bar(g)` ends in brackets of its own: the first bracket whose content is a unit counts.
-    let open = name.match_indices(['[', '(', '<']).map(|(at, _)| at);
-    for at in open {
-        let inside = name[at + 1..].trim_end().trim_end_matches([']', '>']);
-        let inside = if known(inside) { inside } else { inside.strip_suffix(')').unwrap_or(inside) };
-        if known(inside) {
-            return (&name[..at], Some(inside));
-        }
-    }
-    for (at, sign) in name.rmatch_indices([' ', '_', '/', ',', ';', ':']) {
-        let (stem, unit) = (&name[..at], &name[at + sign.len()..]);
-        if known(unit) && !stem.trim().is_empty() {
-            return (stem.strip_suffix(" in").unwrap_or(stem), Some(unit));
-        }
-    }
-    (name, None)
 }
 
 /// Words in lower case, parted where letters are no letters or become capital.

@@ -6,7 +6,7 @@ use super::read::{Need, Reading};
 use crate::format::Separator;
 use crate::layout::{Column, Quantity};
 use crate::nearest;
-use crate::units::{CLOCK, VOLT};
+use crate::units::{CLOCK, Unit, VOLT, says_absolute, says_gauge, sure_unit};
 
 /// The header, matched with the layout.
 pub struct Header<'a> {
@@ -55,18 +55,62 @@ fn needed(quantity: Quantity, column: &Column, need: Need) -> bool {
     }
 }
 
-/// Refuses a units line that contradicts the layout. A voltage may be scaled to any unit, a clock has none.
+/// Refuses a units line, or a unit in the column's name, that contradicts the layout. A voltage may be scaled to any unit, a clock
+/// has none, and a scale may make the one unit of the other.
 fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Column) -> Result<(), TraceProblem> {
-    let Some((line, units)) = &dialect.units else { return Ok(()) };
-    let unit = units.get(place).and_then(|unit| quantity.unit_spelled(unit));
-    match unit {
-        Some(unit)
-            if unit.name != column.unit && ![unit.name, column.unit].iter().any(|u| [VOLT, CLOCK].contains(u)) =>
-        {
-            let (found, expected) = (unit.name, column.unit);
-            Err(TraceProblem::OtherUnit { line: *line, column: column.name.clone(), found, expected })
-        }
-        _ => Ok(()),
+    let Some(said) = Said::of(dialect, quantity, place, column) else { return Ok(()) };
+    let Said { line, spelling, unit, in_name } = said;
+    let name = || column.name.clone();
+    let stated = quantity.units().iter().find(|unit| unit.name == column.unit);
+    if unit.name == VOLT && column.unit != VOLT && !column.scaled {
+        return Err(TraceProblem::Volts { line, column: name(), expected: column.unit, si: quantity.si_unit() });
+    }
+    if [unit.name, column.unit].iter().any(|u| [VOLT, CLOCK].contains(u)) {
+        return Ok(());
+    }
+    let is_scaled_to_it =
+        (column.factor.abs() / unit.factor - 1.0).abs() < 0.01 && stated.is_some_and(|s| s.offset == unit.offset);
+    if unit.name != column.unit && !is_scaled_to_it {
+        let (found, expected) = (unit.name, column.unit);
+        return Err(match in_name {
+            true => TraceProblem::UnitInName { line, column: name(), number: place + 1, found, expected },
+            false => TraceProblem::OtherUnit { line, column: name(), found, expected },
+        });
+    }
+    let reference = |gauge| if gauge { "gauge" } else { "absolute" };
+    // An offset of the column may be that of the surroundings.
+    let is_other = if column.gauge { says_absolute(spelling) } else { says_gauge(spelling) && !column.scaled };
+    if quantity == Quantity::Pressure && is_other {
+        let [found, expected] = [reference(!column.gauge), reference(column.gauge)];
+        let spelling = spelling.to_owned();
+        return Err(TraceProblem::OtherReference { line, column: name(), spelling, found, expected });
+    }
+    Ok(())
+}
+
+/// The unit that a file itself says a column has.
+struct Said<'d> {
+    /// The line that says so.
+    line: usize,
+    /// As it stands there.
+    spelling: &'d str,
+    unit: &'static Unit,
+    /// Whether the column's name says it, rather than a units line.
+    in_name: bool,
+}
+
+impl<'d> Said<'d> {
+    /// What the units line says or, where that says nothing, the name by which the rig file knows the column.
+    fn of(dialect: &'d Dialect, quantity: Quantity, place: usize, column: &Column) -> Option<Self> {
+        let of = |line, spelling, in_name| {
+            let unit = quantity.unit_spelled(spelling)?;
+            Some(Self { line, spelling, unit, in_name })
+        };
+        let by_line = dialect.units.as_ref().and_then(|(line, units)| of(*line, units.get(place)?.as_str(), false));
+        by_line.or_else(|| {
+            let name = dialect.names.get(place).filter(|name| **name == column.name.trim_start_matches('#').trim())?;
+            of(dialect.header?, sure_unit(name)?, true)
+        })
     }
 }
 

@@ -61,6 +61,58 @@ pub enum TraceProblem {
         /// That of the rig file, or the default.
         expected: &'static str,
     },
+    /// A column whose name has another unit than the rig file.
+    #[error(
+        "line {line}, column `{column}`: the unit is {found} by its name, but {expected} in the [columns] of the rig file; write unit = \"{found}\" or, if the name is wrong, name the column by its number: name = \"column {number}\""
+    )]
+    UnitInName {
+        /// The header's line.
+        line: usize,
+        /// Name of the column, as the header has it.
+        column: String,
+        /// Its number, from 1.
+        number: usize,
+        /// The unit in the name.
+        found: &'static str,
+        /// That of the rig file, or the default.
+        expected: &'static str,
+    },
+    /// Volts that nothing makes a pressure or position of.
+    #[error(
+        "line {line}, column `{column}`: these are volts here, but {expected} in the [columns] of the rig file; write unit = \"V\" and scale, how many {si} a volt is"
+    )]
+    Volts {
+        /// The line that says so.
+        line: usize,
+        /// Name of the column, as the header has it.
+        column: String,
+        /// The unit of the rig file, or the default.
+        expected: &'static str,
+        /// The SI unit.
+        si: &'static str,
+    },
+    /// A pressure that counts from elsewhere than the rig file says.
+    #[error(
+        "line {line}, column `{column}`: the pressure is {found} here (`{spelling}`), but {expected} in the [columns] of the rig file; write reference = \"{found}\""
+    )]
+    OtherReference {
+        /// The line that says so.
+        line: usize,
+        /// Name of the column, as the header has it.
+        column: String,
+        /// The unit as it is spelled there.
+        spelling: String,
+        /// gauge or absolute, in the file.
+        found: &'static str,
+        /// gauge or absolute, in the rig file or by default.
+        expected: &'static str,
+    },
+    /// A record that is there already.
+    #[error("the same rows are the record {} already; a copy is no repeat: leave one of them out, or give each its own from_s and to_s", other.display())]
+    Copy {
+        /// The record with the same rows.
+        other: std::path::PathBuf,
+    },
     /// A header without rows.
     #[error("there is no row after the header in line {line}")]
     NoRows {
