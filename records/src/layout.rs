@@ -25,14 +25,24 @@ pub struct Column {
     pub mapped: bool,
     /// Pressure above the surroundings', whose pressure is part of the offset.
     pub gauge: bool,
-    /// Whether the rig file states a scale or an offset, so that the unit is not just what the header says.
-    pub scaled: bool,
+    /// What of it the rig file states, rather than leaves as usual.
+    pub stated: Stated,
+}
+
+/// What the rig file states of a column.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stated {
+    /// The unit.
+    pub unit: bool,
+    /// A scale or an offset, so that the unit is not just what the file itself says.
+    pub scale: bool,
 }
 
 impl Column {
     fn default_of(quantity: Quantity) -> Self {
         let name = quantity.default_name().to_owned();
-        Self { name, unit: quantity.si_unit(), factor: 1.0, offset: 0.0, mapped: false, gauge: false, scaled: false }
+        let (unit, stated) = (quantity.si_unit(), Stated::default());
+        Self { name, unit, factor: 1.0, offset: 0.0, mapped: false, gauge: false, stated }
     }
 
     /// The SI value of a number in this column.
@@ -43,7 +53,7 @@ impl Column {
 
     /// The unit of that quantity in which its numbers are, where no scale or offset changes them.
     pub fn plain_unit(&self, quantity: Quantity) -> Option<&'static Unit> {
-        quantity.units().iter().find(|unit| unit.name == self.unit && !self.scaled && unit.name != VOLT)
+        quantity.units().iter().find(|unit| unit.name == self.unit && !self.stated.scale && unit.name != VOLT)
     }
 
     /// Whether it holds clock times.
@@ -99,7 +109,7 @@ fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Optio
     let unit = table.choice("unit", &units)?.unwrap_or(units[0].1);
     let scale = read_scale(table, quantity, unit.name)?;
     let added = table.number("offset", &Bounds::Finite)?.unwrap_or(0.0);
-    let scaled = table.has("scale") || table.has("offset");
+    let stated = Stated { unit: table.has("unit"), scale: table.has("scale") || table.has("offset") };
     let mut column = Column {
         name: name.trim().to_owned(),
         unit: unit.name,
@@ -107,7 +117,7 @@ fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Optio
         offset: unit.factor * added + unit.offset,
         mapped: true,
         gauge: table.choice("reference", &[("absolute", false), ("gauge", true)])?.unwrap_or(false),
-        scaled,
+        stated,
     };
     if column.gauge {
         column.offset += ambient_pressure_pa.ok_or_else(|| {

@@ -180,15 +180,16 @@ pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
     (name, None)
 }
 
-/// The unit that a column's name surely has: in brackets, or at its end where it is no other word (`p_atm`, `x_in`).
-pub fn sure_unit(name: &str) -> Option<&str> {
+/// The unit that a column's name surely has: in brackets or, unless only those count, at its end where it is no other word
+/// (`p_atm`, `x_in`).
+pub fn sure_unit(name: &str, only_in_brackets: bool) -> Option<&str> {
     /// Units that are no other word.
     const NO_OTHER_WORD: [&str; 11] = ["Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi", "ms", "us", "mm", "cm"];
     let (stem, unit) = name_and_unit(name);
     let unit = unit?;
     let bracketed = name[stem.len()..].trim_start().starts_with(['[', '(', '<']);
     let is_sure = |q: Quantity| q.unit_spelled(unit).is_some_and(|unit| NO_OTHER_WORD.contains(&unit.name));
-    (bracketed || Quantity::ALL.into_iter().any(is_sure)).then_some(unit)
+    (bracketed || !only_in_brackets && Quantity::ALL.into_iter().any(is_sure)).then_some(unit)
 }
 
 /// A text without blanks and brackets around all of it.
@@ -235,10 +236,12 @@ mod tests {
 
     #[test]
     fn a_unit_in_a_name_is_sure_in_brackets_or_where_it_is_no_other_word() {
-        let units = ["Pressure (psi)", "P [bar]", "pressure_kPa", "Weg/mm", "T (C)", "x (in)"].map(sure_unit);
+        let of = |name| sure_unit(name, false);
+        let units = ["Pressure (psi)", "P [bar]", "pressure_kPa", "Weg/mm", "T (C)", "x (in)"].map(of);
         assert_eq!(units, ["psi", "bar", "kPa", "mm", "C", "in"].map(Some));
         let none = ["p_atm", "x_in", "x_m", "t_min", "P_A", "Displacement meter", "P", "P (chamber A)"];
-        assert!(none.iter().all(|name| sure_unit(name).is_none()), "{:?}", none.map(sure_unit));
+        assert!(none.iter().all(|name| of(name).is_none()), "{:?}", none.map(of));
+        assert_eq!(["P [bar]", "pressure_kPa"].map(|name| sure_unit(name, true)), [Some("bar"), None]);
     }
 
     #[test]

@@ -515,10 +515,12 @@ fn a_unit_in_a_column_s_name_that_contradicts_the_rig_is_refused() {
         let pressure = format!("pressure = {{ {more} }}\n");
         Bench::with_rig(&format!("[columns]\n{pressure}time = {{ name = \"t\" }}\nposition = {{ name = \"x\" }}\n"))
     };
-    for name in ["Pressure (psi)", "P [psi]", "p_psi"] {
+    let expected = [("Pressure (psi)", ", unit = \"bar\"", "bar"), ("P [psi]", "", "Pa"), ("p_psi", "", "Pa")];
+    for (name, stated, unit) in expected {
         let text = format!("t,{name},x\n{rows}");
-        let message = bench(&format!("name = \"{name}\", unit = \"bar\"")).refusal(&text);
-        assert_says(&message, &[&format!("line 1, column `{name}`"), "unit is psi by its name", "but bar", "\"psi\""]);
+        let message = bench(&format!("name = \"{name}\"{stated}")).refusal(&text);
+        let but = format!("but {unit}");
+        assert_says(&message, &[&format!("line 1, column `{name}`"), "unit is psi by its name", &but, "\"psi\""]);
         assert_says(&message, &["name = \"column 2\""]);
         // Right, by its number, and with a scale that makes the one of the other.
         for right in ["unit = \"psi\"", "unit = \"bar\", scale = 0.0689476"] {
@@ -526,6 +528,8 @@ fn a_unit_in_a_column_s_name_that_contradicts_the_rig_is_refused() {
         }
         assert!(bench("name = \"column 2\", unit = \"bar\"").read(&text).is_ok());
     }
+    // What the rig file states counts more than the end of a name.
+    assert!(bench("name = \"p_psi\", unit = \"bar\"").read(format!("t,p_psi,x\n{rows}")).is_ok());
     // No unit, whatever it looks like.
     assert!(bench("name = \"p_atm\", unit = \"bar\"").read(format!("t,p_atm,x\n{rows}")).is_ok());
 }

@@ -3,7 +3,7 @@
 //! What the names leave open is taken from the values and said to be a guess.
 
 use crate::error::Error;
-use crate::layout::{Column, Layout};
+use crate::layout::{Column, Layout, Stated};
 use crate::limits::STANDARD_ATMOSPHERE_PA;
 use crate::statistics::{correlation, extremes, median};
 use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem, excel};
@@ -113,7 +113,7 @@ impl Guess {
                 offset: column.unit.offset + column.offset_m + if column.gauge { STANDARD_ATMOSPHERE_PA } else { 0.0 },
                 mapped: true,
                 gauge: column.gauge,
-                scaled: false,
+                stated: Stated::default(),
             };
         }
         layout

@@ -55,14 +55,15 @@ fn needed(quantity: Quantity, column: &Column, need: Need) -> bool {
     }
 }
 
-/// Refuses a units line, or a unit in the column's name, that contradicts the layout. A voltage may be scaled to any unit, a clock
-/// has none, and a scale may make the one unit of the other.
+/// Refuses a units line, or a unit in the column's name, that contradicts the layout: one in brackets (`p (psi)`), or one at the
+/// name's end (`p_psi`) where the rig file states none. A voltage may be scaled to any unit, a clock has none, and a scale may make
+/// the one unit of the other.
 fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Column) -> Result<(), TraceProblem> {
     let Some(said) = Said::of(dialect, quantity, place, column) else { return Ok(()) };
     let Said { line, spelling, unit, in_name } = said;
     let name = || column.name.clone();
     let stated = quantity.units().iter().find(|unit| unit.name == column.unit);
-    if unit.name == VOLT && column.unit != VOLT && !column.scaled {
+    if unit.name == VOLT && column.unit != VOLT && !column.stated.scale {
         return Err(TraceProblem::Volts { line, column: name(), expected: column.unit, si: quantity.si_unit() });
     }
     if [unit.name, column.unit].iter().any(|u| [VOLT, CLOCK].contains(u)) {
@@ -79,7 +80,7 @@ fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Colu
     }
     let reference = |gauge| if gauge { "gauge" } else { "absolute" };
     // An offset of the column may be that of the surroundings.
-    let is_other = if column.gauge { says_absolute(spelling) } else { says_gauge(spelling) && !column.scaled };
+    let is_other = if column.gauge { says_absolute(spelling) } else { says_gauge(spelling) && !column.stated.scale };
     if quantity == Quantity::Pressure && is_other {
         let [found, expected] = [reference(!column.gauge), reference(column.gauge)];
         let spelling = spelling.to_owned();
@@ -109,7 +110,7 @@ impl<'d> Said<'d> {
         let by_line = dialect.units.as_ref().and_then(|(line, units)| of(*line, units.get(place)?.as_str(), false));
         by_line.or_else(|| {
             let name = dialect.names.get(place).filter(|name| **name == column.name.trim_start_matches('#').trim())?;
-            of(dialect.header?, sure_unit(name)?, true)
+            of(dialect.header?, sure_unit(name, column.stated.unit)?, true)
         })
     }
 }
