@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail};
 use chamber::Chamber;
-use identify::outcome::diagnosis;
+use identify::outcome::estimates;
 use identify::{Diagnosed, Identification, Method, Validated};
 use records::{Model, Provenance, Rig, Rmse, Uncertainty};
 use std::path::Path;
@@ -80,7 +80,7 @@ fn model(
     }
 }
 
-fn rmse(of: &diagnosis::Rmse) -> Rmse {
+fn rmse(of: &estimates::Rmse) -> Rmse {
     Rmse { fit: of.fit, held_out: of.held_out }
 }
 

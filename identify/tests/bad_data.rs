@@ -234,7 +234,7 @@ fn pressures_in_their_own_unit_are_not_doubted() {
     for seed in 0..12 {
         for declared in ["bar", "kPa", "psi", "MPa", "Pa"] {
             let rig = misdeclared(seed, declared, declared, false, &[]);
-            let data = identify::record::prepare::Data::prepare(&rig).unwrap();
+            let data = identify::record::data::Data::prepare(&rig).unwrap();
             assert_eq!(data.unit_doubt, None, "{seed} {declared}");
         }
     }

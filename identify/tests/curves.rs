@@ -3,7 +3,7 @@
 use chamber::effects::empirical::{Balance, Variable};
 use identify::outcome::read_off::Empirical;
 use identify::parameters::names;
-use identify::record::prepare::Data;
+use identify::record::data::Data;
 use identify::search::{self, Found, Verdict};
 use identify::synthetic::{Outside, Recipe};
 

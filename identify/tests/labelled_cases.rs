@@ -4,7 +4,7 @@ use chamber::simulate::Start;
 use identify::fit::readings;
 use identify::outcome::diagnosis::Diagnosed;
 use identify::parameters::Setting;
-use identify::record::prepare::Data;
+use identify::record::data::Data;
 use records::Rig;
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! A chamber with the rod in it: its wall is barrel, rod and two annular faces, for who fits and who predicts alike.
 
 use chamber::{Geometry, HeatTransfer};
-use identify::record::prepare::Data;
+use identify::record::data::Data;
 use identify::search::{self, Found, Verdict};
 use identify::synthetic::Recipe;
 

@@ -6,7 +6,7 @@ use chamber::simulate::Start;
 use identify::fit::covariance;
 use identify::forward::{Run, Undisturbed};
 use identify::parameters::names;
-use identify::record::prepare::Data;
+use identify::record::data::Data;
 use identify::search::{self, Found, Verdict, baseline};
 use identify::synthetic::recording::{self, Disturbance, Scattered};
 use identify::synthetic::{Outside, Recipe, Shape};

@@ -2,8 +2,10 @@
 
 use crate::commands::{estimates, progress};
 use crate::{evaluation, output};
-use identify::outcome::diagnosis::{Diagnosis, Rmse, Unnamed};
+use identify::outcome::diagnosis::Diagnosis;
+use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
+use identify::outcome::unnamed::Unnamed;
 use records::Rig;
 use report::digits;
 use std::fmt::Write;

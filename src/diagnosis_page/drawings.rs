@@ -3,9 +3,9 @@
 use super::spectrum;
 use identify::Diagnosed;
 use identify::discrepancy::Variable;
-use identify::outcome::diagnosis::Unnamed;
 use identify::outcome::read_off::Empirical;
-use identify::record::prepare::Prepared;
+use identify::outcome::unnamed::Unnamed;
+use identify::record::data::Prepared;
 use identify::record::stroke::Phase;
 use report::Error;
 use report::document::Drawing;

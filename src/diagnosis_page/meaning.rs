@@ -1,6 +1,6 @@
 //! What a curve that was read off the data looks like, in one sentence. A hint for people, no verdict.
 
-use identify::outcome::diagnosis::Unnamed;
+use identify::outcome::unnamed::Unnamed;
 use report::digits;
 
 /// What the curve of a missing term points to; empty where it says nothing in particular.

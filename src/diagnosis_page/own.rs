@@ -1,7 +1,7 @@
 //! The table of records with the numbers that each has for itself.
 
 use super::quantities::{Quantity, spaced};
-use identify::outcome::diagnosis::Estimates;
+use identify::outcome::estimates::Estimates;
 use report::document::Table;
 
 /// A row for each record: the cells under `head`, then its own numbers, each column headed by what it is and its unit.

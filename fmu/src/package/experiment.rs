@@ -3,6 +3,7 @@
 //! An importer replays them to see whether it finds the same numbers. The FMU runs the first by itself where its host sets
 //! nothing.
 
+use super::related::{CSV, Related};
 use super::validation::{self, Validation};
 use crate::plant::leader::{Leader, PUSH_S};
 use crate::plant::simulation::{Kind, Simulation};
@@ -18,23 +19,6 @@ const PUSH_STEPS: u32 = 10;
 const STEPS: u32 = 200;
 /// Duration of the experiment, s.
 pub const DURATION_S: f64 = PUSH_S * STEPS as f64 / PUSH_STEPS as f64;
-
-/// A file of an experiment.
-pub struct Related {
-    /// Media type of the file, such as [`CSV`].
-    pub media: &'static str,
-    /// Name within [`FOLDER`].
-    pub name: String,
-    /// What it is to the experiment, as FMI-LS-REF names it.
-    pub role: &'static str,
-    /// What the file holds, in a sentence for people.
-    pub description: String,
-    /// Its content: XML, or a table with a header line.
-    pub text: String,
-}
-
-/// Media type of a table.
-pub const CSV: &str = "text/csv";
 
 /// Files of the experiments, by name within [`FOLDER`]; none where the start values make no chamber.
 pub fn files(starts: &Starts, validations: &[Validation]) -> Vec<(String, String)> {

@@ -4,6 +4,7 @@
 pub mod documentation;
 pub mod experiment;
 pub mod identity;
+pub mod related;
 pub mod signatures;
 pub mod validation;
 

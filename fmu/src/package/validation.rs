@@ -1,7 +1,7 @@
 //! A measured record inside an FMU: the recorded stroke as inputs, the start values that go with it, the measured pressure as
 //! the expected result.
 
-use super::experiment::{CSV, Related};
+use super::related::{CSV, Related};
 use crate::xml::line;
 use std::fmt::Write;
 

@@ -8,43 +8,12 @@ use super::port::Around;
 use super::rates::{Moment, Present, Sensor};
 use super::simulation::{Kind, Simulation};
 use super::states::{self, ALL, Origin, TRAVEL};
-use super::values::{BASE, INPUTS, OUTPUTS, Parameters, REALS, input, output};
+use super::tangent::{D, Here, Seed, lifted, moving, tangents};
+use super::values::{INPUTS, OUTPUTS, Parameters, input};
 use chamber::balance::{self, Balance, ENERGY, MASS, OWN, STATES};
 use chamber::dual::Dual;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
-
-type D = Dual<1>;
-
-/// A direction in the space of inputs, states and parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Seed {
-    /// Of the real parameters.
-    pub parameters: [f64; REALS],
-    /// Of the inputs.
-    pub inputs: [f64; INPUTS],
-    /// Of the states.
-    pub states: [f64; ALL],
-    /// Of the time since the start.
-    pub elapsed: f64,
-    /// Of the reading of a delay earlier.
-    pub delayed: f64,
-}
-
-impl Seed {
-    /// The direction in which nothing changes, to set components of.
-    pub const ZERO: Seed =
-        Seed { parameters: [0.0; REALS], inputs: [0.0; INPUTS], states: [0.0; ALL], elapsed: 0.0, delayed: 0.0 };
-
-    /// Effects whose parameters the direction changes: they count even where they are off.
-    fn effects(&self) -> EffectSet {
-        let changed = |&index: &usize| {
-            let range = effects::PARAMETER_OFFSETS[index]..effects::PARAMETER_OFFSETS[index + 1];
-            self.parameters[BASE..][range].iter().any(|d| *d != 0.0)
-        };
-        (0..effects::COUNT).filter(changed).collect()
-    }
-}
 
 /// States of effects that are off begin in equilibrium when the direction switches them on.
 fn with_fresh_states(moment: &Moment<'_, D>, seeded: EffectSet, on: EffectSet, mut states: [D; ALL]) -> [D; ALL] {
@@ -56,10 +25,6 @@ fn with_fresh_states(moment: &Moment<'_, D>, seeded: EffectSet, on: EffectSet, m
         states[OWN..STATES][own.clone()].copy_from_slice(&fresh[own]);
     }
     states
-}
-
-fn lifted<const N: usize>(values: &[f64; N], tangent: &[f64; N]) -> [D; N] {
-    core::array::from_fn(|i| Dual { value: values[i], tangent: [tangent[i]] })
 }
 
 /// Present inputs along a direction, with the piston where it is: it follows the position, or the way its velocity has
@@ -91,7 +56,7 @@ pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
     let around = Around::of(&u, parameters.choices.external_wall, parameters.critical_ratios());
     let mut moment = Moment { balance: &balance, set: now.plant.set, boundary: inputs::boundary(&u), around };
     let (states, sensor, origin) = if now.started {
-        (states_along(now, seed, &moment)?, sensor_along(now, seed, &balance), origin(now))
+        (states_along(now, seed, &moment)?, sensor_along(now, seed, &balance), here(now).lifted_origin())
     } else {
         let states = states::initial(&parameters, &balance.chamber, &moment.boundary);
         let origin = Origin { mass: states[MASS], energy: states[ENERGY], position: moment.boundary.position };
@@ -101,19 +66,6 @@ pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
     let states = with_fresh_states(&moment, seeded, now.plant.set, states);
     moment.set = now.plant.set.union(seeded);
     Ok(tangents(&moment.evaluate(&states, &sensor, &origin)))
-}
-
-fn tangents(all: &Present<D>) -> Present {
-    Present {
-        outputs: all.outputs.map(|d| d.tangent[0]),
-        states: all.states.map(|d| d.tangent[0]),
-        rates: all.rates.map(|d| d.tangent[0]),
-    }
-}
-
-fn origin(now: &Simulation) -> Origin<D> {
-    let Origin { mass, energy, position } = now.origin;
-    Origin { mass: mass.into(), energy: energy.into(), position: position.into() }
 }
 
 /// States at the present position: those the stroke leads to, and the direction's own.
@@ -129,6 +81,10 @@ fn states_along(now: &Simulation, seed: &Seed, moment: &Moment<'_, D>) -> Result
         state.tangent[0] += tangent;
     }
     Ok(states)
+}
+
+fn here(now: &Simulation) -> Here<'_> {
+    Here { parameters: &now.parameters, set: now.plant.set, origin: &now.origin, inputs: now.here() }
 }
 
 /// What the sensor's chain adds; a longer delay shows an earlier reading.
@@ -152,28 +108,5 @@ pub fn in_time(now: &Simulation) -> Result<[f64; OUTPUTS], Fault> {
         inputs[input::VELOCITY] = 0.0;
     }
     let seed = Seed { inputs, states: present.rates, elapsed: 1.0, delayed, ..Seed::ZERO };
-    Ok(moving(now, &seed, &present.states, |balance| sensor_along(now, &seed, balance)).outputs)
-}
-
-/// Rate of what the sensor shows before delay and drift, Pa/s, at the present states of a host that integrates.
-pub fn reading_rate(now: &Simulation) -> f64 {
-    let here = now.here();
-    let states = now.gas.states;
-    let sensor = Sensor { elapsed: 0.0, delayed: None };
-    let rates = now.moment(&here).evaluate(&states, &sensor, &now.origin).rates;
-    let mut inputs = [0.0; INPUTS];
-    inputs[input::POSITION] = here[input::VELOCITY];
-    let seed = Seed { inputs, states: rates, ..Seed::ZERO };
-    let sensor = |_: &Balance<D>| Sensor { elapsed: D::ZERO, delayed: None };
-    moving(now, &seed, &states, sensor).outputs[output::MEASURED_PRESSURE]
-}
-
-/// Derivatives where states and position change together: no stroke is taken up.
-fn moving(now: &Simulation, seed: &Seed, states: &[f64; ALL], sensor: impl Fn(&Balance<D>) -> Sensor<D>) -> Present {
-    let parameters = now.parameters.lift::<D>();
-    let balance = Balance::of(parameters.chamber());
-    let u = lifted(&now.here(), &seed.inputs);
-    let around = Around::of(&u, parameters.choices.external_wall, parameters.critical_ratios());
-    let moment = Moment { balance: &balance, set: now.plant.set, boundary: inputs::boundary(&u), around };
-    tangents(&moment.evaluate(&lifted(states, &seed.states), &sensor(&balance), &origin(now)))
+    Ok(moving(&self::here(now), &seed, &present.states, |balance| sensor_along(now, &seed, balance)).outputs)
 }

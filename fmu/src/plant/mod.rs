@@ -9,7 +9,8 @@
 //! | [`port`] | flow through a valve's port, ISO 6358 |
 //! | [`states`] | the states, their start, a stroke taken up at once |
 //! | [`rates`] | everything that can be asked of one moment |
-//! | [`derivatives`] | exact directional and time derivatives |
+//! | [`tangent`] | the equations along a direction |
+//! | [`derivatives`] | exact directional and time derivatives of a simulation |
 //! | [`step`] | one communication step, integrated inside |
 //! | [`corners`] | where the equations have corners: event indicators |
 //! | [`history`] | the sensor's past, for a delayed record |
@@ -27,4 +28,5 @@ pub mod simulation;
 pub mod states;
 pub mod step;
 pub mod stroke;
+pub mod tangent;
 pub mod values;

@@ -2,7 +2,6 @@
 //! time and states.
 
 use super::corners::{self, CORNERS, Piston, Rest, Sides};
-use super::derivatives;
 use super::fault::Fault;
 use super::history::{self, Reading, Record, Stretch};
 use super::inputs::{self, Inputs};
@@ -11,6 +10,7 @@ use super::port::Around;
 use super::rates::{Moment, Present, Sensor};
 use super::states::{self, ALL, Origin, TRAVEL};
 use super::step::{self, Gas, Plant};
+use super::tangent::{self, Here};
 use super::values::{BASE, INPUTS, Parameters, Starts, StrokeInput, input, output, parameter};
 use chamber::balance::{self, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, OWN_STATES};
@@ -526,8 +526,17 @@ impl Simulation {
 
     /// What the sensor shows now before delay and drift, with its rate where a record is kept.
     fn reading_now(&self) -> Reading {
-        let rate = if self.record.is_some() { derivatives::reading_rate(self) } else { 0.0 };
+        let rate = if self.record.is_some() { self.reading_rate() } else { 0.0 };
         Reading { time: self.time, value: self.reading(), rate }
+    }
+
+    /// The rate of that, Pa/s, at the present states of a host that integrates.
+    fn reading_rate(&self) -> f64 {
+        let Self { parameters, plant, origin, gas, .. } = self;
+        let here = Here { parameters, set: plant.set, origin, inputs: self.here() };
+        let sensor = Sensor { elapsed: 0.0, delayed: None };
+        let rates = self.moment(&here.inputs).evaluate(&gas.states, &sensor, origin).rates;
+        tangent::reading_rate(&here, &gas.states, rates)
     }
 
     /// The present moment as that of a completed step.

@@ -12,7 +12,7 @@ use super::inputs::{self, Inputs};
 use super::port::Around;
 use super::states::{self, ALL, HEAT, TRAVEL, WORK};
 use super::stroke::{Limits, Motion};
-use super::values::{Choices, Parameters, StrokeInput, input};
+use super::values::{Choices, Parameters, StrokeInput, input, parameter};
 use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES};
 use chamber::exact::Closed;
@@ -74,7 +74,7 @@ impl Plant {
             few_states: effects::own_states_of(chamber.active()) <= FEW_OWN_STATES,
             choices: parameters.choices,
             critical_ratios: parameters.critical_ratios(),
-            limits: parameters.limits(),
+            limits: Limits::of(parameters.real[parameter::STROKE]),
             tolerance,
             kilogram: Closed::filled(&chamber, chamber.gas.gas_constant, 1.0, 1.0, 0.0),
         }

@@ -1,6 +1,5 @@
 //! Places of inputs, outputs and parameters in their arrays, and parameters as a chamber. SI units.
 
-use super::stroke::{self, Limits};
 use chamber::effects::{EffectValues, PARAMETERS};
 use chamber::real::Real;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer, paper};
@@ -177,13 +176,6 @@ impl<R: Real> Parameters<R> {
     /// The same in another number type.
     pub fn lift<S: Real + From<R>>(&self) -> Parameters<S> {
         Parameters { real: self.real.map(S::from), choices: self.choices }
-    }
-}
-
-impl Parameters {
-    /// How far the piston can go.
-    pub fn limits(&self) -> Limits {
-        stroke::Limits::of(self.real[parameter::STROKE])
     }
 }
 

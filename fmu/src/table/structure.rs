@@ -3,12 +3,13 @@
 //! both kinds of simulation: it is the union of what each depends on.
 
 use super::{Role, Type, Variable, table};
-use crate::plant::derivatives::{self, Seed};
+use crate::plant::derivatives;
 use crate::plant::history::Record;
 use crate::plant::rates::Present;
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::states::{self, Origin};
 use crate::plant::step::Gas;
+use crate::plant::tangent::Seed;
 use crate::plant::values::{BASE, Starts, StrokeInput, input, parameter, start_inputs};
 use chamber::balance::{self, ENERGY, MASS, OWN};
 use chamber::card::{Card, Kind as Holds};

@@ -12,9 +12,10 @@ mod sets;
 use chamber::effects::CARDS;
 use identify::fit::{self, Fit, Linear};
 use identify::judge::misfit;
-use identify::outcome::diagnosis;
-use identify::parameters::names;
-use identify::record::prepare::{Block, Data, Prepared};
+use identify::outcome::{diagnosis, estimates};
+use identify::parameters::{Model, names};
+use identify::record::block::Block;
+use identify::record::data::{Data, Prepared};
 use identify::search::{self, Found, Verdict};
 use identify::synthetic::visibility;
 use rayon::prelude::*;
@@ -89,7 +90,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
         truth.geometry.dead_volume = truth.geometry.dead_volume.max(0.0);
         let truth = h.coordinates(&truth);
         for ((name, e), (axis, x)) in
-            diagnosis::parameters(&data, &settled.fit, true).iter().zip(h.axes.iter().zip(truth))
+            estimates::parameters(&data, &settled.fit, true).iter().zip(h.axes.iter().zip(truth))
         {
             let half = (e.ci95[1] - e.ci95[0]) / 3.92;
             let _ = write!(deviations, "{name}:{:.3};", (e.value - axis.value(x)) / half);
@@ -146,10 +147,10 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     for c in std::iter::once(&t.baseline).chain(&t.tried) {
         let held_out = c.held_out_pa.map_or("–".to_owned(), |h| format!("{h:.2}"));
         let found: Vec<String> =
-            diagnosis::parameters(&data, &c.fit, true).iter().map(|(n, e)| format!("{n} {:.4e}", e.value)).collect();
+            estimates::parameters(&data, &c.fit, true).iter().map(|(n, e)| format!("{n} {:.4e}", e.value)).collect();
         println!(
             "{:40} chi2 {:10.1} dBIC {:9.1} held out {held_out} {} iterations {} bounds {:?}",
-            diagnosis::terms(&c.model),
+            c.model.words(),
             c.fit.marginal,
             c.delta_bic,
             found.join(" "),
@@ -182,8 +183,8 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     println!(
         "{:?}: {}; alike {:?}",
         t.verdict,
-        diagnosis::terms(&t.chosen.model),
-        t.alike.iter().map(diagnosis::terms).collect::<Vec<_>>()
+        t.chosen.model.words(),
+        t.alike.iter().map(Model::words).collect::<Vec<_>>()
     );
     Ok(())
 }

@@ -14,7 +14,7 @@ mod path;
 use crate::fit::covariance::project_out;
 use crate::fit::{self, Fit};
 use crate::forward::Run;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use chamber::effects::empirical::{self, Balance};
 use family::{CURVES, FAMILIES};
 pub use family::{Variable, quantity};

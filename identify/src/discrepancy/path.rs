@@ -3,7 +3,7 @@
 use super::family::Variable;
 use crate::fit::{self, Fit};
 use crate::forward::Undisturbed;
-use crate::record::prepare::Prepared;
+use crate::record::data::Prepared;
 use crate::record::stroke::Phase;
 use chamber::effects;
 

@@ -11,7 +11,7 @@ use super::linear::{Failure, Linear, Linearised, Selection, linearise, residuals
 use super::moved;
 use crate::parameters::{Axis, Hypothesis, Own};
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use nalgebra::DVector;
 
 /// When a descent ends.

@@ -5,7 +5,7 @@ use super::linear::Linear;
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
 use crate::policy;
 use crate::record::between_rows::Look;
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
 use chamber::effects::{self, CARDS, EffectValues};
 use nalgebra::{DMatrix, DVector};

@@ -2,7 +2,8 @@
 
 use crate::forward::Run;
 use crate::parameters::{Hypothesis, Setting};
-use crate::record::prepare::{Block, Data, Prepared};
+use crate::record::block::Block;
+use crate::record::data::{Data, Prepared};
 use chamber::dual::Dual;
 use chamber::effects::EffectSet;
 use chamber::integrate::IntegrationError;

@@ -19,7 +19,7 @@ mod linear;
 pub mod whiten;
 
 use crate::parameters::{Hypothesis, Model};
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use bordered::System;
 pub use descent::{Descent, Until, descend};
 pub use found::Fit;

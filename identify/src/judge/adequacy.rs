@@ -8,7 +8,7 @@ use crate::discrepancy::{Missing, Search};
 use crate::fit::Fit;
 use crate::judge::misfit;
 use crate::policy::{FAMILY_PROBABILITY, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS, TOLERANCES};
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// What the tests say.

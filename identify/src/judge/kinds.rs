@@ -8,7 +8,7 @@
 use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Whether some effect that the records have for themselves follows the kind of test, beyond what its own uncertainty allows.

@@ -7,7 +7,7 @@
 
 use crate::fit::{self, Fit, readings};
 use crate::parameters::{Hypothesis, Own};
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::record::stroke::extent;
 use chamber::dual::Dual;
 use chamber::integrate::IntegrationError;

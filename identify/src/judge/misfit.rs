@@ -6,7 +6,7 @@
 
 use crate::fit::{self, Fit, readings};
 use crate::parameters::Setting;
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::record::stroke::Phase;
 use chamber::effects::EffectSet;
 use chamber::integrate::IntegrationError;

@@ -5,7 +5,7 @@ use crate::fit::covariance::covariance;
 use crate::fit::{self, Fit};
 use crate::parameters::{Sizes, Slot};
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use crate::record::unit;
 use rayon::prelude::*;
 

@@ -1,36 +1,26 @@
 //! What a diagnosis says: the contract's JSON, the numbers of the report, the model that follows.
 
-use crate::discrepancy::{self, Missing, Path, Search};
+use crate::discrepancy::{Path, Search};
 use crate::error::Error;
 use crate::fit::Fit;
-use crate::fit::covariance::{self, Estimate, Undetermined};
+use crate::fit::covariance::{self, Undetermined};
 use crate::judge::misfit;
+use crate::outcome::estimates::{Estimates, Rmse, as_map, parameters, uncertainty};
 use crate::outcome::next_experiment::{self, NextExperiment};
 use crate::outcome::over_sets;
 use crate::outcome::probability;
 use crate::outcome::read_off::Empirical;
 use crate::outcome::recording::{self, NoiseFound, RecordFound};
 use crate::outcome::rigs;
+use crate::outcome::unnamed::{Unnamed, unnamed};
 use crate::parameters::{Model, names};
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use crate::search::curve::ReadOff;
 use crate::search::{self, Candidate, Found, Verdict};
 use chamber::Chamber;
 use chamber::effects::{CARDS, EffectSet};
 use serde::Serialize;
 use std::collections::BTreeMap;
-
-/// Numbers by name, in a fixed order.
-pub type Estimates = Vec<(String, Estimate)>;
-
-/// Errors against what the sensor recorded, Pa.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Rmse {
-    /// On the data fitted.
-    pub fit: f64,
-    /// On data left out of the fit.
-    pub held_out: Option<f64>,
-}
 
 /// A model and how far it is off.
 #[derive(Clone, Debug, Serialize)]
@@ -65,29 +55,6 @@ pub struct Tried {
     /// All its parameters.
     #[serde(serialize_with = "as_map")]
     pub parameters: Estimates,
-}
-
-/// A missing term without a name.
-#[derive(Clone, Debug, Serialize)]
-pub struct Unnamed {
-    /// The balance it belongs to.
-    pub balance: &'static str,
-    /// What is missing, and its unit.
-    pub quantity: &'static str,
-    /// Unit of [`Unnamed::value`].
-    pub unit: &'static str,
-    /// What it follows.
-    pub variable: &'static str,
-    /// Unit of [`Unnamed::at`].
-    pub variable_unit: &'static str,
-    /// Values of the variable.
-    pub at: Vec<f64>,
-    /// The missing term there.
-    pub value: Vec<f64>,
-    /// Its standard deviation there.
-    pub sd: Vec<f64>,
-    /// Share of the residual's squares beyond noise that it takes away, to first order.
-    pub share: f64,
 }
 
 /// Where the interval of λ0 comes from.
@@ -283,28 +250,6 @@ fn budget(fit: &Fit, residual_is_noise: bool, of_set: &Estimates, over_sets: &Es
     out
 }
 
-/// What a model file keeps of a fit's intervals: names, 95 % intervals and covariance of the free numbers, SI units.
-pub fn uncertainty(fit: &Fit, residual_is_noise: bool) -> records::Uncertainty {
-    let covariance = covariance::covariance(fit, residual_is_noise);
-    let estimates = covariance::estimates(fit, &covariance);
-    records::Uncertainty {
-        parameters: estimates.iter().map(|(name, _)| name.clone()).collect(),
-        ci95: estimates.iter().map(|(_, e)| e.ci95).collect(),
-        covariance: covariance::of_values(fit, &covariance),
-    }
-}
-
-/// Values with intervals of a fit.
-pub fn parameters(data: &Data, fit: &Fit, residual_is_noise: bool) -> Estimates {
-    let covariance = covariance::covariance(fit, residual_is_noise);
-    let mut out = covariance::estimates(fit, &covariance);
-    if data.dead_volume_known {
-        let value = data.dead_volume_m3;
-        out.insert(1, ("dead_volume_m3".to_owned(), Estimate { value, ci95: [value; 2], unit: "m3".to_owned() }));
-    }
-    out
-}
-
 fn side(data: &Data, c: &Candidate, residuals: &[Vec<f64>], is_noise: bool) -> Side {
     let rmse_pa = Rmse { fit: misfit::rms(data, residuals), held_out: c.held_out_pa };
     Side { rmse_pa, parameters: parameters(data, &c.fit, is_noise) }
@@ -316,7 +261,7 @@ fn steps(data: &Data, found: &Found) -> Vec<Step> {
         .iter()
         .map(|c| Step {
             effects: names(c.model.effects),
-            terms: terms(&c.model),
+            terms: c.model.words(),
             rmse_pa: Rmse { fit: misfit::rms(data, &misfit::residuals(data, &c.fit)), held_out: c.held_out_pa },
         })
         .collect()
@@ -324,19 +269,11 @@ fn steps(data: &Data, found: &Found) -> Vec<Step> {
 
 fn tried(data: &Data, c: &Candidate) -> Tried {
     Tried {
-        effect: terms(&c.model),
+        effect: c.model.words(),
         delta_bic: c.delta_bic,
         held_out_rmse_pa: c.held_out_pa,
         parameters: parameters(data, &c.fit, c.fit.marginal < 1.2 * c.fit.blocks as f64),
     }
-}
-
-/// A model's terms, joined by " + ".
-pub fn terms(model: &Model) -> String {
-    let of_rig = names(model.of_rig()).into_iter().map(str::to_owned);
-    let of_records = names(model.own).into_iter().map(|n| format!("{n} (each record its own)"));
-    let start = model.initial_temperature.then(|| "initial_temperature (each record its own)".to_owned());
-    of_rig.chain(of_records).chain(start).collect::<Vec<_>>().join(" + ")
 }
 
 /// The effects of a set as they entered; those that entered together by the evidence each has alone.
@@ -360,37 +297,8 @@ fn groups(chosen: &Model, alike: &[Model]) -> Vec<Vec<String>> {
         if let ([gone], [new]) = (gone.as_slice(), new.as_slice()) {
             out.entry(CARDS[*gone].name.to_owned()).or_default().push(CARDS[*new].name.to_owned());
         } else {
-            out.entry(terms(chosen)).or_default().push(terms(other));
+            out.entry(chosen.words()).or_default().push(other.words());
         }
     }
     out.into_iter().map(|(first, rest)| [vec![first], rest].concat()).collect()
-}
-
-fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
-    let beyond = (c.fit.marginal - c.fit.blocks as f64).max(1.0);
-    // What takes away most for its number of coefficients comes first.
-    let mut best: Vec<&Missing> = families.iter().collect();
-    best.sort_by(|a, b| b.worth(&c.fit).total_cmp(&a.worth(&c.fit)));
-    best.iter()
-        .take(6)
-        .map(|m| Unnamed {
-            balance: m.balance.card_balance().name(),
-            quantity: discrepancy::quantity(m.balance),
-            unit: m.balance.unit(),
-            variable: m.variable.name().0,
-            variable_unit: m.variable.name().1,
-            at: m.at.clone(),
-            value: m.value.clone(),
-            sd: m.sd.clone(),
-            share: (m.gain / beyond).min(1.0),
-        })
-        .collect()
-}
-
-/// Serializes named numbers as one object.
-pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
-    numbers: &[(String, T)],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(numbers.iter().map(|(k, v)| (k, v)))
 }

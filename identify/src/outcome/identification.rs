@@ -6,11 +6,11 @@
 use crate::error::Error;
 use crate::fit::covariance::{Estimate, Undetermined, undetermined};
 use crate::judge::{adequacy, left_out, misfit, sanity};
-use crate::outcome::diagnosis::{Estimates, Rmse, as_map, parameters, uncertainty};
+use crate::outcome::estimates::{Estimates, Rmse, as_map, parameters, uncertainty};
 use crate::outcome::recording::{notes, positions_too_far};
 use crate::outcome::rigs;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::search::baseline;
 use chamber::{Chamber, HeatTransfer};
 use paper::time_constant::{self, TimeConstant};

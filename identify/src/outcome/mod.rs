@@ -1,6 +1,7 @@
 //! Results for programs and reports.
 
 pub mod diagnosis;
+pub mod estimates;
 pub mod identification;
 pub mod next_experiment;
 pub mod over_sets;
@@ -8,4 +9,5 @@ pub mod probability;
 pub mod read_off;
 pub mod recording;
 pub mod rigs;
+pub mod unnamed;
 pub mod validation;

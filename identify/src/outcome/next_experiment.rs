@@ -4,8 +4,7 @@
 //! initial pressure; their difference, rms over the record in units of the noise, says how well that test separates them.
 
 use crate::forward::{Course, Run};
-use crate::outcome::diagnosis::terms;
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::record::stroke::{Motion, Phase, extent};
 use crate::search::{Candidate, Found, Verdict};
 use chamber::simulate::Start;
@@ -58,7 +57,7 @@ fn separating(data: &Data, tests: &[Test], a: &Candidate, b: &Candidate) -> Opti
     } else {
         best.0.words.clone()
     };
-    Some(NextExperiment { separates: [terms(&a.model), terms(&b.model)], test, difference_over_noise: best.1 })
+    Some(NextExperiment { separates: [a.model.words(), b.model.words()], test, difference_over_noise: best.1 })
 }
 
 /// Root mean square of the difference of two models' readings, Pa.

@@ -5,9 +5,9 @@
 //! et al., Stat. Sci. 14 (1999) 382 (Bayesian model averaging).
 
 use crate::fit::covariance::{Estimate, NORMAL_95};
-use crate::outcome::diagnosis::{Estimates, parameters};
+use crate::outcome::estimates::{Estimates, parameters};
 use crate::outcome::probability;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use crate::search::{Candidate, Found};
 use statrs::distribution::{ContinuousCDF, Normal};
 

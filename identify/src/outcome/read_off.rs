@@ -2,7 +2,7 @@
 
 use crate::discrepancy;
 use crate::fit::covariance;
-use crate::outcome::diagnosis::Unnamed;
+use crate::outcome::unnamed::Unnamed;
 use crate::parameters::Slot;
 use crate::search::curve::ReadOff;
 use serde::Serialize;

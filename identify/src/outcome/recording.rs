@@ -1,6 +1,6 @@
 //! What a diagnosis says of the recording: its noise, what each record has for itself, what was assumed and left out.
 
-use super::diagnosis::{Estimates, as_map};
+use super::estimates::{Estimates, as_map};
 use crate::discrepancy;
 use crate::fit::Fit;
 use crate::fit::covariance;
@@ -8,7 +8,7 @@ use crate::judge::misfit;
 use crate::parameters::{Own, Slot};
 use crate::policy::TOLERANCES;
 use crate::record::between_rows::Look;
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::record::readout::Between;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};

@@ -6,7 +6,7 @@
 
 use crate::judge::misfit;
 use crate::policy::{APART, APART_FROM};
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::record::stroke::{Phase, extent};
 use crate::search::baseline;
 use chamber::Chamber;

@@ -4,13 +4,13 @@
 //! motion, and the parameters of recording effects. They are fitted to the record's begin, its rest and its first move, and
 //! the rest of it is predicted, with the model's drift; or, with the whole record, to all of it.
 
-use super::diagnosis::{Estimates, as_map};
+use super::estimates::{Estimates, as_map};
 use crate::error::Error;
 use crate::fit::covariance;
 use crate::judge::{left_out, misfit};
 use crate::parameters::{Hypothesis, Model, Own, Sizes, delays_position};
 use crate::policy;
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::record::stroke::Phase;
 use crate::search::terms;
 use chamber::Chamber;

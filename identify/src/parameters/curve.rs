@@ -1,7 +1,6 @@
 //! The values of a curve as numbers of a fit: the effect `empirical`.
 
 use super::axis::{Axis, Slot};
-use super::hypothesis::Hypothesis;
 use super::sizes::Sizes;
 use chamber::Chamber;
 use chamber::effects::empirical::{Balance, Curve, Empirical};
@@ -33,27 +32,25 @@ pub fn axis_of_value(curve: &Curve, slot: Slot, sizes: &Sizes) -> Axis {
     Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, 1.0]) }
 }
 
-impl Hypothesis {
-    /// Combinations of axes whose mean beforehand is zero, with their standard deviations: how much each value of a curve
-    /// differs from the straight line through its neighbours. Where nothing is measured a curve goes on as it began. A knot
-    /// at zero is free of that: laws have corners where their variable changes its sign.
-    pub fn bends(&self) -> Vec<([(usize, f64); 3], f64)> {
-        let Some((curve, first)) = self.axes.iter().enumerate().find_map(|(i, axis)| match axis.slot {
-            Slot::Effect(e, _) => Some((curve_of(e, &self.base)?, i)),
-            _ => None,
-        }) else {
-            return Vec::new();
-        };
-        // In coordinates: as a first fit has found the curve, or what would be a lot.
-        let sizes = curve.values.iter().zip(&self.axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
-        let size = Some(sizes.fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0);
-        let knots = &curve.knots;
-        let bend = |k: usize| {
-            let share = (knots[k + 1] - knots[k]) / (knots[k + 2] - knots[k]);
-            let at = |k: usize, weight: f64| (first + k, weight);
-            ([at(k, share - 1.0), at(k + 1, 1.0), at(k + 2, -share)], BEND * size)
-        };
-        let inner = (0..knots.len().saturating_sub(2)).filter(|k| knots[k + 1] != 0.0);
-        inner.map(bend).collect()
-    }
+/// Combinations of axes whose mean beforehand is zero, with their standard deviations: how much each value of a curve
+/// differs from the straight line through its neighbours. Where nothing is measured a curve goes on as it began. A knot
+/// at zero is free of that: laws have corners where their variable changes its sign.
+pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
+    let Some((curve, first)) = axes.iter().enumerate().find_map(|(i, axis)| match axis.slot {
+        Slot::Effect(e, _) => Some((curve_of(e, base)?, i)),
+        _ => None,
+    }) else {
+        return Vec::new();
+    };
+    // In coordinates: as a first fit has found the curve, or what would be a lot.
+    let sizes = curve.values.iter().zip(&axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
+    let size = Some(sizes.fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0);
+    let knots = &curve.knots;
+    let bend = |k: usize| {
+        let share = (knots[k + 1] - knots[k]) / (knots[k + 2] - knots[k]);
+        let at = |k: usize, weight: f64| (first + k, weight);
+        ([at(k, share - 1.0), at(k + 1, 1.0), at(k + 2, -share)], BEND * size)
+    };
+    let inner = (0..knots.len().saturating_sub(2)).filter(|k| knots[k + 1] != 0.0);
+    inner.map(bend).collect()
 }

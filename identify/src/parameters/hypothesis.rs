@@ -1,12 +1,12 @@
 //! A model on a rig: which numbers are free, and what each record is simulated with.
 
 use super::axis::{Axis, Own, Slot};
-use super::curve::{axis_of_value, curve_of};
+use super::curve::{self, axis_of_value, curve_of};
 use super::model::{Model, delays_pressure};
 use super::sizes::Sizes;
 use super::stated::{REST_DEVIATION_K, stated, stated_by_cards};
 use crate::policy;
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use chamber::card::{Kind, Parameter, Prior, Unit};
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use chamber::real::Real;
@@ -111,6 +111,11 @@ impl Hypothesis {
             }
             _ => slot.unit(),
         }
+    }
+
+    /// Combinations of axes whose mean beforehand is zero, with their standard deviations: a curve goes on as it began.
+    pub fn bends(&self) -> Vec<([(usize, f64); 3], f64)> {
+        curve::bends(&self.axes, &self.base)
     }
 
     /// The coordinates of a chamber's numbers.

@@ -45,6 +45,14 @@ impl Model {
         self.effects.iter().filter(|&e| is_timing(&CARDS[e])).count()
     }
 
+    /// Its terms, joined by " + ".
+    pub fn words(&self) -> String {
+        let of_rig = names(self.of_rig()).into_iter().map(str::to_owned);
+        let of_records = names(self.own).into_iter().map(|n| format!("{n} (each record its own)"));
+        let start = self.initial_temperature.then(|| "initial_temperature (each record its own)".to_owned());
+        of_rig.chain(of_records).chain(start).collect::<Vec<_>>().join(" + ")
+    }
+
     /// Number of terms beyond the paper's model.
     pub fn terms(&self) -> usize {
         self.effects.iter().count() + usize::from(self.initial_temperature)

@@ -1,6 +1,6 @@
 //! How large the effects' parameters are on a rig.
 
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
 use chamber::card::Unit;
 

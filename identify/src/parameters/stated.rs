@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Slot};
 use super::model::Model;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use chamber::effects::CARDS;
 
 /// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.

@@ -11,8 +11,8 @@
 
 use crate::fit::whiten::{Place, Whitener};
 use crate::policy::DECISIVE;
+use crate::record::data::{Data, Prepared};
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
-use crate::record::prepare::{Data, Prepared};
 use crate::record::stroke::Phase;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;

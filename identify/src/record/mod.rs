@@ -1,13 +1,17 @@
 //! From the rows of a record to what a fit sees: the stroke, the readout, the noise, bad input, block means.
 
 pub mod between_rows;
+pub mod block;
 pub mod checks;
 pub mod clock;
 pub mod colour;
+pub mod data;
+mod lattice;
+mod level;
 pub mod line;
 pub mod noise;
 pub mod outliers;
-pub mod prepare;
+mod prepare;
 pub mod ramp;
 pub mod readout;
 pub mod spline;

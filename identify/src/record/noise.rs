@@ -5,6 +5,7 @@
 //! (M. S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white
 //! part from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals.
 
+use crate::record::lattice::lattice;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Segment};
 use records::{bends, noise_of_bends};
@@ -225,19 +226,6 @@ fn from_bends(records: &[Quiet<'_>]) -> f64 {
 /// Degrees of freedom of all windows, each about a polynomial of so many coefficients.
 fn freedom(windows: &[(&Quiet<'_>, Vec<usize>)], coefficients: usize) -> f64 {
     windows.iter().map(|(_, rows)| (rows.len() - coefficients) as f64).sum()
-}
-
-/// The spacing of the readings' lattice, Pa: the smallest common difference, zero where differences are not its multiples.
-pub fn lattice(differences: &mut [f64]) -> f64 {
-    const NEARLY: f64 = 0.1;
-    differences.sort_by(f64::total_cmp);
-    let Some(&smallest) = differences.get(differences.len() / 100) else { return 0.0 };
-    let cluster: Vec<f64> = differences.iter().copied().take_while(|d| *d < (1.0 + NEARLY) * smallest).collect();
-    let step = cluster.iter().sum::<f64>() / cluster.len() as f64;
-    let on_lattice =
-        |d: &&f64| ((*d / step) - (*d / step).round()).abs() < NEARLY * (*d / step).round().clamp(1.0, 2.0);
-    let share = differences.iter().filter(on_lattice).count() as f64 / differences.len() as f64;
-    if share > 0.9 { step } else { 0.0 }
 }
 
 /// The spacing of the levels that readings stay on for several rows, Pa: interpolation between rounded readings leaves these

@@ -5,7 +5,7 @@
 //! a model with more terms leaves others.
 
 use crate::policy;
-use crate::record::prepare::{Data, Prepared};
+use crate::record::data::{Data, Prepared};
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase};
 use statrs::distribution::{Binomial, DiscreteCDF};

@@ -4,7 +4,7 @@
 //! A held readout repeats each reading, also while the pressure changes by many times its noise; an interpolated one
 //! bends at every k-th row only. Rows marked as outliers are no data either.
 
-use crate::record::noise::lattice;
+use crate::record::lattice::lattice;
 
 /// How the rows between two readings came to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::{Candidate, Search, baseline, sort, terms};
 use crate::fit::{self, Fit};
 use crate::judge::{adequacy, evidence, left_out, misfit};
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use crate::record::{colour, outliers};
 use rayon::prelude::*;
 

@@ -5,8 +5,8 @@ use crate::fit::{self, Failure, Fit};
 use crate::judge::misfit;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::policy::FIRST_GUESS_REACH;
+use crate::record::data::Data;
 use crate::record::noise::Noise;
-use crate::record::prepare::Data;
 use crate::record::{colour, outliers};
 use rayon::prelude::*;
 

@@ -12,7 +12,7 @@ use crate::judge::evidence::bic_widened;
 use crate::judge::{adequacy, kinds, sanity};
 use crate::parameters::Model;
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use chamber::card::Balance;
 use chamber::effects::{CARDS, EffectSet};
 use rayon::prelude::*;

@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use crate::judge::adequacy::Adequacy;
     use crate::parameters::Sizes;
-    use crate::record::prepare::Data;
+    use crate::record::data::Data;
     use crate::search::{Verdict, baseline};
     use crate::synthetic::Recipe;
     use chamber::effects::{EffectSet, find};

@@ -10,7 +10,7 @@ use crate::fit::{self, Fit};
 use crate::judge::adequacy;
 use crate::parameters::{self, Hypothesis, Model, Own};
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use chamber::Chamber;
 use chamber::effects::{self, CARDS, EffectSet};
 

@@ -25,7 +25,7 @@ use crate::judge::left_out::{self, Fold};
 use crate::judge::sanity;
 use crate::parameters::{Model, Sizes};
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use chamber::effects::EffectSet;
 use curve::ReadOff;
 use rayon::prelude::*;

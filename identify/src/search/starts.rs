@@ -4,7 +4,7 @@ use crate::fit::{self, Descent, Fit, Selection, Until};
 use crate::judge::evidence;
 use crate::parameters::{FIRST_LAMBDA0, Hypothesis, Model, Sizes, first_chamber};
 use crate::policy::FIRST_GUESS_REACH;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use chamber::Chamber;
 use chamber::card::Unit;
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};

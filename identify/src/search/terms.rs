@@ -3,7 +3,7 @@
 
 use crate::parameters::{self, Model};
 use crate::policy;
-use crate::record::prepare::Data;
+use crate::record::data::Data;
 use chamber::card::{ActsOn, Card, Scope, Unit};
 use chamber::effects::{self, CARDS, EffectSet};
 

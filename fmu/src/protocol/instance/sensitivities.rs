@@ -1,9 +1,10 @@
 //! Derivatives: of inputs and outputs in time, and along directions.
 
 use super::{Instance, any, real};
-use crate::plant::derivatives::{self, Seed};
+use crate::plant::derivatives;
 use crate::plant::inputs::ORDERS;
 use crate::plant::simulation::Kind;
+use crate::plant::tangent::Seed;
 use crate::plant::values::input;
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;

@@ -1,0 +1,159 @@
+//! Blocks: means of rows, with what is uncertain of each.
+//!
+//! A block is a run of rows short against the relaxation it lies in (a tenth of the time since the last move), so that
+//! its mean is that of two Gauss points of the model; it stands for its rows at a fraction of their cost.
+
+use crate::record::between_rows::{BetweenRows, Look};
+use crate::record::readout::Readout;
+use crate::record::stroke::{Motion, Phase, extent};
+use crate::record::unresolved::Unresolved;
+
+/// A run of rows and the mean of those that are data.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// First row.
+    pub first: usize,
+    /// One past the last row.
+    pub end: usize,
+    /// Rows in it that are data.
+    pub rows: usize,
+    /// Times at which the model's mean over the block is taken, s; equal for a single row.
+    pub points_s: [f64; 2],
+    /// From half a row before its first reading to half a row after its last one, s; a moment for a single one.
+    pub extent_s: [f64; 2],
+    /// Mean of its pressures, Pa.
+    pub mean_pa: f64,
+    /// Smallest and largest of them, Pa.
+    pub range_pa: [f64; 2],
+    /// How long the readings around it stay within that range, s.
+    pub dwell_s: f64,
+    /// Standard deviation of the mean by the position's noise while the piston moves, and by what its moving average leaves
+    /// open, Pa.
+    pub by_position_pa: f64,
+    /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, by the
+    /// slope of that, and by the time at which the move before it really was over.
+    pub common_sd_pa: [f64; 3],
+    /// What the piston does.
+    pub phase: Phase,
+    /// Segment of the motion it lies in.
+    pub segment: usize,
+}
+
+impl Block {
+    /// Its middle, s.
+    pub fn middle_s(&self) -> f64 {
+        0.5 * (self.points_s[0] + self.points_s[1])
+    }
+
+    /// Variance of its mean by what the positions leave open, Pa². The model of the mean is that of two points, which have two
+    /// positions' noise however many rows there are.
+    pub fn variance_by_position(&self) -> f64 {
+        self.by_position_pa.powi(2) / (self.rows as f64).min(2.0)
+    }
+}
+
+/// The blocks of a record, in time order; `gamma` is the gas's heat capacity ratio.
+pub fn blocks(
+    time_s: &[f64],
+    pressure_pa: &[f64],
+    motion: &Motion,
+    readout: &Readout,
+    position_m: &[f64],
+    gamma: f64,
+    look: Look,
+) -> Vec<Block> {
+    const HOLD_PARTS: usize = 20;
+    const REST_PARTS: usize = 6;
+    const MOVE_PARTS: usize = 60;
+    // Somewhere in these rows of a move it begins or ends: a mean over a corner would not be that of two points.
+    const CORNER_ROWS: usize = 20;
+    let mut out = Vec::new();
+    let (low, high) = extent(position_m);
+    let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.period as f64;
+    let unresolved = Unresolved::new(motion, look.window_s);
+    let between_rows = BetweenRows::new(motion, look);
+    for (segment, s) in motion.segments.iter().enumerate() {
+        let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
+        let rows = data.len();
+        let mut first = 0;
+        while first < rows {
+            let wanted = match s.phase {
+                Phase::Rest => rows.div_ceil(REST_PARTS),
+                Phase::Move if first < CORNER_ROWS || first + CORNER_ROWS >= rows => 1,
+                Phase::Move => (rows / MOVE_PARTS).min(rows - CORNER_ROWS - first),
+                Phase::Hold => (first / 10).min(rows.div_ceil(HOLD_PARTS)),
+            };
+            let mut end = first + wanted.max(1);
+            if end + wanted.max(1) / 2 >= rows {
+                end = rows;
+            }
+            let own = &data[first..end];
+            let n = own.len() as f64;
+            let mean = |v: &[f64]| own.iter().map(|&i| v[i]).sum::<f64>() / n;
+            let (t, p) = (mean(time_s), mean(pressure_pa));
+            let spread = (own.iter().map(|&i| (time_s[i] - t).powi(2)).sum::<f64>() / n).sqrt();
+            // Pressure answers a wrong position with P/V times the wrong volume, γ times that where it is sudden. The
+            // dead volume, not known yet, is taken for a tenth of the stroke at least.
+            let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
+            let held = per_metre * motion.noise_m / ((s.end - s.first) as f64).sqrt();
+            // The slope of a straight line through the rows of a hold is known to √12/length of its mean.
+            let along = 12.0f64.sqrt() * (t - 0.5 * (s.from_s + s.to_s)) / (s.to_s - s.from_s).max(f64::MIN_POSITIVE);
+            let moves = s.phase == Phase::Move;
+            // What an average hides is the same over a window, whose rows count as one reading.
+            let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
+            let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_rows.error_m(t));
+            let position_sd_m = hidden_m.hypot(if moves { motion.noise_m } else { 0.0 });
+            let widen = if own.len() > 1 { half_row_s } else { 0.0 };
+            let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
+            let range_pa: [f64; 2] = extent(&values).into();
+            out.push(Block {
+                first: own[0],
+                end: own[own.len() - 1] + 1,
+                rows: own.len(),
+                points_s: [t - spread, t + spread],
+                extent_s: [time_s[own[0]] - widen, time_s[own[own.len() - 1]] + widen],
+                mean_pa: p,
+                range_pa,
+                dwell_s: dwell(time_s, pressure_pa, own, range_pa),
+                by_position_pa: gamma * per_metre * position_sd_m,
+                common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },
+                phase: s.phase,
+                segment,
+            });
+            first = end;
+        }
+    }
+    shifted_holds(&mut out, motion);
+    out
+}
+
+/// How long the readings around these rows stay within their range, s.
+fn dwell(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], [low, high]: [f64; 2]) -> f64 {
+    const FARTHEST: usize = 5000;
+    let inside = |i: &usize| (low..=high).contains(&pressure_pa[*i]);
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    let before = (first.saturating_sub(FARTHEST)..first).rev().take_while(inside).count();
+    let after = (last + 1..time_s.len().min(last + FARTHEST)).take_while(inside).count();
+    let row_s = time_s[time_s.len() - 1] / (time_s.len() - 1) as f64;
+    time_s[last + after] - time_s[first - before] + row_s
+}
+
+/// What a hold's blocks have in common since its move may have been over a little earlier or later: dP/dt times that.
+fn shifted_holds(blocks: &mut [Block], motion: &Motion) {
+    for (segment, pair) in motion.segments.windows(2).enumerate() {
+        let shift_s = pair[0].shift_s;
+        if pair[1].phase != Phase::Hold || shift_s == 0.0 {
+            continue;
+        }
+        let held: Vec<usize> = (0..blocks.len()).filter(|&i| blocks[i].segment == segment + 1).collect();
+        let rates: Vec<f64> = (0..held.len())
+            .map(|i| {
+                let (a, b) = (&blocks[held[i.saturating_sub(2)]], &blocks[held[(i + 2).min(held.len() - 1)]]);
+                (b.mean_pa - a.mean_pa) / (b.middle_s() - a.middle_s()).max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        for (i, rate) in held.into_iter().zip(rates) {
+            blocks[i].common_sd_pa[2] = rate * shift_s;
+        }
+    }
+}

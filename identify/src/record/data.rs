@@ -1,0 +1,265 @@
+//! What a fit sees of a rig: the surroundings' course and block means of the pressure with their noise.
+
+use crate::fit::whiten::{Place, Whitener};
+use crate::forward::Course;
+use crate::policy;
+use crate::record::between_rows::Look;
+use crate::record::block::{Block, blocks};
+use crate::record::noise::Noise;
+use crate::record::readout::Readout;
+use crate::record::stroke::Phase;
+use crate::record::unit::Doubt;
+use crate::record::unresolved;
+use chamber::Gas;
+use records::units::Unit;
+use records::{Cylinder, Tolerance};
+use std::path::PathBuf;
+
+/// One trace, ready to be fitted. Times count from its first row.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// File it came from.
+    pub path: PathBuf,
+    /// Which experiment.
+    pub experiment: usize,
+    /// Which repeat of it.
+    pub repeat: usize,
+    /// Rows left out since their time did not go on.
+    pub backward_rows: usize,
+    /// Times of all rows, s.
+    pub time_s: Vec<f64>,
+    /// Pressures of all rows, Pa.
+    pub pressure_pa: Vec<f64>,
+    /// Positions of all rows, m.
+    pub position_m: Vec<f64>,
+    /// Which rows are data.
+    pub readout: Readout,
+    /// Outliers among them that were known before anything was fitted.
+    pub spikes: Vec<usize>,
+    /// Stroke and surroundings.
+    pub course: Course,
+    /// The blocks, in time order.
+    pub blocks: Vec<Block>,
+    /// Makes the blocks' residuals white.
+    pub whitener: Whitener,
+    /// Integration error of the model along it, relative to the states: a thousandth of the noise.
+    pub relative_tolerance: f64,
+    /// How its readings are taken to look at the recorded stroke, where that leaves its moves uncertain.
+    pub look: Look,
+    /// First guess of the initial pressure, Pa.
+    pub initial_pressure_pa: f64,
+    /// First guess of the initial temperature, K: where the record starts in motion it is free.
+    pub initial_temperature_k: f64,
+    /// Whether it begins with the piston held.
+    pub starts_at_rest: bool,
+}
+
+/// Error of an integration step, of the noise: many of them together stay below a hundredth.
+const INTEGRATION_ERROR: f64 = 1e-3;
+/// The smallest and the largest tolerance of the integration, relative to the states.
+pub(super) const RELATIVE_TOLERANCES: [f64; 2] = [3e-8, 3e-7];
+
+impl Prepared {
+    /// Time from row to row, s.
+    pub fn row_s(&self) -> f64 {
+        mean_row_s(&self.time_s)
+    }
+
+    /// These rows and those of the spikes, in order.
+    fn with_spikes(&self, rows: &[usize]) -> Vec<usize> {
+        let mut out = [self.spikes.as_slice(), rows].concat();
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+
+    fn lay_out(&mut self, gamma: f64) {
+        let motion = &self.course.motion;
+        self.blocks =
+            blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.look);
+    }
+
+    pub(super) fn lay_out_and_weigh(&mut self, gamma: f64, noise: &Noise) {
+        self.lay_out(gamma);
+        self.weigh(noise);
+    }
+
+    fn weigh(&mut self, noise: &Noise) {
+        let highest = self.pressure_pa.iter().copied().fold(0.0, f64::max);
+        let [least, most] = RELATIVE_TOLERANCES;
+        self.relative_tolerance = (INTEGRATION_ERROR * noise.total_pa() / highest).clamp(least, most);
+        let rounding = noise.rounding_pa();
+        let steps = |b: &Block| ((b.range_pa[1] - b.range_pa[0]) / noise.step_pa).round() + 1.0;
+        let places: Vec<Place> = (0..self.blocks.len())
+            .map(|i| {
+                let b = &self.blocks[i];
+                let before = i.checked_sub(1).map(|k| &self.blocks[k]);
+                let overlap = |a: &Block| a.range_pa[0] <= b.range_pa[1] && b.range_pa[0] <= a.range_pa[1];
+                Place {
+                    begin_s: b.extent_s[0],
+                    end_s: b.extent_s[1],
+                    variance: noise.white_pa.powi(2) / b.rows as f64 + b.variance_by_position(),
+                    common_sd_pa: b.common_sd_pa,
+                    segment: b.segment,
+                    rounding_sd_pa: if rounding > 0.0 { rounding / steps(b).sqrt() } else { 0.0 },
+                    rounding_keeps: match before {
+                        Some(a) if rounding > 0.0 && overlap(a) && steps(a) < 2.5 && steps(b) < 2.5 => {
+                            (-2.0 * (b.middle_s() - a.middle_s()) / a.dwell_s.min(b.dwell_s)).exp()
+                        }
+                        _ => 0.0,
+                    },
+                }
+            })
+            .collect();
+        self.whitener = Whitener::new(noise, &places);
+    }
+}
+
+/// All traces of a rig.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The rig's gas.
+    pub gas: Gas,
+    /// Bore and rod, m, and piston area, m², of the measured chamber.
+    pub cylinder: Cylinder,
+    /// Dead volume to begin from, m³.
+    pub dead_volume_m3: f64,
+    /// Whether that is known and stays.
+    pub dead_volume_known: bool,
+    /// Mean ambient temperature, K.
+    pub ambient_temperature_k: f64,
+    /// Whether that is an assumption.
+    pub ambient_temperature_assumed: bool,
+    /// Ambient pressure, Pa.
+    pub ambient_pressure_pa: f64,
+    /// Whether the rig declares its pressures as gauge, so that the ambient pressure has been added to the readings.
+    pub gauge_pressures: bool,
+    /// The declared unit of the pressures, where their column has no scale of its own.
+    pub pressure_unit: Option<&'static Unit>,
+    /// What speaks for another one.
+    pub unit_doubt: Option<Doubt>,
+    /// Names of the experiments.
+    pub experiments: Vec<String>,
+    /// The traces, experiment by experiment.
+    pub traces: Vec<Prepared>,
+    /// Noise of the pressure.
+    pub noise: Noise,
+    /// What the rig's stated numbers are worth.
+    pub tolerance: Tolerance,
+    /// The misfit that nobody minds, Pa, where the rig states one.
+    pub accuracy_pa: Option<f64>,
+}
+
+impl Data {
+    /// Lowest pressure of all rows, Pa.
+    pub fn lowest_pressure_pa(&self) -> f64 {
+        self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Highest pressure of all rows, Pa.
+    pub fn highest_pressure_pa(&self) -> f64 {
+        self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max)
+    }
+
+    /// Some of its records alone, with white noise: what was taken for coloured may be what records differ by.
+    pub fn of_records(&self, records: &[usize]) -> Self {
+        let noise = Noise { colours: Vec::new(), hum: None, ..self.noise.clone() };
+        let traces = records.iter().map(|k| self.traces[*k].clone()).collect();
+        Self { traces, ..self.clone() }.with_noise(noise)
+    }
+
+    /// The same with another noise.
+    pub fn with_noise(mut self, noise: Noise) -> Self {
+        for t in &mut self.traces {
+            t.weigh(&noise);
+        }
+        self.noise = noise;
+        self
+    }
+
+    /// The same with these rows of each trace left out as outliers, beside the spikes that were known before.
+    pub fn without(mut self, rows: &[Vec<usize>]) -> Self {
+        let gamma = self.gas.heat_capacity_ratio;
+        for (t, rows) in self.traces.iter_mut().zip(rows) {
+            let outliers = t.with_spikes(rows);
+            if t.readout.outliers != outliers {
+                t.readout.outliers = outliers;
+                t.lay_out_and_weigh(gamma, &self.noise);
+            }
+        }
+        self
+    }
+
+    /// Whether just these rows of each trace are left out as outliers, beside the spikes that were known before.
+    pub fn is_without(&self, rows: &[Vec<usize>]) -> bool {
+        self.traces.iter().zip(rows).all(|(t, rows)| t.readout.outliers == t.with_spikes(rows))
+    }
+
+    /// The same where each record's readings look at the stroke in a way that leaves more of it open than was taken so far: an
+    /// average that hides most of its way, or a look between rows where that matters. `None` where the data stay as they are.
+    pub fn looked_at(&self, looks: &[Look]) -> Option<Self> {
+        let hides = |(t, look): (&Prepared, &Look)| unresolved::hides_moves(&t.course.motion, look.window_s);
+        let is_known = self.traces.iter().any(|t| t.look.window_s > 0.0);
+        let hidden = !is_known && self.traces.iter().zip(looks).any(hides);
+        let of = |(t, look): (&Prepared, &Look)| Look {
+            window_s: if hidden { look.window_s } else { t.look.window_s },
+            ..*look
+        };
+        let looks: Vec<Look> = self.traces.iter().zip(looks).map(of).collect();
+        if self.traces.iter().zip(&looks).all(|(t, look)| t.look == *look) {
+            return None;
+        }
+        let mut data = self.clone();
+        for (t, look) in data.traces.iter_mut().zip(looks) {
+            t.look = look;
+            t.lay_out(self.gas.heat_capacity_ratio);
+        }
+        if !hidden && data.open_pa().powi(2) - self.open_pa().powi(2) < self.accuracy_pa().powi(2) {
+            return None;
+        }
+        data.traces.iter_mut().for_each(|t| t.weigh(&self.noise));
+        Some(data)
+    }
+
+    /// What the positions leave open of the pressures of the moves' rows, Pa rms: what a lag shows of it later is theirs.
+    fn open_pa(&self) -> f64 {
+        let blocks = || self.traces.iter().flat_map(|t| &t.blocks);
+        let squares: f64 = blocks().map(|b| b.by_position_pa.powi(2)).sum();
+        (squares / blocks().filter(|b| b.phase == Phase::Move).count().max(1) as f64).sqrt()
+    }
+
+    /// How much of the sum of squares of a true model is expected to be the positions' noise, which its pressures follow.
+    pub fn squares_by_position(&self) -> f64 {
+        let of_reading = self.noise.white_pa.powi(2) + self.noise.rounding_pa().powi(2);
+        let share = |b: &Block| {
+            let by_position = b.variance_by_position();
+            by_position / (by_position + of_reading / b.rows as f64).max(f64::MIN_POSITIVE)
+        };
+        self.traces.iter().flat_map(|t| &t.blocks).map(share).sum()
+    }
+
+    /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise.
+    pub fn accuracy_pa(&self) -> f64 {
+        self.accuracy_pa.unwrap_or(policy::ACCURACY_OF_NOISE * self.noise.total_pa())
+    }
+
+    /// Rows left out as outliers.
+    pub fn outliers(&self) -> usize {
+        self.traces.iter().map(|t| t.readout.outliers.len()).sum()
+    }
+
+    /// Smallest position in any trace, m.
+    pub fn smallest_position_m(&self) -> f64 {
+        smallest_position(&self.traces)
+    }
+}
+
+/// Time from row to row, s, of times that count from zero.
+pub(super) fn mean_row_s(time_s: &[f64]) -> f64 {
+    time_s.last().map_or(1.0, |last| last / (time_s.len() - 1) as f64)
+}
+
+pub(super) fn smallest_position(traces: &[Prepared]) -> f64 {
+    let segments = traces.iter().flat_map(|t| &t.course.motion.segments);
+    segments.map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,75 @@
+"""Files of a crate look one way: none imports one that leads back to it. By the paths in `use` and in the code."""
+
+import re
+from graphlib import CycleError, TopologicalSorter
+
+import pytest
+
+
+def paths(tree, head=""):
+    """The paths of a `use` tree: `a::{b, c::d}` is `a::b` and `a::c::d`."""
+    if "{" not in tree:
+        return [head + tree.split(" as ")[0].strip()]
+    stem, _, rest = tree.partition("{")
+    parts, depth, part = [], 0, ""
+    for sign in rest.rpartition("}")[0]:
+        depth += (sign == "{") - (sign == "}")
+        if sign == "," and depth == 0:
+            parts.append(part)
+            part = ""
+        else:
+            part += sign
+    return [path for each in [*parts, part] if each.strip() for path in paths(each.strip(), head + stem.strip())]
+
+
+def imports(source):
+    """For each module of a source folder the modules that it names; a path's longest beginning that is one counts."""
+    files = {}
+    for file in sorted(source.rglob("*.rs")):
+        names = file.relative_to(source).with_suffix("").parts
+        files[names[:-1] if names[-1] in ("mod", "lib", "main") else names] = file
+    graph = {}
+    for module, file in files.items():
+        code = re.sub(r"//.*", "", file.read_text().split("#[cfg(test)]\nmod tests")[0])
+        used = [path for tree in re.findall(r"\buse ((?:crate|super)[^;]*);", code) for path in paths(" ".join(tree.split()))]
+        used += re.findall(r"\bcrate::(?:\w+::)+\w+", code)
+        found = set()
+        for path in used:
+            first, *names = [name.strip() for name in path.split("::")]
+            base = module if first == "super" else ()
+            while first == "super":
+                base = base[:-1]
+                if not names or names[0] != "super":
+                    break
+                names = names[1:]
+            names = (*base, *names)
+            while names and names not in files:
+                names = names[:-1]
+            if names and names != module:
+                found.add(names)
+        graph[module] = found
+    return graph
+
+
+@pytest.mark.parametrize("crate", ["identify", "fmu"])
+def test_files_import_one_way(root, crate):
+    graph = imports(root / crate / "src")
+    assert sum(map(len, graph.values())) > len(graph), "imports are not seen any more"
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as circle:
+        pytest.fail("a circle of files: " + " -> ".join("::".join(module) for module in circle.args[1]))
+
+
+def test_a_circle_is_seen(tmp_path):
+    (tmp_path / "one").mkdir()
+    (tmp_path / "lib.rs").write_text("mod one;\nmod two;\n")
+    (tmp_path / "one" / "mod.rs").write_text("mod part;\nuse crate::two::{self, Two};\n")
+    (tmp_path / "one" / "part.rs").write_text("use super::super::two;\n")
+    (tmp_path / "two.rs").write_text("use crate::{one::{part::Part, Other}};\n")
+    assert imports(tmp_path) == {
+        (): set(),
+        ("one",): {("two",)},
+        ("one", "part"): {("two",)},
+        ("two",): {("one",), ("one", "part")},
+    }
