@@ -126,9 +126,9 @@ fn read_rows(
             rows.take(line, text)?;
         }
     }
-    let seen = rows.seen();
+    let (seen, extent_s) = (rows.seen(), rows.extent_s());
     let table = rows.finish()?;
-    enough(seen, table.columns[0].len(), header.line)?;
+    enough(seen, table.columns[0].len(), header.line, extent_s)?;
     Ok(table)
 }
 
@@ -144,11 +144,14 @@ fn no_excel_days(header: &Header<'_>, time_s: &[f64]) -> Result<(), TraceProblem
     }
 }
 
-fn enough(rows: usize, used: usize, line: usize) -> Result<(), TraceProblem> {
+fn enough(rows: usize, used: usize, line: usize, [from, to]: [f64; 2]) -> Result<(), TraceProblem> {
     match (rows, used) {
         (0, _) => Err(TraceProblem::NoRows { line }),
         (_, used) if used >= MIN_ROWS => Ok(()),
         (rows, used) if rows == used => Err(TraceProblem::FewRows { rows, part: String::new() }),
-        (_, used) => Err(TraceProblem::FewRows { rows: used, part: "between from_s and to_s ".to_owned() }),
+        (_, used) => {
+            let part = format!("between from_s and to_s, of a record from {from:?} s to {to:?} s, ");
+            Err(TraceProblem::FewRows { rows: used, part })
+        }
     }
 }

@@ -31,8 +31,9 @@ pub struct Rows<'a> {
     columns: Vec<Vec<f64>>,
     lines: LineNumbers,
     bad: BadRows,
-    /// All rows that were looked at, within the window or not.
+    /// All rows that were looked at, within the window or not, and their earliest and latest time, s.
     seen: usize,
+    extent_s: [f64; 2],
     clock: Option<Clock>,
     fields: Vec<Range<usize>>,
 }
@@ -57,6 +58,7 @@ impl<'a> Rows<'a> {
             lines: LineNumbers::default(),
             bad: BadRows::default(),
             seen: 0,
+            extent_s: [f64::INFINITY, f64::NEG_INFINITY],
             clock: None,
             fields: Vec::new(),
         }
@@ -98,6 +100,7 @@ impl<'a> Rows<'a> {
         for (value, &(quantity, place, column)) in values.iter_mut().zip(&self.header.found) {
             if quantity == Quantity::Time {
                 *value = time(&mut self.clock, column, field(place), self.dialect.decimal)?;
+                self.extent_s = [self.extent_s[0].min(*value), self.extent_s[1].max(*value)];
                 if *value < self.reading.window.from_s || *value > self.reading.window.to_s {
                     return Ok(None);
                 }
@@ -112,6 +115,11 @@ impl<'a> Rows<'a> {
     /// How many rows were looked at.
     pub fn seen(&self) -> usize {
         self.seen
+    }
+
+    /// Earliest and latest time of all rows, s.
+    pub fn extent_s(&self) -> [f64; 2] {
+        self.extent_s
     }
 
     /// The table, once all lines are taken.
