@@ -29,6 +29,7 @@ pub mod geometry;
 pub mod heat_transfer;
 pub mod integrate;
 pub mod paper;
+mod parts;
 pub mod real;
 pub mod record;
 pub mod seven_steps;

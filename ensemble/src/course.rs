@@ -4,10 +4,10 @@
 use crate::advance::{LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
 use crate::conduction;
 use crate::filter::Sensor;
-use crate::finish::SETTLED;
 use crate::fit;
 use crate::general::{self, General, Row};
 use crate::history::{History, Knot};
+use crate::outcome::SETTLED;
 use crate::outcome::{Failure, Outcome, closure};
 use crate::plan::Plan;
 use crate::reader::{self, Answer, Bends, ROUNDING, Traces, seen_from};

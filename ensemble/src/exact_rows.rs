@@ -4,18 +4,18 @@
 
 use crate::Batch;
 use crate::chambers::Chambers;
-use crate::finish::SETTLED;
+use crate::exact_tests::{Ends, Test, Tests};
 use crate::fit;
 use crate::gauss::NODES;
-use crate::kept::{Exchange, Heat, Part};
+use crate::kept::Exchange;
 use crate::lanes::{Lanes, WIDTH};
+use crate::outcome::SETTLED;
 use crate::outcome::{Failure, Outcome};
 use crate::readings::{self, Behind, Readings};
 use crate::record::{self, Relaxing};
 use crate::regression::{Records, Regression, decay};
 use crate::scenario::Scenario;
 use crate::sealed::Ending;
-use chamber::Chamber;
 use chamber::balance::Balance;
 use chamber::effects::EffectSet;
 use chamber::exact::Closed;
@@ -93,41 +93,6 @@ pub fn run(
     }
 }
 
-/// One test, reduced to the numbers its solution needs.
-struct Test {
-    row: u32,
-    duration: f64,
-    /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
-    closed: Closed,
-    /// Whether the exchange during the push is not linear in the volume, by the effects.
-    is_bent: bool,
-    /// 1/τ_f in the hold, 1/s.
-    rate: f64,
-    parts: f64,
-    start: f64,
-    from: f64,
-    to: f64,
-    push: f64,
-}
-
-impl Test {
-    /// Without effects, and before it is known how fast it exchanges heat: [`Test::exchange`].
-    #[inline]
-    fn new(row: u32, s: &Scenario, duration: f64) -> Self {
-        let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let (start, push) = (s.initial_temperature_k, s.push_time_s);
-        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        Self { row, duration, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push }
-    }
-
-    /// Takes 1/τ_f of the hold, 1/s, and how many time scales the push lasts.
-    #[inline]
-    fn exchange(&mut self, held: f64, time_scales: f64) {
-        self.rate = held;
-        self.parts = Closed::parts(time_scales);
-    }
-}
-
 /// Gives tests the wall's temperature, the rates and where it is linear the exchange that they have with the effects of a set.
 fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test], scenarios: &[Scenario]) {
     for tests in all.chunks_mut(WIDTH) {
@@ -183,128 +148,6 @@ impl WithSimd for Change<'_> {
         let [per_begin, per_end] = [wall / t.from.sqrt(), wall / t.to.sqrt()];
         let time_scales = Closed::time_scales([ends[0] * per_begin, ends[1] * per_end], t.to / t.from, t.push);
         black_box(Changed { wall, held: held * per_end, time_scales, exchange, bend })
-    }
-}
-
-/// The closed form of a moving piston. Its parts are a trait's, not closures: these would be compiled for any machine.
-trait Ramp {
-    /// 1/T at the end of one of the equal parts of a ramp.
-    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes;
-}
-
-impl Ramp for Closed<Lanes> {
-    #[inline(always)]
-    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes {
-        self.ramp_part(inverse, part.root, part.step, part.dwell)
-    }
-}
-
-impl Ramp for Exchange<'_, Lanes> {
-    #[inline(always)]
-    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes {
-        part.end(self, inverse)
-    }
-}
-
-/// As many tests as there are lanes.
-pub struct Tests {
-    pub(crate) closed: Closed<Lanes>,
-    rate: Lanes,
-    pub(crate) parts: Lanes,
-    pub(crate) start: Lanes,
-    pub(crate) from: Lanes,
-    pub(crate) to: Lanes,
-    pub(crate) push: Lanes,
-    pub(crate) hold: Lanes,
-}
-
-/// How the tests end, by lane: temperatures after push and hold, K, rate of the hold, 1/s, settling time, s.
-pub struct Ends {
-    pub(crate) pushed: Lanes,
-    end: Lanes,
-    pub(crate) rate: Lanes,
-    settling: Lanes,
-}
-
-impl Tests {
-    /// One of `all` in each lane, the last again in those that are left over.
-    fn new(all: &[Test], order: &[u32]) -> Self {
-        let zero = Lanes::ZERO;
-        let mut tests = Self {
-            closed: Closed { mass_gas_constant: zero, exchange: [zero; 2], expansion: zero, ambient_temperature: zero },
-            rate: zero,
-            parts: zero,
-            start: zero,
-            from: zero,
-            to: zero,
-            push: zero,
-            hold: zero,
-        };
-        for lane in 0..WIDTH {
-            let test = &all[order[lane.min(order.len() - 1)] as usize];
-            let closed = &mut tests.closed;
-            closed.mass_gas_constant[lane] = test.closed.mass_gas_constant;
-            closed.exchange[0][lane] = test.closed.exchange[0];
-            closed.exchange[1][lane] = test.closed.exchange[1];
-            closed.expansion[lane] = test.closed.expansion;
-            closed.ambient_temperature[lane] = test.closed.ambient_temperature;
-            tests.rate[lane] = test.rate;
-            tests.parts[lane] = test.parts;
-            tests.start[lane] = test.start;
-            tests.from[lane] = test.from;
-            tests.to[lane] = test.to;
-            tests.push[lane] = test.push;
-            tests.hold[lane] = test.duration - test.push;
-        }
-        tests
-    }
-
-    /// Velocity of the push, m/s.
-    #[inline(always)]
-    fn velocity(&self, chamber: &Chamber<Lanes>) -> Lanes {
-        (self.to - self.from) / (chamber.geometry.piston_area * self.push)
-    }
-
-    /// 1/T at the nodes of each part of the push, into `nodes`; temperatures at its end, K.
-    #[inline(always)]
-    fn nodes(&self, heat: &impl Heat<Lanes>, nodes: &mut Vec<[Lanes; NODES]>) -> Lanes {
-        nodes.clear();
-        let mut inverse = self.start.recip();
-        for index in 0..self.most_parts() {
-            nodes.push([Lanes::ZERO; NODES]);
-            let next = self.part(index).nodes(heat, inverse, black_box(&mut nodes[index]));
-            inverse = black_box((self.parts - index as f64).where_positive(next, inverse));
-        }
-        inverse.recip()
-    }
-
-    /// In how many parts the push of any of them is taken at most.
-    #[inline(always)]
-    pub fn most_parts(&self) -> usize {
-        self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b)) as usize
-    }
-
-    /// One of the equal parts of the push.
-    #[inline(always)]
-    fn part(&self, index: usize) -> Part<Lanes> {
-        let (begin, end) = (self.from.sqrt(), self.to.sqrt());
-        let step = (end - begin) / self.parts;
-        let dwell = self.push * 2.0 / (begin + end) / self.parts;
-        let Closed { ambient_temperature: wall, expansion, .. } = self.closed;
-        Part { root: begin + step * index as f64, step, dwell, wall, expansion }
-    }
-
-    /// Temperatures at the end of the push, K, each in its own number of parts.
-    #[inline(always)]
-    fn pushed(&self, ramp: &impl Ramp) -> Lanes {
-        let first = self.part(0);
-        let mut inverse = self.start.recip();
-        for index in 0..self.most_parts() {
-            let part = Part { root: first.root + first.step * index as f64, ..first };
-            let next = ramp.part(&part, inverse);
-            inverse = (self.parts - index as f64).where_positive(next, inverse);
-        }
-        inverse.recip()
     }
 }
 

@@ -3,13 +3,11 @@
 use crate::advance::{Steps, Tried};
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH};
+use crate::outcome::SETTLED;
 use crate::root::{Curve, root};
 use crate::sealed::Held;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
-
-/// Share of the distance from peak to end within which a relaxation counts as settled.
-pub const SETTLED: f64 = 0.01;
 
 /// Time from the begin of the hold until the temperature, which goes from `begin` to `end`, K, stays within 1 % of that
 /// distance of its end, s. `system` holds the tests' constants, `log` their steps at the places `steps`.

@@ -2,6 +2,9 @@
 
 use thiserror::Error;
 
+/// Share of the distance from peak to end within which a relaxation counts as settled.
+pub const SETTLED: f64 = 0.01;
+
 /// The paper's evaluation of one test: P = Pf + ΔP e^(−t/τ) by least squares over the samples of a 100 Hz record from
 /// its peak on, then steps 2 to 7.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,10 +8,10 @@
 //! integrated over panels by Gauss–Legendre quadrature, and a panel is cut where the last of Legendre's terms count.
 //! Temperatures in K, times in s since the push.
 
-use crate::finish::SETTLED;
 use crate::fit;
 use crate::gauss::{NODES, Panel, RULE, node};
 use crate::lanes::Lanes;
+use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
 use crate::regression::Records;
 use crate::root::{Curve, root};

@@ -13,10 +13,10 @@
 
 use crate::advance::Loadable;
 use crate::clock::Clock;
-use crate::finish::SETTLED;
 use crate::fit;
 use crate::lanes::Lanes;
 use crate::outcome::Outcome;
+use crate::outcome::SETTLED;
 use crate::regression::Regression;
 use crate::scenario::Scenario;
 use crate::step::{LaneSystem, Moment, View};

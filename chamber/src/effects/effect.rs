@@ -1,8 +1,8 @@
 //! What an effect can do: its hooks into the balance, the wall, the stroke and the reading.
 
-use crate::balance::{Conditions, Flows, Rates};
 use crate::card::Card;
 use crate::gas::Gas;
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 /// One physical effect. `p` are its parameters in the card's order, `own` its own states.

@@ -15,7 +15,7 @@
 //! The term describes the records that it was read off; it need not be the cause, and beyond its knots it knows nothing.
 
 use super::{Effect, nearer};
-use crate::balance::{Conditions, Flows, Rates};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{self, ActsOn, Card, Kind, Parameter, Unit};
 use crate::real::Real;
 

@@ -4,7 +4,7 @@
 //! 1930) with the piston speed as velocity, as Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::balance::{Conditions, Rates};
+use crate::parts::{Conditions, Rates};
 use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
 use crate::real::Real;
 

@@ -4,7 +4,7 @@
 //! measured points (design finding 4), where a = −½ cuts the error of τ from 26 % to 5 %; three actuators only.
 
 use super::Effect;
-use crate::balance::Conditions;
+use crate::parts::Conditions;
 use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
 use crate::real::Real;
 

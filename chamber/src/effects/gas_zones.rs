@@ -6,7 +6,7 @@
 //! z  1; H  W/K. z = 0 means off. Source: two-zone models of engine cylinders, Heywood (1988), chapter 14.
 
 use super::Effect;
-use crate::balance::{Conditions, Flows, Rates};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, OwnState, Parameter, Unit};
 use crate::real::Real;
 

@@ -6,9 +6,9 @@
 //! T0 = 293.15 K, ρ0 = 1.185 kg/m³ for air (times 287/R for another gas). Source: ISO 6358-1:2013.
 
 use super::nearer;
-use crate::balance::{Conditions, Flows};
 use crate::card::{Normal, Parameter, Prior, Unit};
 use crate::gas::Gas;
+use crate::parts::{Conditions, Flows};
 use crate::real::Real;
 
 const REFERENCE_TEMPERATURE_K: f64 = 293.15;

@@ -12,9 +12,9 @@ pub use effect::Effect;
 pub use set::EffectSet;
 pub use values::EffectValues;
 
-use crate::balance::{Conditions, Flows, Rates};
 use crate::card::{ActsOn, Balance, Card};
 use crate::gas::Gas;
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 macro_rules! effects {

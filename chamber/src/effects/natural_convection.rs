@@ -4,7 +4,7 @@
 //! sign-preserving power of Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
 
 use super::Effect;
-use crate::balance::{Conditions, Rates};
+use crate::parts::{Conditions, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::real::Real;
 

@@ -4,7 +4,7 @@
 //! Source: exponents between 0.25 and 0.8 are in use, see Annand (1963) and Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::balance::Conditions;
+use crate::parts::Conditions;
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::real::Real;
 

@@ -3,7 +3,7 @@
 //! τs dy/dt = P − y, y(0) = P(0); τs in s, y and P in Pa. τs = 0 means off: y = P. Source: first-order instrument.
 
 use super::Effect;
-use crate::balance::{Conditions, Flows, Rates};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{ActsOn, Balance, Card, ClosedForm, OwnState, Parameter, Unit};
 use crate::real::Real;
 

@@ -6,7 +6,7 @@
 
 use super::Effect;
 use super::iso6358::{self, Passage};
-use crate::balance::{Conditions, Flows, Rates};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::gas::Gas;
 use crate::real::Real;

@@ -6,7 +6,7 @@
 //! Source: NIST-JANAF thermochemical tables, slope between 300 and 400 K, see [`Gas::heat_capacity_slope`].
 
 use super::Effect;
-use crate::balance::{Conditions, Flows};
+use crate::parts::{Conditions, Flows};
 use crate::card::{Balance, Card, Normal, Parameter, Prior, Unit};
 use crate::gas::Gas;
 use crate::real::Real;

@@ -5,7 +5,7 @@
 //! Vt  m³, not part of V, Aq, mass or dead volume. Source: isothermal volume, ISO 6358-2 annex (discharge tests).
 
 use super::Effect;
-use crate::balance::{Conditions, Rates};
+use crate::parts::{Conditions, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::real::Real;
 

@@ -6,7 +6,7 @@
 //! e.g. Incropera et al., Fundamentals of Heat and Mass Transfer, chapter 5.
 
 use super::Effect;
-use crate::balance::{Conditions, Flows, Rates};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, OwnState, Parameter, Unit};
 use crate::real::Real;
 

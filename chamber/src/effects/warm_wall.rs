@@ -4,7 +4,7 @@
 //! wall's temperature ΔT is added to it.
 
 use super::Effect;
-use crate::balance::Conditions;
+use crate::parts::Conditions;
 use crate::card::{Balance, Card, ClosedForm, Normal, Parameter, Prior, Unit};
 use crate::real::Real;
 

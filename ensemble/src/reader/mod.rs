@@ -11,10 +11,10 @@ mod regressions;
 pub use bends::Bends;
 
 use crate::filter::{CUTS, Sensor, ToPowers};
-use crate::finish::SETTLED;
 use crate::history::Knot;
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
+use crate::outcome::SETTLED;
 use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
 use crate::samples::POINTS;

@@ -2,9 +2,9 @@
 //! pieces: begin, turn and end. Between corners a record is monotone.
 
 use super::pieces::Piece;
-use crate::exact_rows::Tests;
-use crate::finish::SETTLED;
+use crate::exact_tests::Tests;
 use crate::lanes::Lanes;
+use crate::outcome::SETTLED;
 use crate::reader::ROUNDING;
 use chamber::real::Real;
 use pulp::{Simd, WithSimd};

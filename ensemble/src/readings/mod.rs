@@ -11,15 +11,16 @@ mod hold;
 mod pieces;
 mod push;
 mod samples;
+mod sensors;
 
-use crate::exact_rows::{Ends, Tests};
+use crate::exact_tests::{Ends, Tests};
 use crate::filter::{Sensor, ToPowers};
-use crate::finish::SETTLED;
 use crate::fit;
 use crate::gauss::{NODES, Panel};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::outcome::Outcome;
+use crate::outcome::SETTLED;
 use crate::reader::ROUNDING;
 use crate::regression::Regression;
 use crate::scenario::Scenario;
@@ -28,8 +29,9 @@ use chamber::exact::Closed;
 use chamber::real::Real;
 use events::{Events, Turn};
 use hold::{HoldRecord, Relaxation};
-use pieces::{Build, Corners, Piece, Polynomial, Sensors, Shown};
+use pieces::{Build, Corners, Piece, Polynomial, Shown};
 use pulp::Arch;
+use sensors::Sensors;
 
 /// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
 const MOST_RELAXATIONS: f64 = 20.0;

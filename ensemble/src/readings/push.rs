@@ -5,8 +5,8 @@
 //! nothing: a short lag takes two windows beside the parts of the push, not steps of its own length. Where a window takes
 //! in the whole push, its nodes are those of the parts.
 
-use super::pieces::Sensors;
-use crate::exact_rows::Tests;
+use super::sensors::Sensors;
+use crate::exact_tests::Tests;
 use crate::filter;
 use crate::gauss::{NODES, Panel, RULE, node};
 use crate::lanes::Lanes;

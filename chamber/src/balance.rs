@@ -4,9 +4,7 @@
 //! P = (γ − 1) U/V,  T = U/(m cv), unless an effect makes the heat capacities vary. Both states are conserved to rounding whatever the integrator does.
 //! [`pressure_temperature_rates`] is the paper's own form, for comparison.
 
-mod parts;
-
-pub use parts::{Boundary, Conditions, Contents, Flows, Rates, Surroundings, Tight};
+pub use crate::parts::{Boundary, Conditions, Contents, Flows, Rates, Surroundings, Tight};
 
 use crate::effects::{self, EffectConstants, EffectSet, OWN_STATES};
 use crate::gas::Gas;
