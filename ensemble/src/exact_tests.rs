@@ -144,7 +144,7 @@ impl Tests {
 
     /// One of the equal parts of the push.
     #[inline(always)]
-    pub fn part(&self, index: usize) -> Part<Lanes> {
+    fn part(&self, index: usize) -> Part<Lanes> {
         let (begin, end) = (self.from.sqrt(), self.to.sqrt());
         let step = (end - begin) / self.parts;
         let dwell = self.push * 2.0 / (begin + end) / self.parts;

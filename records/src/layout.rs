@@ -32,7 +32,7 @@ pub struct Column {
 /// What the rig file states of a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stated {
-    /// The unit.
+    /// The unit; else it is the SI unit, whatever the column's name says.
     pub unit: bool,
     /// A scale or an offset, so that the unit is not just what the file itself says.
     pub scale: bool,

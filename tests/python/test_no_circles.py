@@ -36,14 +36,9 @@ def imports(source):
         used += re.findall(r"\bcrate::(?:\w+::)+\w+", code)
         found = set()
         for path in used:
-            first, *names = [name.strip() for name in path.split("::")]
-            base = module if first == "super" else ()
-            while first == "super":
-                base = base[:-1]
-                if not names or names[0] != "super":
-                    break
-                names = names[1:]
-            names = (*base, *names)
+            names = [name.strip() for name in path.split("::")]
+            up = names.count("super")
+            names = (*module[: len(module) - up], *names[up:]) if up else tuple(names[1:])
             while names and names not in files:
                 names = names[:-1]
             if names and names != module:

@@ -15,8 +15,8 @@
 //! The term describes the records that it was read off; it need not be the cause, and beyond its knots it knows nothing.
 
 use super::{Effect, nearer};
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{self, ActsOn, Card, Kind, Parameter, Unit};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 /// Places for knots.
@@ -501,7 +501,8 @@ mod tests {
 
     #[test]
     fn a_term_follows_only_what_it_can() {
-        let over = |balance, variable, value| check(&curve_of(balance, variable, &[0.0, 1.0], &[0.0, value]).parameters());
+        let over =
+            |balance, variable, value| check(&curve_of(balance, variable, &[0.0, 1.0], &[0.0, value]).parameters());
         assert!(over(Balance::HeatFlow, Variable::Mass, -3.0).is_ok());
         assert!(over(Balance::VolumeShare, Variable::Mass, 0.0).unwrap_err().contains("pressure or position"));
         assert!(over(Balance::CoefficientShare, Variable::Mass, -1.0).unwrap_err().contains("above -1"));
@@ -534,8 +535,7 @@ mod tests {
                     _ => ([-1e3, 1e3], [0.0, 0.02]),
                 };
                 let scale = if balance == Balance::MassFlow { 1e-5 } else { 1.0 };
-                let [said, found] =
-                    pressure_rates(&curve_of(balance, variable, &knots, &values.map(|v| v * scale)));
+                let [said, found] = pressure_rates(&curve_of(balance, variable, &knots, &values.map(|v| v * scale)));
                 assert!((said / found - 1.0).abs() < 1e-10, "{balance:?} {variable:?}: {said} {found}");
             }
         }

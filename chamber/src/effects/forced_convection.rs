@@ -4,8 +4,8 @@
 //! 1930) with the piston speed as velocity, as Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::parts::{Conditions, Rates};
 use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
+use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
 const EXPONENT: f64 = 0.8;

@@ -4,8 +4,8 @@
 //! measured points (design finding 4), where a = −½ cuts the error of τ from 26 % to 5 %; three actuators only.
 
 use super::Effect;
-use crate::parts::Conditions;
 use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
+use crate::parts::Conditions;
 use crate::real::Real;
 
 /// λ as a power of the gas column's length.

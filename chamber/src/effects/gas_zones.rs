@@ -6,8 +6,8 @@
 //! z  1; H  W/K. z = 0 means off. Source: two-zone models of engine cylinders, Heywood (1988), chapter 14.
 
 use super::Effect;
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, OwnState, Parameter, Unit};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 /// A core of gas away from the wall.

@@ -5,9 +5,9 @@
 //! Source: compressible Poiseuille flow, isothermal, e.g. White, Viscous Fluid Flow, chapter 3.
 
 use super::{Effect, nearer};
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::gas::Gas;
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 /// Laminar leak between the gas and its surroundings.

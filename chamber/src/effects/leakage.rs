@@ -6,9 +6,9 @@
 
 use super::Effect;
 use super::iso6358::{self, Passage};
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::gas::Gas;
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 pub use super::iso6358::{KINKS, kinks};

@@ -4,8 +4,8 @@
 //! sign-preserving power of Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
 
 use super::Effect;
-use crate::parts::{Conditions, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
+use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
 /// The temperature difference at which λ0 is meant, K.

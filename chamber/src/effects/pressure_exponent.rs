@@ -4,8 +4,8 @@
 //! Source: exponents between 0.25 and 0.8 are in use, see Annand (1963) and Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::parts::Conditions;
 use crate::card::{Balance, Card, Parameter, Unit};
+use crate::parts::Conditions;
 use crate::real::Real;
 
 /// Free exponents of pressure and temperature in λ.

@@ -3,8 +3,8 @@
 //! τs dy/dt = P − y, y(0) = P(0); τs in s, y and P in Pa. τs = 0 means off: y = P. Source: first-order instrument.
 
 use super::Effect;
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{ActsOn, Balance, Card, ClosedForm, OwnState, Parameter, Unit};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 /// First-order pressure sensor.
@@ -29,7 +29,12 @@ impl Effect for SensorLag {
             doc: "Time constant of the pressure sensor; zero means an instantaneous sensor",
             ..Parameter::DEFAULT
         }],
-        states: &[OwnState { name: "lagged_pressure", unit: Unit::Pascal, nominal: 1e5, doc: "Pressure the lagging sensor shows" }],
+        states: &[OwnState {
+            name: "lagged_pressure",
+            unit: Unit::Pascal,
+            nominal: 1e5,
+            doc: "Pressure the lagging sensor shows",
+        }],
         ..Card::DEFAULT
     };
 

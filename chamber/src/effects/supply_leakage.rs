@@ -6,9 +6,9 @@
 
 use super::Effect;
 use super::iso6358::{self, Passage};
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::gas::Gas;
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 /// ISO 6358 leak between the gas and its supply.

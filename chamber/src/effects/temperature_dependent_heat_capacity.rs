@@ -6,9 +6,9 @@
 //! Source: NIST-JANAF thermochemical tables, slope between 300 and 400 K, see [`Gas::heat_capacity_slope`].
 
 use super::Effect;
-use crate::parts::{Conditions, Flows};
 use crate::card::{Balance, Card, Normal, Parameter, Prior, Unit};
 use crate::gas::Gas;
+use crate::parts::{Conditions, Flows};
 use crate::real::Real;
 
 /// T at which cv is R/(γ − 1), K.

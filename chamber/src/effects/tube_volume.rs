@@ -5,8 +5,8 @@
 //! Vt  m³, not part of V, Aq, mass or dead volume. Source: isothermal volume, ISO 6358-2 annex (discharge tests).
 
 use super::Effect;
-use crate::parts::{Conditions, Rates};
 use crate::card::{Balance, Card, Parameter, Unit};
+use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
 /// An isothermal volume joined to the chamber.

@@ -13,8 +13,8 @@
 //! and 3 % from 30 ms on; earlier the surface is behind, by 10 % at 20 ms and 27 % at 10 ms, when it has hardly warmed.
 
 use super::Effect;
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, OwnState, Parameter, Unit};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 use core::f64::consts::PI;
 

@@ -6,8 +6,8 @@
 //! e.g. Incropera et al., Fundamentals of Heat and Mass Transfer, chapter 5.
 
 use super::Effect;
-use crate::parts::{Conditions, Flows, Rates};
 use crate::card::{Balance, Card, OwnState, Parameter, Unit};
+use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
 /// Lumped wall capacity.
@@ -42,7 +42,12 @@ impl Effect for WallHeating {
                 ..Parameter::DEFAULT
             },
         ],
-        states: &[OwnState { name: "wall_temperature", unit: Unit::Kelvin, nominal: 300.0, doc: "Wall temperature Tw" }],
+        states: &[OwnState {
+            name: "wall_temperature",
+            unit: Unit::Kelvin,
+            nominal: 300.0,
+            doc: "Wall temperature Tw",
+        }],
         ..Card::DEFAULT
     };
 

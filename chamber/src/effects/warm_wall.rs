@@ -4,8 +4,8 @@
 //! wall's temperature ΔT is added to it.
 
 use super::Effect;
-use crate::parts::Conditions;
 use crate::card::{Balance, Card, ClosedForm, Normal, Parameter, Prior, Unit};
+use crate::parts::Conditions;
 use crate::real::Real;
 
 /// A wall not at ambient temperature.

@@ -78,10 +78,10 @@ struct Place {
 impl Traces<'_> {
     /// Makes the records of the readings: cuts pieces of sensors that bend theirs.
     pub(super) fn bend(&mut self, arch: Arch) {
-        if self.rows.iter().all(|row| row.bends.is_none()) {
+        let bent: Vec<usize> = (0..self.rows.len()).filter(|&row| !self.rows[row].bends.is_none()).collect();
+        if bent.is_empty() {
             return;
         }
-        let bent: Vec<usize> = (0..self.rows.len()).filter(|&row| !self.rows[row].bends.is_none()).collect();
         // Where the readings turn round, also before what is shown: a sample may stand at its very begin.
         let Memory { pieces, cut, jobs, .. } = &mut *self.memory;
         jobs.clear();

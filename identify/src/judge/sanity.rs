@@ -91,12 +91,16 @@ struct Shift {
 
 /// Units that would make pressures of compressed air of gauge pressures.
 fn other_units(data: &Data) -> impl Iterator<Item = Shift> {
+    /// A test that goes less far above the surroundings, as a ratio, hardly tells a unit.
+    const LEAST_RISE: f64 = 1.2;
+    /// A compression goes so many times beyond the pressures of rests.
+    const COMPRESSION: f64 = 2.0;
     let (ambient_pa, highest_pa) = (data.ambient_pressure_pa, data.highest_pressure_pa());
     let declared = data.pressure_unit.filter(|_| data.gauge_pressures);
     declared.into_iter().flat_map(move |declared| {
         let is_plausible = move |&(_, ratio): &(&str, f64)| {
             let highest_pa = ambient_pa + (highest_pa - ambient_pa) / ratio;
-            highest_pa > 1.2 * ambient_pa && highest_pa < 2.0 * policy::COMPRESSED_AIR_PA.end()
+            highest_pa > LEAST_RISE * ambient_pa && highest_pa < COMPRESSION * policy::COMPRESSED_AIR_PA.end()
         };
         unit::others(declared).filter(is_plausible).map(move |(unit, ratio)| Shift {
             offset_pa: ambient_pa * (ratio - 1.0),

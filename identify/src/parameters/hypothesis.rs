@@ -4,7 +4,7 @@ use super::axis::{Axis, Own, Slot};
 use super::curve::{self, axis_of_value, curve_of};
 use super::model::{Model, delays_pressure};
 use super::sizes::Sizes;
-use super::stated::{REST_DEVIATION_K, stated, stated_by_cards};
+use super::stated::{REST_DEVIATION_K, stated};
 use crate::policy;
 use crate::record::data::{Data, Prepared};
 use chamber::card::{Kind, Parameter, Prior, Unit};
@@ -85,8 +85,7 @@ impl Hypothesis {
                 }
             }
         }
-        let stated = stated(data, &model).into_iter().chain(stated_by_cards(data, &model)).collect();
-        Self { model, axes, stated, own, base: *base }
+        Self { model, axes, stated: stated(data, &model), own, base: *base }
     }
 
     /// How many of the stated numbers are the rig's.

@@ -8,9 +8,16 @@ use chamber::effects::CARDS;
 /// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.
 pub const REST_DEVIATION_K: f64 = 3.0;
 
+/// What the rig states, and behind it what the effects' cards state of secondary parameters that are not free.
+pub fn stated(data: &Data, model: &Model) -> Vec<Axis> {
+    let mut all = by_rig(data, model);
+    all.extend(by_cards(data, model));
+    all
+}
+
 /// What the rig states, each in units of its tolerance. That gas at rest has the temperature of its surroundings is such a
 /// statement too: where it does not hold it fails in all records alike, for which a wall of another temperature would stand.
-pub fn stated(data: &Data, model: &Model) -> Vec<Axis> {
+fn by_rig(data: &Data, model: &Model) -> Vec<Axis> {
     let t = &data.tolerance;
     let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };
     let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
@@ -28,7 +35,7 @@ pub fn stated(data: &Data, model: &Model) -> Vec<Axis> {
 }
 
 /// Secondary parameters that are not free, in units of how far they are known beforehand.
-pub fn stated_by_cards(data: &Data, model: &Model) -> Vec<Axis> {
+fn by_cards(data: &Data, model: &Model) -> Vec<Axis> {
     let held = model.of_rig().without(model.secondary);
     let of_effect =
         |e: usize| CARDS[e].parameters.iter().enumerate().filter(|(_, p)| !p.fitted).map(move |(p, it)| (e, p, it));
