@@ -15,8 +15,8 @@ mod work;
 
 use ::sweep::statistics::Plan;
 use anyhow::Context;
-use pneutherm::predictive::Wanted;
 use pneutherm::settings::Settings;
+use pneutherm::simulation::band::Wanted;
 use pneutherm::simulation::{self, Request};
 use pneutherm::{evaluation, output};
 use pneutherm::{stores, study_pictures};
