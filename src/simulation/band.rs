@@ -15,7 +15,7 @@ use records::Model;
 use sweep::axis::Axis;
 use sweep::design::{Axes, Design};
 use sweep::distribution::{Distribution, Limits, normal};
-use sweep::quantity::Point;
+use sweep::point::Point;
 use sweep::uncertain::{self, Uncertain};
 
 /// What is asked for.
