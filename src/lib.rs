@@ -11,7 +11,6 @@ pub mod evaluation;
 mod failure;
 mod measured;
 pub mod output;
-pub mod predictive;
 #[cfg(test)]
 mod reference;
 mod reproduce;

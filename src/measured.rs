@@ -1,6 +1,6 @@
 //! Measured records as reference experiments of an FMU: the model along each record as `pneutherm simulate` has it.
 
-use crate::simulation::along_record;
+use crate::simulation::course::along_record;
 use anyhow::Context;
 use chamber::signals::Signals;
 use fmu::package::validation::Validation;

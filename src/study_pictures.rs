@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use report::{Axis, Chart, Colour, Mark, Series, chart};
 use serde_json::Value;
 use sweep::Store;
-use sweep::{sensitivity, statistics};
+use sweep::file_names::{SENSITIVITY, STATISTICS};
 
 /// Size of a panel, px, without the bars of indices.
 const PANEL: (u32, u32) = (420, 260);
@@ -18,7 +18,7 @@ type Draw = fn(&Value) -> Result<Option<String>>;
 
 /// The pictures and what they are drawn from.
 const PICTURES: [(&str, &str, Draw); 2] =
-    [(statistics::FILE, "statistics.svg", of_statistics), (sensitivity::FILE, "sensitivity.svg", of_sensitivity)];
+    [(STATISTICS, "statistics.svg", of_statistics), (SENSITIVITY, "sensitivity.svg", of_sensitivity)];
 
 /// Draws those of a study's results that a run has written; the names of the pictures.
 ///

@@ -4,7 +4,7 @@
 
 use crate::Batch;
 use crate::chambers::Chambers;
-use crate::exact_tests::{Ends, Test, Tests};
+use crate::exact_tests::{Ends, ExactTest, Tests};
 use crate::fit;
 use crate::gauss::NODES;
 use crate::kept::Exchange;
@@ -50,8 +50,8 @@ pub fn run(
 ) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { chambers, buffers } = memory;
-    let mut all: Vec<Test> =
-        rows.iter().map(|&(row, duration)| Test::new(row, &scenarios[row as usize], duration)).collect();
+    let mut all: Vec<ExactTest> =
+        rows.iter().map(|&(row, duration)| ExactTest::new(row, &scenarios[row as usize], duration)).collect();
     if set.is_empty() {
         for test in &mut all {
             let [begin, end] = [test.from, test.to].map(|volume| test.closed.rate(volume));
@@ -82,7 +82,7 @@ pub fn run(
             solved.readings(arch, buffers, shown, options.fit, scenario, &mut outcomes);
         }
         for (lane, &test) in order.iter().enumerate() {
-            let Test { row, duration, .. } = all[test as usize];
+            let ExactTest { row, duration, .. } = all[test as usize];
             let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
             if pushed > 0.0 && end > 0.0 && pushed.is_finite() && end.is_finite() {
                 out[row as usize] = Outcome { duration_s: duration, ..outcomes[lane] };
@@ -94,7 +94,7 @@ pub fn run(
 }
 
 /// Gives tests the wall's temperature, the rates and where it is linear the exchange that they have with the effects of a set.
-fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Test], scenarios: &[Scenario]) {
+fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [ExactTest], scenarios: &[Scenario]) {
     for tests in all.chunks_mut(WIDTH) {
         let at = |lane: usize| lane.min(tests.len() - 1);
         let balance = chambers.gather(arch, set, |lane| &scenarios[tests[at(lane)].row as usize].chamber);

@@ -10,7 +10,7 @@ use chamber::real::Real;
 use core::hint::black_box;
 
 /// One test, reduced to the numbers its solution needs.
-pub struct Test {
+pub struct ExactTest {
     pub row: u32,
     pub duration: f64,
     /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
@@ -26,8 +26,8 @@ pub struct Test {
     pub push: f64,
 }
 
-impl Test {
-    /// Without effects, and before it is known how fast it exchanges heat: [`Test::exchange`].
+impl ExactTest {
+    /// Without effects, and before it is known how fast it exchanges heat: [`ExactTest::exchange`].
     #[inline]
     pub fn new(row: u32, s: &Scenario, duration: f64) -> Self {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
@@ -86,7 +86,7 @@ pub struct Ends {
 
 impl Tests {
     /// One of `all` in each lane, the last again in those that are left over.
-    pub fn new(all: &[Test], order: &[u32]) -> Self {
+    pub fn new(all: &[ExactTest], order: &[u32]) -> Self {
         let zero = Lanes::ZERO;
         let mut tests = Self {
             closed: Closed { mass_gas_constant: zero, exchange: [zero; 2], expansion: zero, ambient_temperature: zero },

@@ -329,7 +329,7 @@ macro_rules! sets_with_code_of_their_own {
                     const BITS: u32 = $bits;
                     course::run::<{ general::states(BITS) }, BITS>(batch, memory, set, kind, rows, out)
                 })*
-                // Unit tests are of the parts. The kernel, the longest to compile, is tested as it is built: `tests/batches.rs`.
+                // Unit tests are of the parts. The kernel, the longest to compile, is tested as it is built: `tests/batches/`.
                 #[cfg(test)]
                 _ => unreachable!("the unit tests solve no batches"),
                 #[cfg(not(test))]

@@ -15,8 +15,8 @@ mod work;
 
 use ::sweep::statistics::Plan;
 use anyhow::Context;
-use pneutherm::predictive::Wanted;
 use pneutherm::settings::Settings;
+use pneutherm::simulation::band::Wanted;
 use pneutherm::simulation::{self, Request};
 use pneutherm::{evaluation, output};
 use pneutherm::{stores, study_pictures};
@@ -170,7 +170,7 @@ impl Study {
             let asked = columns.is_some() || quantiles.is_some();
             let plan = match &study.statistics {
                 Some(plan) if !asked => plan.clone(),
-                _ => Plan::picked(&study, columns.as_deref(), quantiles.as_deref())?,
+                _ => Plan::picked(study.outputs(), columns.as_deref(), quantiles.as_deref())?,
             };
             Ok(serde_json::to_string(&::sweep::run::statistics(&study, &plan, &*teller)?)?)
         })

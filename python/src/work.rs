@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
-use sweep::part::Progress;
+use sweep::progress::Progress;
 
 /// How long an interrupt may go unheard.
 const PAUSE: Duration = Duration::from_millis(50);

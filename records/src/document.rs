@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use crate::table::Table;
+use crate::value::{Entry, Value};
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read};
@@ -21,29 +22,6 @@ pub struct Document {
     path: PathBuf,
     text: String,
     root: Vec<Entry>,
-}
-
-/// A key with its value.
-#[derive(Clone, Debug)]
-pub(crate) struct Entry {
-    pub key: String,
-    /// The key with its tables, dotted.
-    pub name: String,
-    /// Counted from 1; 0 in a document that has no lines.
-    pub line: usize,
-    pub value: Value,
-}
-
-/// A value of a document.
-#[derive(Clone, Debug)]
-pub(crate) enum Value {
-    Text(String),
-    Integer(i64),
-    Number(f64),
-    Flag(bool),
-    Date(String),
-    List(Vec<(usize, Value)>),
-    Table(Vec<Entry>),
 }
 
 /// `bore_m = 0,02`

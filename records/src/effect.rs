@@ -5,9 +5,8 @@
 
 use crate::error::Error;
 use crate::key::{Bounds, KeyProblem};
-use crate::model::number;
-use crate::provenance::quoted;
 use crate::table::Table;
+use crate::toml_text::{number, quoted};
 use chamber::card::{Card, Kind, Parameter};
 use std::fmt::Write;
 

@@ -1,7 +1,7 @@
 //! What can be wrong with a file, in sentences: where, what, what to do.
 
 use crate::key::KeyProblem;
-use crate::trace::TraceProblem;
+use crate::trace::problem::TraceProblem;
 use std::io;
 use std::path::PathBuf;
 

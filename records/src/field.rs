@@ -1,16 +1,15 @@
 //! One key of a TOML file with its value, asked for by type and [`Bounds`]; every complaint names file, line and key.
 
-use crate::document::{Entry, Value};
 use crate::error::Error;
 use crate::key::{Bounds, KeyProblem};
-use crate::table::Table;
+use crate::value::{Entry, Value};
 use std::path::Path;
 
 /// A view on one key of a [`Document`](crate::document::Document).
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'d> {
-    path: &'d Path,
-    entry: &'d Entry,
+    pub(crate) path: &'d Path,
+    pub(crate) entry: &'d Entry,
 }
 
 impl<'d> Field<'d> {
@@ -131,36 +130,12 @@ impl<'d> Field<'d> {
         }
     }
 
-    /// The value as a table.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
-    pub fn table(&self) -> Result<Table<'d>, Error> {
-        match &self.entry.value {
-            Value::Table(entries) => Ok(Table::new(self.path, &self.entry.name, self.entry.line, entries)),
-            other => Err(self.wrong_type("a table", other)),
-        }
-    }
-
-    /// A list of tables (`[[key]]`).
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
-    pub fn tables(&self) -> Result<Vec<Table<'d>>, Error> {
-        let expected = format!("a list of tables [[{}]]", self.entry.name);
-        let table = |(line, item): &'d (usize, Value)| match item {
-            Value::Table(entries) => Ok(Table::new(self.path, &self.entry.name, *line, entries)),
-            other => Err(self.wrong_type(&expected, other)),
-        };
-        self.list(&expected)?.iter().map(table).collect()
-    }
-
     /// A complaint that the value is not what is `expected`.
     pub fn not(&self, expected: &str) -> Error {
         self.wrong_type(expected, &self.entry.value)
     }
 
-    fn list(&self, expected: &str) -> Result<&'d [(usize, Value)], Error> {
+    pub(crate) fn list(&self, expected: &str) -> Result<&'d [(usize, Value)], Error> {
         match &self.entry.value {
             Value::List(items) => Ok(items),
             other => Err(self.wrong_type(expected, other)),
@@ -179,7 +154,7 @@ impl<'d> Field<'d> {
         Err(self.refuse(KeyProblem::OutOfBounds { value: number, expected: bounds.words() }))
     }
 
-    fn wrong_type(&self, expected: &str, found: &Value) -> Error {
+    pub(crate) fn wrong_type(&self, expected: &str, found: &Value) -> Error {
         let found = match found {
             Value::Text(text) => format!("the text \"{text}\""),
             Value::Integer(value) => format!("the number {value}"),

@@ -14,6 +14,7 @@
 //!
 //! Whatever cannot be right is refused with file, line and key or column; nothing is guessed silently.
 
+mod ambient;
 pub mod atomic;
 pub mod document;
 mod effect;
@@ -32,9 +33,11 @@ pub mod provenance;
 pub mod rig;
 mod statistics;
 pub mod table;
+mod toml_text;
 pub mod trace;
 pub mod uncertainty;
 pub mod units;
+mod value;
 
 pub use atomic::{check_writable, write_atomically};
 pub use document::Document;

@@ -1,7 +1,9 @@
 //! What the quantities of rigs and models can be. Wide enough for any cylinder built, narrow enough to catch
 //! millimetres, bar and degrees Celsius typed where metres, pascal and kelvin are meant.
 
-use crate::key::Bounds;
+use crate::error::Error;
+use crate::key::{Bounds, KeyProblem};
+use crate::table::Table;
 
 /// Bores that a cylinder can have, m.
 pub const BORE_M: Bounds = Bounds::Within(1e-4..=5.0, "in m");
@@ -24,3 +26,12 @@ pub const COEFFICIENT: Bounds = Bounds::Within(0.0..=1e6, "in W/(m2 K)");
 pub const STANDARD_ATMOSPHERE_PA: f64 = 101_325.0;
 /// Ambient temperature, K, of a model that names none.
 pub const ROOM_TEMPERATURE_K: f64 = 293.15;
+
+/// Refuses a rod that does not fit into the bore.
+pub(crate) fn check_rod(table: &Table<'_>, bore: f64, rod: f64) -> Result<(), Error> {
+    if rod < bore {
+        return Ok(());
+    }
+    let problem = format!("{rod:?} m is not less than the bore, {bore:?} m: there would be no piston area");
+    Err(table.refuse("rod_m", KeyProblem::Contradiction(problem)))
+}

@@ -4,14 +4,16 @@
 //! no rod, no dead volume, area law `"total"`, the paper's reference state (5.65e5 Pa, 293 K), no effect, surroundings
 //! of 293.15 K and 101325 Pa; and of an effect that is named, its parameters' neutral values.
 
+use crate::ambient;
+use crate::atomic::write_atomically;
 use crate::document::Document;
 use crate::effect;
 use crate::error::Error;
 use crate::gas::{self, NamedGas};
-use crate::key::KeyProblem;
 use crate::limits;
-use crate::provenance::{Provenance, quoted};
+use crate::provenance::Provenance;
 use crate::table::Table;
+use crate::toml_text::{number, quoted};
 use crate::uncertainty::Uncertainty;
 use chamber::effects::{self, EffectSet};
 use chamber::{AreaLaw, Chamber, EffectValues, Geometry, HeatTransfer, paper};
@@ -57,7 +59,7 @@ impl Model {
         let geometry = read_geometry(&root.required_table("chamber")?)?;
         let heat_transfer = read_heat_transfer(&root.required_table("heat_transfer")?)?;
         let effects = root.table("effect")?.map_or(Ok(EffectValues::NEUTRAL), |table| read_effects(&table))?;
-        let (temperature_k, pressure_pa) = read_ambient(&root)?;
+        let (temperature_k, pressure_pa) = ambient::read(&root)?;
         Ok(Self {
             gas_name,
             chamber: Chamber { gas, geometry, heat_transfer, effects },
@@ -73,7 +75,7 @@ impl Model {
     /// # Errors
     /// [`Error::Write`], or [`Error::Unwritable`] as [`Model::to_toml`] has it.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        crate::write_atomically(path, self.to_toml()?.as_bytes())
+        write_atomically(path, self.to_toml()?.as_bytes())
     }
 
     /// The model file's text.
@@ -144,29 +146,14 @@ impl Model {
     }
 }
 
-/// The shortest digits that read back as the same number.
-pub(crate) fn number(value: f64) -> String {
-    // Rust's `NaN` is `nan` in TOML: refused by its key when read back.
-    if value.is_nan() { "nan".to_owned() } else { format!("{value:?}") }
-}
-
 fn read_geometry(table: &Table<'_>) -> Result<Geometry, Error> {
     table.allow(&["bore_m", "rod_m", "dead_volume_m3", "area_law"])?;
     let bore = table.required_number("bore_m", &limits::BORE_M)?;
     let rod = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
-    check_rod(table, bore, rod)?;
+    limits::check_rod(table, bore, rod)?;
     let dead_volume = table.number("dead_volume_m3", &limits::DEAD_VOLUME_M3)?.unwrap_or(0.0);
     let area_law = table.choice("area_law", &AREA_LAWS)?.unwrap_or(AreaLaw::Total);
     Ok(Geometry::new(bore, rod, dead_volume, area_law))
-}
-
-/// Refuses a rod that does not fit into the bore.
-pub(crate) fn check_rod(table: &Table<'_>, bore: f64, rod: f64) -> Result<(), Error> {
-    if rod < bore {
-        return Ok(());
-    }
-    let problem = format!("{rod:?} m is not less than the bore, {bore:?} m: there would be no piston area");
-    Err(table.refuse("rod_m", KeyProblem::Contradiction(problem)))
 }
 
 fn read_heat_transfer(table: &Table<'_>) -> Result<HeatTransfer, Error> {
@@ -191,11 +178,4 @@ fn read_effects(table: &Table<'_>) -> Result<EffectValues, Error> {
         }
     }
     Ok(values)
-}
-
-/// Temperature, K, and pressure, Pa, of the surroundings, each where the file states it.
-pub(crate) fn read_ambient(root: &Table<'_>) -> Result<(Option<f64>, Option<f64>), Error> {
-    let table = root.table_or_empty("ambient")?;
-    table.allow(&["temperature_k", "pressure_pa"])?;
-    Ok((table.number("temperature_k", &limits::TEMPERATURE_K)?, table.number("pressure_pa", &limits::PRESSURE_PA)?))
 }

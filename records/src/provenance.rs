@@ -4,6 +4,8 @@ use crate::error::Error;
 use crate::key::Bounds;
 use crate::rig::Rig;
 use crate::table::Table;
+use crate::toml_text::quoted;
+use crate::trace::Trace;
 use chrono::{DateTime, Utc};
 use std::fmt::Write;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -84,7 +86,7 @@ impl Provenance {
     /// This program, today, from every trace of a rig.
     pub fn of_rig(rig: &Rig) -> Self {
         let folder = rig.path.parent();
-        let source = |trace: &crate::Trace| {
+        let source = |trace: &Trace| {
             let inside = folder.and_then(|folder| trace.path.strip_prefix(folder).ok()).unwrap_or(&trace.path);
             SourceTrace { path: inside.to_string_lossy().into_owned(), sha256: trace.sha256.clone() }
         };
@@ -151,11 +153,6 @@ impl Rmse {
         let fit = table.required_number("fit", &Bounds::NotNegative)?;
         Ok(Some(Self { fit, held_out: table.number("held_out", &Bounds::NotNegative)? }))
     }
-}
-
-/// A text as TOML writes it.
-pub(crate) fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
 }
 
 /// Now, or the moment that `SOURCE_DATE_EPOCH` names (reproducible builds), in UTC.

@@ -3,6 +3,7 @@
 //! [`RigFile`] is the file itself, [`Rig`] the file with all its traces read. What a file leaves out is: the cap side,
 //! no rod, air, surroundings of 101325 Pa at an unknown temperature, SI columns.
 
+use crate::ambient;
 use crate::document::Document;
 use crate::error::Error;
 use crate::gas::{self, NamedGas};
@@ -10,7 +11,6 @@ use crate::key::{Bounds, KeyProblem};
 use crate::layout::{Layout, Quantity};
 use crate::limits;
 use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
-use crate::model::{check_rod, read_ambient};
 use crate::names::repeated;
 use crate::table::Table;
 use crate::trace::{Need, Reading, Trace, TraceProblem, Window};
@@ -159,9 +159,7 @@ impl Rig {
         rig.tolerance = stated_tolerance.or(Tolerance::default_of(rig.cylinder.bore_m, ambient_known));
         Ok(rig)
     }
-}
 
-impl Rig {
     /// All its traces, experiment by experiment.
     pub fn traces(&self) -> impl Iterator<Item = &Trace> {
         self.experiments.iter().flat_map(|experiment| &experiment.traces)
@@ -206,7 +204,7 @@ impl RigFile {
         }
         let root = document.root();
         root.allow(&TABLES)?;
-        let (_, pressure_pa) = read_ambient(&root)?;
+        let (_, pressure_pa) = ambient::read(&root)?;
         Ok((Layout::read(&root, pressure_pa)?, None))
     }
 
@@ -218,7 +216,7 @@ impl RigFile {
         let root = document.root();
         root.allow(&TABLES)?;
         let cylinder_table = root.required_table("cylinder")?;
-        let (temperature_k, pressure_pa) = read_ambient(&root)?;
+        let (temperature_k, pressure_pa) = ambient::read(&root)?;
         let cylinder = read_cylinder(&cylinder_table)?;
         let stated_tolerance = StatedTolerance::read(&root, cylinder.bore_m)?;
         let layout = Layout::read(&root, pressure_pa)?;
@@ -287,7 +285,7 @@ fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
     let bore_m = table.number("bore_m", &limits::BORE_M)?;
     let bore_m = bore_m.ok_or_else(|| table.missing("bore_m", "the bore in m, or area_m2, the piston area in m2,"))?;
     let rod_m = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
-    check_rod(table, bore_m, rod_m)?;
+    limits::check_rod(table, bore_m, rod_m)?;
     let rod_through_m = if rod_side { rod_m } else { 0.0 };
     let piston_area_m2 = Geometry::new(bore_m, rod_through_m, 0.0, AreaLaw::Total).piston_area;
     Ok(Cylinder { bore_m, rod_through_m, piston_area_m2, stroke_m })

@@ -1,9 +1,10 @@
 //! One table of a TOML file, asked key by key.
 
-use crate::document::Entry;
 use crate::error::Error;
 use crate::field::Field;
 use crate::key::{Bounds, KeyProblem, kind_of_file};
+use crate::names::nearest;
+use crate::value::{Entry, Value};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -53,7 +54,7 @@ impl<'d> Table<'d> {
     /// [`KeyProblem::Unknown`], with the nearest of `known`.
     pub fn allow(&self, known: &[&str]) -> Result<(), Error> {
         let Some(field) = self.fields().find(|field| !known.contains(&field.key())) else { return Ok(()) };
-        let near = crate::nearest(field.key(), known.iter().copied()).map(str::to_owned);
+        let near = nearest(field.key(), known.iter().copied()).map(str::to_owned);
         let known = known.iter().map(|k| (*k).to_owned()).collect();
         let problem = match kind_of_file(field.key()) {
             Some(kind) if self.name.is_empty() => KeyProblem::OtherFile { kind, known },
@@ -190,5 +191,31 @@ impl<'d> Table<'d> {
             ("", key) => key.to_owned(),
             (name, key) => format!("{name}.{key}"),
         }
+    }
+}
+
+impl<'d> Field<'d> {
+    /// The value as a table.
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`].
+    pub fn table(&self) -> Result<Table<'d>, Error> {
+        match &self.entry.value {
+            Value::Table(entries) => Ok(Table::new(self.path, &self.entry.name, self.entry.line, entries)),
+            other => Err(self.wrong_type("a table", other)),
+        }
+    }
+
+    /// A list of tables (`[[key]]`).
+    ///
+    /// # Errors
+    /// [`KeyProblem::WrongType`].
+    pub fn tables(&self) -> Result<Vec<Table<'d>>, Error> {
+        let expected = format!("a list of tables [[{}]]", self.entry.name);
+        let table = |(line, item): &'d (usize, Value)| match item {
+            Value::Table(entries) => Ok(Table::new(self.path, &self.entry.name, *line, entries)),
+            other => Err(self.wrong_type(&expected, other)),
+        };
+        self.list(&expected)?.iter().map(table).collect()
     }
 }

@@ -6,8 +6,8 @@
 use crate::error::Error;
 use crate::key::{Bounds, KeyProblem};
 use crate::names::repeated;
-use crate::provenance::quoted;
 use crate::table::Table;
+use crate::toml_text::quoted;
 use std::fmt::Write;
 
 /// Rounding that a covariance matrix may carry, as a correlation.

@@ -1,77 +1,11 @@
-//! Charts, drawn with `plotters` as SVG: title and legend above, units on the axes, a palette that colour-blind readers
-//! can tell apart (M. Okabe and K. Ito, "Color Universal Design", 2008).
+//! Charts, drawn with `plotters` as SVG: title and legend above, units on the axes.
 
 use crate::Error;
 use crate::axis::{Axis, Ticks};
-use plotters::coord::Shift;
-use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
-use plotters::coord::types::RangedCoordf64;
+use crate::canvas::{Along, Area, Canvas, GRID, INK, LABEL_PX, NOISE, TITLE_PX, UNITS, failed, on, text, units};
+use crate::series::{self, Series};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-/// What a colour stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colour {
-    /// Measured or true: black.
-    Ink,
-    /// The published method, or the model before: vermilion.
-    Before,
-    /// What explains more, or the model after: blue.
-    After,
-    /// Something beside it: grey.
-    Pale,
-}
-
-impl Colour {
-    fn rgb(self) -> RGBColor {
-        match self {
-            Self::Ink => INK,
-            Self::Before => RGBColor(196, 78, 0),
-            Self::After => RGBColor(0, 114, 178),
-            Self::Pale => RGBColor(110, 110, 110),
-        }
-    }
-}
-
-const INK: RGBColor = RGBColor(30, 30, 30);
-const GRID: RGBColor = RGBColor(225, 225, 225);
-const NOISE: RGBColor = RGBColor(234, 234, 234);
-
-/// How a series is drawn. Sizes in px.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mark {
-    /// A line of that width.
-    Line(f64),
-    /// A pale line of that width, beneath others.
-    Beneath(f64),
-    /// A dashed line of that width.
-    Dashed(f64),
-    /// Discs of that radius.
-    Dots(f64),
-    /// Rings of that radius.
-    Rings(f64),
-    /// Triangles of that size.
-    Triangles(f64),
-    /// Squares; hollow where not filled.
-    Squares(f64, bool),
-    /// Squares on a corner; hollow where not filled.
-    Diamonds(f64, bool),
-    /// Every two points joined by a line of that width.
-    Segments(f64),
-}
-
-/// Points with one look.
-#[derive(Clone, Debug)]
-pub struct Series<'a> {
-    /// The points (x, y), in the units of the axes.
-    pub points: Vec<(f64, f64)>,
-    /// Colour of marks and lines.
-    pub colour: Colour,
-    /// What they are, in the legend; empty: not in it.
-    pub label: &'a str,
-    /// How they are drawn.
-    pub mark: Mark,
-}
 
 /// A chart of series over one pair of axes.
 #[derive(Clone, Debug, Default)]
@@ -92,30 +26,12 @@ pub struct Chart<'a> {
     pub size: (u32, u32),
 }
 
-/// Drawing units in a px: `plotters` places everything on whole units.
-const UNITS: f64 = 2.0;
-const FONT: &str = "sans-serif";
-const LABEL_PX: f64 = 12.0;
-const TITLE_PX: f64 = 13.5;
+/// Height of a row of the legend, or of the title, px.
 const ROW_PX: f64 = 18.0;
-const DIGIT_PX: f64 = 6.6;
+/// Width of a letter of a label, px.
+const LETTER_PX: f64 = 6.6;
 /// Points beyond so many a px of the chart's width are thinned to the extremes of each stretch.
 const POINTS_A_PX: f64 = 1.0;
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-fn units(px: f64) -> i32 {
-    (px * UNITS).round() as i32
-}
-
-fn failed(error: impl std::fmt::Display) -> Error {
-    Error(error.to_string())
-}
-
-fn text(px: f64) -> TextStyle<'static> {
-    // `plotters` takes the size of a line of text, 1.24 times that of the letters.
-    TextStyle::from((FONT, 1.24 * px * UNITS).into_font()).color(&INK)
-}
 
 impl Chart<'_> {
     /// The chart as an SVG document.
@@ -128,27 +44,9 @@ impl Chart<'_> {
 
     fn draw_on(&self, area: &Area<'_>) -> Result<(), Error> {
         let (x, y) = self.ticks();
-        let legend = self.legend_rows();
-        let title = if self.title.is_empty() { 0.0 } else { ROW_PX + 2.0 };
-        let top = 8.0 + title + ROW_PX * legend.len() as f64;
-        if !self.title.is_empty() {
-            let style = text(TITLE_PX).pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(self.title.to_owned(), (units(10.0), units(4.0 + 0.5 * ROW_PX)), style))
-                .map_err(failed)?;
-        }
-        for (row, entries) in legend.iter().enumerate() {
-            let mut at = 10.0;
-            let middle = 4.0 + title + ROW_PX * (row as f64 + 0.5);
-            for series in entries {
-                key(area, series, (at, middle))?;
-                let style = text(LABEL_PX).pos(Pos::new(HPos::Left, VPos::Center));
-                area.draw(&Text::new(series.label.to_owned(), (units(at + 30.0), units(middle)), style))
-                    .map_err(failed)?;
-                at += entry_px(series.label);
-            }
-        }
+        let top = self.draw_head(area)?;
         let longest = y.texts.iter().map(|t| t.chars().count()).max().unwrap_or(0) as f64;
-        let left = 14.0 + DIGIT_PX * longest + if self.y.name.is_empty() { 0.0 } else { 18.0 };
+        let left = 14.0 + LETTER_PX * longest + if self.y.name.is_empty() { 0.0 } else { 18.0 };
         let bottom = if self.x.name.is_empty() { 22.0 } else { 38.0 };
         let mut chart = ChartBuilder::on(area)
             .margin_top(units(top))
@@ -163,6 +61,47 @@ impl Chart<'_> {
             let corners = [(x.range[0], -band), (x.range[1], band)];
             chart.draw_series([Rectangle::new(corners, NOISE.filled())]).map_err(failed)?;
         }
+        self.draw_axes(&mut chart, &x, &y)?;
+        let most = (POINTS_A_PX * f64::from(self.size.0)) as usize;
+        for series in &self.series {
+            let placed = |p: &(f64, f64)| (self.x.place(p.0), self.y.place(p.1));
+            let within = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && p.0 >= x.range[0] && p.0 <= x.range[1];
+            let points: Vec<(f64, f64)> = series.points.iter().map(placed).filter(within).collect();
+            series::draw(area, &mut chart, series, thinned(points, most))?;
+        }
+        for (x, y, words) in &self.texts {
+            let (right, down) = on(area, &chart, (self.x.place(*x), self.y.place(*y)));
+            let style = text(LABEL_PX).pos(Pos::new(HPos::Center, VPos::Bottom));
+            area.draw(&Text::new(words.clone(), (right, down - units(5.0)), style)).map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// Draws title and legend; their height with the space above, px.
+    fn draw_head(&self, area: &Area<'_>) -> Result<f64, Error> {
+        let legend = self.legend_rows();
+        let title = if self.title.is_empty() { 0.0 } else { ROW_PX + 2.0 };
+        if !self.title.is_empty() {
+            let style = text(TITLE_PX).pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw(&Text::new(self.title.to_owned(), (units(10.0), units(4.0 + 0.5 * ROW_PX)), style))
+                .map_err(failed)?;
+        }
+        for (row, entries) in legend.iter().enumerate() {
+            let mut at = 10.0;
+            let middle = 4.0 + title + ROW_PX * (row as f64 + 0.5);
+            for series in entries {
+                series::key(area, series, (at, middle))?;
+                let style = text(LABEL_PX).pos(Pos::new(HPos::Left, VPos::Center));
+                area.draw(&Text::new(series.label.to_owned(), (units(at + 30.0), units(middle)), style))
+                    .map_err(failed)?;
+                at += entry_px(series.label);
+            }
+        }
+        Ok(8.0 + title + ROW_PX * legend.len() as f64)
+    }
+
+    /// Draws the axes with their names and ticks, and the grid.
+    fn draw_axes(&self, chart: &mut Canvas<'_, '_>, x: &Ticks, y: &Ticks) -> Result<(), Error> {
         let mut mesh = chart.configure_mesh();
         if !self.x.name.is_empty() {
             mesh.x_desc(x.name(self.x.name));
@@ -179,20 +118,7 @@ impl Chart<'_> {
             .axis_style(INK.stroke_width(UNITS as u32))
             .set_all_tick_mark_size(units(3.0))
             .draw()
-            .map_err(failed)?;
-        let most = (POINTS_A_PX * f64::from(self.size.0)) as usize;
-        for series in &self.series {
-            let placed = |p: &(f64, f64)| (self.x.place(p.0), self.y.place(p.1));
-            let within = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && p.0 >= x.range[0] && p.0 <= x.range[1];
-            let points: Vec<(f64, f64)> = series.points.iter().map(placed).filter(within).collect();
-            draw_series(area, &mut chart, series, thinned(points, most))?;
-        }
-        for (x, y, words) in &self.texts {
-            let (right, down) = on(area, &chart, (self.x.place(*x), self.y.place(*y)));
-            let style = text(LABEL_PX).pos(Pos::new(HPos::Center, VPos::Bottom));
-            area.draw(&Text::new(words.clone(), (right, down - units(5.0)), style)).map_err(failed)?;
-        }
-        Ok(())
+            .map_err(failed)
     }
 
     /// Ticks of both axes for what is drawn.
@@ -237,7 +163,7 @@ impl Chart<'_> {
 
 /// Width of a legend's entry, px.
 fn entry_px(label: &str) -> f64 {
-    30.0 + DIGIT_PX * label.chars().count() as f64 + 16.0
+    30.0 + LETTER_PX * label.chars().count() as f64 + 16.0
 }
 
 /// Charts side by side, so many in a row, below a title, as one SVG document.
@@ -277,127 +203,6 @@ pub fn sheet(title: &str, charts: &[Chart<'_>], columns: usize) -> Result<String
     Ok(svg.replacen(&size(UNITS), &size(1.0), 1))
 }
 
-/// A linear axis with ticks of our own.
-struct Along {
-    axis: RangedCoordf64,
-    ticks: Vec<f64>,
-}
-
-impl Along {
-    fn new(ticks: &Ticks) -> Self {
-        Self { axis: (ticks.range[0]..ticks.range[1]).into(), ticks: ticks.at.clone() }
-    }
-}
-
-impl Ranged for Along {
-    type FormatOption = DefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        self.axis.map(value, limit)
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
-        self.ticks.clone()
-    }
-
-    fn range(&self) -> core::ops::Range<f64> {
-        self.axis.range()
-    }
-}
-
-type Canvas<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Along, Along>>;
-
-fn draw_series(
-    area: &Area<'_>,
-    chart: &mut Canvas<'_, '_>,
-    series: &Series<'_>,
-    points: Vec<(f64, f64)>,
-) -> Result<(), Error> {
-    let colour = series.colour.rgb();
-    let stroke = |px: f64| ShapeStyle { color: colour.mix(1.0), filled: false, stroke_width: units(px) as u32 };
-    match series.mark {
-        Mark::Line(px) => {
-            chart.draw_series(LineSeries::new(points, stroke(px))).map_err(failed)?;
-        }
-        Mark::Beneath(px) => {
-            let style = ShapeStyle { color: colour.mix(0.35), ..stroke(px) };
-            chart.draw_series(LineSeries::new(points, style)).map_err(failed)?;
-        }
-        Mark::Dashed(px) => {
-            let (dash, gap) = (units(6.0), units(4.0));
-            chart.draw_series(DashedLineSeries::new(points, dash, gap, stroke(px))).map_err(failed)?;
-        }
-        Mark::Segments(px) => {
-            let parts = points.chunks_exact(2).map(|pair| PathElement::new(pair.to_vec(), stroke(px)));
-            chart.draw_series(parts).map_err(failed)?;
-        }
-        Mark::Dots(_) | Mark::Rings(_) | Mark::Triangles(_) | Mark::Squares(..) | Mark::Diamonds(..) => {
-            for p in points {
-                for shape in marker(series, on(area, chart, p)) {
-                    area.draw(&shape).map_err(failed)?;
-                }
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Where a point of the chart lies on the area.
-fn on(area: &Area<'_>, chart: &Canvas<'_, '_>, point: (f64, f64)) -> (i32, i32) {
-    let ((right, down), (left, up)) = (chart.backend_coord(&point), area.get_base_pixel());
-    (right - left, down - up)
-}
-
-/// The polygons or discs of a point's marker.
-fn marker<'a>(series: &Series<'_>, at: (i32, i32)) -> Vec<DynElement<'a, SVGBackend<'a>, (i32, i32)>> {
-    let colour = series.colour.rgb();
-    let outlined = |corners: &[(f64, f64)], filled: bool| {
-        let corners: Vec<(i32, i32)> = corners.iter().map(|(x, y)| (at.0 + units(*x), at.1 + units(*y))).collect();
-        let fill = if filled { colour } else { WHITE };
-        let mut edge = corners.clone();
-        edge.push(edge[0]);
-        vec![
-            Polygon::new(corners, fill.filled()).into_dyn(),
-            PathElement::new(edge, INK.stroke_width(units(1.0) as u32)).into_dyn(),
-        ]
-    };
-    match series.mark {
-        Mark::Dots(r) => vec![Circle::new(at, units(r), colour.filled()).into_dyn()],
-        Mark::Rings(r) => vec![Circle::new(at, units(r), colour.stroke_width(units(1.2) as u32)).into_dyn()],
-        Mark::Triangles(r) => vec![TriangleMarker::new(at, units(r), colour.filled()).into_dyn()],
-        Mark::Squares(r, filled) => outlined(&[(-r, -r), (r, -r), (r, r), (-r, r)], filled),
-        Mark::Diamonds(r, filled) => outlined(&[(0.0, -r), (r, 0.0), (0.0, r), (-r, 0.0)], filled),
-        _ => Vec::new(),
-    }
-}
-
-/// What stands before a legend's entry.
-fn key(area: &Area<'_>, series: &Series<'_>, (left, middle): (f64, f64)) -> Result<(), Error> {
-    let colour = series.colour.rgb();
-    let line = |from: f64, to: f64, px: f64, strength: f64| {
-        let ends = [(units(left + from), units(middle)), (units(left + to), units(middle))];
-        let color = colour.mix(strength);
-        area.draw(&PathElement::new(ends, ShapeStyle { color, filled: false, stroke_width: units(px.max(1.5)) as u32 }))
-            .map_err(failed)
-    };
-    match series.mark {
-        Mark::Line(px) | Mark::Segments(px) => line(0.0, 24.0, px, 1.0),
-        Mark::Beneath(px) => line(0.0, 24.0, px, 0.35),
-        Mark::Dashed(px) => {
-            line(0.0, 9.0, px, 1.0)?;
-            line(15.0, 24.0, px, 1.0)
-        }
-        _ => {
-            let at = (units(left + 12.0), units(middle));
-            for shape in marker(series, at) {
-                area.draw(&shape).map_err(failed)?;
-            }
-            Ok(())
-        }
-    }
-}
-
 /// At most so many, keeping the smallest and largest of each stretch.
 fn thinned(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
     if points.len() <= most {
@@ -418,6 +223,7 @@ fn thinned(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::series::{Colour, Mark};
 
     #[test]
     fn thinning_keeps_the_extremes() {

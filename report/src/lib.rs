@@ -3,19 +3,22 @@
 //! | module | holds |
 //! |---|---|
 //! | [`number`] | significant digits, percentages |
-//! | [`axis`], [`chart`] | line charts as SVG: round ticks, units on every axis, one palette |
+//! | [`axis`], [`series`], [`chart`] | line charts as SVG: round ticks, units on every axis, one palette |
 //! | [`document`], [`page`] | sections of text, tables and figures as Markdown or as one self-contained HTML page |
 
 pub mod axis;
+mod canvas;
 pub mod chart;
 pub mod document;
 pub mod number;
 pub mod page;
+pub mod series;
 
 pub use axis::Axis;
-pub use chart::{Chart, Colour, Mark, Series};
+pub use chart::Chart;
 pub use document::{Block, Section, Table};
 pub use number::{digits, percent, signed_percent};
+pub use series::{Colour, Mark, Series};
 
 /// A figure that could not be drawn.
 #[derive(Debug, thiserror::Error)]

@@ -35,7 +35,7 @@ pub struct Progress {
     begun: Instant,
 }
 
-impl sweep::part::Progress for Progress {
+impl sweep::progress::Progress for Progress {
     fn solved(&self, rows: u64) {
         self.solved.fetch_add(rows, Relaxed);
     }

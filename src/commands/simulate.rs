@@ -1,7 +1,7 @@
 //! `pneutherm simulate`: the chamber along a measured or planned stroke.
 
 use crate::output;
-use crate::predictive::{LEVEL, SAMPLES, Wanted};
+use crate::simulation::band::{LEVEL, SAMPLES, Wanted};
 use crate::simulation::{self, Request, Simulated};
 use records::limits::PRESSURE_PA;
 use records::{Document, RigFile};

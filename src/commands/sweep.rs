@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
 use sweep::study::SOLVERS;
-use sweep::{Earlier, Options, Report, Shard, Study, traces};
+use sweep::{Earlier, Options, Report, Shard, Study, file_names, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///
@@ -248,7 +248,7 @@ fn taken(report: &Report, earlier: &Earlier) -> String {
 }
 
 fn traced(report: &traces::Report) -> String {
-    let (folder, file) = (traces::FOLDER, traces::FILE);
+    let (folder, file) = (file_names::TRACES, file_names::TRACES_FILE);
     let mut text = format!("{folder}/{file}: {} samples of {} rows\n", report.samples, report.rows);
     for (row, reason) in &report.without {
         let _ = writeln!(text, "row {row} has no trace: {reason}");

@@ -1,9 +1,9 @@
 //! The page of columns: traces, `simulate`, studies and what a study can vary.
 
 use super::{MADE, table};
-use crate::simulation;
+use crate::simulation::columns::COLUMNS;
 use records::layout::Quantity;
-use sweep::columns::{OUTPUTS, When};
+use sweep::outputs::{OUTPUTS, When};
 use sweep::{quantity, traces};
 
 fn page() -> String {
@@ -14,10 +14,7 @@ fn page() -> String {
         Quantity::ALL.map(|q| [code(q.key()), code(q.default_name()), q.unit_names().collect::<Vec<_>>().join(", ")]),
     );
     page += "\nThe first unit is that of the default column.\n\n## Output of `simulate`\n\n";
-    page += &table(
-        ["column", "unit", ""],
-        simulation::COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]),
-    );
+    page += &table(["column", "unit", ""], COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]));
     page += "\nWith `--samples` each column but time has two more, the ends of its prediction band: `pressure_low_pa`, `pressure_high_pa` \
              and so on. The band of `pressure_pa` is that of a future record, noise included.\n";
     page += "\n## Output of `sweep`\n\nThe columns are `row` (the number of the row in the design), each varied quantity under its own name, and\n\n";

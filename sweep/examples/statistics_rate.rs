@@ -5,7 +5,8 @@
 
 use std::time::Instant;
 use sweep::Study;
-use sweep::part::{self, CHUNK, Workers};
+use sweep::chunk::CHUNK;
+use sweep::part::{self, Workers};
 use sweep::solve::Solver;
 use sweep::statistics::Plan;
 
@@ -17,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("usage: statistics_rate STUDY.toml")?;
     let study = Study::read(path.as_ref())?;
     let rows = ROWS.min(study.rows);
-    let plan = Plan::all(&study);
+    let plan = Plan::all(study.outputs());
     let mut solver = Solver::new(&study);
     let mut best = [f64::INFINITY; 2];
     for _ in 0..TURNS {

@@ -4,10 +4,11 @@
 //! with `+ - * / ^` and parentheses, compared by `<`, `<=`, `>` or `>=`. A row that breaks a constraint is left out: it has its
 //! number, its quantities, nulls and the status `left_out`. A term without a value (0/0) keeps no constraint.
 
-use crate::columns;
-use crate::quantity::{self, Base, Point};
-use crate::row;
-use crate::study::vary::not_found;
+use crate::geometry::final_geometry;
+use crate::names;
+use crate::outputs;
+use crate::point::Point;
+use crate::quantity::Base;
 use ensemble::{Hold, Scenario};
 
 /// Characters of a constraint at most; nesting follows.
@@ -159,7 +160,7 @@ fn quantity_of(place: usize, point: &Point, scenario: &Scenario) -> f64 {
 impl Geometry {
     fn value(self, scenario: &Scenario) -> f64 {
         let geometry = &scenario.chamber.geometry;
-        let (volume, area) = row::final_geometry(scenario);
+        let (volume, area) = final_geometry(scenario);
         match self {
             Geometry::StrokeVolume => {
                 geometry.piston_area * (scenario.final_position_m - scenario.initial_position_m).abs()
@@ -273,9 +274,9 @@ fn named(name: &str) -> Result<Term, String> {
     if let Some((_, geometry)) = GEOMETRY.iter().find(|(known, _)| *known == name) {
         return Ok(Term::Geometry(*geometry));
     }
-    match quantity::find(name) {
+    match names::find(name) {
         Ok(place) => Ok(Term::Quantity(place)),
-        Err(_) if columns::is_output(name) => {
+        Err(_) if outputs::is_output(name) => {
             Err(format!("names the result {name}, which is not known before the row is solved"))
         }
         Err(reason) => {
@@ -283,7 +284,7 @@ fn named(name: &str) -> Result<Term, String> {
             let near = records::nearest(name, known).filter(|known| known.starts_with(name));
             Err(match near {
                 Some(near) => format!("names `{name}`, which is no quantity; did you mean `{near}`?"),
-                None => format!("names `{name}`, which {}", not_found(name, &reason)),
+                None => format!("names `{name}`, which {}", reason.words(name)),
             })
         }
     }
@@ -301,7 +302,7 @@ mod tests {
             chamber::HeatTransfer::at_paper_reference(30.0),
         );
         let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(3.0));
-        Constraint::parse(text).unwrap().holds(&Point([f64::NAN; quantity::COUNT]), &scenario)
+        Constraint::parse(text).unwrap().holds(&Point::EMPTY, &scenario)
     }
 
     #[test]

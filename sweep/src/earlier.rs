@@ -6,13 +6,16 @@
 
 use crate::design::Design;
 use crate::error::Error;
-use crate::folder::{MANIFEST, RECORDS, ROWS, STUDY, read_record};
+use crate::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
 use crate::hash;
-use crate::part::{self, OnRows};
-use crate::row::Status;
+use crate::progress::OnRows;
+use crate::reader;
+use crate::record;
 use crate::solve::{Rows, Solver};
+use crate::status::Status;
+use crate::status_column;
 use crate::store::{LocalFile, Store};
-use crate::study::{self, Study};
+use crate::study::Study;
 use arrow::array::{Array, AsArray};
 use arrow::datatypes::Int32Type;
 use arrow::record_batch::RecordBatch;
@@ -62,8 +65,8 @@ impl Earlier {
         let identity = found["study_sha256"].as_str().unwrap_or_default();
         let parts = found["study"]["parts"].as_u64().unwrap_or(0);
         let look = |part: u64| {
-            let name = study::part_name(part, parts);
-            let record = read_record(store, &name).filter(|record| record.study_sha256 == identity)?;
+            let name = file_names::part(part, parts);
+            let record = record::read(store, &name).filter(|record| record.study_sha256 == identity)?;
             let digest = record.file?;
             let name = format!("{ROWS}/{name}");
             store.length(&name).ok().flatten()?;
@@ -98,11 +101,11 @@ impl Earlier {
         let names: Vec<&str> = study.varied.iter().map(|varied| varied.column.as_str()).collect();
         let mut at = part.rows.start;
         let mut points = vec![Vec::new(); names.len()];
-        for batch in part::read(part.file.path(), Some(&names), 0)? {
+        for batch in reader::read(part.file.path(), Some(&names), 0)? {
             let batch = batch.map_err(|error| Error::arrow(part.file.path(), error))?;
             study.design.fill(at..at + batch.num_rows() as u64, &mut points)?;
             for ((name, ours), array) in names.iter().zip(&points).zip(batch.columns()) {
-                let theirs = part::numbers(array.as_primitive());
+                let theirs = reader::numbers(array.as_primitive());
                 if let Some(i) = theirs.iter().zip(ours).position(|(theirs, ours)| theirs != ours) {
                     let (row, theirs, ours) = (at + i as u64, theirs[i], ours[i]);
                     let why = format!("its row {row} is at {name} = {theirs}, this study's at {ours}");
@@ -237,7 +240,7 @@ impl<'a> Taker<'a> {
         let mut open = match self.open.take().filter(|open| (open.part, open.next) == (part, rows.start)) {
             Some(open) => open,
             None => {
-                let reader = part::read(place.file.path(), None, rows.start - place.rows.start)?;
+                let reader = reader::read(place.file.path(), None, rows.start - place.rows.start)?;
                 Open { part, next: rows.start, reader, rest: None }
             }
         };
@@ -273,12 +276,12 @@ impl<'a> Taker<'a> {
         // The columns of both studies are the same, in the same order.
         let results = &batch.columns()[1 + self.study.varied.len()..];
         for (column, array) in taken.outputs.iter_mut().zip(results) {
-            column.extend(part::numbers(array.as_primitive()));
+            column.extend(reader::numbers(array.as_primitive()));
         }
         let statuses = results[taken.outputs.len()].as_dictionary::<Int32Type>();
         let texts = statuses.values().as_string::<i32>();
         let known: Vec<Option<Status>> =
-            (0..texts.len()).map(|i| Status::of_text(self.study, texts.value(i))).collect();
+            (0..texts.len()).map(|i| status_column::of_text(self.study, texts.value(i))).collect();
         for (i, key) in statuses.keys().values().iter().enumerate() {
             let status = match known.get(*key as usize).copied().flatten() {
                 Some(status) => status,

@@ -1,6 +1,8 @@
 //! What a study will take: its rows, its time from a short calibration and a probe of the disk, and its bytes.
 
+use crate::chunk::CHUNK;
 use crate::columns;
+use crate::encoding;
 use crate::error::Error;
 use crate::part;
 use crate::study::Study;
@@ -105,11 +107,11 @@ fn synced(folder: &Path, bytes: usize) -> io::Result<f64> {
 fn encode(study: &Study, start: u64, rows: u64) -> Result<usize, Error> {
     let parquet = |source| Error::Parquet { path: study.path.clone(), source };
     let schema = columns::schema(study);
-    let properties = columns::properties(study, &schema, &[]);
+    let properties = encoding::properties(study, &schema, &[]);
     let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties)).map_err(parquet)?;
     let mut at = start;
     while at < start + rows {
-        let end = (at + part::CHUNK).min(start + rows);
+        let end = (at + CHUNK).min(start + rows);
         writer.write(&part::batch(study, at..end)?).map_err(parquet)?;
         at = end;
     }

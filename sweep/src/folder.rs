@@ -1,59 +1,25 @@
-//! A study's folder: which parts are there, what an interrupted run left behind, and the manifest.
-//!
-//! | place | holds |
-//! |---|---|
-//! | `rows/` | the parts, and nothing else at any time: readers of folders take it whole |
-//! | `traces/` | the table of traces |
-//! | `parts/` | `study.json`, whose folder this is; for each part its hash, its statuses and its statistics; what is being written |
-//! | `manifest.json` | the study, its columns and its parts, once all are there |
+//! A study's folder: which parts are there, what an interrupted run left behind, and the manifest. What stands where is
+//! in [`file_names`](crate::file_names).
 //!
 //! A part's record is there before the part, so that no part is without its hash.
 
 use crate::columns;
 use crate::error::Error;
-use crate::new_file::Digest;
-use crate::part::{StatusCounts, Written};
-use crate::statistics::{self, State};
+use crate::file_names::{MANIFEST, RECORDS, ROWS, STATISTICS, STUDY, TRACES_FILE};
+use crate::part::Written;
+use crate::record::{self, Record, statuses_of};
+use crate::statistics::State;
 use crate::store::{LocalFile, Store};
 use crate::study::Study;
-use crate::traces;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::io;
 use std::path::PathBuf;
-
-/// Name of the file that says that all parts are there.
-pub const MANIFEST: &str = "manifest.json";
-/// Folder of the parts.
-pub const ROWS: &str = "rows";
-/// Folder of the parts' records.
-pub const RECORDS: &str = "parts";
-/// File that says which study the folder belongs to.
-pub const STUDY: &str = "study.json";
 
 /// A study's folder.
 pub struct Folder<'a> {
     study: &'a Study,
     store: &'a dyn Store,
     identity: String,
-}
-
-/// What is known of a part without its rows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// SHA-256 of the study's identity, hexadecimal.
-    pub study_sha256: String,
-    /// Number of its first row.
-    pub first_row: u64,
-    /// Number of rows in the part.
-    pub rows: u64,
-    /// How many rows ended with each status.
-    pub statuses: StatusCounts,
-    /// Its file; none where the study's rows are not kept.
-    pub file: Option<Digest>,
-    /// Its statistics, where they were asked for.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub statistics: Option<State>,
 }
 
 /// What a part's place holds.
@@ -156,7 +122,7 @@ impl<'a> Folder<'a> {
 
     /// A part's record in the folder.
     fn record_file(&self, part: u64) -> String {
-        record_file(&self.study.part_name(part))
+        record::file(&self.study.part_name(part))
     }
 
     /// A part's record, to be written before the part gets its name.
@@ -236,14 +202,14 @@ impl<'a> Folder<'a> {
     /// The statistics in a part's record. [`Folder::find`] leaves them out: those of all parts of a large study are more than
     /// its memory.
     pub fn statistics(&self, part: u64) -> Option<State> {
-        read_record(self.store, &self.study.part_name(part))?.statistics
+        record::read(self.store, &self.study.part_name(part))?.statistics
     }
 
     /// Looks for a part; with `rows` its file has to be there too.
     pub fn find(&self, part: u64, rows: bool, look: Look) -> Found {
         let rows_of = self.study.rows_of(part);
         let record =
-            read_record(self.store, &self.study.part_name(part)).map(|record| Record { statistics: None, ..record });
+            record::read(self.store, &self.study.part_name(part)).map(|record| Record { statistics: None, ..record });
         let name = self.part_file(part);
         let length = self.store.length(&name).ok().flatten();
         let Some(record) = record else {
@@ -272,9 +238,9 @@ impl<'a> Folder<'a> {
     /// The folder cannot be read.
     pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
         let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
-        let mut names: Vec<String> = parts.flat_map(|part| [record_name(&part), part]).collect();
+        let mut names: Vec<String> = parts.flat_map(|part| [record::file_name(&part), part]).collect();
         if mine(0) {
-            names.extend([traces::FILE, STUDY, MANIFEST, statistics::FILE].map(str::to_owned));
+            names.extend([TRACES_FILE, STUDY, MANIFEST, STATISTICS].map(str::to_owned));
         }
         self.store.clean(&names).map_err(self.reading(""))
     }
@@ -348,31 +314,6 @@ impl<'a> Folder<'a> {
         };
         schema.fields().iter().map(column).collect()
     }
-}
-
-/// Name of the record of a part.
-fn record_name(part: &str) -> String {
-    format!("{}.json", part.trim_end_matches(".parquet"))
-}
-
-/// Place of the record of a part.
-fn record_file(part: &str) -> String {
-    format!("{RECORDS}/{}", record_name(part))
-}
-
-/// The record of a part of that name, where there is one that can be read.
-pub fn read_record(store: &dyn Store, part: &str) -> Option<Record> {
-    let text = store.read(&record_file(part)).ok().flatten()?;
-    serde_json::from_slice(&text).ok()
-}
-
-/// Number of rows by status, summed over these parts.
-pub fn statuses_of(parts: &[Record]) -> StatusCounts {
-    let mut total = StatusCounts::new();
-    for (status, count) in parts.iter().flat_map(|part| &part.statuses) {
-        *total.entry(status.clone()).or_default() += count;
-    }
-    total
 }
 
 /// JSON as a file has it.

@@ -5,7 +5,7 @@
 use crate::error::Error;
 use crate::pages::{self, Collector};
 use crate::sink::Sink;
-use crate::store::Store;
+use crate::store::{Store, TEMPORARY};
 use arrow::datatypes::SchemaRef;
 use arrow::record_batch::RecordBatch;
 use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};
@@ -18,9 +18,6 @@ use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Ending of temporary files; they begin with a dot and the name they are meant to have.
-pub const TEMPORARY: &str = ".tmp";
 
 /// What a file holds, as far as can be said without its contents.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,85 +1,29 @@
 //! One part: rows computed chunk by chunk and written as they come.
 
-use crate::columns::{self, Statuses};
+use crate::chunk::chunks;
+use crate::columns;
 use crate::earlier::{Earlier, Taker};
+use crate::encoding;
 use crate::error::Error;
 use crate::new_file::{Ended, NewFile};
+use crate::progress::OnRows;
 use crate::solve::Solver;
 use crate::statistics::{Plan, State};
+use crate::status_column::{StatusCounts, Statuses};
 use crate::study::Study;
-use arrow::array::{Array, Float64Array};
 use arrow::record_batch::RecordBatch;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use rayon::prelude::*;
 use serde_json::json;
-use std::collections::BTreeMap;
-use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
 
-/// Rows of one Arrow batch.
-pub const CHUNK: u64 = 1 << 13;
 /// Chunks of one file that are in memory for each thread.
 const CHUNKS_PER_THREAD: usize = 4;
-
-/// How many rows ended with each status.
-pub type StatusCounts = BTreeMap<String, u64>;
-
-/// Told how a run goes on, from any thread.
-pub trait Progress: Sync {
-    /// Called with the number of rows solved since the last call.
-    fn solved(&self, rows: u64);
-
-    /// Called with the number of rows found in complete parts.
-    fn found(&self, _rows: u64) {}
-}
-
-impl<F: Fn(u64) + Sync> Progress for F {
-    fn solved(&self, rows: u64) {
-        self(rows);
-    }
-}
-
-/// Receives the progress of a run.
-pub type OnRows<'a> = &'a dyn Progress;
 
 /// Some rows of a study as Arrow.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
     let rows = Solver::new(study).rows(rows)?;
     columns::batch(study, &columns::schema(study), rows, &mut Statuses::new(study))
-}
-
-/// The rows of a part's file after the first `skipped`; of the columns of those names, or all.
-///
-/// # Errors
-/// It cannot be read.
-pub fn read(path: &Path, names: Option<&[&str]>, skipped: u64) -> Result<ParquetRecordBatchReader, Error> {
-    let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    let parquet = |source| Error::Parquet { path: path.to_owned(), source };
-    let mut builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?.with_offset(skipped as usize);
-    if let Some(names) = names {
-        let fields = builder.schema().fields().iter().enumerate();
-        let wanted = fields.filter(|(_, field)| names.contains(&field.name().as_str())).map(|(place, _)| place);
-        let mask = ProjectionMask::roots(builder.parquet_schema(), wanted);
-        builder = builder.with_projection(mask);
-    }
-    builder.with_batch_size(CHUNK as usize).build().map_err(parquet)
-}
-
-/// A column's numbers, NaN for a null.
-pub fn numbers(column: &Float64Array) -> Vec<f64> {
-    match column.null_count() {
-        0 => column.values().to_vec(),
-        _ => column.iter().map(|value| value.unwrap_or(f64::NAN)).collect(),
-    }
-}
-
-/// Cuts rows into chunks. Chunks are counted from row zero of the study, so that they do not depend on the parts.
-pub fn chunks(rows: Range<u64>) -> Vec<Range<u64>> {
-    let first = rows.start / CHUNK;
-    let last = rows.end.div_ceil(CHUNK);
-    (first..last).map(|i| rows.start.max(i * CHUNK)..rows.end.min((i + 1) * CHUNK)).filter(|r| !r.is_empty()).collect()
 }
 
 /// How the rows of one file are computed.
@@ -116,7 +60,7 @@ pub fn write(
 ) -> Result<Written, Error> {
     let schema = columns::schema(study);
     let create = |place: &Place<'_>| {
-        let properties = columns::properties(study, &schema, place.extra);
+        let properties = encoding::properties(study, &schema, place.extra);
         NewFile::create(place.workshop, place.path, schema.clone(), properties)
     };
     let mut file = place.map(create).transpose()?;
@@ -158,7 +102,7 @@ pub fn write(
 
 /// Places of a plan's columns among the study's computed ones.
 fn places(study: &Study, plan: &Plan) -> Vec<usize> {
-    let place = |name: &String| columns::outputs(study).position(|output| output.name == name);
+    let place = |name: &String| study.outputs().position(|output| output.name == name);
     plan.columns.iter().filter_map(place).collect()
 }
 
@@ -170,17 +114,4 @@ pub struct Written {
     pub statuses: StatusCounts,
     /// Their statistics, where they were asked for.
     pub statistics: Option<State>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chunks_cover_their_rows_once_and_in_order() {
-        for rows in [0..0, 0..1, 5..CHUNK, CHUNK - 1..3 * CHUNK + 7] {
-            let all: Vec<u64> = chunks(rows.clone()).into_iter().flatten().collect();
-            assert!(all.into_iter().eq(rows));
-        }
-    }
 }

@@ -1,12 +1,17 @@
 //! A study carried out: whole or a shard of it into a folder, or all of it into one file or into memory.
 
+use crate::chunk::{CHUNK, chunks};
 use crate::earlier::Earlier;
 use crate::error::Error;
-use crate::folder::{self, Folder, Found, Look, Record};
+use crate::file_names::{SENSITIVITY, STATISTICS};
+use crate::folder::{Folder, Found, Look};
 use crate::new_file::Ended;
-use crate::part::{self, OnRows, Place, StatusCounts, Workers};
+use crate::part::{self, Place, Workers};
+use crate::progress::OnRows;
+use crate::record::{Record, statuses_of};
 use crate::sensitivity;
 use crate::statistics::{self, Plan, State};
+use crate::status_column::{StatusCounts, add_counts};
 use crate::store::{Local, Store};
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
@@ -146,14 +151,14 @@ pub fn run<'a>(
     let mut results = Vec::new();
     if let Some(all) = &all {
         if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.local_part(part))? {
-            folder.write_json(sensitivity::FILE, &indices)?;
-            results.push(sensitivity::FILE);
+            folder.write_json(SENSITIVITY, &indices)?;
+            results.push(SENSITIVITY);
         }
         if let Some(plan) = &plan
             && let Some(summary) = summary(study, plan, &folder, all)?
         {
-            folder.write_json(statistics::FILE, &summary)?;
-            results.push(statistics::FILE);
+            folder.write_json(STATISTICS, &summary)?;
+            results.push(STATISTICS);
         }
         folder.write_manifest(all)?;
     }
@@ -164,7 +169,7 @@ pub fn run<'a>(
         rows_written,
         rows_taken,
         bytes: parts.iter().filter_map(|part| part.file.as_ref()).map(|file| file.bytes).sum(),
-        statuses: folder::statuses_of(&parts),
+        statuses: statuses_of(&parts),
         complete: all.is_some(),
         results,
     })
@@ -172,7 +177,7 @@ pub fn run<'a>(
 
 /// The statistics that a run makes: the study's, or all of them where nothing else is kept.
 fn plan_of(study: &Study, options: Options<'_>) -> Option<Plan> {
-    study.statistics.clone().or_else(|| (!options.rows).then(|| Plan::all(study)))
+    study.statistics.clone().or_else(|| (!options.rows).then(|| Plan::all(study.outputs())))
 }
 
 /// Gives a part that was found the statistics that its record does not have, from its stored rows where there are some.
@@ -207,7 +212,7 @@ fn summary(study: &Study, plan: &Plan, folder: &Folder<'_>, parts: &[Record]) ->
             _ => return Ok(None),
         }
     }
-    total.summary(study, plan, &folder::statuses_of(parts)).map(Some)
+    total.summary(study, plan, &statuses_of(parts)).map(Some)
 }
 
 /// Computes parts and puts them in their places.
@@ -335,7 +340,7 @@ pub fn statistics(study: &Study, plan: &Plan, on_rows: OnRows<'_>) -> Result<Val
     for part in 0..study.parts {
         let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::All, None, on_rows)?;
         written.statistics.iter().for_each(|state| total.merge(state));
-        written.statuses.iter().for_each(|(status, count)| *statuses.entry(status.clone()).or_default() += count);
+        add_counts(&mut statuses, &written.statuses);
     }
     total.summary(study, plan, &statuses)
 }
@@ -343,7 +348,7 @@ pub fn statistics(study: &Study, plan: &Plan, on_rows: OnRows<'_>) -> Result<Val
 /// The rows of a study, batch after batch, in order: a wave of chunks is computed by all threads of the current pool when
 /// the one before is used up, so that memory does not grow with the study.
 pub fn batches(study: Arc<Study>) -> impl Iterator<Item = Result<RecordBatch, Error>> + Send {
-    let wave = part::CHUNK * 2 * rayon::current_num_threads() as u64;
+    let wave = CHUNK * 2 * rayon::current_num_threads() as u64;
     let waves = (0..study.rows).step_by(wave as usize);
     waves.flat_map(move |begin| computed(&study, begin..study.rows.min(begin + wave)))
 }
@@ -358,7 +363,7 @@ pub fn run_in_memory(study: &Study) -> Result<Vec<RecordBatch>, Error> {
 
 /// Some rows as batches, computed by all threads of the current pool.
 fn computed(study: &Study, rows: Range<u64>) -> Vec<Result<RecordBatch, Error>> {
-    part::chunks(rows).into_par_iter().map(|rows| part::batch(study, rows)).collect()
+    chunks(rows).into_par_iter().map(|rows| part::batch(study, rows)).collect()
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! From points to results: rows become scenarios, the kernel of `ensemble` simulates them.
 
-use crate::columns;
 use crate::error::Error;
-use crate::part::OnRows;
-use crate::quantity::Point;
-use crate::row::{self, Outputs, Status};
+use crate::outputs::Outputs;
+use crate::point::Point;
+use crate::progress::OnRows;
+use crate::row;
+use crate::status::Status;
 use crate::study::Study;
 use chamber::effects::EffectSet;
 use ensemble::{Kernel, Options, Outcome, Scenario};
@@ -27,7 +28,7 @@ impl Rows {
     /// Empty columns with the study's layout.
     pub fn none(study: &Study) -> Self {
         let columns = |count| vec![Vec::new(); count];
-        let (points, outputs) = (columns(study.varied.len()), columns(columns::outputs(study).count()));
+        let (points, outputs) = (columns(study.varied.len()), columns(study.outputs().count()));
         Self { first: 0, points, outputs, statuses: Vec::new() }
     }
 
@@ -90,13 +91,13 @@ impl<'a> Solver<'a> {
         let empty = || Vec::with_capacity(count);
         let mut points: Vec<Vec<f64>> = self.study.varied.iter().map(|_| empty()).collect();
         self.study.design.fill(rows.clone(), &mut points)?;
-        let mut outputs: Vec<Vec<f64>> = columns::outputs(self.study).map(|_| empty()).collect();
+        let mut outputs: Vec<Vec<f64>> = self.study.outputs().map(|_| empty()).collect();
         let mut statuses = Vec::with_capacity(count);
         let mut start = 0;
         while start < count {
             let (begun, end) = (Instant::now(), count.min(start + self.piece));
             self.solve(&points, start..end);
-            for (output, column) in columns::outputs(self.study).zip(&mut outputs) {
+            for (output, column) in self.study.outputs().zip(&mut outputs) {
                 (output.append)(&self.outputs, column);
             }
             statuses.extend(self.outputs.iter().map(|row| row.status));

@@ -1,13 +1,15 @@
 //! Where a study's folder is: on a disk or, behind the same few operations, in an object store. Files are named relative to
 //! the folder, with `/`.
 
-use crate::folder::RECORDS;
+use crate::file_names::RECORDS;
 use crate::hash;
-use crate::new_file::TEMPORARY;
 use std::fs::File;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
+
+/// Ending of temporary files; they begin with a dot and the name they are meant to have.
+pub const TEMPORARY: &str = ".tmp";
 
 /// A folder of files that appear whole or not at all.
 pub trait Store: Sync {

@@ -4,10 +4,14 @@
 //! what the sensor shows of it. As many samples are in memory as `TOGETHER` says, or one row's.
 
 use crate::columns;
+use crate::encoding;
 use crate::error::Error;
+use crate::file_names::{TRACES, TRACES_FILE};
 use crate::folder::Folder;
 use crate::new_file::NewFile;
-use crate::row::{self, Status};
+use crate::row;
+use crate::status::Status;
+use crate::status_column;
 use crate::store::Store;
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
@@ -22,10 +26,6 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Folder of the table, apart from that of the rows: readers take each of the two whole.
-pub const FOLDER: &str = "traces";
-/// Name of the table.
-pub const FILE: &str = "traces.parquet";
 /// Samples per second unless told otherwise, Hz: the paper's record.
 pub const RATE_HZ: f64 = 100.0;
 /// Most samples of one row.
@@ -142,11 +142,11 @@ pub fn write(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> Res
     check(study, rows, rate_hz)?;
     let folder = Folder::open(study, store)?;
     folder.prepare()?;
-    let name = format!("{FOLDER}/{FILE}");
+    let name = format!("{TRACES}/{TRACES_FILE}");
     let path = folder.path(&name);
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
-    let properties = columns::properties(study, &schema, &rate);
+    let properties = encoding::properties(study, &schema, &rate);
     let mut file = NewFile::create(&folder.workshop()?, &path, schema.clone(), properties)?;
     let mut report = Report::default();
     let mut wave: Vec<(u64, Scenario, usize)> = Vec::new();
@@ -179,7 +179,7 @@ fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, String>, Error> 
     study.vary(&mut point, &values, 0);
     Ok(row::scenario(study, &point).map_err(|status| match status {
         Status::Failed(failure) => failure.to_string(),
-        other => other.text(study).into_owned(),
+        other => status_column::text(other, study).into_owned(),
     }))
 }
 

@@ -6,7 +6,8 @@
 
 use crate::copula::Copula;
 use crate::distribution::{Distribution, Limits};
-use crate::quantity::{self, Allowed, Base, Point};
+use crate::point::Point;
+use crate::quantity::{self, Allowed, Base};
 use nalgebra::DMatrix;
 use records::Model;
 

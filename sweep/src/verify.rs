@@ -1,7 +1,7 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
 use crate::error::Error;
-use crate::folder::MANIFEST;
+use crate::file_names::MANIFEST;
 use crate::new_file::Digest;
 use crate::store::Store;
 use rayon::prelude::*;

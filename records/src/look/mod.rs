@@ -12,9 +12,9 @@ pub mod motion;
 pub mod proposal;
 pub mod readings;
 
-use crate::Layout;
 use crate::error::Error;
 use crate::format::Encoding;
+use crate::layout::Layout;
 use crate::trace::{self, Need, Reading, Trace, TraceProblem, Window};
 use columns::{Guess, Names};
 use motion::Phase;

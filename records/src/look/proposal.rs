@@ -5,7 +5,7 @@ use super::columns::Guessed;
 use super::motion::Cycle;
 use crate::layout::Quantity;
 use crate::limits::STANDARD_ATMOSPHERE_PA;
-use crate::provenance::quoted;
+use crate::toml_text::quoted;
 use crate::units::VOLT;
 use std::fmt::Write;
 

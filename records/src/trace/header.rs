@@ -2,10 +2,10 @@
 
 use super::dialect::Dialect;
 use super::problem::TraceProblem;
-use super::read::{Need, Reading};
+use super::reading::{Need, Reading};
 use crate::format::Separator;
 use crate::layout::{Column, Quantity};
-use crate::nearest;
+use crate::names::nearest;
 use crate::units::{CLOCK, Unit, VOLT, says_absolute, says_gauge, sure_unit};
 
 /// The header, matched with the layout.

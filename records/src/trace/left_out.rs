@@ -8,7 +8,7 @@ pub const ONE_IN: usize = 50;
 /// How many lines a sentence names.
 const NAMED: usize = 5;
 /// How many rows are kept with their reason while a file is read: more than may be left out of the longest.
-const MOST: usize = super::read::MAX_ROWS / ONE_IN + 1;
+const MOST: usize = super::reading::MAX_ROWS / ONE_IN + 1;
 
 /// A row that is no part of the trace.
 #[derive(Clone, Debug, PartialEq)]

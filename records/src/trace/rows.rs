@@ -7,7 +7,7 @@ use super::header::Header;
 use super::left_out::{BadRows, LeftOut};
 use super::order::{self, Order};
 use super::problem::{RowProblem, TraceProblem};
-use super::read::{MAX_ROWS, Reading};
+use super::reading::{MAX_ROWS, Reading};
 use crate::format::{Decimal, Separator};
 use crate::layout::{Column, Quantity};
 use crate::limits;

@@ -4,20 +4,16 @@
 
 pub mod indices;
 
-use crate::columns;
 use crate::design::Design;
 use crate::design::saltelli::{REPLICATES, Scheme};
 use crate::error::Error;
-use crate::part;
+use crate::reader;
 use crate::store::LocalFile;
 use crate::study::Study;
 use arrow::array::AsArray;
 use indices::{Centre, Indices, Sums};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-
-/// Name of the file with the indices, beside the parts.
-pub const FILE: &str = "sensitivity.json";
 
 /// Indices of every output of a Saltelli study from its parts, in bounded memory; `None` for other designs. `local` gives a
 /// part as a file on the disk; it is asked once for each part.
@@ -28,7 +24,7 @@ pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error>) 
     let Design::Saltelli(design) = &study.design else { return Ok(None) };
     let scheme = design.scheme();
     let parts: Vec<LocalFile> = (0..study.parts).map(local).collect::<Result<_, _>>()?;
-    let results: Vec<&str> = columns::outputs(study).map(|output| output.name).collect();
+    let results: Vec<&str> = study.outputs().map(|output| output.name).collect();
     let of_column = |column: &&str| {
         let mut centre = Centre::default();
         blocks(&parts, column, scheme.rows() as usize, |_, block| centre.add(block))?;
@@ -74,9 +70,9 @@ fn blocks(parts: &[LocalFile], column: &str, length: usize, mut take: impl FnMut
     let mut block = Vec::with_capacity(length);
     let mut number = 0;
     for path in parts.iter().map(LocalFile::path) {
-        for batch in part::read(path, Some(&[column]), 0)? {
+        for batch in reader::read(path, Some(&[column]), 0)? {
             let batch = batch.map_err(|error| Error::arrow(path, error))?;
-            for value in part::numbers(batch.column(0).as_primitive()) {
+            for value in reader::numbers(batch.column(0).as_primitive()) {
                 block.push(value);
                 if block.len() == length {
                     if block.iter().all(|value| value.is_finite()) {

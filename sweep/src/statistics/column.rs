@@ -1,8 +1,9 @@
 //! What is known of one column: moments, extremes with their rows, a sketch of its distribution, a histogram.
 
 use super::moments::Moments;
+use super::plan::{Bins, Plan};
+use super::point_of;
 use super::sketch::{ERROR, Sketch};
-use super::{Bins, Plan, point_of};
 use crate::error::Error;
 use crate::study::Study;
 use serde::{Deserialize, Serialize};

@@ -7,25 +7,6 @@ use serde::{Deserialize, Serialize};
 /// Points of a front at most: each part keeps them all.
 pub const MOST: usize = 10_000;
 
-/// Columns that a Pareto front minimises and maximises.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Goals {
-    /// Columns that should be small.
-    pub minimise: Vec<String>,
-    /// Columns that should be large.
-    pub maximise: Vec<String>,
-}
-
-impl Goals {
-    /// The columns, those that should be small first, each with the sign that makes small what is good.
-    pub fn columns(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.minimise
-            .iter()
-            .map(|name| (name.as_str(), 1.0))
-            .chain(self.maximise.iter().map(|name| (name.as_str(), -1.0)))
-    }
-}
-
 /// The front of the rows so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Front {

@@ -6,15 +6,18 @@
 mod column;
 mod front;
 mod moments;
+pub mod plan;
 mod sketch;
 
-pub use front::{Front, Goals};
+pub use front::Front;
+pub use plan::{Bins, Goals, Plan};
 pub use sketch::{ERROR, Sketch};
 
+use crate::chunk::CHUNK;
 use crate::columns;
 use crate::error::Error;
-use crate::hash;
-use crate::part::{self, CHUNK, StatusCounts};
+use crate::reader;
+use crate::status_column::StatusCounts;
 use crate::study::Study;
 use arrow::array::AsArray;
 use arrow::datatypes::Float64Type;
@@ -23,85 +26,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Name of the file with the statistics, beside the rows.
-pub const FILE: &str = "statistics.json";
-/// Probabilities of the quantiles unless the study says otherwise.
-pub const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
-
-/// The statistics that a study asks for.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Plan {
-    /// The columns, in the order of the table.
-    pub columns: Vec<String>,
-    /// Probabilities of the quantiles.
-    pub quantiles: Vec<f64>,
-    /// Histograms by column.
-    pub histograms: Vec<(String, Bins)>,
-    /// The Pareto front, where one is asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pareto: Option<Goals>,
-}
-
-/// Equal bins of a histogram.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Bins {
-    /// Lower edge of the first.
-    pub from: f64,
-    /// Upper edge of the last, which belongs to it.
-    pub to: f64,
-    /// Number of bins.
-    pub bins: u64,
-}
-
-/// Why a name is none of a study's results, in words that follow it.
-pub fn no_result(name: &str, results: &[String]) -> String {
-    let hint = records::nearest(name, results.iter().map(String::as_str));
-    let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
-    format!("is no result of this study{hint}")
-}
-
-impl Plan {
-    /// Every computed column of a study, with the default quantiles.
-    pub fn all(study: &Study) -> Self {
-        let columns = columns::outputs(study).map(|o| o.name.to_owned()).collect();
-        Self { columns, quantiles: QUANTILES.to_vec(), histograms: Vec::new(), pareto: None }
-    }
-
-    /// Some computed columns of a study, all unless named, with the quantiles of some probabilities.
-    ///
-    /// # Errors
-    /// A column that the study does not compute, a probability beyond 0 to 1.
-    pub fn picked(study: &Study, columns: Option<&[String]>, quantiles: Option<&[f64]>) -> Result<Self, Error> {
-        let mut plan = Self::all(study);
-        if let Some(columns) = columns {
-            if let Some(unknown) = columns.iter().find(|name| !plan.columns.contains(name)) {
-                return Err(Error::Option(format!("`{unknown}` {}", no_result(unknown, &plan.columns))));
-            }
-            plan.columns.retain(|column| columns.contains(column));
-        }
-        if let Some(quantiles) = quantiles {
-            if let Some(wrong) = quantiles.iter().find(|p| !(0.0..=1.0).contains(*p)) {
-                return Err(Error::Option(format!(
-                    "a quantile of {wrong} is asked for; expected probabilities from 0 to 1"
-                )));
-            }
-            plan.quantiles = quantiles.to_vec();
-        }
-        Ok(plan)
-    }
-
-    /// What two states have to have in common to be merged.
-    pub fn identity(&self) -> String {
-        let mut asked = vec![json!(self.columns), json!(self.histograms)];
-        asked.extend(self.pareto.iter().map(|goals| json!(goals)));
-        hash::of_bytes(json!(asked).to_string().as_bytes())
-    }
-
-    fn bins(&self, column: &str) -> Option<Bins> {
-        self.histograms.iter().find(|(name, _)| name == column).map(|(_, bins)| *bins)
-    }
-}
 
 /// What is known of the rows so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -234,7 +158,7 @@ pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error>
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); plan.columns.len()];
     // Pieces are cut as when the rows are solved, so that the sums are the same bit for bit.
     let mut begin = first_row;
-    for batch in part::read(path, Some(&names), 0)? {
+    for batch in reader::read(path, Some(&names), 0)? {
         let batch = batch.map_err(|error| Error::arrow(path, error))?;
         for (name, values) in plan.columns.iter().zip(&mut columns) {
             let column = batch.column_by_name(name).and_then(|column| column.as_primitive_opt::<Float64Type>());
@@ -242,7 +166,7 @@ pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error>
                 path: path.to_owned(),
                 message: format!("has no column `{name}` of numbers for the statistics"),
             })?;
-            values.extend(part::numbers(column));
+            values.extend(reader::numbers(column));
         }
         loop {
             let length = (CHUNK - begin % CHUNK) as usize;

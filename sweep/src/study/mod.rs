@@ -1,17 +1,24 @@
 //! A study: a base model, the push-and-hold test, what varies and by which design.
 
-pub mod check;
+mod check;
+mod constraints;
+mod points;
 mod read;
 mod section;
-pub(crate) mod vary;
+mod statistics;
+mod test;
+mod vary;
 
 use crate::constraint::Constraint;
 use crate::design::Design;
 use crate::design::saltelli::REPLICATES;
 use crate::error::Error;
+use crate::file_names;
 use crate::hash;
-use crate::quantity::{self, Base, Point};
-use crate::statistics::Plan;
+use crate::outputs::{OUTPUTS, Output, When};
+use crate::point::Point;
+use crate::quantity::{self, Base};
+use crate::statistics::plan::Plan;
 use chamber::effects::{EffectSet, EffectValues};
 use ensemble::Solver;
 use records::Model;
@@ -85,11 +92,6 @@ pub struct Study {
     table_sha256: Option<String>,
 }
 
-/// Name of a part's file.
-pub fn part_name(part: u64, parts: u64) -> String {
-    format!("part-{part:05}-of-{parts:05}.parquet")
-}
-
 impl Study {
     /// Sets the relative tolerance of the adaptive integration.
     ///
@@ -120,7 +122,7 @@ impl Study {
 
     /// Name of a part's file.
     pub fn part_name(&self, part: u64) -> String {
-        part_name(part, self.parts)
+        file_names::part(part, self.parts)
     }
 
     /// The study with every number it rests on, as JSON: what is written beside its rows.
@@ -177,6 +179,16 @@ impl Study {
             study["constraints"] = json!(texts);
         }
         study
+    }
+
+    /// The computed columns of the study.
+    pub fn outputs(&self) -> impl Iterator<Item = &'static Output> + '_ {
+        let has = |when: When| match when {
+            When::Always => true,
+            When::Fit => self.fit,
+            When::Solved(base) => self.varied.iter().any(|v| v.quantity == base as usize),
+        };
+        OUTPUTS.iter().filter(move |o| has(o.when) && !self.varied.iter().any(|v| v.column == o.name))
     }
 
     /// Effects that are on in some row. The same for all rows, whatever the chunk, so that a row's bits are its own.

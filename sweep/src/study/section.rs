@@ -4,6 +4,7 @@ use crate::error::Error;
 use records::key::{Bounds, KeyProblem};
 use records::{Field, Table};
 use std::cell::RefCell;
+use std::path::{Path, PathBuf};
 
 /// A table whose keys are taken one by one.
 pub struct Section<'a> {
@@ -65,6 +66,8 @@ pub trait Entry<'a> {
     fn finite(&self) -> Result<f64, Error>;
     /// The value as a list of finite numbers, at least one.
     fn some_numbers(&self) -> Result<Vec<f64>, Error>;
+    /// The value as a path, relative to the folder of the study's `file`.
+    fn path_beside(&self, file: &Path) -> Result<PathBuf, Error>;
     /// The value as a section of its own.
     fn section(&self) -> Result<Section<'a>, Error>;
 }
@@ -81,6 +84,10 @@ impl<'a> Entry<'a> for Field<'a> {
     fn some_numbers(&self) -> Result<Vec<f64>, Error> {
         let values = self.numbers(&Bounds::Finite)?;
         if values.is_empty() { Err(self.because("is empty; at least one number is needed")) } else { Ok(values) }
+    }
+
+    fn path_beside(&self, file: &Path) -> Result<PathBuf, Error> {
+        Ok(file.parent().unwrap_or(Path::new("")).join(self.text()?))
     }
 
     fn section(&self) -> Result<Section<'a>, Error> {

@@ -1,19 +1,19 @@
 //! `[vary]` of a study file: which quantities vary, and which values or distributions they take.
 
 use super::Varied;
+use super::constraints;
 use super::section::{Entry, Section};
 use crate::axis::{Axis, Scale};
-use crate::columns;
 use crate::copula::Copula;
 use crate::distribution::{Distribution, Limits};
 use crate::error::Error;
-use crate::quantity::{self, Base, NotFound};
+use crate::names;
+use crate::outputs;
+use crate::quantity::{self, Base};
 use crate::uncertain::{self, Parameter, Uncertain};
 use records::Field;
 use report::number::shortest;
 
-/// The key of [vary] that is no quantity.
-pub const CONSTRAINTS: &str = "constraints";
 /// Names of the distributions in study files.
 const DISTRIBUTIONS: [(&str, Kind); 6] = [
     ("normal", Kind::Normal),
@@ -60,7 +60,7 @@ pub fn axes<'a>(
         found.push(new);
         Ok(())
     };
-    for (entry, name) in leaves(vary, "")?.into_iter().filter(|(_, name)| name != CONSTRAINTS) {
+    for (entry, name) in leaves(vary, "")?.into_iter().filter(|(_, name)| name != constraints::KEY) {
         if name == "from" {
             for Parameter { quantity, distribution, .. } in &all_of_model(entry, model)?.parameters {
                 let column = quantity::all()[*quantity].name.clone();
@@ -69,7 +69,7 @@ pub fn axes<'a>(
             }
             continue;
         }
-        let place = quantity::find(&name).map_err(|reason| entry.because(not_found(&name, &reason)))?;
+        let place = names::find(&name).map_err(|reason| entry.because(reason.words(&name)))?;
         let (axis, of_model) = axis(entry, place, model)?;
         add(Found { entry, varied: varied(&name, place), axis, of_model })?;
     }
@@ -134,28 +134,8 @@ fn refuse_contradictions(found: &[Found<'_>]) -> Result<(), Error> {
 /// A column has the name that the study uses, unless that is another column's.
 pub fn varied(name: &str, quantity: usize) -> Varied {
     let full = &quantity::all()[quantity].name;
-    let taken = quantity != Base::VolumeToArea as usize && columns::is_output(name);
+    let taken = quantity != Base::VolumeToArea as usize && outputs::is_output(name);
     Varied { column: if taken { full.clone() } else { name.to_owned() }, quantity }
-}
-
-/// Why a name stands for no quantity, in words that follow it.
-pub fn not_found(name: &str, reason: &NotFound) -> String {
-    match reason {
-        NotFound::OfRecordedStroke => {
-            "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
-                .into()
-        }
-        NotFound::OfTable => "is a fixed part of the model's table, of which only the values can be varied".into(),
-        NotFound::Unknown(None) => {
-            "is no number of the model or of the test; its names are the keys of the model file and of [test]".into()
-        }
-        NotFound::Unknown(Some(nearest)) => {
-            format!("is no number of the model or of the test; did you mean `{nearest}`?")
-        }
-        NotFound::Ambiguous(list) => {
-            format!("could be {}; write `{}`, say, instead of `{name}`", list.join(" or "), list[0])
-        }
-    }
 }
 
 /// The entries that describe an axis, with their dotted names: `a.b_m = {…}` without quotes is a table in a table.

@@ -6,7 +6,8 @@
 //! which is a mean over the rows at rest. With F the mean of the draws' normal distributions at a row, its ends are
 //! F⁻¹((1 ∓ level)/2). The bands of all other columns hold the parameters' uncertainty and that of the start.
 
-use crate::simulation::{COLUMNS, Course, Values};
+use super::columns::{COLUMNS, Column, Values};
+use super::course::Course;
 use anyhow::{Context, anyhow, bail};
 use chamber::simulate::Sample;
 use rayon::prelude::*;
@@ -14,7 +15,7 @@ use records::Model;
 use sweep::axis::Axis;
 use sweep::design::{Axes, Design};
 use sweep::distribution::{Distribution, Limits, normal};
-use sweep::quantity::Point;
+use sweep::point::Point;
 use sweep::uncertain::{self, Uncertain};
 
 /// What is asked for.
@@ -90,9 +91,8 @@ pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Resul
         let row = |row: usize| ends(runs.iter().map(|run| of(&run[row])).collect(), scatter, wanted.level);
         (0..runs[0].len()).into_par_iter().map(row).collect::<Vec<_>>()
     };
-    let of_column = |column: &crate::simulation::Column| {
-        ends(column.of, if column.name == "pressure_pa" { scatter.unwrap_or(0.0) } else { 0.0 })
-    };
+    let of_column =
+        |column: &Column| ends(column.of, if column.name == "pressure_pa" { scatter.unwrap_or(0.0) } else { 0.0 });
     let names: Vec<_> = known.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let noise = match scatter {
         Some(scatter) => {

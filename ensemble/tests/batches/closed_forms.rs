@@ -1,0 +1,112 @@
+//! Effects that keep a closed form, or whose hold is an integral: against the integrator and against exact solutions.
+
+use crate::common::{assert_close, assert_same, kept, relaxing, results, sealed};
+use crate::numbers::Numbers;
+use chamber::{EffectSet, effects};
+use ensemble::{Failure, Hold, Options, Solver};
+
+#[test]
+fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
+    let (set, rows) = kept(256);
+    let with = |solver| results(set, &rows, &Options { solver, ..Options::default() });
+    for (k, (exact, integrated)) in with(Solver::Auto).iter().zip(with(Solver::Adaptive)).enumerate() {
+        assert!(exact.exact && !integrated.exact);
+        assert_same(exact, &integrated, 1e-8, &format!("row {k}"));
+    }
+}
+
+#[test]
+fn holds_that_are_integrals_over_the_temperature_agree_with_the_integrator() {
+    let (set, rows) = relaxing(1024);
+    let with = |solver| results(set, &rows, &Options { solver, relative_tolerance: 1e-12, ..Options::default() });
+    let mut given_up = 0;
+    for (k, (mut ours, mut integrated)) in with(Solver::Auto).into_iter().zip(with(Solver::Adaptive)).enumerate() {
+        if integrated.status == Err(Failure::TooManySteps) {
+            assert!(ours.status.is_ok(), "row {k}");
+            given_up += 1;
+            continue;
+        }
+        let hold = integrated.duration_s - rows[k].push_time_s;
+        if integrated.fit.is_some_and(|fit| fit.time_constant_s > 5.0 * hold) {
+            // So little of an exponential has a τ to a few digits only.
+            (ours.fit, integrated.fit) = (None, None);
+        }
+        if (integrated.pressure_peak_pa / integrated.pressure_final_pa - 1.0).abs() < 1e-9 {
+            // At rest when the push ends: what is left is rounding.
+            (ours.fit, integrated.fit) = (None, None);
+            (ours.settling_time_s, integrated.settling_time_s) = (None, None);
+        }
+        assert_same(&ours, &integrated, 1e-10, &format!("row {k}"));
+    }
+    // At this tolerance rounding keeps the integrator from a gas that steep laws bring to rest.
+    assert!(given_up < 10, "{given_up}");
+}
+
+#[test]
+fn holds_before_a_wall_that_remembers_agree_with_the_integrator() {
+    let [conduction, column, warm, surface, lag, delay] =
+        ["wall_conduction", "gas_column_length", "warm_wall", "dead_volume_surface", "sensor_lag", "record_delay"]
+            .map(|name| effects::find(name).unwrap().0);
+    let mut r = Numbers(29);
+    let mut rows = sealed(600);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let values = &mut s.chamber.effects;
+        values.of_mut(conduction)[0] = r.log_between(1e-5, 1e-2);
+        for (effect, is_there, value) in [
+            (column, k % 3 > 0, r.between(-0.5, 0.5)),
+            (warm, k % 4 > 1, r.between(-5.0, 20.0)),
+            (surface, k % 5 > 3, r.log_between(1e-3, 1e-2)),
+            (lag, k % 6 > 4, r.log_between(1e-3, 0.1)),
+            (delay, k % 7 > 5, r.between(0.0, 0.02)),
+        ] {
+            if is_there {
+                values.of_mut(effect)[0] = value;
+            }
+        }
+        s.initial_temperature_k += r.between(-20.0, 20.0);
+        s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
+        s.push_time_s = r.log_between(0.01, 0.5);
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.01, 200.0));
+    }
+    let set: EffectSet = [conduction, column, warm, surface, lag, delay].into_iter().collect();
+    let with =
+        |solver, relative_tolerance| results(set, &rows, &Options { solver, relative_tolerance, ..Options::default() });
+    let integrated = with(Solver::Adaptive, 1e-12);
+    for (relative_tolerance, error) in [(1e-10, 5e-9), (1e-7, 1e-8)] {
+        let all = with(Solver::Auto, relative_tolerance).into_iter().zip(&integrated).enumerate();
+        for (k, (mut ours, integrated)) in all {
+            let mut integrated = *integrated;
+            let hold = integrated.duration_s - rows[k].push_time_s;
+            if integrated.fit.is_some_and(|fit| fit.time_constant_s > 5.0 * hold) {
+                // So little of an exponential has a τ to a few digits only.
+                (ours.fit, integrated.fit) = (None, None);
+            }
+            assert_same(&ours, &integrated, error, &format!("row {k} {:?}", rows[k].chamber.effects.active()));
+        }
+    }
+}
+
+#[test]
+fn a_hold_with_natural_convection_alone_is_as_its_exact_solution() {
+    let place = |name: &str| effects::find(name).unwrap().0;
+    let [natural, exponents] = ["natural_convection", "pressure_exponent"].map(place);
+    let mut rows = sealed(64);
+    for s in &mut rows {
+        // λ ∝ |T − Tw|^¼ alone.
+        s.chamber.effects.of_mut(natural)[0] = 0.25;
+        s.chamber.effects.of_mut(exponents).copy_from_slice(&[0.0, 0.0]);
+        s.hold = Hold::Duration(s.push_time_s + 5.0);
+    }
+    let set = [natural, exponents].into_iter().collect();
+    for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
+        let chamber = &s.chamber;
+        let [begin, end] = [s.initial_position_m, s.final_position_m].map(|x| chamber.geometry.volume(x));
+        let heat_capacity =
+            s.initial_pressure_pa * begin / (chamber.gas.gas_constant * s.initial_temperature_k) * chamber.gas.cv();
+        let (wall, peak) = (s.ambient_temperature_k, o.temperature_peak_k);
+        let coefficient = chamber.heat_transfer.coefficient * ((peak - wall).abs() / 20.0).powf(0.25);
+        let tau = heat_capacity / (coefficient * chamber.geometry.heat_transfer_area(end));
+        let exact = chamber::exact::held_natural_convection(peak, wall, tau, 5.0);
+        assert_close(o.temperature_final_k, exact, 1e-10, &format!("row {k}"));
+    }
+}

@@ -1,0 +1,217 @@
+//! What the tests of batches share: rows of every kind, what the kernel makes of them, and how two outcomes are compared.
+
+use crate::numbers::Numbers;
+use chamber::card::ClosedForm;
+use chamber::effects::empirical::{Balance, Curve, Variable};
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
+use ensemble::{Failure, Hold, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
+
+/// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
+pub fn sealed(count: usize) -> Vec<Scenario> {
+    let mut r = Numbers(7);
+    let one = |_| {
+        let law = if r.next() < 0.5 { AreaLaw::Total } else { AreaLaw::Swept };
+        let geometry = Geometry::new(r.log_between(0.016, 0.1), 0.0, r.log_between(1e-6, 1e-5), law);
+        let heat_transfer = HeatTransfer::at_paper_reference(r.log_between(10.0, 80.0));
+        let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
+        let positions = [r.between(0.05, 0.4), r.between(0.05, 0.4)];
+        let push_time = r.log_between(0.03, 2.0);
+        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, Hold::TimeConstants(r.between(6.0, 25.0)))
+    };
+    (0..count).map(one).collect()
+}
+
+/// Tests of every kind: leaks, flows, each effect, a profile; around the card's typical values.
+pub fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
+    let mut r = Numbers(11);
+    let mut rows = sealed(count);
+    for s in &mut rows {
+        for (index, card) in chamber::effects::all() {
+            if only.is_some_and(|i| i != index) {
+                continue;
+            }
+            for (to, p) in s.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
+                *to = p.neutral + (p.typical - p.neutral) * r.between(0.3, 1.2);
+            }
+        }
+        if r.next() < 0.5 {
+            s.mass_flow_in_kg_per_s = r.between(0.0, 1e-5);
+            s.temperature_in_k = r.between(280.0, 320.0);
+        }
+        s.hold = Hold::Duration(s.push_time_s + r.between(0.5, 3.0));
+    }
+    rows
+}
+
+/// Tight rows with some effects that have no states: of any strength that the cards allow for, from gases much colder or warmer
+/// than the wall, pushed or not, for a tenth of a relaxation or thousands.
+pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let place = |name: &str| effects::find(name).unwrap().0;
+    let [natural, exponents, capacity, forced, warm] = [
+        "natural_convection",
+        "pressure_exponent",
+        "temperature_dependent_heat_capacity",
+        "forced_convection",
+        "warm_wall",
+    ]
+    .map(place);
+    let mut r = Numbers(53);
+    let mut rows = sealed(count);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let values = &mut s.chamber.effects;
+        if k % 2 > 0 {
+            values.of_mut(natural)[0] = r.between(-0.3, 2.0);
+        }
+        if k % 3 > 0 {
+            values.of_mut(exponents)[0] = r.between(-0.5, 1.5);
+            values.of_mut(exponents)[1] = r.between(-1.0, 2.0);
+        }
+        if k % 5 > 1 {
+            values.of_mut(capacity)[0] = r.between(-3e-4, 1e-3);
+        }
+        if k % 7 > 3 {
+            values.of_mut(forced)[0] = r.between(0.0, 3.0);
+        }
+        if k % 11 > 6 {
+            values.of_mut(warm)[0] = r.between(-20.0, 20.0);
+        }
+        if k % 3 == 0 {
+            s.initial_temperature_k = r.between(150.0, 500.0);
+        }
+        if k % 17 == 0 {
+            s.final_position_m = s.initial_position_m;
+        }
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 200.0));
+    }
+    ([natural, exponents, capacity, forced, warm].into_iter().collect(), rows)
+}
+
+/// Rows with the effects that keep the closed form, of which every other one exchanges heat linearly in its volume.
+pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let kept: EffectSet =
+        effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();
+    let (column, _) = effects::find("gas_column_length").unwrap();
+    let mut rows = sealed(count);
+    let mut r = Numbers(31);
+    for (row, s) in rows.iter_mut().enumerate() {
+        for index in kept.iter() {
+            for (to, p) in s.chamber.effects.of_mut(index).iter_mut().zip(effects::CARDS[index].parameters) {
+                *to = p.neutral + (p.typical - p.neutral) * r.between(-0.2, 1.2);
+            }
+        }
+        if row % 2 == 0 {
+            s.chamber.effects.of_mut(column)[0] = 0.0;
+        }
+    }
+    (kept, rows)
+}
+
+/// Rows whose sensor shows a curve of its reading, of up to eight knots across the pressures of the test and steep enough to
+/// turn the record round, with other effects of the sensor before it.
+pub fn with_a_curve_of_the_reading(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let place = |name: &str| effects::find(name).unwrap().0;
+    let [curve, lag, delay, offset, drift, leak] =
+        ["empirical", "sensor_lag", "record_delay", "sensor_offset", "sensor_drift", "leakage"].map(place);
+    let mut r = Numbers(77);
+    let mut rows = sealed(count);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+        let end = s.initial_pressure_pa * volumes[0] / volumes[1];
+        let (low, high) = (0.7 * end.min(s.initial_pressure_pa), 1.6 * end.max(s.initial_pressure_pa));
+        let mut knots: Vec<f64> = (0..1 + k % 8).map(|_| r.between(low, high)).collect();
+        knots.sort_by(f64::total_cmp);
+        let steepness = if k % 3 == 0 { 0.02 } else { 2.0 };
+        let most = (steepness * (high - low) / 8.0).min(0.5 * low);
+        let values = knots.iter().map(|_| r.between(-most, most)).collect();
+        let to = &mut s.chamber.effects;
+        let bent = Curve { balance: Balance::Reading, variable: Variable::Pressure, knots, values };
+        to.of_mut(curve).copy_from_slice(&bent.parameters());
+        for (effect, is_there, value) in [
+            (lag, k % 4 > 1, r.log_between(1e-3, 0.2)),
+            (delay, k % 5 > 3, r.between(0.01, 2.0) * s.push_time_s),
+            (offset, k % 6 > 3, r.between(-1e4, 1e4)),
+            (drift, k % 7 > 4, r.between(-2e3, 2e3)),
+            (leak, k % 2 > 0, r.log_between(1e-12, 1e-11)),
+        ] {
+            if is_there {
+                to.of_mut(effect)[0] = value;
+            }
+        }
+    }
+    ([curve, lag, delay, offset, drift, leak].into_iter().collect(), rows)
+}
+
+pub fn results(set: EffectSet, scenarios: &[Scenario], options: &Options) -> Vec<Outcome> {
+    with_instructions(InstructionSet::default(), set, scenarios, options)
+}
+
+pub fn with_instructions(
+    instructions: InstructionSet,
+    set: EffectSet,
+    scenarios: &[Scenario],
+    options: &Options,
+) -> Vec<Outcome> {
+    let mut out = vec![Outcome::failed(Failure::TooManySteps); scenarios.len()];
+    Kernel::new(instructions).run(set, scenarios, options, &mut out);
+    out
+}
+
+pub fn reference(set: EffectSet, scenario: &Scenario) -> Outcome {
+    plain::run(set, scenario, &Options { relative_tolerance: 1e-12, ..Options::default() })
+}
+
+pub fn assert_close(ours: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((ours / expected - 1.0).abs() <= tolerance, "{what}: {ours} {expected} {:e}", ours / expected - 1.0);
+}
+
+pub fn assert_same(ours: &Outcome, reference: &Outcome, tolerance: f64, what: &str) {
+    assert_eq!(ours.status.is_ok(), reference.status.is_ok(), "{what}: {:?} {:?}", ours.status, reference.status);
+    if ours.status.is_err() {
+        return;
+    }
+    assert_close(ours.pressure_peak_pa, reference.pressure_peak_pa, tolerance, &format!("{what}: peak"));
+    assert_close(ours.pressure_final_pa, reference.pressure_final_pa, tolerance, &format!("{what}: final"));
+    assert_close(
+        ours.temperature_peak_k,
+        reference.temperature_peak_k,
+        tolerance,
+        &format!("{what}: peak temperature"),
+    );
+    assert_close(
+        ours.temperature_final_k,
+        reference.temperature_final_k,
+        tolerance,
+        &format!("{what}: final temperature"),
+    );
+    assert_eq!(ours.settling_time_s.is_some(), reference.settling_time_s.is_some(), "{what}");
+    if let (Some(a), Some(b)) = (ours.settling_time_s, reference.settling_time_s) {
+        let distance = (reference.pressure_peak_pa / reference.pressure_final_pa - 1.0).abs();
+        assert!((a - b).abs() < 1e-3 * b + 10.0 * tolerance / distance, "{what}: settling {a} {b}");
+    }
+    assert_eq!(ours.fit.is_some(), reference.fit.is_some(), "{what}: {:?} {:?}", ours.fit, reference.fit);
+    if let (Some(a), Some(b)) = (ours.fit, reference.fit) {
+        assert_close(a.time_constant_s, b.time_constant_s, 1e-3, &format!("{what}: tau"));
+        assert_close(a.lambda_av_w_per_m2_k, b.lambda_av_w_per_m2_k, 1e-3, &format!("{what}: lambda_av"));
+        assert_close(a.lambda0_w_per_m2_k, b.lambda0_w_per_m2_k, 1e-3, &format!("{what}: lambda0"));
+    }
+}
+
+pub fn assert_independent(
+    name: &str,
+    instructions: InstructionSet,
+    set: EffectSet,
+    rows: &[Scenario],
+    options: &Options,
+) {
+    let straight = with_instructions(instructions, set, rows, options);
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    let mut r = Numbers(3);
+    for i in (1..order.len()).rev() {
+        order.swap(i, r.between(0.0, i as f64 + 1.0) as usize);
+    }
+    let shuffled: Vec<Scenario> = order.iter().map(|&i| rows[i].clone()).collect();
+    for (i, o) in order.iter().zip(with_instructions(instructions, set, &shuffled, options)) {
+        assert_eq!(o, straight[*i], "{name}: row {i}");
+    }
+    assert_eq!(with_instructions(instructions, set, &rows[5..6], options)[0], straight[5], "{name}");
+}

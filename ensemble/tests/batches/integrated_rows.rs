@@ -1,0 +1,94 @@
+//! Rows that only the integrator solves: against the plain one.
+
+use crate::common::{assert_close, assert_same, reference, results, sealed, varied};
+use crate::numbers::Numbers;
+use chamber::{EffectSet, effects};
+use ensemble::{Hold, Options, plain};
+
+#[test]
+fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
+    for (index, card) in chamber::effects::all() {
+        let rows = varied(16, Some(index));
+        let set = EffectSet::one(index);
+        for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
+            assert_same(&o, &reference(set, s), 1e-7, &format!("{} row {k}", card.name));
+        }
+    }
+}
+
+#[test]
+fn all_effects_together_agree_with_the_plain_integrator() {
+    let rows = varied(24, None);
+    for (k, (s, o)) in rows.iter().zip(results(EffectSet::ALL, &rows, &Options::default())).enumerate() {
+        assert_same(&o, &reference(EffectSet::ALL, s), 1e-7, &format!("row {k}"));
+    }
+}
+
+#[test]
+fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
+    let leak = effects::find("leakage").unwrap().0;
+    let mut r = Numbers(11);
+    let mut scenarios = sealed(400);
+    for (i, s) in scenarios.iter_mut().enumerate() {
+        s.chamber.effects.of_mut(leak)[0] = r.log_between(1e-13, 1e-11);
+        s.mass_flow_in_kg_per_s = r.log_between(1e-7, 1e-5);
+        s.hold = Hold::Duration(5.0);
+        if i % 2 == 0 {
+            s.initial_pressure_pa = s.ambient_pressure_pa * r.between(1.0, 1.1);
+        }
+    }
+    let set = EffectSet::one(leak);
+    let options = Options { relative_tolerance: 1e-8, fit: false, ..Options::default() };
+    for (s, ours) in scenarios.iter().zip(results(set, &scenarios, &options)) {
+        let expected = reference(set, s);
+        assert_close(ours.pressure_peak_pa, expected.pressure_peak_pa, 1e-7, "peak");
+        assert_close(ours.pressure_final_pa, expected.pressure_final_pa, 1e-7, "final");
+    }
+}
+
+#[test]
+fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
+    let curve = effects::find("empirical").unwrap().0;
+    let typical = effects::CARDS[curve].parameters.iter().map(|parameter| parameter.typical);
+    let mut r = Numbers(24);
+    let mut rows = sealed(64);
+    for s in &mut rows {
+        let parameters = s.chamber.effects.of_mut(curve);
+        for (to, typical) in parameters.iter_mut().zip(typical.clone()) {
+            *to = if typical.abs() < 0.1 { r.between(-0.5, 0.5) } else { typical };
+        }
+        s.hold = Hold::Duration(3.0);
+    }
+    let set = EffectSet::one(curve);
+    let options = Options { relative_tolerance: 1e-9, fit: false, ..Options::default() };
+    for (s, ours) in rows.iter().zip(results(set, &rows, &options)) {
+        let expected = plain::run(set, s, &Options { relative_tolerance: 1e-13, ..options });
+        assert_close(ours.pressure_peak_pa, expected.pressure_peak_pa, 2e-8, "peak");
+        assert_close(ours.pressure_final_pa, expected.pressure_final_pa, 2e-8, "final");
+    }
+}
+
+#[test]
+fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
+    let mut r = Numbers(5);
+    let mut rows = sealed(24);
+    for s in &mut rows {
+        let mut time = 0.0;
+        let knot = |time: f64, r: &mut Numbers| chamber::signals::Knot {
+            time,
+            position: r.between(0.05, 0.2),
+            mass_flow: r.between(-1e-5, 1e-5),
+            ambient_temperature: r.between(285.0, 300.0),
+        };
+        let mut knots = vec![knot(0.0, &mut r)];
+        for _ in 0..6 {
+            time += r.between(0.05, 0.3);
+            knots.push(knot(time, &mut r));
+        }
+        s.profile = Some(knots.into());
+        s.hold = Hold::Duration(time + 1.0);
+    }
+    for (k, (s, o)) in rows.iter().zip(results(EffectSet::NONE, &rows, &Options::default())).enumerate() {
+        assert_same(&o, &reference(EffectSet::NONE, s), 1e-7, &format!("row {k}"));
+    }
+}

@@ -1,0 +1,12 @@
+//! Batches against closed forms, against the plain integrator, and against themselves in another order. One program, which
+//! links the kernel once.
+
+mod closed_forms;
+mod common;
+mod independence;
+mod integrated_rows;
+#[path = "../common/numbers.rs"]
+mod numbers;
+mod paths;
+mod sealed_rows;
+mod sensors;

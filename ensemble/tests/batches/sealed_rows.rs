@@ -1,0 +1,127 @@
+//! Sealed rows: against the exact solution, integrated, and integrated as rows into which next to nothing flows.
+
+use crate::common::{assert_close, assert_same, reference, results, sealed};
+use crate::numbers::Numbers;
+use chamber::exact::Closed;
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
+use ensemble::{Hold, Options, Outcome, Scenario, Solver};
+
+/// Sealed tests by their exact solution, integrated, and integrated as rows into which next to nothing flows.
+fn three_ways(mut scenarios: Vec<Scenario>, fit: bool) -> [Vec<Outcome>; 3] {
+    let with = |solver| Options { solver, fit, ..Options::default() };
+    let exact = results(EffectSet::NONE, &scenarios, &with(Solver::Exact));
+    let integrated = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    for s in &mut scenarios {
+        s.mass_flow_in_kg_per_s = 1e-30;
+    }
+    let flowing = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
+    [exact, integrated, flowing]
+}
+
+#[test]
+fn sealed_rows_agree_with_the_exact_solution() {
+    let scenarios = sealed(256);
+    let options = Options { solver: Solver::Adaptive, fit: false, ..Options::default() };
+    for (s, o) in scenarios.iter().zip(results(EffectSet::NONE, &scenarios, &options)) {
+        assert_eq!(o.status, Ok(()));
+        let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, 293.0, volumes[0], 293.0);
+        let peak = closed.ramp(293.0, volumes[0], volumes[1], s.push_time_s);
+        let end = closed.held(peak, volumes[1], o.duration_s - s.push_time_s);
+        assert_close(o.pressure_peak_pa, closed.pressure(peak, volumes[1]), 1e-8, "peak");
+        assert_close(o.pressure_final_pa, closed.pressure(end, volumes[1]), 1e-8, "final");
+        assert_close(o.temperature_peak_k, peak, 1e-8, "peak temperature");
+        assert_close(o.temperature_final_k, end, 1e-8, "final temperature");
+        // 1 − Pf/P decays exponentially: the time at which P is within 1 % of the distance follows in closed form.
+        let (a, k) = (1.0 - 293.0 / peak, closed.rate(volumes[1]));
+        let band = 293.0 / end * (1.0 + 0.01 * (peak / end - 1.0)).recip();
+        let settling = -((1.0 - band) / a).ln() / k;
+        assert_close(o.settling_time_s.unwrap(), settling, 1e-4, "settling time");
+    }
+}
+
+/// Over a whole short push both error estimates of a step can vanish at once, in one row of a few thousand.
+#[test]
+fn no_push_of_many_errs_by_more_than_the_tolerance() {
+    let mut scenarios = sealed(1 << 14);
+    for s in &mut scenarios {
+        s.push_time_s = 0.04;
+    }
+    for (way, outcomes) in three_ways(scenarios, false).windows(2).enumerate() {
+        for (row, (exact, ours)) in outcomes[0].iter().zip(&outcomes[1]).enumerate() {
+            let (expected, tolerance) = (exact.pressure_peak_pa, Options::default().relative_tolerance);
+            assert_close(ours.pressure_peak_pa, expected, tolerance, &format!("way {way}, row {row}"));
+        }
+    }
+}
+
+#[test]
+fn all_three_ways_to_solve_a_sealed_test_read_the_same_from_its_record() {
+    let mut scenarios = sealed(256);
+    for s in scenarios.iter_mut().step_by(2) {
+        // The push ends with a sample.
+        s.push_time_s = (s.push_time_s * 100.0).ceil() / 100.0;
+    }
+    let [exact, integrated, flowing] = three_ways(scenarios, true);
+    for (expected, found) in exact.iter().chain(&exact).zip(integrated.iter().chain(&flowing)) {
+        assert_close(found.pressure_peak_pa, expected.pressure_peak_pa, 1e-9, "peak");
+        assert_close(found.settling_time_s.unwrap(), expected.settling_time_s.unwrap(), 1e-6, "settling");
+        let [found, expected] = [found, expected].map(|o| o.fit.unwrap());
+        assert_close(found.time_constant_s, expected.time_constant_s, 1e-4, "time constant");
+        assert_close(found.final_pressure_pa, expected.final_pressure_pa, 1e-6, "final pressure");
+    }
+}
+
+#[test]
+fn a_gas_that_its_surroundings_warm_or_cool_beyond_the_push_peaks_at_the_end_of_its_record() {
+    let mut r = Numbers(23);
+    let mut scenarios = sealed(256);
+    for s in &mut scenarios {
+        s.initial_temperature_k = r.between(200.0, 420.0);
+        s.hold = Hold::TimeConstants(r.between(2.0, 15.0));
+    }
+    let [exact, integrated, flowing] = three_ways(scenarios.clone(), false);
+    for ((s, expected), found) in scenarios.iter().zip(&flowing).zip(exact.iter().zip(&integrated)) {
+        for found in [found.0, found.1] {
+            assert_same(found, expected, 1e-8, &format!("{s:?}"));
+        }
+    }
+    let at_the_end = flowing.iter().filter(|o| o.pressure_peak_pa == o.pressure_final_pa).count();
+    assert!((20..=236).contains(&at_the_end), "{at_the_end}");
+}
+
+#[test]
+fn a_pressure_that_rises_to_the_end_has_not_settled_and_one_that_stands_has() {
+    let mut rows = sealed(2);
+    for s in &mut rows {
+        s.initial_position_m = s.final_position_m;
+    }
+    rows[0].mass_flow_in_kg_per_s = 1e-6;
+    let set = EffectSet::one(effects::find("leakage").unwrap().0);
+    let out = results(set, &rows, &Options { solver: Solver::Adaptive, fit: false, ..Options::default() });
+    assert_eq!(out[0].pressure_peak_pa, out[0].pressure_final_pa);
+    assert_eq!(out.iter().map(|o| o.settling_time_s).collect::<Vec<_>>(), [None, Some(0.0)]);
+}
+
+#[test]
+fn the_regression_on_section_3_1_gives_the_numbers_found_for_it() {
+    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Swept);
+    let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+    let test = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.04));
+    let fit = results(EffectSet::NONE, &[test], &Options::default())[0].fit.unwrap();
+    assert_close(fit.time_constant_s, 0.4287, 2e-3, "tau");
+    assert_close(fit.lambda_av_w_per_m2_k, 16.08, 2e-3, "lambda_av");
+    assert_close(fit.lambda0_w_per_m2_k, 26.13, 2e-3, "lambda0");
+}
+
+#[test]
+fn sealed_rows_with_their_regressions_agree_with_the_sampled_record() {
+    let rows = sealed(64);
+    for solver in [Solver::Adaptive, Solver::Auto] {
+        for (k, (s, o)) in
+            rows.iter().zip(results(EffectSet::NONE, &rows, &Options { solver, ..Options::default() })).enumerate()
+        {
+            assert_same(&o, &reference(EffectSet::NONE, s), 1e-8, &format!("{solver:?} row {k}"));
+        }
+    }
+}

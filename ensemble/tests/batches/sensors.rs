@@ -1,0 +1,77 @@
+//! What a sensor shows of the gas: against the integrator.
+
+use crate::common::{assert_independent, assert_same, reference, results, sealed, with_a_curve_of_the_reading};
+use crate::numbers::Numbers;
+use chamber::{EffectSet, effects};
+use ensemble::{InstructionSet, Options, Scenario, Solver};
+
+#[test]
+fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
+    let (lag, _) = effects::find("sensor_lag").unwrap();
+    let mut scenarios = sealed(8);
+    for s in &mut scenarios {
+        s.chamber.effects.of_mut(lag)[0] = 0.01;
+    }
+    let [quick, slow] = [1.0, 1e4].map(|slower| {
+        let slowed = scenarios.iter().map(|s| Scenario { push_time_s: slower * s.push_time_s, ..s.clone() });
+        results(EffectSet::one(lag), &slowed.collect::<Vec<_>>(), &Options { fit: false, ..Options::default() })
+    });
+    assert!(quick.iter().all(|o| o.status == Ok(()) && o.exact));
+    assert!(slow.iter().all(|o| o.status == Ok(()) && !o.exact));
+}
+
+#[test]
+fn what_a_sensor_shows_of_a_closed_form_agrees_with_the_integrator() {
+    let place = |name: &str| effects::find(name).unwrap().0;
+    let [lag, delay, offset, drift, warm] =
+        ["sensor_lag", "record_delay", "sensor_offset", "sensor_drift", "warm_wall"].map(place);
+    let set: EffectSet = [lag, delay, offset, drift, warm].into_iter().collect();
+    let mut r = Numbers(41);
+    let mut rows = sealed(512);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let mut put = |effect: usize, on: bool, value: f64| {
+            if on {
+                s.chamber.effects.of_mut(effect)[0] = value;
+            }
+        };
+        put(lag, k % 2 > 0, r.log_between(1e-4, 1.0));
+        put(delay, k % 4 > 1, r.between(0.01, 0.95) * s.push_time_s);
+        put(offset, k % 3 > 0, r.between(-1e4, 1e4));
+        put(drift, k % 5 > 1, r.between(-1e4, 1e4));
+        put(warm, k % 7 > 4, r.between(-20.0, 20.0));
+        if k % 11 > 8 {
+            s.initial_temperature_k = r.between(100.0, 600.0);
+        }
+    }
+    let with =
+        |solver, relative_tolerance| results(set, &rows, &Options { solver, relative_tolerance, ..Options::default() });
+    let mut integrated = with(Solver::Adaptive, 1e-12);
+    for (k, (exact, integrated)) in with(Solver::Auto, 1e-8).iter_mut().zip(&mut integrated).enumerate() {
+        assert!(exact.exact && !integrated.exact);
+        // Where a drift outweighs the relaxation no exponential is near, and which one is found is chance.
+        if exact.fit.or(integrated.fit).is_some_and(|fit| fit.misfit > 0.1) {
+            (exact.fit, integrated.fit) = (None, None);
+        }
+        assert_same(exact, integrated, 1e-8, &format!("row {k} {:?}", rows[k].chamber.effects.active()));
+    }
+    for (name, instructions) in InstructionSet::all() {
+        assert_independent(name, instructions, set, &rows, &Options::default());
+    }
+}
+
+#[test]
+fn what_a_sensor_shows_by_a_curve_of_its_reading_agrees_with_the_plain_integrator() {
+    let (set, rows) = with_a_curve_of_the_reading(256);
+    let options = Options { relative_tolerance: 1e-10, ..Options::default() };
+    for (k, (s, mut ours)) in rows.iter().zip(results(set, &rows, &options)).enumerate() {
+        let mut expected = reference(set, s);
+        // Where a curve folds the record no exponential is near, and which one is found is chance; and so little of an
+        // exponential as nearly is a straight line has a τ to a few digits only.
+        let of_no_exponential =
+            |fit: ensemble::Fit| fit.misfit > 0.1 || fit.time_constant_s > 5.0 * (ours.duration_s - s.push_time_s);
+        if [ours.fit, expected.fit].into_iter().flatten().any(of_no_exponential) {
+            (ours.fit, expected.fit) = (None, None);
+        }
+        assert_same(&ours, &expected, 1e-7, &format!("row {k} {:?}", s.chamber.effects.active()));
+    }
+}

@@ -1,0 +1,138 @@
+//! A model along a motion: what is imposed on the chamber, the state it begins from, one sample for each row.
+
+use anyhow::{Context, bail};
+use chamber::signals::{Knot, Signals};
+use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
+use records::limits::PRESSURE_PA;
+use records::{Model, Trace};
+
+/// Steps of the search for the start; each leaves a small share of the error, a leak's share of the rest's pressure.
+const MEAN_ITERATIONS: usize = 8;
+
+/// What is simulated along: a motion that was read, and the pressure to begin from.
+pub struct Course<'a> {
+    /// The motion.
+    pub motion: &'a Trace,
+    /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
+    pub initial_pressure_pa: Option<f64>,
+}
+
+impl Course<'_> {
+    /// A model along the motion, its mean pressure at rest that of the motion plus `shift`, Pa.
+    ///
+    /// # Errors
+    /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
+    pub fn samples(&self, model: &Model, shift: f64) -> anyhow::Result<Vec<Sample>> {
+        let (_, _, samples) = self.followed(model, shift)?;
+        Ok(samples)
+    }
+
+    /// How many rows the pressure at the start is the mean of; none where it was asked for.
+    pub fn rows_at_rest(&self) -> Option<usize> {
+        self.initial_pressure_pa.is_none().then(|| rows_at_rest(self.motion))
+    }
+
+    /// As [`Course::samples`], with what is imposed on the chamber and the state it begins from.
+    fn followed(&self, model: &Model, shift: f64) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
+        let signals = signals(model, self.motion);
+        check_volume(model, self.motion, &signals)?;
+        let start = self.start(model, &signals, shift)?;
+        let samples = along(model, start, &signals, self.motion, self.motion.len())?;
+        Ok((signals, start, samples))
+    }
+
+    /// The state that the simulation begins from: the wall's temperature at rest, and the pressure asked for, or the measured
+    /// one plus `shift`.
+    fn start(&self, model: &Model, signals: &Signals, shift: f64) -> anyhow::Result<Start> {
+        let motion = self.motion;
+        let rest = rows_at_rest(motion);
+        let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
+        let ambient = ambient.unwrap_or(model.ambient_temperature_k);
+        let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
+        if let Some(pressure) = self.initial_pressure_pa {
+            if !PRESSURE_PA.allow(pressure) {
+                bail!("the initial pressure is {pressure}; expected {}", PRESSURE_PA.words());
+            }
+            return Ok(at(pressure));
+        }
+        let Some(measured) = &motion.pressure_pa else {
+            bail!(
+                "{}: no pressure column to take the initial pressure from; give it with --initial-pressure",
+                motion.path.display()
+            );
+        };
+        let measured = mean(measured[..rest].iter().copied()) + shift;
+        // At rest the sensor shows the mean, but a leak or a drift moves it meanwhile: begin so that the means agree.
+        let mut pressure = measured;
+        for _ in 0..MEAN_ITERATIONS {
+            let samples = along(model, at(pressure), signals, motion, rest)?;
+            let next = pressure + measured - mean(samples.iter().map(|sample| sample.measured_pressure));
+            let settled = (next - pressure).abs() < 1e-9 * measured;
+            // A model that empties or fills the chamber before the piston moves has no such start.
+            if !(0.5 * measured..2.0 * measured).contains(&next) {
+                return Ok(at(measured));
+            }
+            pressure = next;
+            if settled {
+                break;
+            }
+        }
+        Ok(at(pressure))
+    }
+}
+
+/// A model along a record: what is imposed on the chamber, the state it begins from, one sample for each row.
+///
+/// # Errors
+/// A motion that leaves no gas or cannot be followed, no pressure to begin from.
+pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
+    Course { motion: record, initial_pressure_pa: None }.followed(model, 0.0)
+}
+
+fn signals(model: &Model, motion: &Trace) -> Signals {
+    let knot = |row: usize| Knot {
+        time: motion.time_s[row],
+        position: motion.position_m[row],
+        mass_flow: motion.mass_flow_kg_per_s.as_ref().map_or(0.0, |flow| flow[row]),
+        ambient_temperature: motion.ambient_temperature_k.as_ref().map_or(model.ambient_temperature_k, |t| t[row]),
+    };
+    let recorded =
+        Signals { knots: (0..motion.len()).map(knot).collect(), ambient_pressure: model.ambient_pressure_pa };
+    recorded.with_true_stroke(model.active(), &model.chamber.effects)
+}
+
+/// The first rows of the motion, simulated.
+fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: usize) -> anyhow::Result<Vec<Sample>> {
+    simulate(&model.chamber, model.active(), start, signals, &motion.time_s[..rows], RELATIVE_TOLERANCE)
+        .with_context(|| {
+            let path = motion.path.display();
+            format!("{path}: the model cannot be integrated along this motion; possible causes are a flow that empties the chamber, a jump of the position, or an unrealistic value in the model")
+        })
+}
+
+/// Rows before the piston moves or gas flows.
+fn rows_at_rest(motion: &Trace) -> usize {
+    let flow = motion.mass_flow_kg_per_s.as_deref().unwrap_or_default();
+    let closed = flow.iter().position(|flow| *flow != 0.0).unwrap_or(motion.len());
+    motion.rows_at_rest().min(closed.max(1))
+}
+
+/// Refuses a motion that runs into the chamber's end.
+fn check_volume(model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Result<()> {
+    let geometry = &model.chamber.geometry;
+    for Knot { time, position, .. } in &signals.knots {
+        if geometry.volume(*position) <= 0.0 {
+            bail!(
+                "{}: at {time} s the position {position} m leaves no gas volume (the dead volume is {} m3)",
+                motion.path.display(),
+                geometry.dead_volume
+            );
+        }
+    }
+    Ok(())
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}

@@ -1,0 +1,79 @@
+//! A model's chamber along a motion: what `pneutherm simulate` and its like in Python compute.
+
+pub mod band;
+pub mod columns;
+pub mod course;
+
+use anyhow::Context;
+use band::{Band, Wanted};
+use chamber::simulate::Sample;
+use columns::{COLUMNS, Values};
+use course::Course;
+use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
+use std::path::{Path, PathBuf};
+
+/// What is simulated.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The model file's content.
+    pub model: Document,
+    /// The motion, a trace file with or without pressure.
+    pub motion: PathBuf,
+    /// The content of a rig file whose columns and format are the motion's.
+    pub rig: Option<Document>,
+    /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
+    pub initial_pressure_pa: Option<f64>,
+    /// A predictive band from the model's uncertainty, where one is wanted.
+    pub band: Option<Wanted>,
+}
+
+/// A simulated motion.
+pub struct Simulated {
+    /// One for each row of the motion.
+    pub samples: Vec<Sample>,
+    /// The band around each column but time.
+    pub band: Option<Band>,
+    /// What was done to the motion's rows to read them, and what the band holds, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl Simulated {
+    /// The whole result, column by column.
+    pub fn columns(&self) -> Vec<Values> {
+        let own = COLUMNS.iter().map(|column| Values {
+            name: column.name.to_owned(),
+            unit: column.unit,
+            doc: column.doc.to_owned(),
+            values: self.samples.iter().map(column.of).collect(),
+        });
+        own.chain(self.band.iter().flat_map(Band::columns)).collect()
+    }
+}
+
+/// Simulates: one sample for each row of the motion.
+///
+/// # Errors
+/// A file that is refused, a motion that leaves no gas, no pressure to begin from; a band that the model cannot give.
+pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
+    let model = Model::from_document(&request.model)?;
+    let motion = read_motion(&request.motion, request.rig.as_ref())?;
+    let course = Course { motion: &motion, initial_pressure_pa: request.initial_pressure_pa };
+    let samples = course.samples(&model, 0.0)?;
+    let mut notes = motion.notes();
+    let band = match &request.band {
+        None => None,
+        Some(wanted) => {
+            let band = band::band(&model, &course, *wanted)
+                .with_context(|| format!("{}: no band can be drawn", request.model.path().display()))?;
+            notes.push(band.note.clone());
+            Some(band)
+        }
+    };
+    Ok(Simulated { samples, band, notes })
+}
+
+fn read_motion(path: &Path, rig: Option<&Document>) -> anyhow::Result<Trace> {
+    let (layout, stroke_m) = rig.map_or_else(|| Ok((Layout::default(), None)), RigFile::layout)?;
+    let reading = Reading { layout: &layout, stroke_m, window: Window::ALL, need: Need::Motion };
+    Ok(Trace::read(path, &reading)?)
+}

@@ -1,0 +1,59 @@
+//! `constraints` of `[vary]`: comparisons that each depend on what varies, and name only what a row has.
+
+use super::Varied;
+use super::section::{Entry, Section};
+use crate::constraint::Constraint;
+use crate::design::Design;
+use crate::error::Error;
+use crate::point::Point;
+use crate::quantity::{self, Base};
+
+/// The key of [vary] that is no quantity.
+pub const KEY: &str = "constraints";
+/// Constraints at most.
+const MOST_CONSTRAINTS: usize = 100;
+
+/// Quantities that a row can have without being given them, and what each then follows from.
+const FOLLOWING: [(Base, &[Base]); 8] = [
+    (Base::Bore, &[Base::VolumeToArea]),
+    (Base::InitialStroke, &[Base::VolumeToAreaByLength]),
+    (Base::FinalStroke, &[Base::VolumeToAreaByLength]),
+    (Base::VolumeToArea, &[Base::VolumeToAreaByLength, Base::Bore, Base::FinalStroke, Base::DeadVolume, Base::Rod]),
+    (Base::VolumeToAreaByLength, &[Base::VolumeToArea, Base::Bore, Base::FinalStroke, Base::DeadVolume, Base::Rod]),
+    (Base::Duration, &[Base::HoldTimeConstants]),
+    (Base::InitialTemperature, &[Base::AmbientTemperature]),
+    (Base::TemperatureIn, &[Base::AmbientTemperature]),
+];
+
+/// The constraints of [vary].
+pub fn read(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Varied]) -> Result<Vec<Constraint>, Error> {
+    let Some(entry) = vary.get(KEY) else { return Ok(Vec::new()) };
+    if let Design::Saltelli(_) = design {
+        return Err(entry.because(
+            "make quantities depend on each other, but the indices of a \"saltelli\" design are of independent ones: take \"sobol\" or \"latin-hypercube\"",
+        ));
+    }
+    let varies = |place: &usize| varied.iter().any(|v| v.quantity == *place);
+    // Quantities that each row has, though they are neither given nor varied, and what they follow from.
+    let follows =
+        |place: &usize| FOLLOWING.iter().find(|(base, _)| *base as usize == *place).map_or(&[][..], |(_, from)| *from);
+    let parsed = |text: &&str| {
+        let refuse = |why: String| entry.because(format!("has \"{text}\", which {why}"));
+        let constraint = Constraint::parse(text).map_err(refuse)?;
+        let quantities = constraint.quantities();
+        if !quantities.iter().any(|place| varies(place) || follows(place).iter().any(|base| varies(&(*base as usize))))
+        {
+            return Err(refuse("depends on nothing that varies".into()));
+        }
+        let given = |place: &usize| !base.0[*place].is_nan() || varies(place) || !follows(place).is_empty();
+        match quantities.iter().find(|place| !given(place)) {
+            Some(place) => Err(refuse(format!("names {}; this study does not set it", quantity::all()[*place].name))),
+            None => Ok(constraint),
+        }
+    };
+    let texts = entry.texts()?;
+    if texts.len() > MOST_CONSTRAINTS {
+        return Err(entry.because(format!("are {}; at most {MOST_CONSTRAINTS} are allowed", texts.len())));
+    }
+    texts.iter().map(parsed).collect()
+}
