@@ -147,6 +147,15 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             data.traces.len()
         ));
     }
+    let seldom: Vec<_> = data.traces.iter().filter(|t| t.course.motion.rows_per_reading > 1).collect();
+    if let Some(t) = seldom.first() {
+        out.push(format!(
+            "the position is read at {:.3} Hz only: its rows in between do not count ({} of {} records)",
+            1.0 / (t.course.motion.rows_per_reading as f64 * t.row_s()),
+            seldom.len(),
+            data.traces.len()
+        ));
+    }
     let averaged = data.traces.iter().filter(|t| t.look.window_s > 0.0);
     let between_rows = data.traces.iter().filter(|t| t.look.window_s == 0.0 && t.look != Look::default());
     let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);

@@ -14,6 +14,7 @@ pub mod outliers;
 mod prepare;
 pub mod ramp;
 pub mod readout;
+mod slow_position;
 pub mod spline;
 pub mod stroke;
 pub mod true_stroke;

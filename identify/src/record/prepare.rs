@@ -10,6 +10,7 @@ use crate::record::line::Line;
 use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
 use crate::record::readout::Readout;
+use crate::record::slow_position;
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
 use crate::record::{checks, clock};
@@ -35,9 +36,12 @@ impl Data {
                 (e, r, trace, left_out)
             })
             .collect();
+        let positions: Vec<(&[f64], f64)> =
+            mended.iter().map(|(_, _, trace, _)| (&trace.position_m[..], row_s(trace))).collect();
+        let readouts = slow_position::readouts(&positions);
         let mut columns = Vec::with_capacity(mended.len());
-        for (experiment, repeat, trace, left_out) in &mended {
-            columns.push(Columns::of(trace, *experiment, *repeat, *left_out)?);
+        for ((experiment, repeat, trace, left_out), readout) in mended.iter().zip(readouts) {
+            columns.push(Columns::of(trace, *experiment, *repeat, *left_out, &readout)?);
         }
         let records: Vec<(&[f64], f64)> = columns.iter().map(|c| (c.pressure_pa, c.row_s())).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
@@ -104,13 +108,19 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// Of a trace as if each of its rows were read.
-    fn of(trace: &'a Trace, experiment: usize, repeat: usize, backward_rows: usize) -> Result<Self, Error> {
+    /// Of a trace as if each of its pressures were read; `position` says how its positions were.
+    fn of(
+        trace: &'a Trace,
+        experiment: usize,
+        repeat: usize,
+        backward_rows: usize,
+        position: &Readout,
+    ) -> Result<Self, Error> {
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
-        let motion = Motion::detect(&time_s, &trace.position_m);
+        let motion = slow_position::motion(&time_s, &trace.position_m, position);
         let readout = Readout::every_row();
         Ok(Self { trace, experiment, repeat, backward_rows, pressure_pa, time_s, motion, readout })
     }
@@ -155,6 +165,12 @@ impl<'a> Columns<'a> {
             pressure_pa: pressure_pa.to_vec(),
         }
     }
+}
+
+/// Time from row to row, s.
+fn row_s(trace: &Trace) -> f64 {
+    let (first, last) = (trace.time_s.first().copied().unwrap_or(0.0), trace.time_s.last().copied().unwrap_or(0.0));
+    (last - first) / trace.len().saturating_sub(1).max(1) as f64
 }
 
 /// Ambient temperature over time: its mean where its changes are no more than its noise, a straight line where that is

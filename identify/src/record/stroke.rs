@@ -48,6 +48,8 @@ pub struct Motion {
     pub segments: Vec<Segment>,
     /// Standard deviation of the measured position, m.
     pub noise_m: f64,
+    /// Rows from one reading of the position to the next; 1 where every row is one.
+    pub rows_per_reading: usize,
 }
 
 impl Motion {
@@ -78,7 +80,7 @@ impl Motion {
                 straighten(k, &mut segments, time_s, position_m, noise_m);
             }
         }
-        Self { segments, noise_m }
+        Self { segments, noise_m, rows_per_reading: 1 }
     }
 
     /// Its begin and its end, s.
