@@ -23,6 +23,20 @@ fn coefficient(recipe: &Recipe, rig: &Rig) -> f64 {
 }
 
 #[test]
+fn positions_that_count_from_the_end_of_the_travel_leave_the_coefficient_as_it_is() {
+    let (recipe, mut rig) = rig();
+    rig.dead_volume = None;
+    let lowest = positions(&mut rig).flat_map(|x| x.iter().copied()).fold(f64::INFINITY, f64::min);
+    let as_recorded = coefficient(&recipe, &rig);
+    for beyond_m in [0.0, 1e-4, 0.03] {
+        let mut moved = rig.clone();
+        positions(&mut moved).for_each(|x| x.iter_mut().for_each(|x| *x -= lowest + beyond_m));
+        let found = coefficient(&recipe, &moved);
+        assert!((found / as_recorded - 1.0).abs() < 2e-3, "{beyond_m}: {found} {as_recorded}");
+    }
+}
+
+#[test]
 fn a_position_that_is_read_at_every_tenth_row_and_repeated_gives_the_coefficient() {
     let (recipe, mut rig) = rig();
     for x in positions(&mut rig) {

@@ -6,6 +6,7 @@ pub mod checks;
 pub mod clock;
 pub mod colour;
 pub mod data;
+mod first_volume;
 mod lattice;
 mod level;
 pub mod line;
