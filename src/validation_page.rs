@@ -41,7 +41,11 @@ pub fn html(model: &Path, rig: &Path, found: &Validated) -> Result<String, Error
 
 fn records(found: &Validated) -> Table {
     let records = found.validation.records.iter().map(|r| {
-        let cells = vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3), digits(r.judged_from_s, 3)];
+        let cells = vec![
+            file(&r.trace).to_owned(),
+            r.rmse_pa.map_or("-".to_owned(), |error| digits(error, 3)),
+            digits(r.judged_from_s, 3),
+        ];
         (cells, &r.parameters)
     });
     own::table(&["record", "error, Pa", "compared from, s"], &records.collect::<Vec<_>>())

@@ -183,6 +183,12 @@ pub enum Error {
         /// Why.
         source: chamber::integrate::IntegrationError,
     },
+    /// Records that end with their first move.
+    #[error("{}: no row is left to compare: every record ends with its first move, up to which its own parameters are fitted; record a hold behind it, or say --whole-record", rig.display())]
+    NothingToCompare {
+        /// The rig file.
+        rig: PathBuf,
+    },
     /// From a method on a single trace.
     #[error("{0}")]
     Method(String),

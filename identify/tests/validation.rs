@@ -50,3 +50,21 @@ fn a_delay_of_each_record_is_its_own_and_no_fault_of_the_model() {
     let found = identify::validate(&late.chamber, 0.0, &late.rig(), true).unwrap().validation;
     assert!(found.rmse_pa < 1.5 * found.noise_pa, "{} against {}", found.rmse_pa, found.noise_pa);
 }
+
+#[test]
+fn records_that_end_with_their_first_move_are_refused_and_one_among_others_has_no_error() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
+    let mut rig = recipe.rig();
+    let first = &mut rig.experiments[0].traces[0];
+    let moved = first.position_m.iter().position(|x| (x - first.position_m[0]).abs() > 0.01).unwrap();
+    first.time_s.truncate(moved);
+    first.position_m.truncate(moved);
+    first.pressure_pa.as_mut().unwrap().truncate(moved);
+    first.ambient_temperature_k = None;
+    let found = identify::validate(&recipe.chamber, 0.0, &rig, false).unwrap().validation;
+    assert_eq!((found.records[0].rmse_pa, found.records[0].rows), (None, 0));
+    assert!(found.records[1..].iter().all(|r| r.rmse_pa.is_some()));
+    rig.experiments.truncate(1);
+    let refused = identify::validate(&recipe.chamber, 0.0, &rig, false).map(|_| ()).unwrap_err();
+    assert!(refused.to_string().contains("ends with its first move"), "{refused}");
+}

@@ -42,6 +42,8 @@ pub const CLOCK: &str = "clock";
 const VOLTS: Unit = unit(VOLT, 1.0, &["volt", "volts"]);
 /// psi = lbf/in² = 0.45359237 · 9.80665 / 0.0254² Pa
 const PSI_PA: f64 = 0.453_592_37 * 9.806_65 / (0.0254 * 0.0254);
+/// Of mercury at 0 °C: 13595.1 kg/m³ · 9.80665 m/s² · 1 mm.
+const MMHG_PA: f64 = 13.5951 * 9.806_65;
 
 const TIME: [Unit; 8] = [
     unit("s", 1.0, &["sec", "secs", "second", "seconds", "sek", "sekunden"]),
@@ -53,15 +55,21 @@ const TIME: [Unit; 8] = [
     unit("d", 86_400.0, &["day", "days"]),
     unit(CLOCK, 1.0, &["hh:mm:ss", "hh:mm:ss.fff", "hms"]),
 ];
-const PRESSURE: [Unit; 9] = [
+const PRESSURE: [Unit; 11] = [
     unit("Pa", 1.0, &["pascal"]),
     unit("hPa", 1e2, &[]),
-    unit("kPa", 1e3, &["kpaa", "kpag"]),
-    unit("MPa", 1e6, &[]),
+    unit("kPa", 1e3, &["kpaa", "kpag", "kn/m2", "kn/m²"]),
+    unit("MPa", 1e6, &["mpaa", "mpag", "n/mm2", "n/mm²"]),
     unit("bar", 1e5, &["bara", "barg", "bar(a)", "bar(g)", "bar abs", "bar rel", "bar_a", "bar_g", "barabs", "barrel"]),
     unit("mbar", 1e2, &["mbara", "mbarg"]),
     unit("psi", PSI_PA, &["psia", "psig", "psi(a)", "psi(g)", "lbf/in2", "lbf/in²"]),
     unit("atm", 101_325.0, &[]),
+    unit(
+        "kgf/cm2",
+        98_066.5,
+        &["kgf/cm²", "kgf/cm^2", "kg/cm2", "kg/cm²", "kg/cm^2", "kg/cm2g", "kg/cm2a", "kp/cm2", "kp/cm²"],
+    ),
+    unit("mmHg", MMHG_PA, &["torr"]),
     VOLTS,
 ];
 const POSITION: [Unit; 7] = [
@@ -206,13 +214,15 @@ fn unbracketed(text: &str) -> &str {
 /// Whether a unit's spelling says that a pressure counts from the surroundings' (`psig`, `barg`).
 pub fn says_gauge(spelling: &str) -> bool {
     let text = unbracketed(spelling).to_lowercase();
-    ["psig", "barg", "mbarg", "kpag", "psi(g)", "bar(g)", "bar_g", "bar rel", "barrel"].contains(&text.as_str())
+    ["psig", "barg", "mbarg", "kpag", "mpag", "kg/cm2g", "psi(g)", "bar(g)", "bar_g", "bar rel", "barrel"]
+        .contains(&text.as_str())
 }
 
 /// Whether a unit's spelling says that a pressure counts from vacuum (`psia`, `bara`).
 pub fn says_absolute(spelling: &str) -> bool {
     let text = unbracketed(spelling).to_lowercase();
-    ["psia", "bara", "mbara", "kpaa", "psi(a)", "bar(a)", "bar_a", "bar abs", "barabs"].contains(&text.as_str())
+    ["psia", "bara", "mbara", "kpaa", "mpaa", "kg/cm2a", "psi(a)", "bar(a)", "bar_a", "bar abs", "barabs"]
+        .contains(&text.as_str())
 }
 
 #[cfg(test)]
@@ -229,6 +239,10 @@ mod tests {
         assert_eq!(name(Quantity::Time, "sec"), Some("s"));
         // Case tells these two apart.
         assert_eq!((name(Quantity::Pressure, "MPa"), name(Quantity::Pressure, "mbar")), (Some("MPa"), Some("mbar")));
+        assert_eq!(
+            ["(kgf/cm2)", "[Torr]", "N/mm²"].map(|text| name(Quantity::Pressure, text)),
+            ["kgf/cm2", "mmHg", "MPa"].map(Some)
+        );
         assert_eq!(name(Quantity::Position, "kPa"), None);
         assert!(says_absolute("(psia)") && says_absolute("bar abs") && !says_absolute("psig") && !says_absolute("bar"));
         assert!(says_gauge("(psig)") && says_gauge("[bar(g)]") && !says_gauge("psia") && !says_gauge("bar"));

@@ -90,7 +90,10 @@ fn a_header_without_rows_is_refused() {
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
         let message = Look::at(&path, &Names::default()).unwrap_err().to_string();
-        assert!(message.contains(name) && message.contains("there is no row after the header in line 1"), "{message}");
+        assert!(
+            message.contains(name) && message.contains("there is no row of numbers after the header in line 1"),
+            "{message}"
+        );
     }
 }
 

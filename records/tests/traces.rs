@@ -120,6 +120,8 @@ fn every_unit_has_its_factor() {
         ("mbar", 1e2),
         ("psi", 6894.757293168361),
         ("atm", 101325.0),
+        ("kgf/cm2", 98066.5),
+        ("mmHg", 133.322_387_415),
     ];
     for (unit, factor) in units {
         let bench = Bench::with_rig(&format!("[columns]\npressure = {{ name = \"p\", unit = \"{unit}\" }}\n"));
@@ -273,7 +275,7 @@ fn files_without_a_record_are_refused() {
     let bench = Bench::new();
     assert_says(&bench.refusal(""), &["the file is empty"]);
     assert_says(&bench.refusal("\n \r\n\n"), &["the file is empty"]);
-    assert_says(&bench.refusal(table(&[])), &["no row after the header in line 1"]);
+    assert_says(&bench.refusal(table(&[])), &["no row of numbers after the header in line 1"]);
     assert_says(&bench.refusal(table(&GOOD[..1])), &["1 row is too few", "at least 3 are needed"]);
     assert_says(&bench.refusal(table(&GOOD[..2])), &["2 rows are too few"]);
 }
@@ -404,8 +406,13 @@ fn unsorted_rows_are_sorted_and_records_one_after_the_other_refused() {
         &Bench::new().refusal(two),
         &["line 202, column `time_s`", "restarts at 0.0 s after 1.99 s", "file of"],
     );
+}
+
+#[test]
+fn times_that_are_written_too_coarsely_for_their_rows_are_refused_with_the_remedy() {
     let coarse = spoiled(|k, rows| rows[k] = format!("{:.1}{}", (k / 10) as f64 * 0.1, &rows[k][4..]));
-    assert_says(&Bench::new().refusal(coarse), &["occurs twice", "of 200 rows"]);
+    let says = ["column `time_s`: 200 rows have only 20 different times, 0.1 s apart", "more digits", "scale"];
+    assert_says(&Bench::new().refusal(coarse), &says);
 }
 
 #[test]

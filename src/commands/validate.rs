@@ -61,7 +61,8 @@ fn table(v: &Validation) -> String {
     for r in &v.records {
         let own: Vec<String> =
             r.parameters.iter().map(|(name, e)| format!("{name} = {} {}", digits(e.value, 5), e.unit)).collect();
-        let _ = writeln!(out, "{:>12.1} {:>10} {:>14.2}   {}", r.rmse_pa, r.rows, r.judged_from_s, r.trace);
+        let error = r.rmse_pa.map_or("-".to_owned(), |error| format!("{error:.1}"));
+        let _ = writeln!(out, "{error:>12} {:>10} {:>14.2}   {}", r.rows, r.judged_from_s, r.trace);
         let _ = writeln!(out, "{:>41}{}", "", own.join(", "));
     }
     let _ = writeln!(out, "\nerror {:.1} Pa rms; noise of the recording {:.1} Pa", v.rmse_pa, v.noise_pa);

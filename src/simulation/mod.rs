@@ -11,7 +11,6 @@ use chamber::simulate::Sample;
 use columns::{COLUMNS, Values};
 use course::Course;
 use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
-use report::digits;
 use std::path::{Path, PathBuf};
 use stroke::Stroke;
 
@@ -65,13 +64,13 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     let stroke_of = if request.raw_positions { Stroke::through } else { Stroke::behind };
     let stroke = stroke_of(&motion.time_s, &motion.position_m);
     let mut notes = motion.notes();
-    notes.extend(stroke.noise_m.map(|noise_m| {
-        format!(
-            "{}: positions scatter by {} mm at rest: the piston is taken as held there, and its moves as smooth curves through their rows",
+    if !stroke.faults.is_empty() {
+        notes.push(format!(
+            "{}: the piston is held where it rests and moves along smooth curves, since its positions {}",
             motion.path.display(),
-            digits(1e3 * noise_m, 2)
-        )
-    }));
+            stroke.faults.join(" and ")
+        ));
+    }
     let course = Course { motion: &motion, stroke, initial_pressure_pa: request.initial_pressure_pa };
     let samples = course.samples(&model, 0.0)?;
     let band = match &request.band {

@@ -19,7 +19,7 @@ fn a_header_without_rows_is_refused() {
     let bench = Bench::new();
     bench.file("header.csv", "time_s,pressure_pa,position_m\n");
     let sentence = bench.refusal(&["look", "header.csv", "-o", "looked.toml"]);
-    assert!(sentence.contains("header.csv: there is no row after the header in line 1"), "{sentence}");
+    assert!(sentence.contains("header.csv: there is no row of numbers after the header in line 1"), "{sentence}");
 }
 
 #[test]

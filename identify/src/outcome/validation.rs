@@ -27,8 +27,8 @@ pub struct RecordError {
     /// The record's own numbers.
     #[serde(serialize_with = "as_map")]
     pub parameters: Estimates,
-    /// Error over the rows judged, Pa rms.
-    pub rmse_pa: f64,
+    /// Error over the rows judged, Pa rms; none where the record ends with its first move.
+    pub rmse_pa: Option<f64>,
     /// First time that is judged, s from the record's first row.
     pub judged_from_s: f64,
     /// Rows judged.
@@ -64,7 +64,7 @@ pub struct Validated {
 /// that is not known).
 ///
 /// # Errors
-/// [`Error`]: data that cannot be what it should be, a record that the model cannot follow.
+/// [`Error`]: data that cannot be what it should be, a record that the model cannot follow, records that end with their first move.
 pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let data = Data::prepare(rig)?;
     // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
@@ -119,15 +119,18 @@ pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool)
         records.push(RecordError {
             trace: t.path.display().to_string(),
             parameters,
-            rmse_pa: (sum / rows.max(1) as f64).sqrt(),
+            rmse_pa: (rows > 0).then(|| (sum / rows as f64).sqrt()),
             judged_from_s: t.time_s.get(from).copied().unwrap_or(0.0),
             rows,
         });
         residuals.push(residual);
     }
+    if count == 0 {
+        return Err(Error::NothingToCompare { rig: rig.path.clone() });
+    }
     let validation = Validation {
         whole_record,
-        rmse_pa: (squares / count.max(1) as f64).sqrt(),
+        rmse_pa: (squares / count as f64).sqrt(),
         noise_pa: data.noise.total_pa(),
         systematic_pa: whole_record.then(|| misfit::systematic(&data, &residuals)),
         records,

@@ -1,7 +1,7 @@
 //! What the rows of a move leave open of the stroke between them, where a model looks there.
 //!
 //! A reading without delay shows the stroke at its own row. One that is late or lags shows it between two rows, where a curve
-//! through the rows may miss it. How far is told by how far a row lies from the cubic through the two rows on either side of it:
+//! through the rows may miss it, and so does one between two readings of a position that is not read at every row. How far is told by how far a row lies from the cubic through the two rows on either side of it:
 //! of a corner in the stroke the curve through all rows misses a quarter of that, of anything smoother less (1/64 of a fourth
 //! power). So much is stated, zero at the rows and largest half way between them, of moves of few rows.
 //! Position in m, time in s.
@@ -62,7 +62,8 @@ pub struct BetweenRows {
 impl BetweenRows {
     /// Of a record whose readings look at the stroke like that.
     pub fn new(motion: &Motion, look: Look) -> Self {
-        let looks_between = look.lag_s > 0.0 || look.late_s != 0.0 || look.filter_s > 0.0;
+        let is_read_seldom = motion.rows_per_reading > 1;
+        let looks_between = look.lag_s > 0.0 || look.late_s != 0.0 || look.filter_s > 0.0 || is_read_seldom;
         let moves = motion.segments.iter().filter(|s| looks_between && s.phase == Phase::Move);
         let gaps = moves.flat_map(|s| gaps(s.stroke.knots(), motion.noise_m)).collect();
         Self { gaps, look, shared: (1.0 + look.lag_s / motion.row_s()).sqrt() }

@@ -72,6 +72,8 @@ pub fn blocks(
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.period as f64;
     let unresolved = Unresolved::new(motion, look.window_s);
     let between_rows = BetweenRows::new(motion, look);
+    // Rows around one reading of the position share its error, and count as one.
+    let of_one_reading = (motion.rows_per_reading as f64).sqrt();
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
         let rows = data.len();
@@ -95,14 +97,15 @@ pub fn blocks(
             // Pressure answers a wrong position with P/V times the wrong volume, γ times that where it is sudden. The
             // dead volume, not known yet, is taken for a tenth of the stroke at least.
             let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
-            let held = per_metre * motion.noise_m / ((s.end - s.first) as f64).sqrt();
+            let readings = (s.end - s.first) as f64 / motion.rows_per_reading as f64;
+            let held = per_metre * motion.noise_m / readings.max(1.0).sqrt();
             // The slope of a straight line through the rows of a hold is known to √12/length of its mean.
             let along = 12.0f64.sqrt() * (t - 0.5 * (s.from_s + s.to_s)) / (s.to_s - s.from_s).max(f64::MIN_POSITIVE);
             let moves = s.phase == Phase::Move;
             // What an average hides is the same over a window, whose rows count as one reading.
             let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
             let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_rows.error_m(t));
-            let position_sd_m = hidden_m.hypot(if moves { motion.noise_m } else { 0.0 });
+            let position_sd_m = hidden_m.hypot(if moves { motion.noise_m } else { 0.0 }) * of_one_reading;
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
             let range_pa: [f64; 2] = extent(&values).into();

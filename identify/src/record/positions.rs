@@ -5,8 +5,9 @@
 //! is: the stroke goes through the others.
 
 use super::lattice::lattice;
+use super::position_noise::position_noise;
 use super::readout::{Between, interpolated};
-use super::stroke::{extent, position_noise};
+use super::spline::extent;
 
 /// A reading this many standard deviations of the noise from the median of those around it stands out...
 const FROM_MEDIAN: f64 = 9.0;
@@ -20,8 +21,10 @@ const REACH: usize = 2;
 const MOST: f64 = 0.02;
 /// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
 const STEPS: f64 = 5.0;
-/// ...and must have gone so far that often for a held readout to be believed.
+/// ...and must have gone so far that often for a slower readout to be believed.
 const FEWEST_JUMPS: usize = 5;
+/// Fewer readings show no stroke.
+const FEWEST_READINGS: usize = 12;
 
 /// Which rows are readings of the position.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +47,7 @@ impl Positions {
             let rows = straight_between(&without)?;
             Some((Between::Interpolated, rows))
         });
+        let slow = slow.filter(|(_, rows)| rows.len() >= FEWEST_READINGS);
         let between = slow.as_ref().map_or(Between::Nothing, |(between, _)| *between);
         if let Some((_, rows)) = slow {
             // A disturbed reading stands in all rows up to the next one.
@@ -57,6 +61,14 @@ impl Positions {
     /// Whether all rows are.
     pub fn are_all(&self) -> bool {
         self.between == Between::Nothing && self.outliers.is_empty()
+    }
+
+    /// Rows from one reading to the next in the mean; 1 where every row is read.
+    pub fn rows_per_reading(&self) -> usize {
+        match (self.between, self.rows.as_slice()) {
+            (Between::Nothing, _) | (_, [] | [_]) => 1,
+            (_, [first, .., last]) => ((last - first) as f64 / (self.rows.len() - 1) as f64).round() as usize,
+        }
     }
 
     /// The positions of all rows, linear between readings.

@@ -4,7 +4,8 @@ use crate::error::Error;
 use crate::fit::whiten::Whitener;
 use crate::forward::Course;
 use crate::record::between_rows::Look;
-use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES, mean_row_s, smallest_position};
+use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES, mean_row_s};
+use crate::record::first_volume::first_guess;
 use crate::record::level;
 use crate::record::line::Line;
 use crate::record::noise::{Noise, Quiet};
@@ -64,13 +65,10 @@ impl Data {
             t.lay_out_and_weigh(rig.gas.gas.heat_capacity_ratio, &noise);
         }
         let area = rig.cylinder.piston_area_m2;
-        let smallest = smallest_position(&traces);
-        // A twentieth of the smallest swept volume; where the positions count from elsewhere, so much that some is left.
-        let first_guess = (0.05 * area * smallest.abs()).max(-1.2 * area * smallest);
         let mut data = Self {
             gas: rig.gas.gas,
             cylinder: rig.cylinder,
-            dead_volume_m3: rig.dead_volume.map_or(first_guess, |d| d.value_m3),
+            dead_volume_m3: rig.dead_volume.map_or_else(|| first_guess(&traces, area), |d| d.value_m3),
             dead_volume_known: rig.dead_volume.is_some_and(|d| d.known),
             ambient_temperature_k: traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64,
             ambient_temperature_assumed,
@@ -128,7 +126,7 @@ impl<'a> Columns<'a> {
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
-        let motion = Motion::through(&time_s, &trace.position_m, &positions.rows);
+        let motion = Motion::through(&time_s, &trace.position_m, positions);
         let readout = Readout::every_row();
         let backward_rows = *backward_rows;
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout })

@@ -6,6 +6,8 @@
 //! ([`crate::record::ramp`]). Position in m, time in s from the record's start.
 
 use crate::record::line::Line;
+use crate::record::position_noise::position_noise;
+use crate::record::positions::Positions;
 use crate::record::ramp;
 pub use crate::record::spline::{Spline, extent};
 use nalgebra::{Matrix4, Vector4};
@@ -41,6 +43,11 @@ pub struct Segment {
     pub shift_s: f64,
 }
 
+/// A stop shorter than this many rows is part of its move, ...
+const SHORTEST_HOLD: usize = 10;
+/// ...or than this many readings where the position is read less often.
+const FEWEST_READINGS_OF_HOLD: usize = 4;
+
 /// The whole stroke of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
@@ -48,13 +55,20 @@ pub struct Motion {
     pub segments: Vec<Segment>,
     /// Standard deviation of the measured position, m.
     pub noise_m: f64,
+    /// Rows from one reading of the position to the next; 1 where every row is one.
+    pub rows_per_reading: usize,
 }
 
 impl Motion {
     /// Splits a stroke, m at times in s, into moves and holds.
     pub fn detect(time_s: &[f64], position_m: &[f64]) -> Self {
+        Self::with_holds_of(SHORTEST_HOLD, time_s, position_m)
+    }
+
+    /// The same with holds of so many rows at the least.
+    fn with_holds_of(rows: usize, time_s: &[f64], position_m: &[f64]) -> Self {
         let noise_m = position_noise(position_m);
-        let ranges = ranges(&moving(position_m));
+        let ranges = ranges(&moving(position_m, rows));
         let mut segments: Vec<Segment> = Vec::with_capacity(ranges.len());
         let n = time_s.len();
         for (k, &(first, end, moves)) in ranges.iter().enumerate() {
@@ -78,25 +92,34 @@ impl Motion {
                 straighten(k, &mut segments, time_s, position_m, noise_m);
             }
         }
-        Self { segments, noise_m }
+        Self { segments, noise_m, rows_per_reading: 1 }
     }
 
-    /// The same where only some rows, ascending, are readings of the position; its segments count all rows.
-    pub fn through(time_s: &[f64], position_m: &[f64], rows: &[usize]) -> Self {
+    /// The same of the rows that are readings of the position; its segments count all rows.
+    pub fn through(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Self {
+        let rows = &positions.rows;
         if rows.len() == time_s.len() {
             return Self::detect(time_s, position_m);
         }
-        let of_rows = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
-        let mut motion = Self::detect(&of_rows(time_s), &of_rows(position_m));
-        for segment in &mut motion.segments {
-            segment.first = rows[segment.first];
-            segment.end = rows.get(segment.end).copied().unwrap_or(time_s.len());
+        let of_readings = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
+        let rows_per_reading = positions.rows_per_reading();
+        let shortest = (SHORTEST_HOLD / rows_per_reading).max(FEWEST_READINGS_OF_HOLD);
+        let mut motion = Self::with_holds_of(shortest, &of_readings(time_s), &of_readings(position_m));
+        motion.rows_per_reading = rows_per_reading;
+        let last = motion.segments.len() - 1;
+        let mut first = 0;
+        for (k, segment) in motion.segments.iter_mut().enumerate() {
+            // A hold is over with its last reading: from there on the piston may move.
+            let end = match segment.phase {
+                _ if k == last => time_s.len(),
+                Phase::Move => rows[segment.end],
+                Phase::Rest | Phase::Hold => rows[segment.end - 1] + 1,
+            };
+            (segment.first, segment.end) = (first, end);
+            first = end;
         }
-        if let (Some(first), Some(last)) = (time_s.first(), time_s.last()) {
-            let ends = motion.segments.len() - 1;
-            (motion.segments[0].first, motion.segments[0].from_s) = (0, *first);
-            motion.segments[ends].to_s = *last;
-        }
+        motion.segments[0].from_s = time_s[0];
+        motion.segments[last].to_s = time_s[time_s.len() - 1];
         motion
     }
 
@@ -127,21 +150,6 @@ impl Motion {
     }
 }
 
-/// Standard deviation of the position from its second differences where they are small, with the recording's step as
-/// the least: noise passes a second difference with the factor √6, a smooth stroke hardly at all.
-pub(super) fn position_noise(position_m: &[f64]) -> f64 {
-    let mut second: Vec<f64> = position_m.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
-    second.sort_by(f64::total_cmp);
-    let median = second.get(second.len() / 2).copied().unwrap_or(0.0);
-    let step = position_m.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-12).fold(f64::INFINITY, f64::min);
-    let quantisation = if step.is_finite() { step / 12.0f64.sqrt() } else { 0.0 };
-    // Readings of few steps have few different second differences: their mean square says more than their median.
-    let quiet = &second[..second.partition_point(|d| *d <= 4.5 * median)];
-    let square = quiet.iter().map(|d| d * d).sum::<f64>() / quiet.len().max(1) as f64;
-    // A stroke that never rests has no small second differences; then the step alone is believed.
-    (square / 6.0).sqrt().max(quantisation.min(1e-4))
-}
-
 fn mean(rows: &[f64]) -> f64 {
     rows.iter().sum::<f64>() / rows.len() as f64
 }
@@ -150,7 +158,7 @@ fn mean(rows: &[f64]) -> f64 {
 ///
 /// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows: then means of rows are
 /// looked at instead, of twice as many until the moves are whole.
-fn moving(position_m: &[f64]) -> Vec<bool> {
+fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     /// No move is shorter, once it has its gentle begin and end.
     const FEWEST_ROWS: usize = 10;
     /// A record is not looked at in fewer means.
@@ -160,7 +168,7 @@ fn moving(position_m: &[f64]) -> Vec<bool> {
         let means: Vec<f64> = position_m.chunks(averaged).map(mean).collect();
         let noise_m = position_noise(&means);
         let (low, high) = extent(&means);
-        let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)));
+        let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)), shortest_hold);
         widen(&mut moving, &means, noise_m);
         let in_pieces = ranges(&moving).into_iter().any(|(first, end, moves)| moves && end - first < FEWEST_ROWS);
         if !in_pieces || means.len() < 2 * FEWEST_MEANS {
@@ -170,8 +178,8 @@ fn moving(position_m: &[f64]) -> Vec<bool> {
     }
 }
 
-/// Rows within reach of a change of position larger than `threshold`.
-fn moving_rows(position_m: &[f64], threshold: f64) -> Vec<bool> {
+/// Rows within reach of a change of position larger than `threshold`, and holds of fewer rows than `shortest_hold`.
+fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<bool> {
     const REACH: usize = 3;
     let n = position_m.len();
     let mut moving: Vec<bool> = (0..n)
@@ -180,12 +188,10 @@ fn moving_rows(position_m: &[f64], threshold: f64) -> Vec<bool> {
             high - low > threshold
         })
         .collect();
-    // A stop shorter than this many rows is part of its move.
-    const SHORTEST_HOLD: usize = 10;
     let mut start = 0;
     while start < n {
         let end = (start..n).find(|&i| moving[i] != moving[start]).unwrap_or(n);
-        if !moving[start] && end - start < SHORTEST_HOLD {
+        if !moving[start] && end - start < shortest_hold {
             moving[start..end].fill(true);
         }
         start = end;
@@ -466,6 +472,42 @@ mod tests {
         assert_eq!(motion.segments.last().unwrap().to_s, *t.last().unwrap());
         for pair in motion.segments.windows(2) {
             assert_eq!((pair[0].to_s, pair[0].end), (pair[1].from_s, pair[1].first));
+        }
+    }
+
+    #[test]
+    fn a_stroke_that_is_read_at_every_tenth_row_is_followed_through_its_readings() {
+        const SLOW: usize = 10;
+        let stroke = |t: f64| {
+            let u = ((t - 0.5) / 0.4).clamp(0.0, 1.0);
+            0.15 - 0.07 * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u)
+        };
+        let mut random = crate::synthetic::Random::new(4);
+        let time_s: Vec<f64> = (0..2000).map(|i| 0.002 * f64::from(i)).collect();
+        let read = time_s.iter().step_by(SLOW).map(|t| (1e6 * (stroke(*t) + 5e-6 * random.normal())).round() * 1e-6);
+        let mut read: Vec<f64> = read.collect();
+        read.push(read[199]);
+        let share = |i: usize| (i % SLOW) as f64 / SLOW as f64;
+        let held = (0..2000).map(|i| read[i / SLOW]).collect();
+        let joined = (0..2000).map(|i| read[i / SLOW] * (1.0 - share(i)) + read[i / SLOW + 1] * share(i));
+        let joined: Vec<f64> = joined.map(|x| (1e6 * x).round() * 1e-6).collect();
+        let two: [Vec<f64>; 2] = [held, joined];
+        for position_m in two {
+            let positions = Positions::of(&position_m);
+            assert_eq!(positions.rows_per_reading(), SLOW);
+            let motion = Motion::through(&time_s, &position_m, &positions);
+            let phases: Vec<Phase> = motion.segments.iter().map(|s| s.phase).collect();
+            assert_eq!(phases, [Phase::Rest, Phase::Move, Phase::Hold]);
+            assert_eq!((motion.extent(), motion.rows()), ((time_s[0], time_s[1999]), 2000));
+            for pair in motion.segments.windows(2) {
+                assert_eq!((pair[0].end, pair[0].to_s), (pair[1].first, pair[1].from_s));
+            }
+            let near = Cell::new(0);
+            for t in &time_s {
+                let off = motion.segments[motion.segment_at(*t)].stroke.at(*t, &near).0 - stroke(*t);
+                assert!(off.abs() < 3e-5, "{t}: {off}");
+            }
+            assert!((3e-6..1e-5).contains(&motion.noise_m), "{}", motion.noise_m);
         }
     }
 }

@@ -9,7 +9,7 @@ use super::{Candidate, Found, Search, Verdict, terms};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::evidence::bic_widened;
-use crate::judge::{adequacy, kinds, sanity};
+use crate::judge::{adequacy, kinds, misfit, sanity};
 use crate::parameters::Model;
 use crate::policy;
 use crate::record::data::Data;
@@ -156,7 +156,7 @@ impl Search {
     /// Whether the chosen model errs on records left out whole hardly more than on those it was fitted to: a cause is at work in
     /// all of them. The last third of a record, which nothing like it was fitted to, may be predicted less well.
     fn carries_over(&self) -> bool {
-        let fitted = self.data.noise.total_pa().hypot(self.chosen_adequacy.systematic_pa);
+        let fitted = misfit::rms(&self.data, &misfit::residuals(&self.data, &self.chosen.fit));
         let whole_records = self.folds.iter().any(|fold| fold.selection.contains(&0));
         !whole_records || self.chosen.held_out_pa.is_none_or(|left_out| left_out < policy::CARRIES_OVER * fitted)
     }

@@ -124,7 +124,7 @@ impl Guess {
         let Error::Trace { problem, .. } = error else { return false };
         let TraceProblem::BadRows { problem, .. } = &**problem else { return false };
         match **problem {
-            RowProblem::NotAbsolute { .. } => self.takes_for_gauge(),
+            RowProblem::NotAbsolute { value, .. } => can_be_gauge(value) && self.takes_for_gauge(),
             RowProblem::NegativePosition { .. } => match self.of_mut(Quantity::Position) {
                 Some(position) if position.offset_m == 0.0 => {
                     position.offset_m = FAR_M;
@@ -151,8 +151,8 @@ impl Guess {
     /// Takes in a record: readings below vacuum, a piston that compresses as its position grows, positions that count
     /// from anywhere. Whether it has to be read again.
     pub fn learns_from_record(&mut self, trace: &Trace) -> bool {
-        let gauge = trace.left_out.iter().any(|row| matches!(row.reason, RowProblem::NotAbsolute { .. }))
-            && self.takes_for_gauge();
+        let is_gauge = |row: &RowProblem| matches!(*row, RowProblem::NotAbsolute { value, .. } if can_be_gauge(value));
+        let gauge = trace.left_out.iter().any(|row| is_gauge(&row.reason)) && self.takes_for_gauge();
         let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
         let wrong_way = correlation(&trace.position_m, pressure) > 0.5;
         let (lowest, highest) = extremes(&trace.position_m);
@@ -168,6 +168,11 @@ impl Guess {
         position.offset_m = if position.sign < 0.0 { high + low.max(0.0) } else { -low.min(0.0) };
         true
     }
+}
+
+/// Whether a reading that cannot be absolute, Pa, can be a gauge's: a logger's code for a fault (-9999) is neither.
+fn can_be_gauge(pressure_pa: f64) -> bool {
+    pressure_pa + STANDARD_ATMOSPHERE_PA > 0.0
 }
 
 /// What a column is called and what its first values are.
@@ -220,7 +225,7 @@ impl Described {
         let of_name = match quantity {
             Quantity::Time if begins(&["time", "zeit", "temps", "tiempo", "elapsed"]) => 4,
             Quantity::Time if self.name == "X_Value" => 4,
-            Quantity::Time if has(&["t", "sec", "seconds"]) => 2,
+            Quantity::Time if has(&["t", "sec", "seconds", "millis"]) => 2,
             Quantity::Pressure if ambient => -6,
             Quantity::Pressure if begins(&["pressure", "druck", "pression", "presion"]) => 4,
             Quantity::Pressure if begins(&["press"]) => 3,
@@ -238,8 +243,11 @@ impl Described {
         };
         // What changes with time is not the piston's position: a speed, a set value.
         let other =
-            begins(&["speed", "veloc", "geschw", "accel", "target", "setp", "soll", "command", "force", "kraft"]);
-        of_unit + of_name - if other { 4 } else { 0 }
+            begins(&["speed", "veloc", "geschw", "accel", "target", "setp", "soll", "command", "force", "kraft"])
+                || has(&["set", "cmd", "ref", "demand"]);
+        // A pressure of the supply is the chamber's only where there is no other.
+        let supply = quantity == Quantity::Pressure && begins(&["suppl", "versorg", "speise", "tank", "reservoir"]);
+        of_unit + of_name - if other { 4 } else { 0 } - if supply { 2 } else { 0 }
     }
 
     fn guessed(&self, quantity: Quantity, dialect: &Dialect, sample: &Sample) -> Guessed {
@@ -369,6 +377,28 @@ mod tests {
             ("chamber_pressure_kPa", "kPa", false),
             ("stroke_cm", "cm"),
         );
+    }
+
+    #[test]
+    fn the_chamber_s_pressure_and_the_measured_position_come_before_those_of_the_supply_and_the_set_point() {
+        assert_finds(
+            "Time (s),p_supply [bar],p_A [bar],x_set [mm],x_ist [mm]\n0,7,1,80,150\n1,7,1,80,150\n",
+            ("Time (s)", "s"),
+            ("p_A [bar]", "bar", false),
+            ("x_ist [mm]", "mm"),
+        );
+        assert_finds(
+            "t [s],p_supply [bar],x [mm]\n0,7,1\n1,7,1\n",
+            ("t [s]", "s"),
+            ("p_supply [bar]", "bar", false),
+            ("x [mm]", "mm"),
+        );
+    }
+
+    #[test]
+    fn a_code_for_a_fault_does_not_make_a_gauge_pressure_of_the_readings() {
+        assert!(can_be_gauge(-200.0) && can_be_gauge(-9e4));
+        assert!(!can_be_gauge(-9999e5) && !can_be_gauge(-9999e3));
     }
 
     #[test]

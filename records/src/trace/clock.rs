@@ -2,8 +2,9 @@
 
 use chrono::{DateTime, NaiveDateTime, NaiveTime};
 
-/// Seconds of a day.
+/// Seconds of a day and of an hour.
 const DAY_S: f64 = 86_400.0;
+const HOUR_S: f64 = 3600.0;
 
 /// A way to write a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,10 +15,12 @@ enum Form {
     Date(&'static str),
     /// The time of the day.
     Time(&'static str),
+    /// Minutes and seconds with decimals, as Excel shows short times.
+    Minutes,
 }
 
 /// The ways that are read, in the order in which they are tried. A comma before the decimals counts as a point.
-const FORMS: [Form; 12] = [
+const FORMS: [Form; 13] = [
     Form::Time("%H:%M:%S%.f"),
     Form::Time("%I:%M:%S%.f %p"),
     Form::Zoned,
@@ -30,6 +33,7 @@ const FORMS: [Form; 12] = [
     Form::Date("%m/%d/%Y %I:%M:%S%.f %p"),
     Form::Date("%d/%m/%Y %I:%M:%S%.f %p"),
     Form::Date("%Y%m%dT%H%M%S%.f"),
+    Form::Minutes,
 ];
 
 impl Form {
@@ -44,8 +48,27 @@ impl Form {
             Form::Zoned => DateTime::parse_from_rfc3339(text).ok().map(|moment| date(moment.naive_utc())),
             Form::Date(form) => NaiveDateTime::parse_from_str(text, form).ok().map(date),
             Form::Time(form) => NaiveTime::parse_from_str(text, form).ok().map(|time| (0, seconds(time))),
+            Form::Minutes => minutes(text).map(|seconds| (0, seconds)),
         }
     }
+
+    /// Seconds after which a time without a date begins anew.
+    fn round_s(self) -> Option<f64> {
+        match self {
+            Form::Time(_) => Some(DAY_S),
+            Form::Minutes => Some(HOUR_S),
+            _ => None,
+        }
+    }
+}
+
+/// Seconds of `12:34.5`. Without decimals it would be a time of the day in hours and minutes.
+fn minutes(text: &str) -> Option<f64> {
+    let (minutes, seconds) = text.split_once(':')?;
+    let (whole, _) = seconds.split_once('.')?;
+    let is_below_60 = |digits: &str| digits.len() == 2 && digits.parse::<u8>().is_ok_and(|number| number < 60);
+    (is_below_60(minutes) && is_below_60(whole)).then_some(())?;
+    Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)
 }
 
 /// Reads the moments of one file.
@@ -53,9 +76,9 @@ impl Form {
 pub struct Clock {
     form: Form,
     origin: (i64, f64),
-    /// Seconds of the day read last, and the midnights passed, where no date is written.
+    /// Time read last, s, and how often it has begun anew, at midnight say, where no date is written.
     last_s: f64,
-    midnights: i64,
+    rounds: i64,
 }
 
 impl Clock {
@@ -67,20 +90,21 @@ impl Clock {
         }
         let text = text.replace(',', ".");
         let (form, origin) = FORMS.iter().find_map(|form| Some((*form, form.parse(&text)?)))?;
-        Some(Self { form, origin, last_s: origin.1, midnights: 0 })
+        Some(Self { form, origin, last_s: origin.1, rounds: 0 })
     }
 
-    /// Seconds since the first moment. A clock that falls by more than half a day has passed midnight.
+    /// Seconds since the first moment. A clock that falls by more than half a day has passed midnight, one without hours that
+    /// falls by more than half an hour the full hour.
     pub fn seconds(&mut self, text: &str) -> Option<f64> {
         let text = if text.contains(',') { &text.replace(',', ".") } else { text };
-        let (mut day, second) = self.form.parse(text)?;
-        if matches!(self.form, Form::Time(_)) {
-            self.midnights += i64::from(second < self.last_s - 0.5 * DAY_S);
-            self.midnights -= i64::from(second > self.last_s + 0.5 * DAY_S && self.midnights > 0);
-            self.last_s = second;
-            day = self.midnights;
-        }
-        Some((day - self.origin.0) as f64 * DAY_S + (second - self.origin.1))
+        let (day, second) = self.form.parse(text)?;
+        let Some(round_s) = self.form.round_s() else {
+            return Some((day - self.origin.0) as f64 * DAY_S + (second - self.origin.1));
+        };
+        self.rounds += i64::from(second < self.last_s - 0.5 * round_s);
+        self.rounds -= i64::from(second > self.last_s + 0.5 * round_s && self.rounds > 0);
+        self.last_s = second;
+        Some(self.rounds as f64 * round_s + (second - self.origin.1))
     }
 }
 
@@ -114,6 +138,8 @@ mod tests {
             ["22/11/2026 07:59:59.5", "22/11/2026 08:00:00.25"],
             ["11/22/2026 11:59:59.5 PM", "11/23/2026 12:00:00.25 AM"],
             ["20261122T075959.5", "20261122T080000.25"],
+            ["01:59.5", "02:00.25"],
+            ["59:59,5", "00:00,25"],
         ] {
             assert_eq!(seconds(&moments), [0.0, 0.75], "{moments:?}");
         }
@@ -129,7 +155,7 @@ mod tests {
 
     #[test]
     fn what_is_no_moment_is_not_taken_for_one() {
-        for text in ["", "1.5", "Time", "12:34", "a:b:c", "25:00:00", "2026-13-01 00:00:00"] {
+        for text in ["", "1.5", "Time", "12:34", "12:60.5", "123:04.5", "a:b:c", "25:00:00", "2026-13-01 00:00:00"] {
             assert!(!is_moment(text), "{text}");
         }
     }

@@ -177,7 +177,8 @@ fn is_number(text: &str, decimal: Decimal) -> bool {
     number(text, decimal).is_some() || clock::is_moment(text)
 }
 
-/// The header's line: that with most of the wanted names, or the last before the numbers that has names for them all.
+/// The header's line: that with most of the wanted names, or the last before the numbers that has names for them all. Of lines
+/// with as many wanted names, as a list of channels above the header, it is the last that has as many names as rows have fields.
 fn header<'l>(
     before: &[&'l Line],
     rows: &[&'l Line],
@@ -188,8 +189,9 @@ fn header<'l>(
 ) -> Option<&'l Line> {
     let wanted: Vec<&str> = wanted.iter().map(|name| name.trim_start_matches('#').trim()).collect();
     let hits = |line: &str| split(line).iter().filter(|name| wanted.contains(&name.as_str())).count();
-    let by_name = before.iter().rev().map(|line| (hits(&line.1), *line)).max_by_key(|(hits, _)| *hits);
-    if let Some((1.., line)) = by_name {
+    let fits = |names: &[String]| (fields..=fields + 1).contains(&names.len());
+    let by_name = before.iter().map(|line| (hits(&line.1), fits(&split(&line.1)), *line));
+    if let Some((1.., _, line)) = by_name.max_by_key(|(hits, fits, _)| (*hits, *fits)) {
         return Some(line);
     }
     if before.is_empty() && fields > 0 {
@@ -197,7 +199,7 @@ fn header<'l>(
     }
     let names_all = |line: &str| {
         let names = split(line);
-        (fields..=fields + 1).contains(&names.len()) && !is_rule(line) && !is_units(&names)
+        fits(&names) && !is_rule(line) && !is_units(&names)
     };
     let plain = || before.iter().rev().filter(|(_, line)| !is_comment(line));
     let commented = || before.iter().rev().filter(|(_, line)| is_comment(line));
@@ -330,6 +332,17 @@ mod tests {
     fn a_file_that_begins_with_numbers_has_numbered_columns() {
         assert_found("0 1 2\n1 1 2\n", "whitespace", Decimal::Point, None, 1, &["column 1", "column 2", "column 3"]);
         assert_eq!(find("a b\n0 1\n1 1\n", &[]).place("column 2"), (Some(1), None));
+    }
+
+    #[test]
+    fn a_list_of_channels_above_the_header_is_not_the_header() {
+        let text = "Title\tRun 12\nNI_ChannelName\tt\tp\tx\n\nt\tp\tx\ns\tbar\tmm\n0\t1\t2\n1\t1\t2\n";
+        let found = find(text, &["t", "p", "x"]);
+        assert_eq!(
+            (found.header, found.first_row, &found.names[..]),
+            (Some(4), 6, &["t", "p", "x"].map(str::to_owned)[..])
+        );
+        assert_eq!(found.units, Some((5, ["s", "bar", "mm"].map(str::to_owned).to_vec())));
     }
 
     #[test]

@@ -114,7 +114,7 @@ pub enum TraceProblem {
         other: std::path::PathBuf,
     },
     /// A header without rows.
-    #[error("there is no row after the header in line {line}")]
+    #[error("there is no row of numbers after the header in line {line}")]
     NoRows {
         /// The header's line.
         line: usize,
@@ -159,6 +159,22 @@ pub enum TraceProblem {
         rows: usize,
         /// The first few of their lines.
         lines: Vec<usize>,
+    },
+    /// Times that are written too coarsely.
+    #[error(
+        "column `{column}`: {rows} rows have only {times} different times, {} s apart; write the times with more digits, or \
+         take a column that counts the rows, with scale = the seconds from row to row",
+        (step_s * 1e9).round() * 1e-9
+    )]
+    CoarseTimes {
+        /// Name of the column, as the header has it.
+        column: String,
+        /// Rows in the file.
+        rows: usize,
+        /// How many of them have a time of their own.
+        times: usize,
+        /// From one time to the next, s.
+        step_s: f64,
     },
     /// A clock that starts again.
     #[error(

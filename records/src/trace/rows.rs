@@ -4,14 +4,14 @@ use super::clock::Clock;
 use super::dialect::Dialect;
 use super::fields::{self, number};
 use super::header::Header;
-use super::left_out::{BadRows, LeftOut};
+use super::left_out::{BadRows, LeftOut, ONE_IN};
 use super::order::{self, Order};
 use super::problem::{RowProblem, TraceProblem};
 use super::reading::{MAX_ROWS, Reading};
 use crate::format::{Decimal, Separator};
 use crate::layout::{Column, Quantity};
 use crate::limits;
-use crate::statistics::extremes;
+use crate::statistics::{extremes, median};
 use std::ops::Range;
 
 /// What a gas in a cylinder can have, K.
@@ -129,7 +129,7 @@ impl<'a> Rows<'a> {
         let column = self.header.found[0].2;
         let times = &self.columns[0];
         let mut sorted = false;
-        match order::of(times, all / super::left_out::ONE_IN) {
+        match order::of(times, all / ONE_IN) {
             Order::Increasing => {}
             Order::But(rows) => {
                 let problems = rows.iter().map(|&row| (row, out_of_order(column, times, row))).collect();
@@ -151,8 +151,11 @@ impl<'a> Rows<'a> {
                     *column = rows.iter().map(|row| column[*row]).collect();
                 }
                 let times = &self.columns[0];
-                let twice = (1..times.len()).filter(|row| times[*row] == times[row - 1]);
-                let problems = twice.map(|row| (row, out_of_order(column, times, row))).collect();
+                let twice: Vec<usize> = (1..times.len()).filter(|row| times[*row] == times[row - 1]).collect();
+                if all >= ONE_IN && twice.len() * ONE_IN > all {
+                    return Err(coarse(column, times, twice.len()));
+                }
+                let problems = twice.iter().map(|&row| (row, out_of_order(column, times, row))).collect();
                 self.leave_out(problems);
             }
         }
@@ -186,6 +189,13 @@ impl<'a> Rows<'a> {
         }
         self.lines.retain(&keep);
     }
+}
+
+/// Many rows of one time each: the logger, or who exported the file, has rounded the times.
+fn coarse(column: &Column, sorted_times: &[f64], repeats: usize) -> TraceProblem {
+    let steps = sorted_times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    let (column, rows) = (column.name.clone(), sorted_times.len());
+    TraceProblem::CoarseTimes { column, rows, times: rows - repeats, step_s: median(steps) }
 }
 
 fn out_of_order(column: &Column, times: &[f64], row: usize) -> RowProblem {

@@ -1,0 +1,49 @@
+//! Positions as benches record them: counted from anywhere, read less often than the pressure.
+
+use identify::Method;
+use identify::synthetic::Recipe;
+use records::Rig;
+
+fn rig() -> (Recipe, Rig) {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
+    let rig = recipe.rig();
+    (recipe, rig)
+}
+
+fn positions(rig: &mut Rig) -> impl Iterator<Item = &mut Vec<f64>> {
+    rig.experiments.iter_mut().flat_map(|e| &mut e.traces).map(|t| &mut t.position_m)
+}
+
+/// λ0 as found, over the true one.
+fn coefficient(recipe: &Recipe, rig: &Rig) -> f64 {
+    let found = identify::identify(rig, Method::Exact).unwrap();
+    let (name, lambda0) = &found.parameters[0];
+    assert_eq!(name, "lambda0_w_per_m2_k");
+    lambda0.value / recipe.chamber.heat_transfer.coefficient
+}
+
+#[test]
+fn positions_that_count_from_the_end_of_the_travel_leave_the_coefficient_as_it_is() {
+    let (recipe, mut rig) = rig();
+    rig.dead_volume = None;
+    let lowest = positions(&mut rig).flat_map(|x| x.iter().copied()).fold(f64::INFINITY, f64::min);
+    let as_recorded = coefficient(&recipe, &rig);
+    for beyond_m in [0.0, 1e-4, 0.03] {
+        let mut moved = rig.clone();
+        positions(&mut moved).for_each(|x| x.iter_mut().for_each(|x| *x -= lowest + beyond_m));
+        let found = coefficient(&recipe, &moved);
+        assert!((found / as_recorded - 1.0).abs() < 2e-3, "{beyond_m}: {found} {as_recorded}");
+    }
+}
+
+#[test]
+fn a_position_that_is_read_at_every_tenth_row_and_repeated_gives_the_coefficient() {
+    let (recipe, mut rig) = rig();
+    for x in positions(&mut rig) {
+        *x = (0..x.len()).map(|i| x[i - i % 10]).collect();
+    }
+    let found = coefficient(&recipe, &rig);
+    assert!((found - 1.0).abs() < 0.02, "{found}");
+    let notes = identify::identify(&rig, Method::Exact).unwrap().assumptions;
+    assert!(notes.iter().any(|note| note.contains("the position is read at")), "{notes:?}");
+}
