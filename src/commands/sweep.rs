@@ -56,7 +56,7 @@ pub struct Args {
     /// Also write time series of these rows to traces/traces.parquet: numbers and ranges such as 0,17,100-119. With shards,
     /// the first shard writes them
     #[arg(long, value_name = "ROWS")]
-    traces: Option<traces::Rows>,
+    traces: Option<traces::RowNumbers>,
     /// Sampling rate of these time series, Hz
     #[arg(long, value_name = "HZ", default_value_t = traces::RATE_HZ)]
     trace_rate: f64,

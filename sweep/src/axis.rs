@@ -80,7 +80,7 @@ impl Axis {
                 shares.iter_mut().for_each(|share| *share = value(*share));
             }
             Axis::Range { from, to, scale, .. } => {
-                Arch::new().dispatch(Place { between: Between::new(from, to, scale), shares });
+                Arch::new().dispatch(PlaceInLanes { between: Between::new(from, to, scale), shares });
             }
             Axis::Drawn(ref distribution) => {
                 shares.iter_mut().for_each(|share| *share = distribution.quantile(*share));
@@ -133,12 +133,12 @@ impl Between {
 }
 
 /// Values in place of shares, several at a time.
-struct Place<'a> {
+struct PlaceInLanes<'a> {
     between: Between,
     shares: &'a mut [f64],
 }
 
-impl WithSimd for Place<'_> {
+impl WithSimd for PlaceInLanes<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use crate::hash;
 use crate::progress::OnRows;
 use crate::reader;
 use crate::record;
-use crate::solve::{Rows, Solver};
+use crate::solve::{RowSolver, Rows};
 use crate::status::Status;
 use crate::status_column;
 use crate::store::{LocalFile, Store};
@@ -198,7 +198,7 @@ pub struct Taker<'a> {
     study: &'a Study,
     on_rows: OnRows<'a>,
     /// For rows without results, which tells nobody.
-    again: Solver<'a>,
+    again: RowSolver<'a>,
     open: Option<Open>,
 }
 
@@ -213,14 +213,14 @@ struct Open {
 impl<'a> Taker<'a> {
     /// A reader that takes rows of `earlier` for the larger `study`.
     pub fn new(earlier: &'a Earlier, study: &'a Study, on_rows: OnRows<'a>) -> Self {
-        Self { earlier, study, on_rows, again: Solver::new(study), open: None }
+        Self { earlier, study, on_rows, again: RowSolver::new(study), open: None }
     }
 
     /// Some rows of the study.
     ///
     /// # Errors
     /// The earlier part, or a table of points, cannot be read.
-    pub fn rows(&mut self, rows: Range<u64>, solver: &mut Solver<'_>) -> Result<Rows, Error> {
+    pub fn rows(&mut self, rows: Range<u64>, solver: &mut RowSolver<'_>) -> Result<Rows, Error> {
         let mut all: Option<Rows> = None;
         for (part, piece) in self.earlier.pieces(rows) {
             let piece = match part {

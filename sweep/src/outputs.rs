@@ -15,7 +15,7 @@ const OWN_MISFIT: f64 = 0.11;
 /// What came out of a row, SI units; NaN where there is nothing.
 #[allow(missing_docs)]
 #[derive(Clone, Copy, Debug)]
-pub struct Outputs {
+pub struct RowResult {
     pub volume: f64,
     pub area: f64,
     pub pressure_peak: f64,
@@ -32,7 +32,7 @@ pub struct Outputs {
     pub status: Status,
 }
 
-impl Outputs {
+impl RowResult {
     /// What a scenario gave; `fit_wanted` says whether the regression was asked for.
     pub fn new(scenario: &Scenario, outcome: &Outcome, fit_wanted: bool) -> Self {
         if let Err(failure) = outcome.status {
@@ -98,7 +98,7 @@ pub struct Output {
     /// Studies in which the column is.
     pub when: When,
     /// Adds the values of some rows to a column; NaN where there is none.
-    pub append: fn(&[Outputs], &mut Vec<f64>),
+    pub append: fn(&[RowResult], &mut Vec<f64>),
 }
 
 /// Which studies have a column.

@@ -30,13 +30,14 @@ impl PageStoreFactory for Collector {
     fn create(&self, _: &PageStoreArgs<'_>) -> Result<Box<dyn PageStore>> {
         let pages = Pages::default();
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(pages.clone());
-        Ok(Box::new(Store(pages)))
+        Ok(Box::new(ColumnPages(pages)))
     }
 }
 
-struct Store(Pages);
+/// The pages of one column, as the Parquet library stores them.
+struct ColumnPages(Pages);
 
-impl PageStore for Store {
+impl PageStore for ColumnPages {
     fn put(&mut self, value: Bytes) -> Result<PageKey> {
         let mut pages = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         pages.push(value);

@@ -7,7 +7,7 @@ use crate::encoding;
 use crate::error::Error;
 use crate::new_file::{Ended, NewFile};
 use crate::progress::OnRows;
-use crate::solve::Solver;
+use crate::solve::{RowSolver, Rows};
 use crate::statistics::{Plan, State};
 use crate::status_column::{StatusCounts, Statuses};
 use crate::study::Study;
@@ -22,7 +22,7 @@ const CHUNKS_PER_THREAD: usize = 4;
 
 /// Some rows of a study as Arrow.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
-    let rows = Solver::new(study).rows(rows)?;
+    let rows = RowSolver::new(study).rows(rows)?;
     columns::batch(study, &columns::schema(study), rows, &mut Statuses::new(study))
 }
 
@@ -45,59 +45,98 @@ pub struct Place<'a> {
     pub extra: &'a [(&'a str, String)],
 }
 
-/// Computes some rows of a study, into a new file where there is a place for one, which is still to be published.
-///
-/// # Errors
-/// The file cannot be written, or a table of points cannot be read; nothing remains then.
-pub fn write(
-    study: &Study,
-    rows: Range<u64>,
-    place: Option<&Place<'_>>,
-    plan: Option<&Plan>,
-    workers: Workers,
-    earlier: Option<&Earlier>,
-    on_rows: OnRows<'_>,
-) -> Result<Written, Error> {
-    let schema = columns::schema(study);
-    let create = |place: &Place<'_>| {
-        let properties = encoding::properties(study, &schema, place.extra);
-        NewFile::create(place.workshop, place.path, schema.clone(), properties)
-    };
-    let mut file = place.map(create).transpose()?;
-    let mut statuses = Statuses::new(study);
-    let mut statistics = plan.map(|plan| (plan, State::new(plan), places(study, plan)));
-    let chunks = chunks(rows.clone());
-    let wave = if workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
-    let mut solver = Solver::new(study).telling(on_rows);
-    let earlier = earlier.filter(|earlier| earlier.count(&rows) > 0);
-    let mut taker = earlier.map(|earlier| Taker::new(earlier, study, on_rows));
-    for wave in chunks.chunks(wave) {
-        let some_taken = earlier.is_some_and(|earlier| wave.iter().any(|rows| earlier.count(rows) > 0));
-        let computed: Vec<_> = match (workers, &mut taker) {
-            (_, Some(taker)) if some_taken => wave.iter().map(|rows| taker.rows(rows.clone(), &mut solver)).collect(),
+/// How the rows of one file are come by, and what is made of them.
+#[derive(Clone, Copy)]
+pub struct Work<'a> {
+    /// The study whose rows they are.
+    pub study: &'a Study,
+    /// The statistics to make of them, if any.
+    pub plan: Option<&'a Plan>,
+    /// A smaller study whose rows are taken instead of solved again.
+    pub earlier: Option<&'a Earlier>,
+    /// Who computes.
+    pub workers: Workers,
+    /// Hears of the rows.
+    pub on_rows: OnRows<'a>,
+}
+
+impl<'a> Work<'a> {
+    /// All rows solved, by all threads, without statistics.
+    pub fn new(study: &'a Study, on_rows: OnRows<'a>) -> Self {
+        Self { study, plan: None, earlier: None, workers: Workers::All, on_rows }
+    }
+
+    /// Computes some rows of the study, into a new file where there is a place for one, which is still to be published.
+    ///
+    /// # Errors
+    /// The file cannot be written, or a table of points cannot be read; nothing remains then.
+    pub fn write(&self, rows: Range<u64>, place: Option<&Place<'_>>) -> Result<Written, Error> {
+        let study = self.study;
+        let schema = columns::schema(study);
+        let create = |place: &Place<'_>| {
+            let properties = encoding::properties(study, &schema, place.extra);
+            NewFile::create(place.workshop, place.path, schema.clone(), properties)
+        };
+        let mut file = place.map(create).transpose()?;
+        let mut statuses = Statuses::new(study);
+        let mut statistics = self.plan.map(|plan| (plan, State::new(plan), places(study, plan)));
+        let mut source = Source::new(*self, &rows);
+        let together = if self.workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
+        for wave in chunks(rows).chunks(together) {
+            for rows in source.rows(wave) {
+                let rows = rows?;
+                if let Some((plan, state, places)) = &mut statistics {
+                    state.add(plan, rows.first, places.iter().map(|place| rows.outputs[*place].as_slice()));
+                }
+                match &mut file {
+                    Some(file) => file.write(&columns::batch(study, &schema, rows, &mut statuses)?)?,
+                    None => statuses.count_all(&rows.statuses),
+                }
+            }
+        }
+        let counts = statuses.counts();
+        if let Some(file) = &mut file {
+            file.note("status_counts", json!(counts).to_string());
+        }
+        let statistics = statistics.map(|(_, state, _)| state);
+        Ok(Written { file: file.map(NewFile::end).transpose()?, statuses: counts, statistics })
+    }
+}
+
+/// Where the rows of one file come from: the solver or, as far as they are there, an earlier study's folder.
+struct Source<'a> {
+    work: Work<'a>,
+    solver: RowSolver<'a>,
+    taker: Option<Taker<'a>>,
+}
+
+impl<'a> Source<'a> {
+    /// For `rows` at the most.
+    fn new(work: Work<'a>, rows: &Range<u64>) -> Self {
+        let Work { study, on_rows, .. } = work;
+        let earlier = work.earlier.filter(|earlier| earlier.count(rows) > 0);
+        Self {
+            work: Work { earlier, ..work },
+            solver: RowSolver::new(study).telling(on_rows),
+            taker: earlier.map(|earlier| Taker::new(earlier, study, on_rows)),
+        }
+    }
+
+    /// The rows of some chunks, in order.
+    fn rows(&mut self, wave: &[Range<u64>]) -> Vec<Result<Rows, Error>> {
+        let Work { study, earlier, workers, on_rows, .. } = self.work;
+        let (solver, is_there) = (&mut self.solver, |rows| earlier.is_some_and(|earlier| earlier.count(rows) > 0));
+        match (workers, &mut self.taker) {
+            (_, Some(taker)) if wave.iter().any(is_there) => {
+                wave.iter().map(|rows| taker.rows(rows.clone(), solver)).collect()
+            }
             (Workers::One, _) => wave.iter().map(|rows| solver.rows(rows.clone())).collect(),
             (Workers::All, _) => {
-                let new = || Solver::new(study).telling(on_rows);
+                let new = || RowSolver::new(study).telling(on_rows);
                 wave.par_iter().map_init(new, |solver, rows| solver.rows(rows.clone())).collect()
-            }
-        };
-        for rows in computed {
-            let rows = rows?;
-            if let Some((plan, state, places)) = &mut statistics {
-                state.add(plan, rows.first, places.iter().map(|place| rows.outputs[*place].as_slice()));
-            }
-            match &mut file {
-                Some(file) => file.write(&columns::batch(study, &schema, rows, &mut statuses)?)?,
-                None => statuses.count_all(&rows.statuses),
             }
         }
     }
-    let counts = statuses.counts();
-    if let Some(file) = &mut file {
-        file.note("status_counts", json!(counts).to_string());
-    }
-    let statistics = statistics.map(|(_, state, _)| state);
-    Ok(Written { file: file.map(NewFile::end).transpose()?, statuses: counts, statistics })
 }
 
 /// Places of a plan's columns among the study's computed ones.

@@ -70,7 +70,7 @@ impl Point {
     }
 
     /// Parameters of all effects, mutable, in the order of their cards.
-    pub fn effects_mut(&mut self) -> &mut [f64] {
+    fn effects_mut(&mut self) -> &mut [f64] {
         &mut self.0[BASE..]
     }
 }

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::file_names::{SENSITIVITY, STATISTICS};
 use crate::folder::{Folder, Found, Look};
 use crate::new_file::Ended;
-use crate::part::{self, Place, Workers};
+use crate::part::{self, Place, Work, Workers};
 use crate::progress::OnRows;
 use crate::record::{Record, statuses_of};
 use crate::sensitivity;
@@ -148,20 +148,10 @@ pub fn run<'a>(
         rows_written += rows.end - rows.start - taken;
     }
     let all = folder.all_finished(rows);
-    let mut results = Vec::new();
-    if let Some(all) = &all {
-        if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.local_part(part))? {
-            folder.write_json(SENSITIVITY, &indices)?;
-            results.push(SENSITIVITY);
-        }
-        if let Some(plan) = &plan
-            && let Some(summary) = summary(study, plan, &folder, all)?
-        {
-            folder.write_json(STATISTICS, &summary)?;
-            results.push(STATISTICS);
-        }
-        folder.write_manifest(all)?;
-    }
+    let results = match &all {
+        Some(all) => finish(study, &folder, all, rows, plan.as_ref())?,
+        None => Vec::new(),
+    };
     Ok(Report {
         parts_written: missing.len() as u64,
         parts_found: (mine.len() - missing.len()) as u64,
@@ -173,6 +163,29 @@ pub fn run<'a>(
         complete: all.is_some(),
         results,
     })
+}
+
+/// Writes what the rows of all parts come to, then the manifest; names of the files with results.
+fn finish(
+    study: &Study,
+    folder: &Folder<'_>,
+    all: &[Record],
+    rows: bool,
+    plan: Option<&Plan>,
+) -> Result<Vec<&'static str>, Error> {
+    let mut results = Vec::new();
+    if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.local_part(part))? {
+        folder.write_json(SENSITIVITY, &indices)?;
+        results.push(SENSITIVITY);
+    }
+    if let Some(plan) = plan
+        && let Some(summary) = summary(study, plan, folder, all)?
+    {
+        folder.write_json(STATISTICS, &summary)?;
+        results.push(STATISTICS);
+    }
+    folder.write_manifest(all)?;
+    Ok(results)
 }
 
 /// The statistics that a run makes: the study's, or all of them where nothing else is kept.
@@ -196,7 +209,8 @@ fn add_statistics(
     let state = match &record.file {
         Some(_) => statistics::of_file(plan, folder.local_part(part)?.path(), record.first_row)?,
         None => {
-            let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::One, None, on_rows)?;
+            let work = Work { plan: Some(plan), workers: Workers::One, ..Work::new(study, on_rows) };
+            let written = work.write(study.rows_of(part), None)?;
             written.statistics.unwrap_or_else(|| State::new(plan))
         }
     };
@@ -227,12 +241,13 @@ fn write(
     keep_memory();
     // Fewer files than threads: the threads share each file's rows.
     let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
+    let work = Work { study, plan, earlier: options.earlier, workers, on_rows };
     let workshop = folder.workshop()?;
     let one = |part: u64| -> Result<Finished<'_>, Error> {
         let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
         let path = folder.path(&folder.part_file(part));
         let place = options.rows.then_some(Place { path: &path, workshop: &workshop, extra: &extra });
-        let written = part::write(study, study.rows_of(part), place.as_ref(), plan, workers, options.earlier, on_rows)?;
+        let written = work.write(study.rows_of(part), place.as_ref())?;
         let record = folder.record(part, &written);
         Ok(Finished { folder, part, record, file: written.file })
     };
@@ -324,7 +339,7 @@ pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<St
     keep_memory();
     let folder = path.parent().unwrap_or(Path::new(""));
     let place = Place { path, workshop: folder, extra: &extra };
-    let written = part::write(study, 0..study.rows, Some(&place), None, Workers::All, None, on_rows)?;
+    let written = Work::new(study, on_rows).write(0..study.rows, Some(&place))?;
     if let Some(file) = written.file {
         file.publish(&Local::new(folder), &path.file_name().unwrap_or_default().to_string_lossy())?;
     }
@@ -337,8 +352,9 @@ pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<St
 /// A table of points cannot be read.
 pub fn statistics(study: &Study, plan: &Plan, on_rows: OnRows<'_>) -> Result<Value, Error> {
     let (mut total, mut statuses) = (State::new(plan), StatusCounts::new());
+    let work = Work { plan: Some(plan), ..Work::new(study, on_rows) };
     for part in 0..study.parts {
-        let written = part::write(study, study.rows_of(part), None, Some(plan), Workers::All, None, on_rows)?;
+        let written = work.write(study.rows_of(part), None)?;
         written.statistics.iter().for_each(|state| total.merge(state));
         add_counts(&mut statuses, &written.statuses);
     }

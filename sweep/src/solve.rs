@@ -1,7 +1,7 @@
 //! From points to results: rows become scenarios, the kernel of `ensemble` simulates them.
 
 use crate::error::Error;
-use crate::outputs::Outputs;
+use crate::outputs::RowResult;
 use crate::point::Point;
 use crate::progress::OnRows;
 use crate::row;
@@ -41,7 +41,7 @@ impl Rows {
 }
 
 /// Solves rows of a study on one thread, in memory that it keeps.
-pub struct Solver<'a> {
+pub struct RowSolver<'a> {
     study: &'a Study,
     effects: EffectSet,
     options: Options,
@@ -49,7 +49,7 @@ pub struct Solver<'a> {
     point: Point,
     scenarios: Vec<Scenario>,
     outcomes: Vec<Outcome>,
-    outputs: Vec<Outputs>,
+    results: Vec<RowResult>,
     on_rows: OnRows<'a>,
     /// How many rows are solved together: as many as take about [`TOGETHER`].
     piece: usize,
@@ -60,7 +60,7 @@ const TOGETHER: Duration = Duration::from_millis(200);
 /// Rows that are solved together at least: a few registers full.
 const FEWEST: usize = 64;
 
-impl<'a> Solver<'a> {
+impl<'a> RowSolver<'a> {
     /// A solver for the rows of `study`.
     pub fn new(study: &'a Study) -> Self {
         Self {
@@ -71,7 +71,7 @@ impl<'a> Solver<'a> {
             point: study.base,
             scenarios: vec![row::no_test(study); ensemble::CHUNK],
             outcomes: vec![Outcome::failed(ensemble::Failure::TooManySteps); ensemble::CHUNK],
-            outputs: Vec::with_capacity(ensemble::CHUNK),
+            results: Vec::with_capacity(ensemble::CHUNK),
             on_rows: &|_: u64| {},
             piece: FEWEST,
         }
@@ -98,9 +98,9 @@ impl<'a> Solver<'a> {
             let (begun, end) = (Instant::now(), count.min(start + self.piece));
             self.solve(&points, start..end);
             for (output, column) in self.study.outputs().zip(&mut outputs) {
-                (output.append)(&self.outputs, column);
+                (output.append)(&self.results, column);
             }
-            statuses.extend(self.outputs.iter().map(|row| row.status));
+            statuses.extend(self.results.iter().map(|row| row.status));
             self.on_rows.solved((end - start) as u64);
             start = end;
             self.piece = match begun.elapsed() {
@@ -112,7 +112,7 @@ impl<'a> Solver<'a> {
         Ok(Rows { first: rows.start, points, outputs, statuses })
     }
 
-    /// Solves the points at some places of their columns into `outputs`.
+    /// Solves the points at some places of their columns into `results`.
     fn solve(&mut self, points: &[Vec<f64>], places: Range<usize>) {
         let count = places.len();
         let mut impossible = Vec::new();
@@ -127,12 +127,15 @@ impl<'a> Solver<'a> {
         }
         let (scenarios, outcomes) = (&self.scenarios[..count], &mut self.outcomes[..count]);
         self.kernel.run(self.effects, scenarios, &self.options, outcomes);
-        self.outputs.clear();
-        self.outputs.extend(
-            scenarios.iter().zip(outcomes).map(|(scenario, outcome)| Outputs::new(scenario, outcome, self.options.fit)),
+        self.results.clear();
+        self.results.extend(
+            scenarios
+                .iter()
+                .zip(outcomes)
+                .map(|(scenario, outcome)| RowResult::new(scenario, outcome, self.options.fit)),
         );
         for (i, status) in impossible {
-            self.outputs[i] = Outputs::without(status);
+            self.results[i] = RowResult::without(status);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! quantity; B (Saltelli 2002). The points are of [`REPLICATES`] independently scrambled Sobol' sequences that take turns, so
 //! that the scatter between them shows how far indices can be trusted, and more blocks continue all of them.
 
-use super::Axes;
+use super::axes::Axes;
 use super::random::mix;
 use super::sobol::Sobol;
 use std::ops::Range;

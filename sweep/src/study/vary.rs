@@ -34,7 +34,7 @@ enum Kind {
 }
 
 /// One quantity that varies, and where the study says so.
-pub struct Found<'a> {
+pub struct VariedAxis<'a> {
     /// The entry of `[vary]`, for error messages.
     pub entry: Field<'a>,
     /// The quantity and its column.
@@ -49,9 +49,9 @@ pub struct Found<'a> {
 pub fn axes<'a>(
     vary: &Section<'a>,
     model: &Result<Uncertain, String>,
-) -> Result<(Vec<Found<'a>>, Option<Copula>), Error> {
-    let mut found: Vec<Found<'a>> = Vec::new();
-    let mut add = |new: Found<'a>| {
+) -> Result<(Vec<VariedAxis<'a>>, Option<Copula>), Error> {
+    let mut found: Vec<VariedAxis<'a>> = Vec::new();
+    let mut add = |new: VariedAxis<'a>| {
         let place = new.varied.quantity;
         if let Some(other) = found.iter().find(|other| other.varied.quantity == place) {
             let (line, name) = (other.entry.line(), &quantity::all()[place].name);
@@ -65,13 +65,13 @@ pub fn axes<'a>(
             for Parameter { quantity, distribution, .. } in &all_of_model(entry, model)?.parameters {
                 let column = quantity::all()[*quantity].name.clone();
                 let varied = Varied { column, quantity: *quantity };
-                add(Found { entry, varied, axis: Axis::Drawn(distribution.clone()), of_model: true })?;
+                add(VariedAxis { entry, varied, axis: Axis::Drawn(distribution.clone()), of_model: true })?;
             }
             continue;
         }
         let place = names::find(&name).map_err(|reason| entry.because(reason.words(&name)))?;
         let (axis, of_model) = axis(entry, place, model)?;
-        add(Found { entry, varied: varied(&name, place), axis, of_model })?;
+        add(VariedAxis { entry, varied: varied(&name, place), axis, of_model })?;
     }
     refuse_contradictions(&found)?;
     let copula = copula(&found, model)?;
@@ -93,7 +93,7 @@ fn known<'m>(entry: Field<'_>, model: &'m Result<Uncertain, String>) -> Result<&
 }
 
 /// How the axes that are drawn from the model hang together.
-fn copula(found: &[Found<'_>], model: &Result<Uncertain, String>) -> Result<Option<Copula>, Error> {
+fn copula(found: &[VariedAxis<'_>], model: &Result<Uncertain, String>) -> Result<Option<Copula>, Error> {
     let columns: Vec<usize> = (0..found.len()).filter(|i| found[*i].of_model).collect();
     let (Some(first), Ok(model)) = (columns.first(), model) else { return Ok(None) };
     let entry = found[*first].entry;
@@ -107,7 +107,7 @@ fn copula(found: &[Found<'_>], model: &Result<Uncertain, String>) -> Result<Opti
 }
 
 /// Refuses quantities that set the same thing twice.
-fn refuse_contradictions(found: &[Found<'_>]) -> Result<(), Error> {
+fn refuse_contradictions(found: &[VariedAxis<'_>]) -> Result<(), Error> {
     let conflict = |a: Base, b: Base| {
         let at = |base: Base| found.iter().find(|f| f.varied.quantity == base as usize).map(|f| f.entry);
         Some((at(a)?, at(b)?))
