@@ -41,78 +41,102 @@ fn rows(t: &Prepared, value: impl Fn(usize) -> f64) -> Points {
 pub fn experiment(found: &Diagnosed, number: usize) -> Result<Vec<Drawing>, Error> {
     let records: Vec<usize> =
         (0..found.data.traces.len()).filter(|k| found.data.traces[*k].experiment == number).collect();
-    let (mut pressure, mut push, mut position, mut before, mut after) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let window = records.first().and_then(|k| push_window(&found.data.traces[*k]));
+    let mut lines = Lines { window, ..Lines::default() };
     for (nth, &k) in records.iter().enumerate() {
-        let t = &found.data.traces[k];
-        let first = |label: &'static str| if nth == 0 { label } else { "" };
-        let of_model = |residuals: &[f64]| rows(t, |i| (t.pressure_pa[i] - residuals[i]) * 1e-5);
-        let measured = rows(t, |i| t.pressure_pa[i] * 1e-5);
-        // Repeats do not begin at the same moment: the push is drawn on the first one's clock.
-        let shift = match (window, push_window(t)) {
-            (Some(own), Some(this)) => this.0 - own.0,
-            _ => 0.0,
-        };
-        let near = |points: Points| -> Points {
-            let Some((from, to)) = window else { return Vec::new() };
-            points.into_iter().map(|(x, y)| (x - shift, y)).filter(|p| p.0 >= from && p.0 <= to).collect()
-        };
-        let measured_mark = Mark::Rings(1.8);
-        push.push(Series {
-            points: near(measured.clone()),
-            colour: Colour::Ink,
-            label: first("measured"),
-            mark: measured_mark,
-        });
-        pressure.push(line(measured, Colour::Ink, first("measured"), 2.2));
-        let by_paper = of_model(&found.residuals_before[k]);
-        push.push(line(near(by_paper.clone()), Colour::Before, first("before"), 1.2));
-        pressure.push(line(by_paper, Colour::Before, first("before"), 1.0));
-        before.push(line(rows(t, |i| found.residuals_before[k][i]), Colour::Before, first("before"), 0.8));
-        if has_after(found) {
-            let by_found = of_model(&found.residuals_after[k]);
-            push.push(line(near(by_found.clone()), Colour::After, first("after"), 1.4));
-            pressure.push(line(by_found, Colour::After, first("after"), 1.0));
-            after.push(line(rows(t, |i| found.residuals_after[k][i]), Colour::After, first("after"), 0.8));
-        }
-        let way = (0..t.time_s.len()).map(|i| (t.time_s[i], t.position_m[i] * 1e3)).collect();
-        position.push(line(way, Colour::Ink, "", 1.2));
+        lines.add(found, k, nth == 0);
     }
     let name = found.data.experiments.get(number).map_or("", String::as_str);
-    let time = || Axis::new("time, s");
-    let titled = |what: &str| format!("{name}: {what}");
-    let titles = [titled("pressure and position"), titled("the push"), titled("residual")];
-    let above = Chart {
-        title: &titles[0],
-        y: Axis::new("pressure, bar"),
-        series: pressure,
-        size: (SIZE.0, SIZE.1 - POSITION_HEIGHT),
-        ..Chart::default()
-    };
-    let below = Chart {
-        x: time(),
-        y: Axis::new("position, mm"),
-        series: position,
-        size: (SIZE.0, POSITION_HEIGHT),
-        ..Chart::default()
-    };
-    let mut drawings = vec![Drawing { svg: chart::sheet("", &[above, below], 1)?, caption: String::new() }];
-    if window.is_some() {
-        let y = Axis::new("pressure, bar");
-        let zoom = Chart { title: &titles[1], x: time(), y, series: push, size: SIZE, ..Chart::default() };
-        drawings.push(drawn(&zoom)?);
+    lines.drawn(name, found.diagnosis.noise_pa)
+}
+
+/// What is drawn of an experiment's records, before and after the diagnosis.
+#[derive(Default)]
+struct Lines {
+    pressure: Vec<Series<'static>>,
+    position: Vec<Series<'static>>,
+    /// The pressure around the push, on the first record's clock.
+    push: Vec<Series<'static>>,
+    /// From when to when that is, s; none where no record has a push.
+    window: Option<(f64, f64)>,
+    residual_before: Vec<Series<'static>>,
+    residual_after: Vec<Series<'static>>,
+}
+
+impl Lines {
+    /// Adds a record; the first one's lines are those in the legend.
+    fn add(&mut self, found: &Diagnosed, k: usize, is_first: bool) {
+        let t = &found.data.traces[k];
+        let label = |label: &'static str| if is_first { label } else { "" };
+        let of_model = |residuals: &[f64]| rows(t, |i| (t.pressure_pa[i] - residuals[i]) * 1e-5);
+        // Repeats do not begin at the same moment.
+        let shift = match (self.window, push_window(t)) {
+            (Some(first), Some(this)) => this.0 - first.0,
+            _ => 0.0,
+        };
+        let window = self.window;
+        let near = |points: &Points| -> Points {
+            let Some((from, to)) = window else { return Vec::new() };
+            points.iter().map(|(x, y)| (x - shift, *y)).filter(|p| p.0 >= from && p.0 <= to).collect()
+        };
+        let measured = rows(t, |i| t.pressure_pa[i] * 1e-5);
+        self.push.push(Series {
+            points: near(&measured),
+            colour: Colour::Ink,
+            label: label("measured"),
+            mark: Mark::Rings(1.8),
+        });
+        self.pressure.push(line(measured, Colour::Ink, label("measured"), 2.2));
+        let before = of_model(&found.residuals_before[k]);
+        self.push.push(line(near(&before), Colour::Before, label("before"), 1.2));
+        self.pressure.push(line(before, Colour::Before, label("before"), 1.0));
+        let residual = rows(t, |i| found.residuals_before[k][i]);
+        self.residual_before.push(line(residual, Colour::Before, label("before"), 0.8));
+        if has_after(found) {
+            let after = of_model(&found.residuals_after[k]);
+            self.push.push(line(near(&after), Colour::After, label("after"), 1.4));
+            self.pressure.push(line(after, Colour::After, label("after"), 1.0));
+            let residual = rows(t, |i| found.residuals_after[k][i]);
+            self.residual_after.push(line(residual, Colour::After, label("after"), 0.8));
+        }
+        let way = (0..t.time_s.len()).map(|i| (t.time_s[i], t.position_m[i] * 1e3)).collect();
+        self.position.push(line(way, Colour::Ink, "", 1.2));
     }
-    drawings.push(drawn(&Chart {
-        title: &titles[2],
-        x: time(),
-        y: Axis::new("residual, Pa"),
-        band: Some(2.0 * found.diagnosis.noise_pa),
-        series: before.into_iter().chain(after).collect(),
-        size: SIZE,
-        ..Chart::default()
-    })?);
-    Ok(drawings)
+
+    fn drawn(self, name: &str, noise_pa: f64) -> Result<Vec<Drawing>, Error> {
+        let time = || Axis::new("time, s");
+        let titles = ["pressure and position", "the push", "residual"].map(|what| format!("{name}: {what}"));
+        let above = Chart {
+            title: &titles[0],
+            y: Axis::new("pressure, bar"),
+            series: self.pressure,
+            size: (SIZE.0, SIZE.1 - POSITION_HEIGHT),
+            ..Chart::default()
+        };
+        let below = Chart {
+            x: time(),
+            y: Axis::new("position, mm"),
+            series: self.position,
+            size: (SIZE.0, POSITION_HEIGHT),
+            ..Chart::default()
+        };
+        let mut drawings = vec![Drawing { svg: chart::sheet("", &[above, below], 1)?, caption: String::new() }];
+        if self.window.is_some() {
+            let y = Axis::new("pressure, bar");
+            let zoom = Chart { title: &titles[1], x: time(), y, series: self.push, size: SIZE, ..Chart::default() };
+            drawings.push(drawn(&zoom)?);
+        }
+        drawings.push(drawn(&Chart {
+            title: &titles[2],
+            x: time(),
+            y: Axis::new("residual, Pa"),
+            band: Some(2.0 * noise_pa),
+            series: self.residual_before.into_iter().chain(self.residual_after).collect(),
+            size: SIZE,
+            ..Chart::default()
+        })?);
+        Ok(drawings)
+    }
 }
 
 /// From when to when a record's first push is shown, s.

@@ -65,8 +65,28 @@ fn documented(names: &[&str]) -> String {
 
 fn verdict(d: &Diagnosis) -> Section {
     let mut section = Section::new("Verdict");
+    section.blocks.push(Block::Verdict { kind: d.verdict, text: verdict_text(d) });
+    section.table(errors(d));
+    section.note(
+        "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; with few records, the last third of each, which is \
+         simulated from the start of the record. The initial pressure of a left-out record is fitted to one half of its rows and the other half is judged, and vice versa.",
+    );
+    if !d.probabilities.is_empty() {
+        let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
+        let each = each.collect::<Vec<_>>().join(", ");
+        section.text(format!("Odds over all sets tried, {}: {each}.", d.meaning_of_probabilities()));
+    }
+    for group in &d.indistinguishable {
+        let names: Vec<String> = group.iter().map(|n| format!("**{}**", spaced(n))).collect();
+        section.text(format!("These records cannot distinguish: {}.", names.join(", ")));
+    }
+    section
+}
+
+/// The verdict and what it means here.
+fn verdict_text(d: &Diagnosis) -> String {
     let remaining = pressure(d.remaining_pa, 2);
-    let text = match d.verdict {
+    match d.verdict {
         "adequate" => format!(
             "**Adequate.** The paper's chamber model{} describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
             if d.terms().is_empty() { String::new() } else { format!(", with {},", spaced(d.terms())) },
@@ -94,8 +114,11 @@ fn verdict(d: &Diagnosis) -> Section {
              A systematic misfit of {remaining} rms remains; the evidence points to the {} balance. No effect is added to the model.",
             d.balance
         ),
-    };
-    section.blocks.push(Block::Verdict { kind: d.verdict, text });
+    }
+}
+
+/// The error of the paper's model, of each step after it, and the noise.
+fn errors(d: &Diagnosis) -> Table {
     let mut table = Table::new(&["model", "error on fitted data", "error on left-out data"]);
     let errors = |name: String, rmse: &Rmse| {
         let held_out = rmse.held_out.map_or("–".to_owned(), |h| pressure(h, 3));
@@ -109,21 +132,7 @@ fn verdict(d: &Diagnosis) -> Section {
         table.row(errors(name, &step.rmse_pa));
     }
     table.row(["noise of the recording".to_owned(), pressure(d.noise_pa, 3), String::new()]);
-    section.table(table);
-    section.note(
-        "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; with few records, the last third of each, which is \
-         simulated from the start of the record. The initial pressure of a left-out record is fitted to one half of its rows and the other half is judged, and vice versa.",
-    );
-    if !d.probabilities.is_empty() {
-        let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
-        let each = each.collect::<Vec<_>>().join(", ");
-        section.text(format!("Odds over all sets tried, {}: {each}.", d.meaning_of_probabilities()));
-    }
-    for group in &d.indistinguishable {
-        let names: Vec<String> = group.iter().map(|n| format!("**{}**", spaced(n))).collect();
-        section.text(format!("These records cannot distinguish: {}.", names.join(", ")));
-    }
-    section
+    table
 }
 
 fn interval(q: &Quantity, e: &Estimate) -> String {
