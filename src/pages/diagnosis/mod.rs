@@ -2,10 +2,10 @@
 
 mod drawings;
 mod meaning;
-pub mod own;
-pub mod quantities;
 mod spectrum;
 
+use super::quantities::{Quantity, lower, pressure, spaced};
+use super::{file, record_table};
 use chamber::effects;
 use identify::Diagnosed;
 use identify::fit::covariance::Estimate;
@@ -13,7 +13,6 @@ use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::recording::RecordFound;
-use quantities::{Quantity, lower, pressure, spaced};
 use report::Error;
 use report::document::{Block, Section, Table};
 use report::{digits, page};
@@ -191,14 +190,9 @@ fn recording(d: &Diagnosis) -> Section {
     let cells = |r: &RecordFound| vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3)];
     let records: Vec<_> = d.records.iter().map(|r| (cells(r), &r.parameters)).collect();
     if !records.is_empty() {
-        section.table(own::table(&["record", "error, Pa"], &records));
+        section.table(record_table::table(&["record", "error, Pa"], &records));
     }
     section
-}
-
-/// The last part of a path.
-pub fn file(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// The missing term as a curve: in the model, or refused.

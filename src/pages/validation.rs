@@ -1,7 +1,7 @@
 //! The page that `validate --report` writes: a model on records that took no part in its fit.
 
-use crate::diagnosis_page::quantities::pressure;
-use crate::diagnosis_page::{file, own};
+use super::quantities::pressure;
+use super::{file, record_table};
 use identify::outcome::validation::Validated;
 use report::document::{Block, Drawing, Section, Table};
 use report::{Axis, Chart, Colour, Error, Mark, Series, chart, digits, page};
@@ -44,7 +44,7 @@ fn records(found: &Validated) -> Table {
         let cells = vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3), digits(r.judged_from_s, 3)];
         (cells, &r.parameters)
     });
-    own::table(&["record", "error, Pa", "compared from, s"], &records.collect::<Vec<_>>())
+    record_table::table(&["record", "error, Pa", "compared from, s"], &records.collect::<Vec<_>>())
 }
 
 /// A record's pressure with the model's, above its residual.
