@@ -30,7 +30,7 @@ enum Relation {
     AtLeast,
 }
 
-/// A number of a row, by how it is come by.
+/// A number of a row, by where it comes from.
 #[derive(Clone, Debug)]
 enum Term {
     Number(f64),

@@ -1,4 +1,4 @@
-//! Quantities that hang together: a Gaussian copula, which gives shares of their probabilities the correlations of normal
+//! Correlated quantities: a Gaussian copula, which gives shares of their probabilities the correlations of normal
 //! variables and leaves each one's distribution as it is.
 //!
 //! With u uniform and independent, z = F Φ⁻¹(u) is normal with the correlations F Fᵀ, and Φ(z) is uniform again. F is made
@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-6;
 /// Shares are kept from 0 and 1, which have no finite normal variable.
 const TAIL: f64 = 1.0 / (1u64 << 53) as f64;
 
-/// How shares of some columns hang together.
+/// The correlations between the shares of some columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Copula {
     columns: Vec<usize>,
@@ -52,7 +52,7 @@ impl Copula {
         (0..n).any(|i| (0..i).any(|j| self.correlation[(i, j)] != 0.0))
     }
 
-    /// Puts shares that hang together in place of independent ones.
+    /// Puts correlated shares in place of independent ones.
     pub fn apply(&self, shares: &mut [Vec<f64>]) {
         if !self.is_correlated() {
             return;

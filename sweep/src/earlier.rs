@@ -8,7 +8,7 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
 use crate::hash;
-use crate::progress::OnRows;
+use crate::progress::Progress;
 use crate::reader;
 use crate::record;
 use crate::solve::{RowSolver, Rows};
@@ -193,10 +193,10 @@ fn difference(key: &str, theirs: &Value, ours: &Value) -> String {
 }
 
 /// Rows of a study, taken from the earlier folder as far as they are there, in ascending order.
-pub struct Taker<'a> {
+pub struct EarlierReader<'a> {
     earlier: &'a Earlier,
     study: &'a Study,
-    on_rows: OnRows<'a>,
+    progress: &'a dyn Progress,
     /// For rows without results, which tells nobody.
     again: RowSolver<'a>,
     open: Option<Open>,
@@ -210,10 +210,10 @@ struct Open {
     rest: Option<RecordBatch>,
 }
 
-impl<'a> Taker<'a> {
+impl<'a> EarlierReader<'a> {
     /// A reader that takes rows of `earlier` for the larger `study`.
-    pub fn new(earlier: &'a Earlier, study: &'a Study, on_rows: OnRows<'a>) -> Self {
-        Self { earlier, study, on_rows, again: RowSolver::new(study), open: None }
+    pub fn new(earlier: &'a Earlier, study: &'a Study, progress: &'a dyn Progress) -> Self {
+        Self { earlier, study, progress, again: RowSolver::new(study), open: None }
     }
 
     /// Some rows of the study.
@@ -263,7 +263,7 @@ impl<'a> Taker<'a> {
                 open.rest = Some(batch.slice(length, batch.num_rows() - length));
             }
             self.add(&batch.slice(0, length), open.next, &mut taken)?;
-            self.on_rows.found(length as u64);
+            self.progress.found(length as u64);
             open.next += length as u64;
         }
         self.open = Some(open);

@@ -86,8 +86,8 @@ impl<'a> Folder<'a> {
     ///
     /// # Errors
     /// It cannot be made.
-    pub fn workshop(&self) -> Result<PathBuf, Error> {
-        self.store.workshop().map_err(self.writing(""))
+    pub fn staging(&self) -> Result<PathBuf, Error> {
+        self.store.staging().map_err(self.writing(""))
     }
 
     /// A system's reason as an error about a file of this folder.

@@ -13,7 +13,7 @@
 //! | [`point`] | a value for each of them |
 //! | [`axis`], [`distribution`] | the values a quantity takes, or how probable they are |
 //! | [`constraint`] | which points make sense |
-//! | [`copula`], [`uncertain`] | quantities that hang together; a model's parameters as known |
+//! | [`copula`], [`uncertain`] | correlated quantities; a model's parameters as known |
 //! | [`design`] | which points a study has |
 //! | [`row`], [`geometry`] | from a point to a scenario, bore or strokes solved for |
 //! | [`outputs`], [`status`] | what comes out of a row, and how it ended |

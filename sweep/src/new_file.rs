@@ -42,7 +42,7 @@ pub struct NewFile {
     rows_of_a_group: usize,
 }
 
-/// A file in a workshop: no longer there when dropped, unless it was moved to its place.
+/// A file in a staging folder: no longer there when dropped, unless it was moved to its place.
 struct Temporary(PathBuf);
 
 impl Drop for Temporary {
@@ -52,18 +52,18 @@ impl Drop for Temporary {
 }
 
 impl NewFile {
-    /// Begins the file that is to be at `path`; until it is whole it is in the workshop.
+    /// Begins the file that is to be at `path`; until it is whole it is in the staging folder.
     ///
     /// # Errors
-    /// The workshop cannot be written.
+    /// The staging folder cannot be written.
     pub fn create(
-        workshop: &Path,
+        staging: &Path,
         path: &Path,
         schema: SchemaRef,
         mut properties: WriterProperties,
     ) -> Result<Self, Error> {
         let failed = |source| Error::Write { path: path.to_owned(), source };
-        let temporary = Temporary(temporary(workshop, path));
+        let temporary = Temporary(temporary(staging, path));
         let file = File::create_new(&temporary.0).map_err(failed)?;
         // Some file systems know no locks; their files are written all the same, and never taken for left behind.
         let _ = file.lock();

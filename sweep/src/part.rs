@@ -2,11 +2,11 @@
 
 use crate::chunk::chunks;
 use crate::columns;
-use crate::earlier::{Earlier, Taker};
+use crate::earlier::{Earlier, EarlierReader};
 use crate::encoding;
 use crate::error::Error;
 use crate::new_file::{Ended, NewFile};
-use crate::progress::OnRows;
+use crate::progress::Progress;
 use crate::solve::{RowSolver, Rows};
 use crate::statistics::{Plan, State};
 use crate::status_column::{StatusCounts, Statuses};
@@ -40,12 +40,12 @@ pub struct Place<'a> {
     /// Final path of the file, for error messages.
     pub path: &'a Path,
     /// The folder it is written in until it is whole.
-    pub workshop: &'a Path,
+    pub staging: &'a Path,
     /// Further entries of its metadata.
     pub extra: &'a [(&'a str, String)],
 }
 
-/// How the rows of one file are come by, and what is made of them.
+/// How the rows of one file are computed, and what is made of them.
 #[derive(Clone, Copy)]
 pub struct Work<'a> {
     /// The study whose rows they are.
@@ -56,14 +56,14 @@ pub struct Work<'a> {
     pub earlier: Option<&'a Earlier>,
     /// Who computes.
     pub workers: Workers,
-    /// Hears of the rows.
-    pub on_rows: OnRows<'a>,
+    /// Told of the rows.
+    pub progress: &'a dyn Progress,
 }
 
 impl<'a> Work<'a> {
     /// All rows solved, by all threads, without statistics.
-    pub fn new(study: &'a Study, on_rows: OnRows<'a>) -> Self {
-        Self { study, plan: None, earlier: None, workers: Workers::All, on_rows }
+    pub fn new(study: &'a Study, progress: &'a dyn Progress) -> Self {
+        Self { study, plan: None, earlier: None, workers: Workers::All, progress }
     }
 
     /// Computes some rows of the study, into a new file where there is a place for one, which is still to be published.
@@ -75,7 +75,7 @@ impl<'a> Work<'a> {
         let schema = columns::schema(study);
         let create = |place: &Place<'_>| {
             let properties = encoding::properties(study, &schema, place.extra);
-            NewFile::create(place.workshop, place.path, schema.clone(), properties)
+            NewFile::create(place.staging, place.path, schema.clone(), properties)
         };
         let mut file = place.map(create).transpose()?;
         let mut statuses = Statuses::new(study);
@@ -107,32 +107,32 @@ impl<'a> Work<'a> {
 struct Source<'a> {
     work: Work<'a>,
     solver: RowSolver<'a>,
-    taker: Option<Taker<'a>>,
+    reader: Option<EarlierReader<'a>>,
 }
 
 impl<'a> Source<'a> {
     /// For `rows` at the most.
     fn new(work: Work<'a>, rows: &Range<u64>) -> Self {
-        let Work { study, on_rows, .. } = work;
+        let Work { study, progress, .. } = work;
         let earlier = work.earlier.filter(|earlier| earlier.count(rows) > 0);
         Self {
             work: Work { earlier, ..work },
-            solver: RowSolver::new(study).telling(on_rows),
-            taker: earlier.map(|earlier| Taker::new(earlier, study, on_rows)),
+            solver: RowSolver::new(study).with_progress(progress),
+            reader: earlier.map(|earlier| EarlierReader::new(earlier, study, progress)),
         }
     }
 
     /// The rows of some chunks, in order.
     fn rows(&mut self, wave: &[Range<u64>]) -> Vec<Result<Rows, Error>> {
-        let Work { study, earlier, workers, on_rows, .. } = self.work;
+        let Work { study, earlier, workers, progress, .. } = self.work;
         let (solver, is_there) = (&mut self.solver, |rows| earlier.is_some_and(|earlier| earlier.count(rows) > 0));
-        match (workers, &mut self.taker) {
-            (_, Some(taker)) if wave.iter().any(is_there) => {
-                wave.iter().map(|rows| taker.rows(rows.clone(), solver)).collect()
+        match (workers, &mut self.reader) {
+            (_, Some(reader)) if wave.iter().any(is_there) => {
+                wave.iter().map(|rows| reader.rows(rows.clone(), solver)).collect()
             }
             (Workers::One, _) => wave.iter().map(|rows| solver.rows(rows.clone())).collect(),
             (Workers::All, _) => {
-                let new = || RowSolver::new(study).telling(on_rows);
+                let new = || RowSolver::new(study).with_progress(progress);
                 wave.par_iter().map_init(new, |solver, rows| solver.rows(rows.clone())).collect()
             }
         }

@@ -7,7 +7,7 @@ use crate::file_names::{SENSITIVITY, STATISTICS};
 use crate::folder::{Folder, Found, Look};
 use crate::new_file::Ended;
 use crate::part::{self, Place, Work, Workers};
-use crate::progress::OnRows;
+use crate::progress::Progress;
 use crate::record::{Record, statuses_of};
 use crate::sensitivity;
 use crate::statistics::{self, Plan, State};
@@ -117,7 +117,7 @@ pub fn run<'a>(
     study: &Study,
     store: &dyn Store,
     options: impl Into<Options<'a>>,
-    on_rows: OnRows<'_>,
+    progress: &dyn Progress,
 ) -> Result<Report, Error> {
     let options: Options<'_> = options.into();
     let Options { shard, rows, earlier } = options;
@@ -129,16 +129,16 @@ pub fn run<'a>(
     let is_whole = |found: &Found| matches!(found, Found::Whole(_));
     let missing: Vec<u64> = looked.iter().filter(|(_, found)| !is_whole(found)).map(|(part, _)| *part).collect();
     let found = looked.iter().filter(|(_, found)| is_whole(found)).map(|(part, _)| study.rows_of(*part));
-    on_rows.found(found.map(|rows| rows.end - rows.start).sum());
+    progress.found(found.map(|rows| rows.end - rows.start).sum());
     let damaged = looked.iter().filter(|(_, found)| *found == Found::Damaged).count() as u64;
     if !missing.is_empty() {
         folder.prepare()?;
         folder.clean(|part| shard.has(part))?;
         folder.remove_manifest()?;
-        write(study, &folder, &missing, options, plan.as_ref(), on_rows)?;
+        write(study, &folder, &missing, options, plan.as_ref(), progress)?;
     }
     if let Some(plan) = &plan {
-        mine.par_iter().try_for_each(|part| add_statistics(study, &folder, *part, rows, plan, on_rows))?;
+        mine.par_iter().try_for_each(|part| add_statistics(study, &folder, *part, rows, plan, progress))?;
     }
     let parts: Vec<Record> = mine.iter().filter_map(|part| folder.find(*part, rows, Look::Length).whole()).collect();
     let (mut rows_written, mut rows_taken) = (0, 0);
@@ -200,7 +200,7 @@ fn add_statistics(
     part: u64,
     rows: bool,
     plan: &Plan,
-    on_rows: OnRows<'_>,
+    progress: &dyn Progress,
 ) -> Result<(), Error> {
     let Found::Whole(record) = folder.find(part, rows, Look::Length) else { return Ok(()) };
     if folder.statistics(part).is_some_and(|state| state.plan == plan.identity()) {
@@ -209,7 +209,7 @@ fn add_statistics(
     let state = match &record.file {
         Some(_) => statistics::of_file(plan, folder.local_part(part)?.path(), record.first_row)?,
         None => {
-            let work = Work { plan: Some(plan), workers: Workers::One, ..Work::new(study, on_rows) };
+            let work = Work { plan: Some(plan), workers: Workers::One, ..Work::new(study, progress) };
             let written = work.write(study.rows_of(part), None)?;
             written.statistics.unwrap_or_else(|| State::new(plan))
         }
@@ -236,17 +236,17 @@ fn write(
     missing: &[u64],
     options: Options<'_>,
     plan: Option<&Plan>,
-    on_rows: OnRows<'_>,
+    progress: &dyn Progress,
 ) -> Result<(), Error> {
     keep_memory();
     // Fewer files than threads: the threads share each file's rows.
     let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
-    let work = Work { study, plan, earlier: options.earlier, workers, on_rows };
-    let workshop = folder.workshop()?;
+    let work = Work { study, plan, earlier: options.earlier, workers, progress };
+    let staging = folder.staging()?;
     let one = |part: u64| -> Result<Finished<'_>, Error> {
         let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
         let path = folder.path(&folder.part_file(part));
-        let place = options.rows.then_some(Place { path: &path, workshop: &workshop, extra: &extra });
+        let place = options.rows.then_some(Place { path: &path, staging: &staging, extra: &extra });
         let written = work.write(study.rows_of(part), place.as_ref())?;
         let record = folder.record(part, &written);
         Ok(Finished { folder, part, record, file: written.file })
@@ -334,12 +334,12 @@ fn publishing<'a>(make: impl FnOnce(&Publisher<'a>) -> Result<(), Stop>) -> Resu
 ///
 /// # Errors
 /// The file cannot be written; nothing remains then.
-pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<StatusCounts, Error> {
+pub fn run_to_file(study: &Study, path: &Path, progress: &dyn Progress) -> Result<StatusCounts, Error> {
     let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
     keep_memory();
     let folder = path.parent().unwrap_or(Path::new(""));
-    let place = Place { path, workshop: folder, extra: &extra };
-    let written = Work::new(study, on_rows).write(0..study.rows, Some(&place))?;
+    let place = Place { path, staging: folder, extra: &extra };
+    let written = Work::new(study, progress).write(0..study.rows, Some(&place))?;
     if let Some(file) = written.file {
         file.publish(&Local::new(folder), &path.file_name().unwrap_or_default().to_string_lossy())?;
     }
@@ -350,9 +350,9 @@ pub fn run_to_file(study: &Study, path: &Path, on_rows: OnRows<'_>) -> Result<St
 ///
 /// # Errors
 /// A table of points cannot be read.
-pub fn statistics(study: &Study, plan: &Plan, on_rows: OnRows<'_>) -> Result<Value, Error> {
+pub fn statistics(study: &Study, plan: &Plan, progress: &dyn Progress) -> Result<Value, Error> {
     let (mut total, mut statuses) = (State::new(plan), StatusCounts::new());
-    let work = Work { plan: Some(plan), ..Work::new(study, on_rows) };
+    let work = Work { plan: Some(plan), ..Work::new(study, progress) };
     for part in 0..study.parts {
         let written = work.write(study.rows_of(part), None)?;
         written.statistics.iter().for_each(|state| total.merge(state));

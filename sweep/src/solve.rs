@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::outputs::RowResult;
 use crate::point::Point;
-use crate::progress::OnRows;
+use crate::progress::Progress;
 use crate::row;
 use crate::status::Status;
 use crate::study::Study;
@@ -50,7 +50,7 @@ pub struct RowSolver<'a> {
     scenarios: Vec<Scenario>,
     outcomes: Vec<Outcome>,
     results: Vec<RowResult>,
-    on_rows: OnRows<'a>,
+    progress: &'a dyn Progress,
     /// How many rows are solved together: as many as take about [`TOGETHER`].
     piece: usize,
 }
@@ -72,14 +72,14 @@ impl<'a> RowSolver<'a> {
             scenarios: vec![row::no_test(study); ensemble::CHUNK],
             outcomes: vec![Outcome::failed(ensemble::Failure::TooManySteps); ensemble::CHUNK],
             results: Vec::with_capacity(ensemble::CHUNK),
-            on_rows: &|_: u64| {},
+            progress: &|_: u64| {},
             piece: FEWEST,
         }
     }
 
     /// The same, telling of rows as they are solved.
-    pub fn telling(self, on_rows: OnRows<'a>) -> Self {
-        Self { on_rows, ..self }
+    pub fn with_progress(self, progress: &'a dyn Progress) -> Self {
+        Self { progress, ..self }
     }
 
     /// Solves some rows, as many at a time as stay in a core's cache.
@@ -101,7 +101,7 @@ impl<'a> RowSolver<'a> {
                 (output.append)(&self.results, column);
             }
             statuses.extend(self.results.iter().map(|row| row.status));
-            self.on_rows.solved((end - start) as u64);
+            self.progress.solved((end - start) as u64);
             start = end;
             self.piece = match begun.elapsed() {
                 long if long > TOGETHER => (self.piece / 2).max(FEWEST),

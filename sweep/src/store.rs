@@ -46,7 +46,7 @@ pub trait Store: Sync {
     /// It cannot be written; the earlier one is still there.
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()>;
 
-    /// Makes a whole file of [`Store::workshop`] last under its name; what stays in the workshop may be removed.
+    /// Makes a whole file of [`Store::staging`] last under its name; what stays in the staging folder may be removed.
     ///
     /// # Errors
     /// It cannot be written.
@@ -62,13 +62,13 @@ pub trait Store: Sync {
     ///
     /// # Errors
     /// It cannot be made.
-    fn workshop(&self) -> io::Result<PathBuf>;
+    fn staging(&self) -> io::Result<PathBuf>;
 
     /// Removes what killed runs left of files of those names: temporary files that nobody has locked. Nothing is left where
-    /// each run has a workshop of its own.
+    /// each run has a staging folder of its own.
     ///
     /// # Errors
-    /// The workshop cannot be read.
+    /// The staging folder cannot be read.
     fn clean(&self, _names: &[String]) -> io::Result<()> {
         Ok(())
     }
@@ -179,7 +179,7 @@ impl Store for Local {
         some(std::fs::remove_file(self.path.join(name))).map(|_| ())
     }
 
-    fn workshop(&self) -> io::Result<PathBuf> {
+    fn staging(&self) -> io::Result<PathBuf> {
         let path = self.path.join(RECORDS);
         std::fs::create_dir_all(&path)?;
         Ok(path)

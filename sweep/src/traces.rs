@@ -147,7 +147,7 @@ pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) 
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
     let properties = encoding::properties(study, &schema, &rate);
-    let mut file = NewFile::create(&folder.workshop()?, &path, schema.clone(), properties)?;
+    let mut file = NewFile::create(&folder.staging()?, &path, schema.clone(), properties)?;
     let mut report = Report::default();
     let mut wave: Vec<(u64, Scenario, usize)> = Vec::new();
     let mut waiting = 0;

@@ -25,7 +25,7 @@ pub struct Parameter {
     pub distribution: Distribution,
 }
 
-/// The parameters that a model does not know exactly, and how they hang together.
+/// The parameters that a model does not know exactly, and their correlations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertain {
     /// The parameters: those without variance, which a fit left at a bound, are not among them.
@@ -77,7 +77,7 @@ impl Uncertain {
     }
 }
 
-/// How shares of the probabilities of parameters with these correlations, the columns of those numbers, hang together.
+/// The copula of parameters with these correlations, in the columns of those numbers.
 ///
 /// # Errors
 /// The correlations contradict each other, in words that follow "the model".

@@ -80,7 +80,7 @@ impl Design {
         self.all_axes().map_or(&[], |axes| &**axes)
     }
 
-    /// How some of the axes hang together.
+    /// Correlations between some of the axes.
     pub fn copula(&self) -> Option<&Copula> {
         self.all_axes()?.copula()
     }

@@ -45,7 +45,7 @@ pub struct VariedAxis<'a> {
     of_model: bool,
 }
 
-/// Every axis of [vary], in the order of the file, and how those hang together that are drawn from the model.
+/// Every axis of [vary], in the order of the file, and the correlations of those that are drawn from the model.
 pub fn axes<'a>(
     vary: &Section<'a>,
     model: &Result<Uncertain, String>,
@@ -92,7 +92,7 @@ fn known<'m>(entry: Field<'_>, model: &'m Result<Uncertain, String>) -> Result<&
     model.as_ref().map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
 }
 
-/// How the axes that are drawn from the model hang together.
+/// The correlations of the axes that are drawn from the model.
 fn copula(found: &[VariedAxis<'_>], model: &Result<Uncertain, String>) -> Result<Option<Copula>, Error> {
     let columns: Vec<usize> = (0..found.len()).filter(|i| found[*i].of_model).collect();
     let (Some(first), Ok(model)) = (columns.first(), model) else { return Ok(None) };
