@@ -26,7 +26,8 @@
 //! | [`folder`], [`file_names`], [`record`] | a study's folder: its manifest, what stands where, what is known of a part |
 //! | [`verify`](mod@verify) | whether it holds what its manifest says |
 //! | [`traces`] | the courses of some rows, as a second table |
-//! | [`run`](mod@run) | a study carried out: a shard into a folder, all into a file or memory |
+//! | [`run`](mod@run), [`shard`] | a study carried out into its folder, or a share of its parts |
+//! | [`whole`] | all of it into a file or memory, or its statistics alone |
 //! | [`statistics`] | what the results come to, with the rows or without |
 //! | [`sensitivity`] | first-, second- and total-order indices of a Saltelli study |
 //! | [`estimate`] | time and bytes of a study, from a short calibration |
@@ -55,12 +56,14 @@ pub mod pages;
 pub mod part;
 pub mod point;
 pub mod progress;
+mod publish;
 pub mod quantity;
 pub mod reader;
 pub mod record;
 pub mod row;
 pub mod run;
 pub mod sensitivity;
+pub mod shard;
 pub mod sink;
 pub mod solve;
 pub mod statistics;
@@ -71,10 +74,13 @@ pub mod study;
 pub mod traces;
 pub mod uncertain;
 pub mod verify;
+pub mod whole;
 
 pub use earlier::Earlier;
 pub use error::Error;
-pub use run::{Options, Report, Shard, run, run_in_memory, run_to_file};
+pub use run::{Options, Report, run};
+pub use shard::Shard;
 pub use store::{Local, Store};
 pub use study::Study;
 pub use verify::verify;
+pub use whole::{run_in_memory, run_to_file};

@@ -1,63 +1,22 @@
-//! A study carried out: whole or a shard of it into a folder, or all of it into one file or into memory.
+//! A study carried out into its folder, whole or a shard of it.
 
-use crate::chunk::{CHUNK, chunks};
 use crate::earlier::Earlier;
 use crate::error::Error;
 use crate::file_names::{SENSITIVITY, STATISTICS};
 use crate::folder::{Folder, Found, Look};
-use crate::new_file::Ended;
-use crate::part::{self, Place, Work, Workers};
+use crate::new_file::keep_memory;
+use crate::part::{Place, Work, Workers};
 use crate::progress::Progress;
+use crate::publish::{Finished, publishing};
 use crate::record::{Record, statuses_of};
 use crate::sensitivity;
+use crate::shard::Shard;
 use crate::statistics::{self, Plan, State};
-use crate::status_column::{StatusCounts, add_counts};
-use crate::store::{Local, Store};
+use crate::status_column::StatusCounts;
+use crate::store::Store;
 use crate::study::Study;
-use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
 use serde_json::Value;
-use std::ops::Range;
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::mpsc::{SyncSender, sync_channel};
-
-/// Which of a study's parts a run writes: those whose number leaves `index` when divided by `count`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// Number of this shard, from 0 to `count` − 1.
-    pub index: u64,
-    /// How many shards share the study.
-    pub count: u64,
-}
-
-impl Shard {
-    /// The only shard of a study: all parts.
-    pub const WHOLE: Shard = Shard { index: 0, count: 1 };
-
-    /// Whether a part is this shard's.
-    pub fn has(self, part: u64) -> bool {
-        part % self.count == self.index
-    }
-}
-
-impl std::fmt::Display for Shard {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}/{}", self.index, self.count)
-    }
-}
-
-impl std::str::FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
-        match numbers {
-            Some((index, count)) if index < count => Ok(Shard { index, count }),
-            _ => Err(format!("`{text}` is no shard; expected I/N with I from 0 to N-1, such as 0/16")),
-        }
-    }
-}
 
 /// Which parts a run writes, and what it keeps and reuses.
 #[derive(Clone, Copy, Debug)]
@@ -265,121 +224,6 @@ fn scattered(parts: &[u64]) -> Vec<u64> {
     let places =
         (0..parts.len().next_power_of_two()).map(|i| i.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0));
     places.filter_map(|place| parts.get(place).copied()).collect()
-}
-
-/// Lets the C library keep freed memory for the next pages instead of giving it back to the system after each one, which
-/// costs more than the pages' compression. glibc keeps blocks up to twice the size of the largest one that it has seen
-/// freed, up to 32 MiB; others take no notice.
-fn keep_memory() {
-    drop(std::hint::black_box(Vec::<u8>::with_capacity(31 << 20)));
-}
-
-/// A part that has all its contents, and what is to be known of it.
-struct Finished<'a> {
-    folder: &'a Folder<'a>,
-    part: u64,
-    record: Record,
-    file: Option<Ended>,
-}
-
-impl Finished<'_> {
-    /// Makes the record last, then the part under its name: no part is ever there without its record.
-    fn publish(self) -> Result<(), Error> {
-        self.folder.write_record(self.part, &self.record)?;
-        let name = self.folder.part_file(self.part);
-        self.file.map_or(Ok(()), |file| file.publish(self.folder.store(), &name))
-    }
-}
-
-/// Where parts go that have all their contents: a thread of its own publishes them, since a disk takes its time.
-struct Publisher<'a>(SyncSender<Finished<'a>>);
-
-/// Why no further file is to be made.
-enum Stop {
-    /// A part could not be computed or written.
-    Failed(Error),
-    /// One could not be published: the publisher knows why.
-    Unpublished,
-}
-
-impl From<Error> for Stop {
-    fn from(error: Error) -> Self {
-        Stop::Failed(error)
-    }
-}
-
-impl<'a> Publisher<'a> {
-    fn send(&self, file: Finished<'a>) -> Result<(), Stop> {
-        self.0.send(file).map_err(|_| Stop::Unpublished)
-    }
-}
-
-/// Lets `make` make files, and returns when all of them are published or something went wrong.
-fn publishing<'a>(make: impl FnOnce(&Publisher<'a>) -> Result<(), Stop>) -> Result<(), Error> {
-    std::thread::scope(|scope| {
-        let (sender, files) = sync_channel::<Finished<'a>>(1);
-        let published = scope.spawn(|| files.into_iter().try_for_each(Finished::publish));
-        let publisher = Publisher(sender);
-        let made = make(&publisher);
-        drop(publisher);
-        published.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        match made {
-            Err(Stop::Failed(error)) => Err(error),
-            Ok(()) | Err(Stop::Unpublished) => Ok(()),
-        }
-    })
-}
-
-/// Carries out a whole study into one Parquet file, which appears when it is whole; returns its rows by status.
-///
-/// # Errors
-/// The file cannot be written; nothing remains then.
-pub fn run_to_file(study: &Study, path: &Path, progress: &dyn Progress) -> Result<StatusCounts, Error> {
-    let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
-    keep_memory();
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let place = Place { path, staging: folder, extra: &extra };
-    let written = Work::new(study, progress).write(0..study.rows, Some(&place))?;
-    if let Some(file) = written.file {
-        file.publish(&Local::new(folder), &path.file_name().unwrap_or_default().to_string_lossy())?;
-    }
-    Ok(written.statuses)
-}
-
-/// The statistics of a whole study, as `statistics.json` of a folder has them; nothing is written.
-///
-/// # Errors
-/// A table of points cannot be read.
-pub fn statistics(study: &Study, plan: &Plan, progress: &dyn Progress) -> Result<Value, Error> {
-    let (mut total, mut statuses) = (State::new(plan), StatusCounts::new());
-    let work = Work { plan: Some(plan), ..Work::new(study, progress) };
-    for part in 0..study.parts {
-        let written = work.write(study.rows_of(part), None)?;
-        written.statistics.iter().for_each(|state| total.merge(state));
-        add_counts(&mut statuses, &written.statuses);
-    }
-    total.summary(study, plan, &statuses)
-}
-
-/// The rows of a study, batch after batch, in order: a wave of chunks is computed by all threads of the current pool when
-/// the one before is used up, so that memory does not grow with the study.
-pub fn batches(study: Arc<Study>) -> impl Iterator<Item = Result<RecordBatch, Error>> + Send {
-    let wave = CHUNK * 2 * rayon::current_num_threads() as u64;
-    let waves = (0..study.rows).step_by(wave as usize);
-    waves.flat_map(move |begin| computed(&study, begin..study.rows.min(begin + wave)))
-}
-
-/// Carries out a whole study in memory.
-///
-/// # Errors
-/// A table of points cannot be read.
-pub fn run_in_memory(study: &Study) -> Result<Vec<RecordBatch>, Error> {
-    computed(study, 0..study.rows).into_iter().collect()
-}
-
-/// Some rows as batches, computed by all threads of the current pool.
-fn computed(study: &Study, rows: Range<u64>) -> Vec<Result<RecordBatch, Error>> {
-    chunks(rows).into_par_iter().map(|rows| part::batch(study, rows)).collect()
 }
 
 #[cfg(test)]
