@@ -5,7 +5,7 @@
 
 use crate::columns;
 use crate::error::Error;
-use crate::file_names::{MANIFEST, RECORDS, ROWS, STATISTICS, STUDY, TRACES_FILE};
+use crate::file_names::{MANIFEST, RECORDS, ROWS, SENSITIVITY, STATISTICS, STUDY, TRACES_FILE};
 use crate::part::Written;
 use crate::record::{self, Record, statuses_of};
 use crate::statistics::State;
@@ -240,7 +240,7 @@ impl<'a> Folder<'a> {
         let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
         let mut names: Vec<String> = parts.flat_map(|part| [record::file_name(&part), part]).collect();
         if mine(0) {
-            names.extend([TRACES_FILE, STUDY, MANIFEST, STATISTICS].map(str::to_owned));
+            names.extend([TRACES_FILE, STUDY, MANIFEST, STATISTICS, SENSITIVITY].map(str::to_owned));
         }
         self.store.clean(&names).map_err(self.reading(""))
     }

@@ -15,14 +15,16 @@ fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
     std::fs::write(&broken, &bytes[..bytes.len() / 2]).unwrap();
     let stale = folder.path().join("parts").join(format!(".{}.1-2-3.tmp", study.part_name(0)));
     let stale_record = folder.path().join("parts/.part-00001-of-00003.json.1-2.tmp");
-    let stale_manifest = folder.path().join(".manifest.json.1-2.tmp");
-    for path in [&stale, &stale_record, &stale_manifest] {
+    let of_folder =
+        ["manifest", "statistics", "sensitivity"].map(|name| folder.path().join(format!(".{name}.json.1-2.tmp")));
+    let stale: Vec<_> = [stale, stale_record].into_iter().chain(of_folder).collect();
+    for path in &stale {
         std::fs::write(path, "half").unwrap();
     }
     let report = run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     assert_eq!((report.parts_written, report.parts_found, report.complete), (2, 1, true));
     assert_eq!(report.parts_damaged, 1);
-    for path in [&stale, &stale_record, &stale_manifest] {
+    for path in &stale {
         assert!(!path.exists(), "{}: what a killed run left is removed", path.display());
     }
     assert_eq!(parts(folder.path()), before);
