@@ -7,8 +7,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
+use sweep::folder::file_names;
 use sweep::study::SOLVERS;
-use sweep::{Earlier, Options, Report, Shard, Study, file_names, traces};
+use sweep::{Earlier, Options, Report, Shard, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///

@@ -5,9 +5,9 @@
 
 use std::time::Instant;
 use sweep::Study;
-use sweep::chunk::CHUNK;
 use sweep::part::{Work, Workers};
-use sweep::solve::RowSolver;
+use sweep::row::chunk::CHUNK;
+use sweep::row::solve::RowSolver;
 use sweep::statistics::Plan;
 
 /// Rows of a turn: a few milliseconds, which other work may leave alone.

@@ -3,16 +3,16 @@
 //! The integration is that of `chamber::simulate`, apart from the batches'; what is sampled is the same: the gas, and
 //! what the sensor shows of it. As many samples are in memory as `TOGETHER` says, or one row's.
 
-use crate::columns;
-use crate::encoding;
 use crate::error::Error;
-use crate::file_names::{TRACES, TRACES_FILE};
 use crate::folder::Folder;
-use crate::new_file::NewFile;
+use crate::folder::file_names::{TRACES, TRACES_FILE};
+use crate::folder::store::Store;
+use crate::part::columns;
+use crate::part::encoding;
+use crate::part::new_file::NewFile;
+use crate::part::status_column;
 use crate::row;
-use crate::status::Status;
-use crate::status_column;
-use crate::store::Store;
+use crate::row::status::Status;
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Schema, SchemaRef};

@@ -1,7 +1,7 @@
 //! The axes of a design: the values of each varied quantity, and which of them are correlated.
 
-use crate::axis::Axis;
-use crate::copula::Copula;
+use crate::quantity::axis::Axis;
+use crate::quantity::copula::Copula;
 
 /// The varied quantities of a design: the values of each, and which of them are correlated.
 #[derive(Clone, Debug)]

@@ -8,9 +8,9 @@ pub mod saltelli;
 pub mod sobol;
 pub mod table;
 
-use crate::axis::Axis;
-use crate::copula::Copula;
 use crate::error::Error;
+use crate::quantity::axis::Axis;
+use crate::quantity::copula::Copula;
 use latin_hypercube::LatinHypercube;
 use saltelli::Saltelli;
 use sobol::Sobol;
@@ -131,7 +131,7 @@ impl Design {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axis::Scale;
+    use crate::quantity::axis::Scale;
     use proptest::prelude::*;
 
     fn unit_axes(n: usize) -> Vec<Axis> {

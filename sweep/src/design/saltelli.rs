@@ -102,7 +102,7 @@ impl Saltelli {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axis::{Axis, Scale};
+    use crate::quantity::axis::{Axis, Scale};
 
     /// The rows of a design of three quantities, block after block.
     fn blocks(samples: u64, second: bool) -> Vec<Vec<[f64; 3]>> {

@@ -3,14 +3,14 @@
 use super::Varied;
 use super::constraints;
 use super::section::{Entry, Section};
-use crate::axis::{Axis, Scale};
-use crate::copula::Copula;
-use crate::distribution::{Distribution, Limits};
 use crate::error::Error;
-use crate::names;
-use crate::outputs;
+use crate::quantity::axis::{Axis, Scale};
+use crate::quantity::copula::Copula;
+use crate::quantity::distribution::{Distribution, Limits};
+use crate::quantity::names;
+use crate::quantity::uncertain::{self, Parameter, Uncertain};
 use crate::quantity::{self, Base};
-use crate::uncertain::{self, Parameter, Uncertain};
+use crate::row::outputs;
 use records::Field;
 use report::number::shortest;
 

@@ -50,7 +50,7 @@ fn one_file_and_memory_hold_the_rows_of_the_folder() {
 #[test]
 fn the_schema_is_the_contracts_and_names_every_unit() {
     let study = study("design = \"factorial\"", BORES);
-    let schema = sweep::columns::schema(&study);
+    let schema = sweep::part::columns::schema(&study);
     let fields: Vec<_> = schema.fields().iter().map(|f| (f.name().as_str(), f.metadata()["unit"].as_str())).collect();
     let expected = [
         ("row", "1"),

@@ -1,7 +1,7 @@
 //! The status column: the text of each status, and how many rows have it.
 
-use crate::constraint::Constraint;
-use crate::status::Status;
+use crate::quantity::constraint::Constraint;
+use crate::row::status::Status;
 use crate::study::Study;
 use arrow::array::{DictionaryArray, Int32Array, StringArray};
 use arrow::datatypes::Int32Type;

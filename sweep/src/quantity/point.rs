@@ -1,6 +1,6 @@
 //! A point of a study: a value for every quantity.
 
-use crate::quantity::{BASE, Base, COUNT};
+use super::{BASE, Base, COUNT};
 use chamber::{Chamber, Gas, Geometry, HeatTransfer};
 use records::Model;
 

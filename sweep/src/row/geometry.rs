@@ -1,9 +1,9 @@
 //! The geometry of a row: bore and strokes, solved for where the volume-to-area ratio is given, and the gas volume and heat
 //! transfer area that follow.
 
-use crate::point::Point;
+use super::status::Failure;
 use crate::quantity::Base;
-use crate::status::Failure;
+use crate::quantity::point::Point;
 use chamber::{AreaLaw, Geometry};
 use ensemble::Scenario;
 

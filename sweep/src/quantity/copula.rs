@@ -5,7 +5,7 @@
 //! of the eigenvectors, the largest eigenvalue first, so that the first dimension of a low-discrepancy sequence, its best,
 //! carries most of what varies; correlations of one are as good as any.
 
-use crate::distribution::{normal, normal_quantile};
+use super::distribution::{normal, normal_quantile};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Rounding that correlations may carry, as an eigenvalue below zero.

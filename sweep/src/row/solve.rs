@@ -1,11 +1,11 @@
 //! From points to results: rows become scenarios, the kernel of `ensemble` simulates them.
 
+use super::outputs::RowResult;
+use super::status::Status;
 use crate::error::Error;
-use crate::outputs::RowResult;
-use crate::point::Point;
 use crate::progress::Progress;
+use crate::quantity::point::Point;
 use crate::row;
-use crate::status::Status;
 use crate::study::Study;
 use chamber::effects::EffectSet;
 use ensemble::{Kernel, Options, Outcome, Scenario};

@@ -2,11 +2,11 @@
 
 use super::Earlier;
 use crate::error::Error;
+use crate::part::reader;
+use crate::part::status_column;
 use crate::progress::Progress;
-use crate::reader;
-use crate::solve::{RowSolver, Rows};
-use crate::status::Status;
-use crate::status_column;
+use crate::row::solve::{RowSolver, Rows};
+use crate::row::status::Status;
 use crate::study::Study;
 use arrow::array::{Array, AsArray};
 use arrow::datatypes::Int32Type;

@@ -2,10 +2,10 @@
 //!
 //! A temporary file is locked while its writer lives. One that is not locked was left by a run that was killed.
 
+use super::pages::{self, Collector};
+use super::sink::Sink;
 use crate::error::Error;
-use crate::pages::{self, Collector};
-use crate::sink::Sink;
-use crate::store::{Store, TEMPORARY};
+use crate::folder::store::{Store, TEMPORARY};
 use arrow::datatypes::SchemaRef;
 use arrow::record_batch::RecordBatch;
 use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};

@@ -1,9 +1,9 @@
 //! A study's table: its columns with their types, units and descriptions, and rows as Arrow batches of it.
 
+use super::status_column::Statuses;
 use crate::error::Error;
 use crate::quantity;
-use crate::solve::Rows;
-use crate::status_column::Statuses;
+use crate::row::solve::Rows;
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::buffer::{BooleanBuffer, NullBuffer};

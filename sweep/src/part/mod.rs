@@ -1,19 +1,32 @@
 //! One part: rows computed chunk by chunk and written as they come.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`columns`], [`status_column`] | the table: its columns, units and statuses |
+//! | [`encoding`] | how it is encoded as Parquet |
+//! | [`new_file`], [`reader`] | one Parquet file, whole or not there; read back |
+//! | [`pages`], [`sink`] | its pages' checksums; its hash, and the order of its statistics |
 
-use crate::chunk::chunks;
-use crate::columns;
-use crate::earlier::{Earlier, EarlierReader};
-use crate::encoding;
+pub mod columns;
+pub mod encoding;
+pub mod new_file;
+pub mod pages;
+pub mod reader;
+pub mod sink;
+pub mod status_column;
+
 use crate::error::Error;
-use crate::new_file::{Ended, NewFile};
+use crate::folder::earlier::{Earlier, EarlierReader};
 use crate::progress::Progress;
-use crate::solve::{RowSolver, Rows};
+use crate::row::chunk::chunks;
+use crate::row::solve::{RowSolver, Rows};
 use crate::statistics::{Plan, State};
-use crate::status_column::{StatusCounts, Statuses};
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
+use new_file::{Ended, NewFile};
 use rayon::prelude::*;
 use serde_json::json;
+use status_column::{StatusCounts, Statuses};
 use std::ops::Range;
 use std::path::Path;
 

@@ -1,6 +1,22 @@
 //! Every number of a model and of its test that a study can vary: dotted name, unit, the values that make sense.
 //!
 //! Effects' parameters follow from their cards, so that an effect added to `chamber` can be swept at once.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`names`] | what people may call a quantity |
+//! | [`point`] | a value for each of them |
+//! | [`axis`], [`distribution`] | the values a quantity takes, or how probable they are |
+//! | [`copula`], [`uncertain`] | correlated quantities; a model's parameters as known |
+//! | [`constraint`] | which points make sense |
+
+pub mod axis;
+pub mod constraint;
+pub mod copula;
+pub mod distribution;
+pub mod names;
+pub mod point;
+pub mod uncertain;
 
 use chamber::card::Kind;
 use chamber::effects::{self, EffectValues, PARAMETERS};
@@ -11,7 +27,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
-/// The numbers of the model and of the test that do not belong to an effect; places in a [`Point`](crate::point::Point).
+/// The numbers of the model and of the test that do not belong to an effect; places in a [`Point`](crate::quantity::point::Point).
 #[allow(missing_docs)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
@@ -99,7 +115,7 @@ pub struct Quantity {
     pub doc: &'static str,
 }
 
-/// Every quantity, at its place in a [`Point`](crate::point::Point).
+/// Every quantity, at its place in a [`Point`](crate::quantity::point::Point).
 pub fn all() -> &'static [Quantity] {
     static ALL: LazyLock<Vec<Quantity>> = LazyLock::new(|| {
         let mut list: Vec<Quantity> = BASE_LIST

@@ -10,11 +10,11 @@ pub use rows::EarlierReader;
 
 use crate::design::Design;
 use crate::error::Error;
-use crate::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
+use crate::folder::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
+use crate::folder::record;
+use crate::folder::store::{LocalFile, Store};
 use crate::hash;
-use crate::reader;
-use crate::record;
-use crate::store::{LocalFile, Store};
+use crate::part::reader;
 use crate::study::Study;
 use arrow::array::AsArray;
 use rayon::prelude::*;

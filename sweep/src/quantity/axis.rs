@@ -1,6 +1,6 @@
 //! The values that one varied quantity takes: a list, a range with a linear or logarithmic scale, or a distribution.
 
-use crate::distribution::Distribution;
+use super::distribution::Distribution;
 use chamber::real::Real;
 use ensemble::lanes::{Lanes, WIDTH};
 use pulp::{Arch, Simd, WithSimd};

@@ -1,22 +1,32 @@
 //! A study carried out into its folder, whole or a shard of it.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`shard`] | a share of a study's parts |
+//! | `publish` | parts put in their places while the next ones are computed |
+//! | [`whole`] | a study into one file or memory, or its statistics alone |
 
-use crate::earlier::Earlier;
+mod publish;
+pub mod shard;
+pub mod whole;
+
 use crate::error::Error;
-use crate::file_names::{SENSITIVITY, STATISTICS};
+use crate::folder::earlier::Earlier;
+use crate::folder::file_names::{SENSITIVITY, STATISTICS};
+use crate::folder::record::{Record, statuses_of};
+use crate::folder::store::Store;
 use crate::folder::{Folder, Found, Look};
-use crate::new_file::keep_memory;
+use crate::part::new_file::keep_memory;
+use crate::part::status_column::StatusCounts;
 use crate::part::{Place, Work, Workers};
 use crate::progress::Progress;
-use crate::publish::{Finished, publishing};
-use crate::record::{Record, statuses_of};
 use crate::sensitivity;
-use crate::shard::Shard;
 use crate::statistics::{self, Plan, State};
-use crate::status_column::StatusCounts;
-use crate::store::Store;
 use crate::study::Study;
+use publish::{Finished, publishing};
 use rayon::prelude::*;
 use serde_json::Value;
+use shard::Shard;
 
 /// Which parts a run writes, and what it keeps and reuses.
 #[derive(Clone, Copy, Debug)]

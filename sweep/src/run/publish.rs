@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::folder::Folder;
-use crate::new_file::Ended;
-use crate::record::Record;
+use crate::folder::record::Record;
+use crate::part::new_file::Ended;
 use std::sync::mpsc::{SyncSender, sync_channel};
 
 /// A part that has all its contents, and what is to be known of it.

@@ -1,19 +1,31 @@
-//! A study's folder: which parts are there, what an interrupted run left behind, and the manifest. What stands where is
-//! in [`file_names`](crate::file_names).
+//! A study's folder: which parts are there, what an interrupted run left behind, and the manifest.
 //!
 //! A part's record is there before the part, so that no part is without its hash.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`file_names`], [`record`] | what stands where; what is known of a part |
+//! | [`store`] | where the folder is: on a disk or elsewhere |
+//! | [`earlier`] | rows that a smaller study has solved already |
+//! | [`verify`] | whether it holds what its manifest says |
 
-use crate::columns;
+pub mod earlier;
+pub mod file_names;
+pub mod record;
+pub mod store;
+pub mod verify;
+
 use crate::error::Error;
-use crate::file_names::{MANIFEST, RECORDS, ROWS, SENSITIVITY, STATISTICS, STUDY, TRACES_FILE};
 use crate::part::Written;
-use crate::record::{self, Record, statuses_of};
+use crate::part::columns;
 use crate::statistics::State;
-use crate::store::{LocalFile, Store};
 use crate::study::Study;
+use file_names::{MANIFEST, RECORDS, ROWS, SENSITIVITY, STATISTICS, STUDY, TRACES_FILE};
+use record::{Record, statuses_of};
 use serde_json::{Value, json};
 use std::io;
 use std::path::PathBuf;
+use store::{LocalFile, Store};
 
 /// A study's folder.
 pub struct Folder<'a> {

@@ -6,9 +6,9 @@
 
 mod reader;
 
-use crate::geometry::final_geometry;
-use crate::point::Point;
 use crate::quantity::Base;
+use crate::quantity::point::Point;
+use crate::row::geometry::final_geometry;
 use ensemble::{Hold, Scenario};
 use reader::Reader;
 

@@ -1,9 +1,9 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
+use super::file_names::MANIFEST;
+use super::store::Store;
 use crate::error::Error;
-use crate::file_names::MANIFEST;
-use crate::new_file::Digest;
-use crate::store::Store;
+use crate::part::new_file::Digest;
 use rayon::prelude::*;
 use serde::Deserialize;
 use std::io;

@@ -1,13 +1,24 @@
 //! One row: from the point of the design to the chamber and test that it stands for.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`geometry`] | bore or strokes, solved for where a ratio is given |
+//! | [`outputs`], [`status`] | what comes out of a row, and how it ended |
+//! | [`solve`], [`chunk`] | rows through the kernel of `ensemble`, piece by piece |
 
-use crate::geometry;
-use crate::point::Point;
+pub mod chunk;
+pub mod geometry;
+pub mod outputs;
+pub mod solve;
+pub mod status;
+
 use crate::quantity::Base;
-use crate::status::{Failure, Status};
+use crate::quantity::point::Point;
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
 use chamber::effects::{self, EffectSet};
 use ensemble::{Hold, Scenario};
+use status::{Failure, Status};
 
 /// The push-and-hold test that a point of the study stands for.
 ///

@@ -1,14 +1,14 @@
 //! A whole study into one file or into memory, or its statistics alone.
 
-use crate::chunk::{CHUNK, chunks};
+use super::shard::Shard;
 use crate::error::Error;
-use crate::new_file::keep_memory;
+use crate::folder::store::Local;
+use crate::part::new_file::keep_memory;
+use crate::part::status_column::{StatusCounts, add_counts};
 use crate::part::{self, Place, Work};
 use crate::progress::Progress;
-use crate::shard::Shard;
+use crate::row::chunk::{CHUNK, chunks};
 use crate::statistics::{Plan, State};
-use crate::status_column::{StatusCounts, add_counts};
-use crate::store::Local;
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;

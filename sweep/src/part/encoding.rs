@@ -1,6 +1,6 @@
 //! How a table is encoded as Parquet: compression, row groups and pages, the encoding of each column, and the metadata.
 
-use crate::chunk::CHUNK;
+use crate::row::chunk::CHUNK;
 use crate::study::Study;
 use arrow::datatypes::{DataType, SchemaRef};
 use parquet::basic::{Compression, Encoding, ZstdLevel};

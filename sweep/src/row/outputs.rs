@@ -1,8 +1,8 @@
 //! What comes out of a row, and the columns that it becomes.
 
-use crate::geometry::final_geometry;
+use super::geometry::final_geometry;
+use super::status::Status;
 use crate::quantity::Base;
-use crate::status::Status;
 use When::{Always, Fit, Solved};
 use ensemble::{Outcome, Scenario};
 

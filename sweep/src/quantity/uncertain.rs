@@ -4,10 +4,10 @@
 //! their values with 95 % intervals. On the scale of the fit the parameters are jointly normal; the scale shows in the
 //! interval, v ± 1.96 s or v exp(± 1.96 s/v). A parameter is truncated at the bounds that its quantity has.
 
-use crate::copula::Copula;
-use crate::distribution::{Distribution, Limits};
-use crate::point::Point;
-use crate::quantity::{self, Allowed, Base};
+use super::copula::Copula;
+use super::distribution::{Distribution, Limits};
+use super::point::Point;
+use super::{Allowed, Base, all};
 use nalgebra::DMatrix;
 use records::Model;
 
@@ -19,7 +19,7 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub struct Parameter {
     /// Its name in the model's `[uncertainty]`.
     pub name: String,
-    /// Its place among [`quantity::all`].
+    /// Its place among [`all`].
     pub quantity: usize,
     /// Distribution of its value.
     pub distribution: Distribution,
@@ -52,7 +52,7 @@ impl Uncertain {
             }
             let quantity = place(name)
                 .ok_or_else(|| format!("has `{name}` in its [uncertainty], which is no number that can vary"))?;
-            let allowed = &quantity::all()[quantity].allowed;
+            let allowed = &all()[quantity].allowed;
             let distribution = margin(point.0[quantity], sd, *ci95, allowed);
             if let Some(problem) = distribution.problem() {
                 return Err(format!("has an [uncertainty] that does not fit: `{name}` {problem}"));
@@ -97,7 +97,7 @@ fn place(name: &str) -> Option<usize> {
         "ambient_temperature_k" => Base::AmbientTemperature,
         _ => {
             let full = format!("effect.{name}");
-            return quantity::all().iter().position(|q| q.name == full);
+            return all().iter().position(|q| q.name == full);
         }
     };
     Some(base as usize)

@@ -1,8 +1,8 @@
 //! The text of a constraint, read by recursive descent.
 
 use super::{GEOMETRY, Relation, Term};
-use crate::names;
-use crate::outputs;
+use crate::quantity::names;
+use crate::row::outputs;
 
 /// Reads a constraint from left to right; holds what is still unread.
 pub struct Reader<'a> {

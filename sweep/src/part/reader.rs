@@ -1,7 +1,7 @@
 //! The rows of a part, read back from its file.
 
-use crate::chunk::CHUNK;
 use crate::error::Error;
+use crate::row::chunk::CHUNK;
 use arrow::array::{Array, Float64Array};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
