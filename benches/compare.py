@@ -41,13 +41,16 @@ def rows_of(study, folder, **changes):
     (folder / study).write_text(text)
     out = folder / "out"
     shutil.rmtree(out, ignore_errors=True)
-    begun = time.perf_counter()
+    begun, memory = time.perf_counter(), 0
     sweep = subprocess.Popen([PROGRAM, "sweep", folder / study, "-o", out], stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(sweep.pid, 0)
+    # What `wait4` gives for a child's memory is at least this process's own.
+    while sweep.poll() is None:
+        memory = max(memory, peak_memory(sweep.pid))
+        time.sleep(0.002)
     seconds = time.perf_counter() - begun
-    if status:
-        raise SystemExit(f"{study}: pneutherm sweep ended with {os.waitstatus_to_exitcode(status)}")
-    return pyarrow.dataset.dataset(out / "rows").to_table(), seconds, usage.ru_maxrss << 10
+    if sweep.returncode:
+        raise SystemExit(f"{study}: pneutherm sweep ended with {sweep.returncode}")
+    return pyarrow.dataset.dataset(out / "rows").to_table(), seconds, memory
 
 
 def cases_of(rows):
@@ -113,7 +116,8 @@ def children(pid):
 def peak_memory(pid):
     """Most memory that a process has held, bytes."""
     status = pathlib.Path(f"/proc/{pid}/status").read_text()
-    return next(int(line.split()[1]) << 10 for line in status.splitlines() if line.startswith("VmHWM"))
+    # A process that has just ended has none.
+    return next((int(line.split()[1]) << 10 for line in status.splitlines() if line.startswith("VmHWM")), 0)
 
 
 def errors(found, expected, ours=True):

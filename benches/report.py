@@ -71,24 +71,25 @@ class Outcome:
     def aims_with_effects(self, study):
         """Ours beside heyoka's best on the same equations, and beside ours without the effect."""
         ours = lambda r: r.group == "ours" and r.study == study
-        full = lambda r: ours(r) and not r.options.get("exact")
-        sealed = lambda r: r.group == "ours" and r.study == "sealed" and not r.options.get("exact")
+        full = lambda r: ours(r) and not r.options.get("auto")
+        sealed = lambda r: r.group == "ours" and r.study == "sealed" and not r.options.get("auto")
         heyoka = lambda r: r.name.startswith("heyoka") and r.study == study
         effect = EFFECTS[study]
         share = 1 / 3 if study == "flows" else 1 / 4
         lines = []
-        for kind, name in [(full, "full equations")] + [(ours, "as it comes")] * (study == "gas_column"):
+        for kind, name in [(full, "full equations")] + [(ours, "as it comes")] * (study != "flows"):
             for error in (1e-8, 1.5e-10):
                 best = self.best(heyoka, error)
                 if best:
                     text = f"{effect}, {name}, over heyoka's best on the same equations, ≤ {error:.2g}".replace("e-0", "e-")
                     lines.append((text, ratio(self.best(kind, error), best), 3.0))
-        lines.append((f"{effect} over sealed, full equations, ≤ 1e-8", ratio(self.best(full, 1e-8), self.best(sealed, 1e-8)), share))
+        kind, name = (full, "full equations") if study == "flows" else (ours, "as it comes")
+        lines.append((f"{effect}, {name}, over sealed full equations, ≤ 1e-8", ratio(self.best(kind, 1e-8), self.best(sealed, 1e-8)), share))
         return lines
 
     def aims_when_sealed(self):
         """On the rows of the paper's test."""
-        ours = lambda r: r.group == "ours" and r.study == "sealed" and not r.options.get("exact")
+        ours = lambda r: r.group == "ours" and r.study == "sealed" and not r.options.get("auto")
         heyoka = lambda r: r.name.startswith("heyoka") and r.study == "sealed"
         plain = lambda r: r.name == "heyoka, plain, 8 wide"
         fmpy = lambda r: r.name == "FMPy, push and hold only"

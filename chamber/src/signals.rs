@@ -87,7 +87,7 @@ impl Signals {
     }
 
     /// All inputs at a time, s; before the first knot and behind the last as they are there.
-    fn knot(&self, time: f64) -> Knot {
+    pub fn knot(&self, time: f64) -> Knot {
         let next = self.knots.partition_point(|knot| knot.time <= time);
         let (Some(from), Some(to)) = (next.checked_sub(1).map(|k| &self.knots[k]), self.knots.get(next)) else {
             return Knot { time, ..self.knots[next.min(self.knots.len() - 1)] };

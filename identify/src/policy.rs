@@ -59,6 +59,8 @@ pub const ACCURACY_OF_NOISE: f64 = 0.25;
 /// Systematic error on left-out data, of that without a term, below which the term predicts decisively better although more
 /// than noise remains.
 pub const PREDICTS_BETTER: f64 = 0.5;
+/// Error on records left out whole, of that on the fitted ones, from which on named effects describe those and explain nothing.
+pub const CARRIES_OVER: f64 = 1.3;
 /// What named effects leave, of the paper's model's systematic error, that is next to nothing beside it: the course of a
 /// fast stroke between two rows, and the like.
 pub const NEXT_TO_NOTHING: f64 = 0.02;

@@ -216,6 +216,7 @@ def simulate(
     *,
     rig: Union[Path, Table, None] = None,
     initial_pressure_pa: Optional[float] = None,
+    raw_positions: bool = False,
     samples: Optional[int] = None,
     level: float = 0.95,
     seed: int = 0,
@@ -234,6 +235,8 @@ def simulate(
         motion: the trace file with the motion, or what `write_trace` takes: a table, a MATLAB, Parquet or Excel file.
         rig: a rig file, or a dictionary with the content of one, whose columns and format describe the motion file.
         initial_pressure_pa: initial gas pressure, Pa; by default from the motion's pressure before the first movement.
+        raw_positions: take noisy positions as they are, linear between rows. Otherwise, where they scatter at rest, the piston is
+            held there and moves along smooth curves through the rows.
         samples: also compute a prediction band from this many draws of the identified parameters: ``pressure_low_pa``,
             ``pressure_high_pa`` and so on.
         level: coverage probability of the band.
@@ -246,7 +249,7 @@ def simulate(
     layout: RigTables = {"columns": columns, "format": format}
     with as_trace(motion) as path, given_rig(rig, layout) as given:
         native = _native.simulate(
-            given_model(model, tables), path, given, initial_pressure_pa, samples, level, seed
+            given_model(model, tables), path, given, initial_pressure_pa, raw_positions, samples, level, seed
         )
     return pyarrow.table(native)
 

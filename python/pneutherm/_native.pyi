@@ -25,6 +25,7 @@ def simulate(
     motion: _Path,
     rig: _Given,
     initial_pressure_pa: Optional[float],
+    raw_positions: bool,
     samples: Optional[int],
     level: float,
     seed: int,

@@ -111,6 +111,7 @@ fn simulate(
     motion: PathBuf,
     rig: Given,
     initial_pressure_pa: Option<f64>,
+    raw_positions: bool,
     samples: Option<u32>,
     level: f64,
     seed: u64,
@@ -118,7 +119,8 @@ fn simulate(
     interruptible(py, move || {
         let band = samples.map(|samples| Wanted { samples, seed, level });
         let (model, rig) = (read_model(model)?, settings(rig).rig()?);
-        Table::of_simulation(&simulation::simulated(&Request { model, motion, rig, initial_pressure_pa, band })?)
+        let request = Request { model, motion, rig, initial_pressure_pa, raw_positions, band };
+        Table::of_simulation(&simulation::simulated(&request)?)
     })
 }
 

@@ -13,7 +13,8 @@ use std::path::PathBuf;
 The output has one row per row of the motion: time_s, pressure_pa (what the sensor would show), gas_pressure_pa, \
 temperature_k, mass_kg, volume_m3, heat_flow_w (into the gas). With --samples each column but time_s has two more, the ends of \
 its band: pressure_low_pa, pressure_high_pa and so on. The gas starts at the temperature of the wall at rest, which is ambient \
-unless the model has a warm_wall. Its initial pressure is chosen so that the simulated mean before the first movement equals that of the motion's pressure column.
+unless the model has a warm_wall. Positions are linear between rows; where they scatter at rest, the piston is held there and \
+moves along smooth curves through the rows, as `identify` has it, unless --raw-positions is given. The initial pressure is chosen so that the simulated mean before the first movement equals that of the motion's pressure column.
 
 Example:
   pneutherm simulate model.toml --motion validation.csv -o simulated.csv
@@ -32,6 +33,9 @@ pub struct Args {
     /// Initial gas pressure, Pa absolute; by default from the motion's pressure before the first movement
     #[arg(long, value_name = "PA", value_parser = pressure)]
     initial_pressure: Option<f64>,
+    /// Take noisy positions as they are, linear between rows
+    #[arg(long)]
+    raw_positions: bool,
     /// Also write a prediction band from this many draws, 16 to 100000, of the parameters in the model's [uncertainty]. The
     /// band of pressure_pa includes the noise of the records
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())))]
@@ -70,6 +74,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         motion: args.motion.clone(),
         rig: args.rig.as_deref().map(RigFile::document).transpose()?,
         initial_pressure_pa: args.initial_pressure,
+        raw_positions: args.raw_positions,
         band: args.samples.map(|samples| Wanted { samples, seed: args.seed, level: args.level }),
     })?;
     simulated.notes.iter().for_each(|note| output::note(note));

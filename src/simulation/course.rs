@@ -1,5 +1,6 @@
 //! A model along a motion: what is imposed on the chamber, the state it begins from, one sample for each row.
 
+use super::stroke::Stroke;
 use anyhow::{Context, bail};
 use chamber::signals::{Knot, Signals};
 use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
@@ -13,6 +14,8 @@ const MEAN_ITERATIONS: usize = 8;
 pub struct Course<'a> {
     /// The motion.
     pub motion: &'a Trace,
+    /// Its stroke.
+    pub stroke: Stroke,
     /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,
 }
@@ -34,11 +37,26 @@ impl Course<'_> {
 
     /// As [`Course::samples`], with what is imposed on the chamber and the state it begins from.
     fn followed(&self, model: &Model, shift: f64) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
-        let signals = signals(model, self.motion);
+        let signals = self.signals(model);
         check_volume(model, self.motion, &signals)?;
         let start = self.start(model, &signals, shift)?;
         let samples = along(model, start, &signals, self.motion, self.motion.len())?;
         Ok((signals, start, samples))
+    }
+
+    fn signals(&self, model: &Model) -> Signals {
+        let motion = self.motion;
+        let knot = |row: usize| Knot {
+            time: motion.time_s[row],
+            position: motion.position_m[row],
+            mass_flow: motion.mass_flow_kg_per_s.as_ref().map_or(0.0, |flow| flow[row]),
+            ambient_temperature: motion.ambient_temperature_k.as_ref().map_or(model.ambient_temperature_k, |t| t[row]),
+        };
+        let rows =
+            Signals { knots: (0..motion.len()).map(knot).collect(), ambient_pressure: model.ambient_pressure_pa };
+        let knots = self.stroke.knots.iter().map(|&(time, position)| Knot { position, ..rows.knot(time) });
+        let recorded = Signals { knots: knots.collect(), ambient_pressure: rows.ambient_pressure };
+        recorded.with_true_stroke(model.active(), &model.chamber.effects)
     }
 
     /// The state that the simulation begins from: the wall's temperature at rest, and the pressure asked for, or the measured
@@ -96,19 +114,8 @@ impl Course<'_> {
 /// # Errors
 /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
 pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
-    Course { motion: record, initial_pressure_pa: None }.followed(model, 0.0)
-}
-
-fn signals(model: &Model, motion: &Trace) -> Signals {
-    let knot = |row: usize| Knot {
-        time: motion.time_s[row],
-        position: motion.position_m[row],
-        mass_flow: motion.mass_flow_kg_per_s.as_ref().map_or(0.0, |flow| flow[row]),
-        ambient_temperature: motion.ambient_temperature_k.as_ref().map_or(model.ambient_temperature_k, |t| t[row]),
-    };
-    let recorded =
-        Signals { knots: (0..motion.len()).map(knot).collect(), ambient_pressure: model.ambient_pressure_pa };
-    recorded.with_true_stroke(model.active(), &model.chamber.effects)
+    let stroke = Stroke::behind(&record.time_s, &record.position_m);
+    Course { motion: record, stroke, initial_pressure_pa: None }.followed(model, 0.0)
 }
 
 /// The first rows of the motion, simulated.

@@ -3,6 +3,7 @@
 pub mod band;
 pub mod columns;
 pub mod course;
+pub mod stroke;
 
 use anyhow::Context;
 use band::{Band, Wanted};
@@ -10,7 +11,9 @@ use chamber::simulate::Sample;
 use columns::{COLUMNS, Values};
 use course::Course;
 use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
+use report::digits;
 use std::path::{Path, PathBuf};
+use stroke::Stroke;
 
 /// What is simulated.
 #[derive(Clone, Debug)]
@@ -23,6 +26,8 @@ pub struct Request {
     pub rig: Option<Document>,
     /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,
+    /// Whether positions are taken as they are, linear between rows, also where they scatter at rest.
+    pub raw_positions: bool,
     /// A predictive band from the model's uncertainty, where one is wanted.
     pub band: Option<Wanted>,
 }
@@ -57,9 +62,18 @@ impl Simulated {
 pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     let model = Model::from_document(&request.model)?;
     let motion = read_motion(&request.motion, request.rig.as_ref())?;
-    let course = Course { motion: &motion, initial_pressure_pa: request.initial_pressure_pa };
-    let samples = course.samples(&model, 0.0)?;
+    let stroke_of = if request.raw_positions { Stroke::through } else { Stroke::behind };
+    let stroke = stroke_of(&motion.time_s, &motion.position_m);
     let mut notes = motion.notes();
+    notes.extend(stroke.noise_m.map(|noise_m| {
+        format!(
+            "{}: positions scatter by {} mm at rest: the piston is taken as held there, and its moves as smooth curves through their rows",
+            motion.path.display(),
+            digits(1e3 * noise_m, 2)
+        )
+    }));
+    let course = Course { motion: &motion, stroke, initial_pressure_pa: request.initial_pressure_pa };
+    let samples = course.samples(&model, 0.0)?;
     let band = match &request.band {
         None => None,
         Some(wanted) => {

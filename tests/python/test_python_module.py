@@ -109,7 +109,7 @@ def test_what_is_wrong_is_raised_as_the_program_s_sentence(module, root, tmp_pat
 def native_simulation(module, root):
     """What `simulate` makes a pyarrow table of."""
     model, motion = root / "fuzz/corpus/model/paper.toml", root / "examples/cylinder/validation.csv"
-    return module._native.simulate((model, None), motion, (None, None), 2e5, None, 0.95, 0)
+    return module._native.simulate((model, None), motion, (None, None), 2e5, False, None, 0.95, 0)
 
 
 def test_a_table_s_numbers_lie_where_rust_wrote_them_and_outlive_the_result(module, root):

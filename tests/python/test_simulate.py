@@ -123,7 +123,24 @@ def test_a_rod_side_is_the_one_that_an_independent_implementation_gives(area_law
     agree(reference.Chamber(bore=0.032, rod=0.012, area_law=area_law), pneutherm, tmp_path)
 
 
-def simulated(chamber, pneutherm, tmp_path, times, positions, flows=None):
+def test_the_noise_of_recorded_positions_neither_warms_nor_cools_a_gas(pneutherm, tmp_path):
+    chamber = reference.Chamber(effects={"forced_convection": {"coefficient": 3.0}})
+    times = np.round(np.arange(0, 3.001, 0.005), 3)
+    way = np.clip((times - 0.4) / 0.2, 0, 1)
+    stroke = 0.1 - 0.05 * way**3 * (10 - 15 * way + 6 * way**2)
+    noisy = stroke + np.random.default_rng(1).normal(0, 8e-6, len(times))
+
+    def error(*options):
+        recorded = simulated(chamber, pneutherm, tmp_path, times, noisy, options=options)["pressure_pa"]
+        return np.sqrt(np.mean((recorded / planned - 1) ** 2))
+
+    planned = simulated(chamber, pneutherm, tmp_path, times, stroke)["pressure_pa"]
+    assert error() < 1.5e-4
+    # As they are, the positions are speeds of some mm/s, and 1.4 times their relative noise is in the pressure.
+    assert error("--raw-positions") > 5e-4
+
+
+def simulated(chamber, pneutherm, tmp_path, times, positions, flows=None, options=()):
     """The columns that the program writes for a chamber that begins at 1.5 bar."""
     flows = np.zeros_like(times) if flows is None else flows
     write_model(tmp_path / "model.toml", chamber)
@@ -131,7 +148,7 @@ def simulated(chamber, pneutherm, tmp_path, times, positions, flows=None):
         writer = csv.writer(file)
         writer.writerow(["time_s", "position_m", "mass_flow_kg_per_s"])
         writer.writerows(zip(times.tolist(), positions.tolist(), flows.tolist()))
-    pneutherm("simulate", "model.toml", "--motion", "motion.csv", "--initial-pressure", "150000", "-o", "out.csv", cwd=tmp_path)
+    pneutherm("simulate", "model.toml", "--motion", "motion.csv", "--initial-pressure", "150000", "-o", "out.csv", *options, cwd=tmp_path)
     with open(tmp_path / "out.csv") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == len(times)

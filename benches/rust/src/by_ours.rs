@@ -14,7 +14,7 @@ const PIECE: usize = 1 << 13;
 /// The kernel for these scenarios; they are turned into the kernel's own before the clock starts, as for the others.
 pub fn solver(cases: &[Case], asked: &options::Options) -> Solve {
     let scenarios: Vec<Scenario> = cases.iter().map(scenario).collect();
-    let solver = if asked.is("exact") { Solver::Auto } else { Solver::Adaptive };
+    let solver = if asked.is("auto") { Solver::Auto } else { Solver::Adaptive };
     let options = Options { solver, relative_tolerance: asked.tolerance(), fit: asked.is("fit") };
     let set = scenarios.first().map_or(EffectSet::NONE, |s| s.chamber.effects.active());
     Box::new(move |cases, answers| {

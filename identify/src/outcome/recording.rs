@@ -225,6 +225,14 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             names.join(" and ")
         ));
     }
+    if let Some(left_out) =
+        found.chosen.held_out_pa.filter(|_| found.verdict == Verdict::Improved && !found.carries_over)
+    {
+        out.push(format!(
+            "on records left out whole the model errs by {} Pa rms, much more than on those it is fitted to: its effects describe the records and need not be the cause",
+            digits(left_out, 3)
+        ));
+    }
     if let Some(number) = found.chosen.fit.exhausted() {
         out.push(format!("{} is next to the most that it can be: something else stands behind it", number.name()));
     }

@@ -66,6 +66,8 @@ pub struct Found {
     pub alike: Vec<Model>,
     /// Whether what the records have for themselves follows the kind of test: see [`crate::judge::kinds`].
     pub follows_the_test: bool,
+    /// Whether the chosen model predicts records that were left out whole about as well as it fits the others.
+    pub carries_over: bool,
     /// An effect that would enter only with the geometry exactly as stated.
     pub by_geometry: Option<EffectSet>,
     /// The missing term as a curve, where no name fits.

@@ -1,0 +1,127 @@
+//! The stroke behind recorded positions that scatter where the piston rests: held there and smooth in its moves, as `identify`
+//! takes it. Positions that do not scatter, a plan's or a fine encoder's, are taken as they are, linear between rows.
+//!
+//! Noise of some µm from row to row is a speed of some mm/s, by which an effect of the piston's speed heats a gas at rest; and a
+//! chord between two rows of a fast move misses the stroke by up to x″h²/8.
+
+use identify::record::stroke::{Motion, Phase, Segment, extent};
+use std::cell::Cell;
+
+/// A chord misses the curve by no more than this share of the positions' noise...
+const CHORD_ERROR: f64 = 0.05;
+/// ...unless that takes more knots between two rows than this.
+const MOST_BETWEEN_ROWS: f64 = 16.0;
+/// Rows at rest from which on their scatter is judged...
+const FEWEST_AT_REST: usize = 20;
+/// ...and what counts as a difference of one from its neighbours, of the way that the piston goes: less is an integrator's.
+const DIFFERENCE: f64 = 1e-7;
+
+/// A stroke that is linear between its knots.
+#[derive(Clone, Debug)]
+pub struct Stroke {
+    /// Time, s, and position, m, of each knot.
+    pub knots: Vec<(f64, f64)>,
+    /// Standard deviation of the positions' noise, m, where that was taken out.
+    pub noise_m: Option<f64>,
+}
+
+impl Stroke {
+    /// Through the rows as they are: positions, m, at times in s.
+    pub fn through(time_s: &[f64], position_m: &[f64]) -> Self {
+        Self { knots: time_s.iter().copied().zip(position_m.iter().copied()).collect(), noise_m: None }
+    }
+
+    /// The stroke behind the rows, where these scatter at rest; otherwise through them.
+    pub fn behind(time_s: &[f64], position_m: &[f64]) -> Self {
+        let motion = Motion::detect(time_s, position_m);
+        if !scatters_at_rest(&motion, position_m) {
+            return Self::through(time_s, position_m);
+        }
+        let near = Cell::new(0);
+        let mut knots = Vec::with_capacity(time_s.len());
+        for segment in &motion.segments {
+            let times = times(segment, time_s, CHORD_ERROR * motion.noise_m);
+            // A segment begins where the one before ends.
+            let of_segment = times.into_iter().skip(usize::from(!knots.is_empty()));
+            knots.extend(of_segment.map(|time| (time, segment.stroke.at(time, &near).0)));
+        }
+        Self { knots, noise_m: Some(motion.noise_m) }
+    }
+}
+
+/// Whether most rows at rest differ from their neighbours, to and fro: neither a held plan, nor one that moves slowly.
+fn scatters_at_rest(motion: &Motion, position_m: &[f64]) -> bool {
+    let at_rest = motion.segments.iter().filter(|segment| segment.phase != Phase::Move);
+    let (low, high) = extent(position_m);
+    let (mut rows, mut differ, mut product) = (0, 0, 0.0);
+    for segment in at_rest {
+        let second: Vec<f64> =
+            position_m[segment.first..segment.end].windows(3).map(|x| x[0] - 2.0 * x[1] + x[2]).collect();
+        rows += second.len();
+        differ += second.iter().filter(|d| d.abs() > DIFFERENCE * (high - low)).count();
+        product += second.windows(2).map(|d| d[0] * d[1]).sum::<f64>();
+    }
+    rows >= FEWEST_AT_REST && 2 * differ > rows && product < 0.0
+}
+
+/// The rows of a segment and its ends, and in a move as many moments in between as its curvature asks for.
+fn times(segment: &Segment, time_s: &[f64], chord_error_m: f64) -> Vec<f64> {
+    let (from, to) = (segment.from_s, segment.to_s);
+    let within = time_s[segment.first..segment.end].iter().filter(|time| (from..to).contains(*time) && **time > from);
+    let ends: Vec<f64> = std::iter::once(from).chain(within.copied()).chain([to]).collect();
+    let near = Cell::new(0);
+    let between = ends.windows(2).flat_map(|pair| {
+        let (from, length) = (pair[0], pair[1] - pair[0]);
+        let [_, _, bend] = segment.stroke.bent(from + 0.5 * length, &near);
+        let pieces = (bend.abs() * length * length / (8.0 * chord_error_m)).sqrt().ceil().clamp(1.0, MOST_BETWEEN_ROWS);
+        (0..pieces as usize).map(move |i| from + length * i as f64 / pieces)
+    });
+    between.chain([to]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use identify::synthetic::Random;
+
+    /// 0.1 m to 0.05 m in 0.2 s, from 0.3 s on.
+    fn push(time: f64) -> f64 {
+        let u = ((time - 0.3) / 0.2).clamp(0.0, 1.0);
+        0.1 - 0.05 * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u)
+    }
+
+    fn recorded(noise_m: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut random = Random::new(7);
+        (0..300).map(|i| f64::from(i) * 0.01).map(|time| (time, push(time) + noise_m * random.normal())).unzip()
+    }
+
+    #[test]
+    fn positions_that_scatter_at_rest_are_held_there_and_followed_between_the_rows_of_a_move() {
+        let (time_s, position_m) = recorded(5e-6);
+        let stroke = Stroke::behind(&time_s, &position_m);
+        assert!((4e-6..6e-6).contains(&stroke.noise_m.unwrap()), "{:?}", stroke.noise_m);
+        assert!(stroke.knots.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        assert_eq!((stroke.knots[0].0, stroke.knots[stroke.knots.len() - 1].0), (time_s[0], time_s[299]));
+        let held: Vec<f64> = stroke.knots.iter().filter(|knot| knot.0 > 1.0).map(|knot| knot.1).collect();
+        assert!(held.windows(2).all(|pair| pair[0] == pair[1]) && (held[0] - 0.05).abs() < 2e-6);
+        // Chords from row to row miss the stroke by 9 µm.
+        let off = |pair: &[(f64, f64)]| (0.5 * (pair[0].1 + pair[1].1) - push(0.5 * (pair[0].0 + pair[1].0))).abs();
+        let moves = stroke.knots.windows(2).filter(|pair| pair[0].0 > 0.33 && pair[1].0 < 0.47);
+        let rms = (moves.clone().map(|pair| off(pair).powi(2)).sum::<f64>() / moves.count() as f64).sqrt();
+        assert!(rms < 6e-6, "{rms}");
+    }
+
+    #[test]
+    fn a_plan_is_taken_as_it_is_also_with_rounded_positions_and_without_a_rest() {
+        let (time_s, exact) = recorded(0.0);
+        let rounded: Vec<f64> = exact.iter().map(|x| (x * 1e6).round() * 1e-6).collect();
+        let sine: Vec<f64> = time_s.iter().map(|t| 0.1 + 0.05 * (7.0 * t).sin()).collect();
+        let computed: Vec<f64> =
+            exact.iter().zip(recorded(1e-12).1).map(|(x, noisy)| if *x == 0.1 { noisy } else { *x }).collect();
+        for position_m in [exact, rounded, sine, computed] {
+            let stroke = Stroke::behind(&time_s, &position_m);
+            assert!(stroke.noise_m.is_none());
+            assert_eq!(stroke.knots, Stroke::through(&time_s, &position_m).knots);
+        }
+    }
+}
