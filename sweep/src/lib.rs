@@ -17,9 +17,9 @@
 //! | [`run`](mod@run), [`progress`] | a study carried out, and how far it is |
 //! | [`traces`] | the courses of some rows, as a second table |
 //! | [`statistics`] | what the results come to, with the rows or without |
-//! | [`sensitivity`] | first-, second- and total-order indices of a Saltelli study |
+//! | `sensitivity` | first-, second- and total-order indices of a Saltelli study |
 //! | [`estimate`] | time and bytes of a study, from a short calibration |
-//! | [`error`], [`hash`] | what can be wrong, in sentences; SHA-256 |
+//! | [`error`], `hash` | what can be wrong, in sentences; SHA-256 |
 //!
 //! A row is a pure function of the study and its number. Shards, threads and interruptions make no difference to it.
 
@@ -27,13 +27,13 @@ pub mod design;
 pub mod error;
 pub mod estimate;
 pub mod folder;
-pub mod hash;
+mod hash;
 pub mod part;
 pub mod progress;
 pub mod quantity;
 pub mod row;
 pub mod run;
-pub mod sensitivity;
+mod sensitivity;
 pub mod statistics;
 pub mod study;
 pub mod traces;

@@ -1,12 +1,12 @@
 //! Designs: which points a study has. A row's point is a pure function of the design and the row's number, so that
 //! shards, threads and interruptions make no difference and no state lives between rows.
 
-pub mod axes;
-pub mod latin_hypercube;
-pub mod random;
-pub mod saltelli;
-pub mod sobol;
-pub mod table;
+pub(crate) mod axes;
+pub(crate) mod latin_hypercube;
+pub(crate) mod random;
+pub(crate) mod saltelli;
+pub(crate) mod sobol;
+pub(crate) mod table;
 
 use crate::error::Error;
 use crate::quantity::axis::Axis;

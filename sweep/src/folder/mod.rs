@@ -4,14 +4,14 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`file_names`], [`record`] | what stands where; what is known of a part |
+//! | [`file_names`], `record` | what stands where; what is known of a part |
 //! | [`store`] | where the folder is: on a disk or elsewhere |
 //! | [`earlier`] | rows that a smaller study has solved already |
 //! | [`verify`] | whether it holds what its manifest says |
 
 pub mod earlier;
 pub mod file_names;
-pub mod record;
+pub(crate) mod record;
 pub mod store;
 pub mod verify;
 

@@ -2,18 +2,18 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`columns`], [`status_column`] | the table: its columns, units and statuses |
-//! | [`encoding`] | how it is encoded as Parquet |
-//! | [`new_file`], [`reader`] | one Parquet file, whole or not there; read back |
-//! | [`pages`], [`sink`] | its pages' checksums; its hash, and the order of its statistics |
+//! | [`columns`], `status_column` | the table: its columns, units and statuses |
+//! | `encoding` | how it is encoded as Parquet |
+//! | `new_file`, `reader` | one Parquet file, whole or not there; read back |
+//! | `pages`, `sink` | its pages' checksums; its hash, and the order of its statistics |
 
 pub mod columns;
-pub mod encoding;
-pub mod new_file;
-pub mod pages;
-pub mod reader;
-pub mod sink;
-pub mod status_column;
+pub(crate) mod encoding;
+pub(crate) mod new_file;
+pub(crate) mod pages;
+pub(crate) mod reader;
+pub(crate) mod sink;
+pub(crate) mod status_column;
 
 use crate::error::Error;
 use crate::folder::earlier::{Earlier, EarlierReader};

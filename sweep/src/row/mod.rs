@@ -2,15 +2,15 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`geometry`] | bore or strokes, solved for where a ratio is given |
-//! | [`outputs`], [`status`] | what comes out of a row, and how it ended |
+//! | `geometry` | bore or strokes, solved for where a ratio is given |
+//! | [`outputs`], `status` | what comes out of a row, and how it ended |
 //! | [`solve`], [`chunk`] | rows through the kernel of `ensemble`, piece by piece |
 
 pub mod chunk;
-pub mod geometry;
+pub(crate) mod geometry;
 pub mod outputs;
 pub mod solve;
-pub mod status;
+pub(crate) mod status;
 
 use crate::quantity::Base;
 use crate::quantity::point::Point;

@@ -2,7 +2,7 @@
 //!
 //! Blocks with a missing value take no part. [`indices`] explains the estimates and their intervals.
 
-pub mod indices;
+pub(crate) mod indices;
 
 use crate::design::Design;
 use crate::design::saltelli::{REPLICATES, Scheme};

@@ -6,7 +6,7 @@
 mod column;
 mod front;
 mod moments;
-pub mod plan;
+pub(crate) mod plan;
 mod sketch;
 
 pub use front::Front;
