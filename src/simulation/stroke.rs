@@ -4,6 +4,7 @@
 //! Noise of some µm from row to row is a speed of some mm/s, by which an effect of the piston's speed heats a gas at rest; and a
 //! chord between two rows of a fast move misses the stroke by up to x″h²/8.
 
+use identify::record::positions::Positions;
 use identify::record::stroke::{Motion, Phase, Segment, extent};
 use std::cell::Cell;
 
@@ -33,8 +34,9 @@ impl Stroke {
 
     /// The stroke behind the rows, where these scatter at rest; otherwise through them.
     pub fn behind(time_s: &[f64], position_m: &[f64]) -> Self {
-        let motion = Motion::detect(time_s, position_m);
-        if !scatters_at_rest(&motion, position_m) {
+        let positions = Positions::of(position_m);
+        let motion = Motion::through(time_s, position_m, &positions.rows);
+        if positions.are_all() && !scatters_at_rest(&motion, position_m) {
             return Self::through(time_s, position_m);
         }
         let near = Cell::new(0);

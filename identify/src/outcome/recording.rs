@@ -136,17 +136,15 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     }
     let slow: Vec<_> = data.traces.iter().filter(|t| t.readout.period > 1).collect();
     if let Some(t) = slow.first() {
-        let between = match t.readout.between {
-            Between::Held => "repeat the last reading",
-            _ => "lie on straight lines",
-        };
         out.push(format!(
-            "the pressure is read at {:.3} Hz and the rows in between {between}: only the readings count ({} of {} records)",
+            "the pressure is read at {:.3} Hz and the rows in between {}: only the readings count ({} of {} records)",
             t.readout.rate_hz(t.row_s()).unwrap_or(0.0),
+            t.readout.between.words(),
             slow.len(),
             data.traces.len()
         ));
     }
+    out.extend(positions(data));
     let averaged = data.traces.iter().filter(|t| t.look.window_s > 0.0);
     let between_rows = data.traces.iter().filter(|t| t.look.window_s == 0.0 && t.look != Look::default());
     let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
@@ -169,6 +167,33 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     }
     if let Some(found) = found {
         out.extend(of_search(data, found));
+    }
+    out
+}
+
+/// What is no reading among the positions.
+fn positions(data: &Data) -> Vec<String> {
+    let mut out = Vec::new();
+    let disturbed: Vec<&Prepared> = data.traces.iter().filter(|t| !t.positions.outliers.is_empty()).collect();
+    if let Some(first) = disturbed.first() {
+        let count: usize = disturbed.iter().map(|t| t.positions.outliers.len()).sum();
+        out.push(format!(
+            "{count} positions in {} of {} records stand out of those around them and are left out (the first: {}, at {:.3} s from its first row)",
+            disturbed.len(),
+            data.traces.len(),
+            first.path.display(),
+            first.time_s[first.positions.outliers[0]]
+        ));
+    }
+    let slow: Vec<&Prepared> = data.traces.iter().filter(|t| t.positions.between != Between::Nothing).collect();
+    if let Some(t) = slow.first() {
+        out.push(format!(
+            "the position is read at {:.1} Hz and the rows in between {}: the stroke goes through the readings ({} of {} records)",
+            (t.positions.rows.len() - 1) as f64 / (t.time_s[t.time_s.len() - 1] - t.time_s[0]),
+            t.positions.between.words(),
+            slow.len(),
+            data.traces.len()
+        ));
     }
     out
 }

@@ -6,6 +6,7 @@ use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::block::{Block, blocks};
 use crate::record::noise::Noise;
+use crate::record::positions::Positions;
 use crate::record::readout::Readout;
 use crate::record::stroke::Phase;
 use crate::record::unit::Doubt;
@@ -30,8 +31,10 @@ pub struct Prepared {
     pub time_s: Vec<f64>,
     /// Pressures of all rows, Pa.
     pub pressure_pa: Vec<f64>,
-    /// Positions of all rows, m.
+    /// Positions of all rows, m: linear between those that were read.
     pub position_m: Vec<f64>,
+    /// Which rows are readings of the position.
+    pub positions: Positions,
     /// Which rows are data.
     pub readout: Readout,
     /// Outliers among them that were known before anything was fitted.

@@ -11,6 +11,7 @@ mod level;
 pub mod line;
 pub mod noise;
 pub mod outliers;
+pub mod positions;
 mod prepare;
 pub mod ramp;
 pub mod readout;

@@ -9,6 +9,7 @@ use crate::record::level;
 use crate::record::line::Line;
 use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
+use crate::record::positions::Positions;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
@@ -25,19 +26,16 @@ impl Data {
     /// # Errors
     /// Where the data cannot be what it should be: [`Error`] names it with the number that gives it away.
     pub fn prepare(rig: &Rig) -> Result<Self, Error> {
-        let mended: Vec<(usize, usize, Cow<'_, Trace>, usize)> = rig
+        let mended: Vec<(usize, usize, Mended<'_>)> = rig
             .experiments
             .iter()
             .enumerate()
             .flat_map(|(e, experiment)| experiment.traces.iter().enumerate().map(move |(r, t)| (e, r, t)))
-            .map(|(e, r, t)| {
-                let (trace, left_out) = clock::forward_only(t);
-                (e, r, trace, left_out)
-            })
+            .map(|(e, r, t)| (e, r, Mended::of(t)))
             .collect();
         let mut columns = Vec::with_capacity(mended.len());
-        for (experiment, repeat, trace, left_out) in &mended {
-            columns.push(Columns::of(trace, *experiment, *repeat, *left_out)?);
+        for (experiment, repeat, trace) in &mended {
+            columns.push(Columns::of(trace, *experiment, *repeat)?);
         }
         let records: Vec<(&[f64], f64)> = columns.iter().map(|c| (c.pressure_pa, c.row_s())).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
@@ -91,12 +89,31 @@ impl Data {
     }
 }
 
+/// A trace whose time goes on, its positions linear between those that were read.
+struct Mended<'a> {
+    trace: Cow<'a, Trace>,
+    backward_rows: usize,
+    positions: Positions,
+}
+
+impl<'a> Mended<'a> {
+    fn of(trace: &'a Trace) -> Self {
+        let (mut trace, backward_rows) = clock::forward_only(trace);
+        let positions = Positions::of(&trace.position_m);
+        if !positions.are_all() {
+            trace.to_mut().position_m = positions.filled(&trace.position_m);
+        }
+        Self { trace, backward_rows, positions }
+    }
+}
+
 /// What is read of a trace before the noise of all of them is known.
 struct Columns<'a> {
     trace: &'a Trace,
     experiment: usize,
     repeat: usize,
     backward_rows: usize,
+    positions: &'a Positions,
     pressure_pa: &'a [f64],
     time_s: Vec<f64>,
     motion: Motion,
@@ -105,14 +122,16 @@ struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     /// Of a trace as if each of its rows were read.
-    fn of(trace: &'a Trace, experiment: usize, repeat: usize, backward_rows: usize) -> Result<Self, Error> {
+    fn of(mended: &'a Mended<'_>, experiment: usize, repeat: usize) -> Result<Self, Error> {
+        let Mended { trace, backward_rows, positions } = mended;
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
-        let motion = Motion::detect(&time_s, &trace.position_m);
+        let motion = Motion::through(&time_s, &trace.position_m, &positions.rows);
         let readout = Readout::every_row();
-        Ok(Self { trace, experiment, repeat, backward_rows, pressure_pa, time_s, motion, readout })
+        let backward_rows = *backward_rows;
+        Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout })
     }
 
     fn row_s(&self) -> f64 {
@@ -131,7 +150,7 @@ impl<'a> Columns<'a> {
     }
 
     fn prepared(self, rig: &Rig) -> Prepared {
-        let Self { trace, experiment, repeat, backward_rows, pressure_pa, time_s, motion, readout } = self;
+        let Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout } = self;
         let ambient_temperature = ambient(trace, &time_s, rig.ambient.temperature_k);
         let flow = trace.mass_flow_kg_per_s.as_ref().filter(|flow| flow.iter().any(|f| *f != 0.0));
         let mass_flow = flow.map(|flow| Spline::through(time_s.clone(), flow.clone(), [Some(0.0), Some(0.0)]));
@@ -146,6 +165,7 @@ impl<'a> Columns<'a> {
             look: Look::default(),
             initial_pressure_pa: initial_pressure(pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
+            positions: positions.clone(),
             spikes: readout.outliers.clone(),
             readout,
             initial_temperature_k: ambient_temperature.at(0.0, &Default::default()).0,

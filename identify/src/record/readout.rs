@@ -17,6 +17,17 @@ pub enum Between {
     Interpolated,
 }
 
+impl Between {
+    /// What the rows between two readings do, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Nothing => "are readings too",
+            Self::Held => "repeat the last reading",
+            Self::Interpolated => "lie on straight lines",
+        }
+    }
+}
+
 /// Which rows are readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readout {
@@ -137,7 +148,7 @@ fn held(pressure_pa: &[f64]) -> Option<Readout> {
 }
 
 /// Second differences vanish, to the rounding of the readings, but at every k-th row.
-fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
+pub(super) fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
     /// Mean square at the other rows over that at the k-th rows, where rows are not rounded.
     const SMALL: f64 = 0.01;
     /// The same at the least, where rounding hides part of it.

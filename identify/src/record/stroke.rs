@@ -81,6 +81,25 @@ impl Motion {
         Self { segments, noise_m }
     }
 
+    /// The same where only some rows, ascending, are readings of the position; its segments count all rows.
+    pub fn through(time_s: &[f64], position_m: &[f64], rows: &[usize]) -> Self {
+        if rows.len() == time_s.len() {
+            return Self::detect(time_s, position_m);
+        }
+        let of_rows = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
+        let mut motion = Self::detect(&of_rows(time_s), &of_rows(position_m));
+        for segment in &mut motion.segments {
+            segment.first = rows[segment.first];
+            segment.end = rows.get(segment.end).copied().unwrap_or(time_s.len());
+        }
+        if let (Some(first), Some(last)) = (time_s.first(), time_s.last()) {
+            let ends = motion.segments.len() - 1;
+            (motion.segments[0].first, motion.segments[0].from_s) = (0, *first);
+            motion.segments[ends].to_s = *last;
+        }
+        motion
+    }
+
     /// Its begin and its end, s.
     pub fn extent(&self) -> (f64, f64) {
         (self.segments[0].from_s, self.segments[self.segments.len() - 1].to_s)
@@ -110,7 +129,7 @@ impl Motion {
 
 /// Standard deviation of the position from its second differences where they are small, with the recording's step as
 /// the least: noise passes a second difference with the factor √6, a smooth stroke hardly at all.
-fn position_noise(position_m: &[f64]) -> f64 {
+pub(super) fn position_noise(position_m: &[f64]) -> f64 {
     let mut second: Vec<f64> = position_m.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
     second.sort_by(f64::total_cmp);
     let median = second.get(second.len() / 2).copied().unwrap_or(0.0);

@@ -1,0 +1,243 @@
+//! Which rows of a record are readings of the position, m.
+//!
+//! A position sensor that is read less often than the rows come fills those in between with its last reading or with straight
+//! lines; and single rows stand out of all around them, where a reading was lost or disturbed. Neither says where the piston
+//! is: the stroke goes through the others.
+
+use super::lattice::lattice;
+use super::readout::{Between, interpolated};
+use super::stroke::{extent, position_noise};
+
+/// A reading this many standard deviations of the noise from the median of those around it stands out...
+const FROM_MEDIAN: f64 = 9.0;
+/// ...if it is also this far, of the whole way...
+const OF_THE_WAY: f64 = 1e-3;
+/// ...and so many times as far as half of them: a piston goes and comes, but not within two rows.
+const OF_THE_OTHERS: f64 = 6.0;
+/// Rows on either side that a reading is compared with.
+const REACH: usize = 2;
+/// More than this share of such rows is no accident.
+const MOST: f64 = 0.02;
+/// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
+const STEPS: f64 = 5.0;
+/// ...and must have gone so far that often for a held readout to be believed.
+const FEWEST_JUMPS: usize = 5;
+
+/// Which rows are readings of the position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Positions {
+    /// Rows that are, ascending.
+    pub rows: Vec<usize>,
+    /// Rows that stand out of those around them.
+    pub outliers: Vec<usize>,
+    /// What stands between two readings.
+    pub between: Between,
+}
+
+impl Positions {
+    /// Of the positions of all rows, m.
+    pub fn of(position_m: &[f64]) -> Self {
+        let mut kept: Vec<usize> = (0..position_m.len()).collect();
+        let mut outliers = stand_out(&kept, position_m);
+        let without = filled(&without(&kept, &outliers), position_m);
+        let slow = held(&without).map(|rows| (Between::Held, rows)).or_else(|| {
+            let rows = straight_between(&without)?;
+            Some((Between::Interpolated, rows))
+        });
+        let between = slow.as_ref().map_or(Between::Nothing, |(between, _)| *between);
+        if let Some((_, rows)) = slow {
+            // A disturbed reading stands in all rows up to the next one.
+            outliers.extend(stand_out(&rows, &without));
+            outliers.sort_unstable();
+            kept = rows;
+        }
+        Self { rows: self::without(&kept, &outliers), outliers, between }
+    }
+
+    /// Whether all rows are.
+    pub fn are_all(&self) -> bool {
+        self.between == Between::Nothing && self.outliers.is_empty()
+    }
+
+    /// The positions of all rows, linear between readings.
+    pub fn filled(&self, position_m: &[f64]) -> Vec<f64> {
+        filled(&self.rows, position_m)
+    }
+}
+
+/// These rows but for some of them, ascending too.
+fn without(rows: &[usize], gone: &[usize]) -> Vec<usize> {
+    rows.iter().copied().filter(|row| gone.binary_search(row).is_err()).collect()
+}
+
+/// All rows, linear between these.
+fn filled(rows: &[usize], position_m: &[f64]) -> Vec<f64> {
+    let mut out = position_m.to_vec();
+    for pair in rows.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let slope = (position_m[to] - position_m[from]) / (to - from) as f64;
+        (from + 1..to).for_each(|row| out[row] = position_m[from] + slope * (row - from) as f64);
+    }
+    out
+}
+
+/// Those of the rows whose position stands out of the two on either side (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974)
+/// 383). In a piston's way the middle one of five is near their median, however fast it goes.
+fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
+    let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
+    let (low, high) = extent(&readings);
+    let least = (FROM_MEDIAN * position_noise(&readings)).max(OF_THE_WAY * (high - low));
+    let middle = |mut five: [f64; 2 * REACH + 1]| {
+        five.sort_unstable_by(f64::total_cmp);
+        five[REACH]
+    };
+    let stands_out = |five: &[f64]| {
+        let Ok(five) = <[f64; 2 * REACH + 1]>::try_from(five) else { return false };
+        // Most readings lie near the one before them.
+        if (five[REACH] - five[REACH - 1]).abs() < 0.5 * least && (five[REACH] - five[REACH + 1]).abs() < 0.5 * least {
+            return false;
+        }
+        let median = middle(five);
+        let others = middle(five.map(|x| (x - median).abs()));
+        (five[REACH] - median).abs() > least.max(OF_THE_OTHERS * others)
+    };
+    let found = readings.windows(2 * REACH + 1).enumerate().filter(|(_, five)| stands_out(five));
+    let found: Vec<usize> = found.map(|(k, _)| rows[k + REACH]).collect();
+    if found.len() as f64 > (MOST * rows.len() as f64).max(3.0) { Vec::new() } else { found }
+}
+
+/// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common.
+fn step(position_m: &[f64]) -> f64 {
+    let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
+    lattice(&mut changes.filter(|change| *change > 1e-12).collect::<Vec<f64>>())
+}
+
+/// The rows that a held readout was read in: no two rows in a row change, although the piston goes many steps at a time. A fine
+/// encoder's changes while it hardly moves are of single steps.
+fn held(position_m: &[f64]) -> Option<Vec<usize>> {
+    let changes: Vec<usize> = (1..position_m.len()).filter(|&i| position_m[i] != position_m[i - 1]).collect();
+    if changes.windows(2).any(|w| w[1] - w[0] < 2) {
+        return None;
+    }
+    let far = STEPS * step(position_m);
+    let is_far = |row: &usize| (position_m[*row] - position_m[row - 1]).abs() >= far;
+    let mut periods: Vec<usize> = changes.windows(2).filter(|w| w.iter().all(is_far)).map(|w| w[1] - w[0]).collect();
+    if periods.len() < FEWEST_JUMPS {
+        return None;
+    }
+    periods.sort_unstable();
+    let period = periods[periods.len() / 2];
+    // While nothing changes, the sensor is read as often.
+    let ends = changes.iter().copied().chain([position_m.len()]);
+    let starts = std::iter::once(0).chain(changes.iter().copied());
+    let read =
+        |(from, to): (usize, usize)| (from..to).step_by(period).filter(move |row| *row == from || row + period <= to);
+    Some(starts.zip(ends).flat_map(read).collect())
+}
+
+/// The rows that a readout was read in that is interpolated in between: bends of many steps at every k-th row only.
+fn straight_between(position_m: &[f64]) -> Option<Vec<usize>> {
+    const MICROMETRES: f64 = 1e6;
+    let scaled: Vec<f64> = position_m.iter().map(|x| MICROMETRES * x).collect();
+    let readout = interpolated(&scaled)?;
+    let rows: Vec<usize> = (0..position_m.len()).filter(|&row| readout.is_reading(row)).collect();
+    let inner = rows.iter().filter(|&&row| row > 0 && row + 1 < position_m.len());
+    let bends = inner.map(|&row| (position_m[row - 1] - 2.0 * position_m[row] + position_m[row + 1]).abs());
+    // An encoder's single steps along a steady way can fall on every k-th row as well.
+    let far = STEPS * step(position_m);
+    (bends.filter(|bend| *bend >= far).count() >= FEWEST_JUMPS).then_some(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    /// 0.1 m to 0.05 m in 0.3 s from 0.5 s on, then slowly back; noise of some µm, rounded to 1 µm.
+    fn stroke(time: f64, noise: f64) -> f64 {
+        let u = ((time - 0.5) / 0.3).clamp(0.0, 1.0);
+        let back = 0.02 * (time - 2.0).max(0.0);
+        ((0.1 - 0.05 * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u) + back + noise) * 1e6).round() * 1e-6
+    }
+
+    fn rows(every: impl Fn(usize) -> bool) -> Vec<f64> {
+        let mut random = Random::new(3);
+        let mut last = 0.0;
+        (0..300)
+            .map(|i| {
+                if i == 0 || every(i) {
+                    last = stroke(i as f64 * 0.01, 4e-6 * random.normal());
+                }
+                last
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_row_of_a_usual_record_is_a_reading() {
+        let exact = |f: fn(f64) -> f64| (0..300).map(|i| f(i as f64 * 0.01)).collect::<Vec<f64>>();
+        let ramp = |t: f64| 0.1 - 0.02 * (t - 0.5).clamp(0.0, 2.0);
+        // Steps of 0.1 mm, of which a steady way makes one in every fifth or tenth row.
+        let coarse = exact(|t| ((0.1 - 0.002 * (t - 0.5).clamp(0.0, 2.0)) * 1e4).round() * 1e-4);
+        let finer = exact(|t| ((0.1 - 0.001 * (t - 0.5).clamp(0.0, 2.0)) * 1e5).round() * 1e-5);
+        let to_and_fro = exact(|t| 0.1 + 0.05 * (60.0 * t).sin());
+        let bouncing = exact(|t| 0.1 - 0.05 * (1.0 - (-8.0 * (t - 0.5).max(0.0)).exp() * (90.0 * t).cos().abs()));
+        for position_m in [rows(|_| true), exact(ramp), coarse, finer, to_and_fro, bouncing] {
+            assert!(Positions::of(&position_m).are_all());
+        }
+    }
+
+    #[test]
+    fn a_held_readout_is_found_also_where_its_rate_does_not_divide_that_of_the_rows() {
+        let regular = Positions::of(&rows(|i| i % 4 == 1));
+        assert_eq!((regular.between, regular.outliers.len()), (Between::Held, 0));
+        assert!(regular.rows.iter().skip(1).all(|row| row % 4 == 1), "{:?}", regular.rows);
+        let position_m = rows(|i| i * 3 / 10 != (i - 1) * 3 / 10);
+        let irregular = Positions::of(&position_m);
+        assert_eq!(irregular.between, Between::Held);
+        assert!((85..95).contains(&irregular.rows.len()), "{:?}", irregular.rows);
+        assert!((1..300).all(|i| position_m[i] == position_m[i - 1] || irregular.rows.contains(&i)));
+    }
+
+    #[test]
+    fn a_held_readout_without_noise_is_read_as_often_at_rest_as_in_a_move() {
+        let position_m: Vec<f64> = (0..300).map(|i| stroke((i / 5 * 5) as f64 * 0.01, 0.0)).collect();
+        let found = Positions::of(&position_m);
+        assert_eq!(found.rows, (0..60).map(|k| 5 * k).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn an_interpolated_readout_is_found() {
+        let slow = rows(|_| true);
+        let position_m: Vec<f64> = (0..290)
+            .map(|i| slow[i / 4 * 4] + (slow[i / 4 * 4 + 4] - slow[i / 4 * 4]) * (i % 4) as f64 / 4.0)
+            .map(|x| (x * 1e6).round() * 1e-6)
+            .collect();
+        let found = Positions::of(&position_m);
+        assert_eq!((found.between, &found.rows[..3]), (Between::Interpolated, &[0, 4, 8][..]));
+        assert!(found.filled(&position_m).iter().zip(&position_m).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+
+    #[test]
+    fn lost_and_disturbed_readings_are_left_out_and_a_stop_within_a_move_is_not() {
+        let mut position_m = rows(|_| true);
+        let good = position_m.clone();
+        for row in [20, 30, 64, 150, 151, 250] {
+            position_m[row] = if row == 64 { 0.0 } else { position_m[row] + 0.02 };
+        }
+        let found = Positions::of(&position_m);
+        assert_eq!(found.outliers, [20, 30, 64, 150, 151, 250]);
+        assert!(found.filled(&position_m).iter().zip(&good).all(|(a, b)| (a - b).abs() < 2e-3));
+        let stop = |i: usize| if (60..63).contains(&i) { 59 } else { i };
+        let with_a_stop: Vec<f64> = (0..300).map(|i| good[stop(i)]).collect();
+        assert!(Positions::of(&with_a_stop).are_all());
+    }
+
+    #[test]
+    fn a_lost_reading_of_a_held_readout_is_left_out() {
+        let mut position_m = rows(|i| i % 4 == 1);
+        position_m[149..153].fill(0.0);
+        let found = Positions::of(&position_m);
+        assert_eq!((found.between, found.outliers), (Between::Held, vec![149]));
+    }
+}
