@@ -11,7 +11,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use sweep::store::{LocalFile, Store};
+use sweep::folder::store::{LocalFile, Store};
 use tempfile::{NamedTempFile, TempDir};
 use tokio::runtime::Runtime;
 
@@ -19,7 +19,7 @@ use tokio::runtime::Runtime;
 const PIECE: usize = 8 << 20;
 /// Pieces of a file that are on their way at once.
 const ON_THE_WAY: usize = 4;
-/// How long a request is tried again: a wrong address is said within seconds.
+/// How long a request is tried again: a wrong address is io_error within seconds.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A folder in a bucket.
@@ -29,7 +29,7 @@ pub struct Bucket {
     store: AmazonS3,
     runtime: Runtime,
     /// Where files are made, on the disk.
-    workshop: TempDir,
+    staging: TempDir,
 }
 
 impl Bucket {
@@ -54,14 +54,14 @@ impl Bucket {
         let bucket = Self {
             place: place.to_owned(),
             prefix: Key::parse(prefix).with_context(|| url.to_owned())?,
-            store: builder.build().map_err(said).with_context(|| url.to_owned())?,
+            store: builder.build().map_err(io_error).with_context(|| url.to_owned())?,
             runtime: runtime.context("threads cannot be started")?,
-            workshop: tempfile::tempdir().context("a temporary folder cannot be made")?,
+            staging: tempfile::tempdir().context("a temporary folder cannot be made")?,
         };
         if is_signed && let Err(error) = bucket.runtime.block_on(bucket.store.credentials().get_credential()) {
             bail!(
                 "{url}: no credentials were found: set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY (this machine's own role was asked for too: {})",
-                said(error)
+                io_error(error)
             );
         }
         Ok(bucket)
@@ -76,22 +76,22 @@ impl Bucket {
         let length = file.metadata()?.len();
         if length <= PIECE as u64 {
             file.read_to_end(&mut piece)?;
-            self.store.put(&self.key(name), piece.into()).await.map_err(said)?;
+            self.store.put(&self.key(name), piece.into()).await.map_err(io_error)?;
             return Ok(());
         }
-        let upload = self.store.put_multipart(&self.key(name)).await.map_err(said)?;
+        let upload = self.store.put_multipart(&self.key(name)).await.map_err(io_error)?;
         let mut upload = WriteMultipart::new_with_chunk_size(upload, PIECE);
         while Read::take(&mut *file, PIECE as u64).read_to_end(&mut piece)? > 0 {
-            upload.wait_for_capacity(ON_THE_WAY).await.map_err(said)?;
+            upload.wait_for_capacity(ON_THE_WAY).await.map_err(io_error)?;
             upload.write(&piece);
             piece.clear();
         }
-        upload.finish().await.map(|_| ()).map_err(said)
+        upload.finish().await.map(|_| ()).map_err(io_error)
     }
 }
 
-/// What the store says, in one line.
-fn said(error: Error) -> io::Error {
+/// The error of the store as one of input and output, its text in one line.
+fn io_error(error: Error) -> io::Error {
     let kind = match &error {
         Error::NotFound { .. } => io::ErrorKind::NotFound,
         Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => io::ErrorKind::PermissionDenied,
@@ -104,7 +104,7 @@ fn said(error: Error) -> io::Error {
 fn some<T>(result: Result<T, Error>) -> io::Result<Option<T>> {
     match result {
         Err(Error::NotFound { .. }) => Ok(None),
-        other => other.map(Some).map_err(said),
+        other => other.map(Some).map_err(io_error),
     }
 }
 
@@ -116,7 +116,7 @@ impl Store for Bucket {
     fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>> {
         self.runtime.block_on(async {
             let Some(found) = some(self.store.get(&self.key(name)).await)? else { return Ok(None) };
-            Ok(Some(found.bytes().await.map_err(said)?.to_vec()))
+            Ok(Some(found.bytes().await.map_err(io_error)?.to_vec()))
         })
     }
 
@@ -125,7 +125,7 @@ impl Store for Bucket {
     }
 
     fn names(&self, folder: &str) -> io::Result<Vec<String>> {
-        let found = self.runtime.block_on(self.store.list_with_delimiter(Some(&self.key(folder)))).map_err(said)?;
+        let found = self.runtime.block_on(self.store.list_with_delimiter(Some(&self.key(folder)))).map_err(io_error)?;
         let mut names: Vec<String> =
             found.objects.iter().filter_map(|object| object.location.filename().map(str::to_owned)).collect();
         names.sort();
@@ -134,17 +134,17 @@ impl Store for Bucket {
 
     fn local(&self, name: &str) -> io::Result<LocalFile> {
         let length = self.length(name)?.ok_or(io::ErrorKind::NotFound)?;
-        let mut copy = NamedTempFile::new_in(self.workshop.path())?;
+        let mut copy = NamedTempFile::new_in(self.staging.path())?;
         for begin in (0..length).step_by(PIECE) {
             let range = begin..length.min(begin + PIECE as u64);
-            copy.write_all(&self.runtime.block_on(self.store.get_range(&self.key(name), range)).map_err(said)?)?;
+            copy.write_all(&self.runtime.block_on(self.store.get_range(&self.key(name), range)).map_err(io_error)?)?;
         }
         Ok(LocalFile::Copy(copy.into_temp_path()))
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
         let sent = self.runtime.block_on(self.store.put(&self.key(name), bytes.to_vec().into()));
-        sent.map(|_| ()).map_err(said)
+        sent.map(|_| ()).map_err(io_error)
     }
 
     fn publish(&self, _: &File, path: &Path, name: &str) -> io::Result<()> {
@@ -155,7 +155,7 @@ impl Store for Bucket {
         some(self.runtime.block_on(self.store.delete(&self.key(name)))).map(|_| ())
     }
 
-    fn workshop(&self) -> io::Result<PathBuf> {
-        Ok(self.workshop.path().to_owned())
+    fn staging(&self) -> io::Result<PathBuf> {
+        Ok(self.staging.path().to_owned())
     }
 }

@@ -1,13 +1,13 @@
 //! What `pneutherm identify`, `diagnose` and `validate` do before they print, for other callers: Python.
 
+use crate::output;
+use crate::pages::diagnosis;
 use anyhow::{Context, bail};
 use chamber::Chamber;
 use identify::outcome::estimates;
 use identify::{Diagnosed, Identification, Method, Validated};
 use records::{Model, Provenance, Rig, Rmse, Uncertainty};
 use std::path::Path;
-
-use crate::{diagnosis_page, output};
 
 /// The method of that name.
 ///
@@ -42,7 +42,7 @@ pub fn diagnose(rig: &Rig, report: Option<&Path>, progress: &(dyn Fn(&str, f64) 
     let mut found = identify::diagnose(rig, progress).with_context(|| rig.path.display().to_string())?;
     found.diagnosis.assumptions.extend(rig.notes());
     if let Some(path) = report {
-        output::write(path, diagnosis_page::html(rig, &found)?.as_bytes())?;
+        output::write(path, diagnosis::html(rig, &found)?.as_bytes())?;
     }
     Ok(found)
 }

@@ -1,16 +1,16 @@
 //! `pneutherm`: heat transfer in pneumatic cylinder chambers, from the command line.
 //!
 //! A library, so that Python, tests and the guide's reference pages see what the program is made of.
-//! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do.
+//! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do, `pages` the reports.
 
 #[cfg(feature = "object-store")]
 mod bucket;
 mod commands;
-mod diagnosis_page;
 pub mod evaluation;
 mod failure;
 mod measured;
 pub mod output;
+mod pages;
 #[cfg(test)]
 mod reference;
 mod reproduce;
@@ -18,7 +18,6 @@ pub mod settings;
 pub mod simulation;
 pub mod stores;
 pub mod study_pictures;
-mod validation_page;
 
 pub use failure::sentence;
 

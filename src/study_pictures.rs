@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use report::{Axis, Chart, Colour, Mark, Series, chart};
 use serde_json::Value;
 use sweep::Store;
-use sweep::file_names::{SENSITIVITY, STATISTICS};
+use sweep::folder::file_names::{SENSITIVITY, STATISTICS};
 
 /// Size of a panel, px, without the bars of indices.
 const PANEL: (u32, u32) = (420, 260);

@@ -47,7 +47,7 @@ fn read_and_carry_out(study: &Path, folder: &Path) {
             // What is written beside the rows is a file of bearable size.
             assert!(study.json().to_string().len() < 1 << 20);
             if study.rows <= ROWS {
-                match sweep::run::run_in_memory(&study) {
+                match sweep::run_in_memory(&study) {
                     Ok(batches) => {
                         assert_eq!(batches.iter().map(|batch| batch.num_rows() as u64).sum::<u64>(), study.rows);
                     }

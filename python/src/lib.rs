@@ -174,7 +174,7 @@ impl Study {
                 Some(plan) if !asked => plan.clone(),
                 _ => Plan::picked(study.outputs(), columns.as_deref(), quantiles.as_deref())?,
             };
-            Ok(serde_json::to_string(&::sweep::run::statistics(&study, &plan, &*teller)?)?)
+            Ok(serde_json::to_string(&::sweep::run::whole::statistics(&study, &plan, &*teller)?)?)
         })
     }
 

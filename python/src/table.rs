@@ -87,8 +87,8 @@ impl Batches {
         requested_schema: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
         drop(requested_schema);
-        let rows = sweep::run::batches(self.0.clone());
+        let rows = sweep::run::whole::batches(self.0.clone());
         let rows = rows.map(|batch| batch.map_err(|error| ArrowError::ExternalError(Box::new(error))));
-        stream(py, rows, sweep::columns::schema(&self.0))
+        stream(py, rows, sweep::part::columns::schema(&self.0))
     }
 }

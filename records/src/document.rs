@@ -98,7 +98,7 @@ impl Document {
 ///
 /// # Errors
 /// Besides the system's reasons: a folder, more bytes than a person types (a device without end among them), no UTF-8.
-pub fn read_text(path: &Path) -> io::Result<String> {
+fn read_text(path: &Path) -> io::Result<String> {
     let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
     if std::fs::metadata(path)?.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, a TOML file is expected"));

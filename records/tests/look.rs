@@ -2,7 +2,7 @@
 
 use records::layout::Quantity;
 use records::look::columns::Names;
-use records::look::proposal::{Stated, rig_file};
+use records::look::proposal::{UserInput, rig_file};
 use records::look::{Look, motion};
 use records::{Layout, Need, Reading, Rig, Trace, Window};
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ fn looked_at(name: &str, bytes: &[u8]) -> (TempDir, PathBuf, Look, Trace) {
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
     let look = Look::at(&path, &Names::default()).unwrap();
-    let stated = Stated { bore_m: Some(0.032), trace: name.to_owned(), name: "test".to_owned(), cycles: Vec::new() };
+    let stated = UserInput { bore_m: Some(0.032), trace: name.to_owned(), name: "test".to_owned(), cycles: Vec::new() };
     std::fs::write(folder.path().join("rig.toml"), rig_file(&look, &stated)).unwrap();
     let mut rig = Rig::read(folder.path()).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert_eq!(rig.cylinder.bore_m, 0.032);
@@ -204,7 +204,7 @@ fn a_pressure_of_unknown_reference_is_marked_and_a_stated_one_is_not() {
         let unit = if header == "pressure_pa" { 1.0 } else { 1e-5 };
         let text = table(&format!("time_s,{header},position_m"), |t, p, x| format!("{t},{},{x}", (p - offset) * unit));
         let (_folder, _, look, _) = looked_at("p.csv", text.as_bytes());
-        let rig = rig_file(&look, &Stated::default());
+        let rig = rig_file(&look, &UserInput::default());
         assert_eq!(rig.contains("CHECK: absolute or gauge?"), marked, "{header}: {rig}");
     }
 }
@@ -216,8 +216,10 @@ fn a_voltage_is_left_to_the_user() {
     let path = folder.path().join("volts.csv");
     std::fs::write(&path, text).unwrap();
     let look = Look::at(&path, &Names::default());
-    let rig =
-        rig_file(&look.unwrap(), &Stated { trace: "volts.csv".to_owned(), name: "t".to_owned(), ..Stated::default() });
+    let rig = rig_file(
+        &look.unwrap(),
+        &UserInput { trace: "volts.csv".to_owned(), name: "t".to_owned(), ..UserInput::default() },
+    );
     assert!(rig.contains("unit = \"V\", scale = 1.0") && rig.contains("FILL IN scale"), "{rig}");
     assert!(rig.contains("# bore_m = ") && rig.contains("FILL IN: the bore"), "{rig}");
 }
@@ -229,7 +231,7 @@ fn what_cannot_be_told_is_asked_for_and_a_named_column_is_taken() {
     std::fs::write(&path, table("a,b,c", |t, p, x| format!("{t},{p},{x}"))).unwrap();
     let look = Look::at(&path, &Names::default()).unwrap();
     assert_eq!(look.guess.missing(), [Quantity::Time, Quantity::Pressure, Quantity::Position]);
-    let rig = rig_file(&look, &Stated::default());
+    let rig = rig_file(&look, &UserInput::default());
     assert!(rig.contains("# pressure = { name = \"...\", unit = \"Pa\" }  # FILL IN"), "{rig}");
     let name = |name: &str| Some(name.to_owned());
     let names = Names { time: name("a"), pressure: name("b"), position: name("column 3") };
@@ -266,7 +268,7 @@ fn cycles_in_one_file_become_experiments() {
     let pressure = found.trace.pressure_pa.as_deref().unwrap();
     let (cycles, open) = motion::cycles(&found.trace.time_s, pressure, &found.trace.position_m, &found.phases);
     assert_eq!((cycles.len(), open), (3, 3), "{cycles:?}");
-    let stated = Stated { bore_m: Some(0.032), trace: "cycles.csv".to_owned(), name: "cycle".to_owned(), cycles };
+    let stated = UserInput { bore_m: Some(0.032), trace: "cycles.csv".to_owned(), name: "cycle".to_owned(), cycles };
     std::fs::write(folder.path().join("rig.toml"), rig_file(&look, &stated)).unwrap();
     let rig = Rig::read(folder.path()).unwrap();
     assert_eq!(rig.experiments.len(), 3);

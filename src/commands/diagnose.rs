@@ -74,9 +74,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-fn table(d: &Diagnosis) -> String {
-    let mut out = String::new();
-    let what = match d.verdict {
+/// What the verdict means here, in a sentence.
+fn meaning(d: &Diagnosis) -> String {
+    match d.verdict {
         "adequate" => format!(
             "the residual of the paper's model{} is noise, or below the accuracy of {} Pa",
             if d.terms().is_empty() { String::new() } else { format!(", with {},", d.terms()) },
@@ -98,25 +98,15 @@ fn table(d: &Diagnosis) -> String {
             digits(d.remaining_pa, 3),
             d.balance
         ),
-    };
-    let _ = writeln!(out, "{}: {what}\n", d.verdict);
-    let error = |rmse: &Rmse| {
-        let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
-        format!("{:>10.1} {held_out:>12}", rmse.fit)
-    };
-    let _ = writeln!(out, "error, Pa rms        fit     left out     (noise of the recording {:.1})", d.noise_pa);
-    for step in &d.steps {
-        let name = if step.terms.is_empty() { "the paper's model".to_owned() } else { format!("+ {}", step.terms) };
-        let _ = writeln!(out, "{}   {name}", error(&step.rmse_pa));
     }
-    out.push('\n');
+}
+
+fn table(d: &Diagnosis) -> String {
+    let mut out = format!("{}: {}\n\n", d.verdict, meaning(d));
+    errors(&mut out, d);
     estimates::parameters(&mut out, &d.after.parameters);
     recording(&mut out, d);
-    let _ = writeln!(out, "\n{:>10} {:>12}   effects tried", "delta BIC", "left out, Pa");
-    for c in d.candidates.iter().take(SHOWN) {
-        let held_out = c.held_out_rmse_pa.map_or("-".to_owned(), |h| format!("{h:.1}"));
-        let _ = writeln!(out, "{:>10.1} {held_out:>12}   {}", c.delta_bic, c.effect);
-    }
+    candidates(&mut out, d);
     for group in &d.indistinguishable {
         let _ = writeln!(out, "\nthe data cannot distinguish: {}", group.join(", "));
     }
@@ -134,6 +124,29 @@ fn table(d: &Diagnosis) -> String {
     }
     estimates::notes(&mut out, &d.undetermined, &d.assumptions);
     out
+}
+
+/// The error of the paper's model and of each step after it.
+fn errors(out: &mut String, d: &Diagnosis) {
+    let error = |rmse: &Rmse| {
+        let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
+        format!("{:>10.1} {held_out:>12}", rmse.fit)
+    };
+    let _ = writeln!(out, "error, Pa rms        fit     left out     (noise of the recording {:.1})", d.noise_pa);
+    for step in &d.steps {
+        let name = if step.terms.is_empty() { "the paper's model".to_owned() } else { format!("+ {}", step.terms) };
+        let _ = writeln!(out, "{}   {name}", error(&step.rmse_pa));
+    }
+    out.push('\n');
+}
+
+/// The sets of effects that were tried, and the evidence for each.
+fn candidates(out: &mut String, d: &Diagnosis) {
+    let _ = writeln!(out, "\n{:>10} {:>12}   effects tried", "delta BIC", "left out, Pa");
+    for c in d.candidates.iter().take(SHOWN) {
+        let held_out = c.held_out_rmse_pa.map_or("-".to_owned(), |h| format!("{h:.1}"));
+        let _ = writeln!(out, "{:>10.1} {held_out:>12}   {}", c.delta_bic, c.effect);
+    }
 }
 
 /// The recording's noise, what the interval of λ0 is made of, and each effect's probability.

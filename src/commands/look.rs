@@ -4,7 +4,7 @@ use crate::output;
 use records::layout::Quantity;
 use records::look::columns::Names;
 use records::look::motion::{self, Cycle, Phase};
-use records::look::proposal::{self, Stated};
+use records::look::proposal::{self, UserInput};
 use records::look::{Found, Look};
 use report::number::rounded;
 use serde_json::{Value, json};
@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let (cycles, open) = look.found.as_ref().map(cycles).unwrap_or_default();
     let rig = proposal::rig_file(
         &look,
-        &Stated {
+        &UserInput {
             bore_m: args.bore_mm.map(|bore| bore / 1000.0),
             trace: named_from(&args.trace, args.output.as_deref()),
             name: args.trace.file_stem().map_or("test".to_owned(), |stem| stem.to_string_lossy().into_owned()),

@@ -7,8 +7,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
+use sweep::folder::file_names;
 use sweep::study::SOLVERS;
-use sweep::{Earlier, Options, Report, Shard, Study, file_names, traces};
+use sweep::{Earlier, Options, Report, Shard, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///
@@ -56,7 +57,7 @@ pub struct Args {
     /// Also write time series of these rows to traces/traces.parquet: numbers and ranges such as 0,17,100-119. With shards,
     /// the first shard writes them
     #[arg(long, value_name = "ROWS")]
-    traces: Option<traces::Rows>,
+    traces: Option<traces::RowNumbers>,
     /// Sampling rate of these time series, Hz
     #[arg(long, value_name = "HZ", default_value_t = traces::RATE_HZ)]
     trace_rate: f64,
@@ -99,7 +100,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     if args.dry_run {
         let estimate = pool.install(|| calibrate(&study, folder))?;
-        return output::print(estimated(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
+        return output::print(estimate_summary(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
     }
     let store = stores::open(folder)?;
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
@@ -110,12 +111,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let begun = Instant::now();
     let mut report = progress.during(|progress| pool.install(|| sweep::run(&study, &*store, options, progress)))?;
     report.results.extend(study_pictures::write(&*store, &report.results)?);
-    let mut text = told(folder, &study, args.shard, &report, begun.elapsed());
+    let mut text = summary(folder, &study, args.shard, &report, begun.elapsed());
     if let Some(earlier) = &earlier {
-        text += &taken(&report, earlier);
+        text += &earlier_summary(&report, earlier);
     }
     if let Some(rows) = traces {
-        text += &traced(&pool.install(|| traces::write(&study, &*store, rows, args.trace_rate))?);
+        text += &traces_summary(&pool.install(|| traces::write(&study, &*store, rows, args.trace_rate))?);
     }
     output::print(text.as_bytes())
 }
@@ -172,7 +173,7 @@ fn rows_of(study: &Study, shard: Shard) -> u64 {
     parts_of(study, shard).map(|part| study.rows_of(part)).map(|rows| rows.end - rows.start).sum()
 }
 
-fn estimated(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -> String {
+fn estimate_summary(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -> String {
     let (rows, parts) = (rows_of(study, shard), parts_of(study, shard).count() as u64);
     let seconds = estimate.seconds(rows, parts);
     let rate = if rows > 0 { rows as f64 / seconds } else { estimate.rows_per_second };
@@ -195,7 +196,7 @@ fn estimated(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -
     text
 }
 
-fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Duration) -> String {
+fn summary(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Duration) -> String {
     let mut text = String::new();
     if parts_of(study, shard).next().is_none() {
         let _ = writeln!(
@@ -239,7 +240,7 @@ fn told(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Du
     text
 }
 
-fn taken(report: &Report, earlier: &Earlier) -> String {
+fn earlier_summary(report: &Report, earlier: &Earlier) -> String {
     let mut text = format!("{} rows taken from {}\n", report.rows_taken, earlier.folder().display());
     if earlier.damaged > 0 {
         let _ = writeln!(text, "damaged there, and solved again: {}", counted(earlier.damaged));
@@ -247,7 +248,7 @@ fn taken(report: &Report, earlier: &Earlier) -> String {
     text
 }
 
-fn traced(report: &traces::Report) -> String {
+fn traces_summary(report: &traces::Report) -> String {
     let (folder, file) = (file_names::TRACES, file_names::TRACES_FILE);
     let mut text = format!("{folder}/{file}: {} samples of {} rows\n", report.samples, report.rows);
     for (row, reason) in &report.without {

@@ -1,7 +1,8 @@
 //! `pneutherm validate`: a model against records that took no part in finding it.
 
 use crate::commands::progress;
-use crate::{evaluation, output, validation_page};
+use crate::pages::validation;
+use crate::{evaluation, output};
 use identify::Validation;
 use records::{Model, Rig};
 use report::digits;
@@ -44,7 +45,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         output::write_json(path, &found.validation)?;
     }
     if let Some(path) = &args.report {
-        output::write(path, validation_page::html(&args.model, &args.rig, &found)?.as_bytes())?;
+        output::write(path, validation::html(&args.model, &args.rig, &found)?.as_bytes())?;
     }
     if output::is_stdout_taken([&args.json, &args.report]) {
         Ok(())

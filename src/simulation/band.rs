@@ -12,11 +12,11 @@ use anyhow::{Context, anyhow, bail};
 use chamber::simulate::Sample;
 use rayon::prelude::*;
 use records::Model;
-use sweep::axis::Axis;
 use sweep::design::{Axes, Design};
-use sweep::distribution::{Distribution, Limits, normal};
-use sweep::point::Point;
-use sweep::uncertain::{self, Uncertain};
+use sweep::quantity::axis::Axis;
+use sweep::quantity::distribution::{Distribution, Limits, normal};
+use sweep::quantity::point::Point;
+use sweep::quantity::uncertain::{self, Uncertain};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -80,22 +80,32 @@ impl Course<'_> {
             );
         };
         let measured = mean(measured[..rest].iter().copied()) + shift;
-        // At rest the sensor shows the mean, but a leak or a drift moves it meanwhile: begin so that the means agree.
+        Ok(at(self.pressure_of_mean(model, signals, at, measured)?))
+    }
+
+    /// The pressure to begin from so that the sensor shows `measured` over the rest in the mean: a leak or a drift moves it
+    /// meanwhile. `measured` itself for a model that empties or fills the chamber before the piston moves.
+    fn pressure_of_mean(
+        &self,
+        model: &Model,
+        signals: &Signals,
+        at: impl Fn(f64) -> Start,
+        measured: f64,
+    ) -> anyhow::Result<f64> {
         let mut pressure = measured;
         for _ in 0..MEAN_ITERATIONS {
-            let samples = along(model, at(pressure), signals, motion, rest)?;
+            let samples = along(model, at(pressure), signals, self.motion, rows_at_rest(self.motion))?;
             let next = pressure + measured - mean(samples.iter().map(|sample| sample.measured_pressure));
-            let settled = (next - pressure).abs() < 1e-9 * measured;
-            // A model that empties or fills the chamber before the piston moves has no such start.
             if !(0.5 * measured..2.0 * measured).contains(&next) {
-                return Ok(at(measured));
+                return Ok(measured);
             }
+            let settled = (next - pressure).abs() < 1e-9 * measured;
             pressure = next;
             if settled {
                 break;
             }
         }
-        Ok(at(pressure))
+        Ok(pressure)
     }
 }
 

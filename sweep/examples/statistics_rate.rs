@@ -5,9 +5,9 @@
 
 use std::time::Instant;
 use sweep::Study;
-use sweep::chunk::CHUNK;
-use sweep::part::{self, Workers};
-use sweep::solve::Solver;
+use sweep::part::{Work, Workers};
+use sweep::row::chunk::CHUNK;
+use sweep::row::solve::RowSolver;
 use sweep::statistics::Plan;
 
 /// Rows of a turn: a few milliseconds, which other work may leave alone.
@@ -19,7 +19,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let study = Study::read(path.as_ref())?;
     let rows = ROWS.min(study.rows);
     let plan = Plan::all(study.outputs());
-    let mut solver = Solver::new(&study);
+    let mut solver = RowSolver::new(&study);
+    let with_statistics = Work { plan: Some(&plan), workers: Workers::One, ..Work::new(&study, &|_: u64| {}) };
     let mut best = [f64::INFINITY; 2];
     for _ in 0..TURNS {
         let begun = Instant::now();
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         best[0] = best[0].min(begun.elapsed().as_secs_f64());
         let begun = Instant::now();
-        std::hint::black_box(part::write(&study, 0..rows, None, Some(&plan), Workers::One, None, &|_: u64| {})?);
+        std::hint::black_box(with_statistics.write(0..rows, None)?);
         best[1] = best[1].min(begun.elapsed().as_secs_f64());
     }
     let [plain, statistics] = best.map(|seconds| rows as f64 / seconds);

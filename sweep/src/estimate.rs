@@ -1,10 +1,10 @@
 //! What a study will take: its rows, its time from a short calibration and a probe of the disk, and its bytes.
 
-use crate::chunk::CHUNK;
-use crate::columns;
-use crate::encoding;
 use crate::error::Error;
 use crate::part;
+use crate::part::columns;
+use crate::part::encoding;
+use crate::row::chunk::CHUNK;
 use crate::study::Study;
 use parquet::arrow::ArrowWriter;
 use rayon::prelude::*;

@@ -14,6 +14,3 @@ impl<F: Fn(u64) + Sync> Progress for F {
         self(rows);
     }
 }
-
-/// Receives the progress of a run.
-pub type OnRows<'a> = &'a dyn Progress;

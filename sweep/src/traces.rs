@@ -3,16 +3,16 @@
 //! The integration is that of `chamber::simulate`, apart from the batches'; what is sampled is the same: the gas, and
 //! what the sensor shows of it. As many samples are in memory as `TOGETHER` says, or one row's.
 
-use crate::columns;
-use crate::encoding;
 use crate::error::Error;
-use crate::file_names::{TRACES, TRACES_FILE};
 use crate::folder::Folder;
-use crate::new_file::NewFile;
+use crate::folder::file_names::{TRACES, TRACES_FILE};
+use crate::folder::store::Store;
+use crate::part::columns;
+use crate::part::encoding;
+use crate::part::new_file::NewFile;
+use crate::part::status_column;
 use crate::row;
-use crate::status::Status;
-use crate::status_column;
-use crate::store::Store;
+use crate::row::status::Status;
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Schema, SchemaRef};
@@ -35,9 +35,9 @@ const TOGETHER: usize = 1 << 19;
 
 /// Rows whose traces are wanted, in order and each once.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Rows(Vec<Range<u64>>);
+pub struct RowNumbers(Vec<Range<u64>>);
 
-impl Rows {
+impl RowNumbers {
     /// Numbers of the rows, ascending.
     pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
         self.0.iter().cloned().flatten()
@@ -49,7 +49,7 @@ impl Rows {
     }
 }
 
-impl std::str::FromStr for Rows {
+impl std::str::FromStr for RowNumbers {
     type Err = String;
 
     /// `0,17,100-119`: numbers and ranges, both ends included.
@@ -115,7 +115,7 @@ pub const COLUMNS: [Column; 8] = [
 ///
 /// # Errors
 /// A row that the study does not have, a rate that is none, a trace that would be too long.
-pub fn check(study: &Study, rows: &Rows, rate_hz: f64) -> Result<(), Error> {
+pub fn check(study: &Study, rows: &RowNumbers, rate_hz: f64) -> Result<(), Error> {
     if rows.end() > study.rows {
         let last = study.rows.saturating_sub(1);
         return Err(Error::Option(format!(
@@ -138,7 +138,7 @@ pub fn check(study: &Study, rows: &Rows, rate_hz: f64) -> Result<(), Error> {
 ///
 /// # Errors
 /// As [`check`], or a folder that is another study's or cannot be written.
-pub fn write(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> Result<Report, Error> {
+pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) -> Result<Report, Error> {
     check(study, rows, rate_hz)?;
     let folder = Folder::open(study, store)?;
     folder.prepare()?;
@@ -147,7 +147,7 @@ pub fn write(study: &Study, store: &dyn Store, rows: &Rows, rate_hz: f64) -> Res
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
     let properties = encoding::properties(study, &schema, &rate);
-    let mut file = NewFile::create(&folder.workshop()?, &path, schema.clone(), properties)?;
+    let mut file = NewFile::create(&folder.staging()?, &path, schema.clone(), properties)?;
     let mut report = Report::default();
     let mut wave: Vec<(u64, Scenario, usize)> = Vec::new();
     let mut waiting = 0;
@@ -302,7 +302,7 @@ mod tests {
 
     #[test]
     fn rows_are_read_as_numbers_and_ranges_in_order_and_once() {
-        let rows = |text: &str| text.parse::<Rows>().map(|rows| rows.iter().collect::<Vec<_>>());
+        let rows = |text: &str| text.parse::<RowNumbers>().map(|rows| rows.iter().collect::<Vec<_>>());
         assert_eq!(rows("7"), Ok(vec![7]));
         assert_eq!(rows("5-7, 1,6-8"), Ok(vec![1, 5, 6, 7, 8]));
         for wrong in ["", "a", "3-1", "1,,2", "-1", "18446744073709551615"] {

@@ -2,12 +2,13 @@
 //!
 //! What the names leave open is taken from the values and said to be a guess.
 
+use super::described::{Described, Guessed};
 use crate::error::Error;
 use crate::layout::{Column, Layout, Stated};
 use crate::limits::STANDARD_ATMOSPHERE_PA;
-use crate::statistics::{correlation, extremes, median};
-use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem, excel};
-use crate::units::{CLOCK, Quantity, Unit, VOLT, name_and_unit, says_absolute, says_gauge};
+use crate::statistics::{correlation, extremes};
+use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem};
+use crate::units::Quantity;
 
 /// Positions that count from anywhere are first read with so much added, m.
 const FAR_M: f64 = 1e3;
@@ -21,29 +22,6 @@ pub struct Names {
     pub pressure: Option<String>,
     /// Name of the position column, where the user gives it.
     pub position: Option<String>,
-}
-
-/// One quantity's column.
-#[derive(Clone, Debug)]
-pub struct Guessed {
-    /// What it holds.
-    pub quantity: Quantity,
-    /// Its place, from 0.
-    pub place: usize,
-    /// Its name, or its number where the name is not its own.
-    pub name: String,
-    /// Unit that its name or the line of units states.
-    pub unit: &'static Unit,
-    /// Whether the unit was taken from the values.
-    pub unit_guessed: bool,
-    /// Whether pressures count from the surroundings'.
-    pub gauge: bool,
-    /// Whether a pressure's header leaves open from where it counts.
-    pub reference_guessed: bool,
-    /// 1 or -1: which way positions count.
-    pub sign: f64,
-    /// What is added to positions, m.
-    pub offset_m: f64,
 }
 
 /// Which column holds what.
@@ -173,153 +151,6 @@ impl Guess {
 /// Whether a reading that cannot be absolute, Pa, can be a gauge's: a logger's code for a fault (-9999) is neither.
 fn can_be_gauge(pressure_pa: f64) -> bool {
     pressure_pa + STANDARD_ATMOSPHERE_PA > 0.0
-}
-
-/// What a column is called and what its first values are.
-struct Described {
-    place: usize,
-    name: String,
-    /// Words of the name without its unit, in lower case.
-    words: Vec<String>,
-    unit: Option<String>,
-    moments: bool,
-    numbers: bool,
-}
-
-impl Described {
-    fn of(dialect: &Dialect, sample: &Sample, place: usize) -> Self {
-        let name = dialect.names[place].clone();
-        let line = dialect.units.as_ref().and_then(|(_, units)| units.get(place)).filter(|unit| !unit.is_empty());
-        let (stem, own) = name_and_unit(&name);
-        Self {
-            place,
-            words: words(stem),
-            unit: line.cloned().or(own.map(str::to_owned)),
-            moments: sample.moments.get(place).is_some_and(|moments| *moments),
-            numbers: sample.numbers.get(place).is_some_and(|numbers| !numbers.is_empty()),
-            name,
-        }
-    }
-
-    /// How likely it holds that quantity.
-    fn score(&self, quantity: Quantity) -> i32 {
-        if self.moments || !self.numbers {
-            return if quantity == Quantity::Time && self.moments { 8 } else { -9 };
-        }
-        if self.name == quantity.default_name() {
-            return 9;
-        }
-        let unit = self.unit.as_deref();
-        let of_unit = match unit.map(|unit| quantity.unit_spelled(unit)) {
-            Some(Some(unit)) if unit.name == VOLT => 0,
-            Some(Some(_)) => 3,
-            // Of a unit that another quantity has.
-            Some(None) if Quantity::ALL.iter().any(|q| unit.is_some_and(|u| q.unit_spelled(u).is_some())) => -6,
-            _ => 0,
-        };
-        let has = |known: &[&str]| self.words.iter().any(|word| known.contains(&word.as_str()));
-        let begins = |known: &[&str]| self.words.iter().any(|word| known.iter().any(|begin| word.starts_with(begin)));
-        let temperature = begins(&["temp"]) || has(&["t", "tamb", "tu", "tgas", "tg"]);
-        let ambient = begins(&["amb", "room", "umgeb", "raum", "surround"]) || has(&["tamb", "tu", "env"]);
-        let gas = has(&["gas", "air", "luft", "tgas", "tg"]);
-        let of_name = match quantity {
-            Quantity::Time if begins(&["time", "zeit", "temps", "tiempo", "elapsed"]) => 4,
-            Quantity::Time if self.name == "X_Value" => 4,
-            Quantity::Time if has(&["t", "sec", "seconds", "millis"]) => 2,
-            Quantity::Pressure if ambient => -6,
-            Quantity::Pressure if begins(&["pressure", "druck", "pression", "presion"]) => 4,
-            Quantity::Pressure if begins(&["press"]) => 3,
-            Quantity::Pressure if has(&["p"]) || self.words.iter().any(|word| is_numbered_p(word)) => 2,
-            Quantity::Position if begins(&["posi", "displ", "stroke", "hub", "weg", "lvdt", "travel"]) => 4,
-            Quantity::Position if has(&["pos", "course", "carrera", "distance"]) => 4,
-            Quantity::Position if begins(&["pot", "kolben", "piston"]) || has(&["x", "y", "l"]) => 2,
-            Quantity::Position if has(&["s"]) && of_unit > 0 => 2,
-            Quantity::AmbientTemperature if ambient && (temperature || of_unit > 0) => 4,
-            Quantity::GasTemperature if gas && (temperature || of_unit > 0) && !ambient => 4,
-            Quantity::MassFlow if begins(&["mass", "mdot", "flow"]) && of_unit > 0 => 4,
-            // A temperature says nothing of what it is that of.
-            Quantity::AmbientTemperature | Quantity::GasTemperature | Quantity::MassFlow => -9,
-            _ => 0,
-        };
-        // What changes with time is not the piston's position: a speed, a set value.
-        let other =
-            begins(&["speed", "veloc", "geschw", "accel", "target", "setp", "soll", "command", "force", "kraft"])
-                || has(&["set", "cmd", "ref", "demand"]);
-        // A pressure of the supply is the chamber's only where there is no other.
-        let supply = quantity == Quantity::Pressure && begins(&["suppl", "versorg", "speise", "tank", "reservoir"]);
-        of_unit + of_name - if other { 4 } else { 0 } - if supply { 2 } else { 0 }
-    }
-
-    fn guessed(&self, quantity: Quantity, dialect: &Dialect, sample: &Sample) -> Guessed {
-        let stated = self.unit.as_deref().and_then(|unit| quantity.unit_spelled(unit));
-        let by_value = || unit_of_values(quantity, sample.numbers.get(self.place).map_or(&[], Vec::as_slice));
-        let clock = || quantity.units().iter().find(|unit| self.moments && unit.name == CLOCK);
-        let default = || (self.name == quantity.default_name()).then(|| &quantity.units()[0]);
-        let known = clock().or(stated).or_else(default);
-        let own_name = dialect.names.iter().filter(|name| **name == self.name).count() == 1 && !self.name.is_empty();
-        let gauge_word = ["gauge", "rel", "relative", "ueberdruck", "überdruck"];
-        let absolute_word = ["abs", "absolute", "absolut", "absolutdruck"];
-        let says = |unit: fn(&str) -> bool, words: &[&str]| {
-            self.unit.as_deref().is_some_and(unit) || self.words.iter().any(|word| words.contains(&word.as_str()))
-        };
-        let gauge = says(says_gauge, &gauge_word);
-        let absolute = says(says_absolute, &absolute_word) || self.name == quantity.default_name();
-        Guessed {
-            quantity,
-            place: self.place,
-            name: if own_name { self.name.clone() } else { format!("column {}", self.place + 1) },
-            unit: known.unwrap_or_else(by_value),
-            unit_guessed: known.is_none(),
-            gauge: quantity == Quantity::Pressure && gauge,
-            reference_guessed: quantity == Quantity::Pressure && !gauge && !absolute,
-            sign: 1.0,
-            offset_m: 0.0,
-        }
-    }
-}
-
-/// `p`, `p1`, `pa`: a pressure's symbol with a place's.
-fn is_numbered_p(word: &str) -> bool {
-    word.strip_prefix('p').is_some_and(|rest| rest.len() <= 1 && rest.chars().all(|c| c.is_ascii_alphanumeric()))
-}
-
-/// The unit that the values' size speaks for.
-fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
-    let size = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
-    let steps = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let name = match quantity {
-        Quantity::Time if are_excel_days(values) => "d",
-        Quantity::Time if median(steps) >= 1.0 => "ms",
-        Quantity::Pressure if size > 2e4 => "Pa",
-        Quantity::Pressure if size > 50.0 => "kPa",
-        Quantity::Pressure => "bar",
-        Quantity::Position if size > 3.0 => "mm",
-        Quantity::AmbientTemperature | Quantity::GasTemperature if size < 150.0 => "degC",
-        other => other.si_unit(),
-    };
-    let units = quantity.units();
-    units.iter().find(|unit| unit.name == name).unwrap_or(&units[0])
-}
-
-fn are_excel_days(values: &[f64]) -> bool {
-    matches!(values, [from, .., to] if excel::are_days(*from, *to, values.len()))
-}
-
-/// Words in lower case, parted where letters are no letters or become capital.
-fn words(name: &str) -> Vec<String> {
-    let (mut all, mut word, mut small_before) = (Vec::new(), String::new(), false);
-    for letter in name.chars() {
-        if !letter.is_alphanumeric() || (letter.is_uppercase() && small_before) {
-            all.push(std::mem::take(&mut word));
-        }
-        if letter.is_alphanumeric() {
-            word.extend(letter.to_lowercase());
-        }
-        small_before = letter.is_lowercase();
-    }
-    all.push(word);
-    all.retain(|word| !word.is_empty());
-    all
 }
 
 #[cfg(test)]

@@ -2,12 +2,13 @@
 //!
 //! | module | finds |
 //! |---|---|
-//! | [`columns`] | which column is time, pressure, position, in which unit, by names and units lines |
+//! | [`columns`], [`described`] | which column is time, pressure, position, in which unit, by names and units lines |
 //! | [`readings`] | rate, gaps, resolution, how often the sensor is really read out |
 //! | [`motion`] | rests and moves; windows of one push-and-hold test each |
 //! | [`proposal`] | a rig file that says all this |
 
 pub mod columns;
+pub mod described;
 pub mod motion;
 pub mod proposal;
 pub mod readings;

@@ -1,7 +1,7 @@
 //! A rig file that says what was found in a trace.
 
 use super::Look;
-use super::columns::Guessed;
+use super::described::Guessed;
 use super::motion::Cycle;
 use crate::layout::Quantity;
 use crate::limits::STANDARD_ATMOSPHERE_PA;
@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 /// What the user says beside the trace.
 #[derive(Clone, Debug, Default)]
-pub struct Stated {
+pub struct UserInput {
     /// Bore of the cylinder, m; `None` leaves it to be filled in.
     pub bore_m: Option<f64>,
     /// The trace as the rig file is to name it.
@@ -23,14 +23,14 @@ pub struct Stated {
 }
 
 /// The text of a rig file. What cannot be known stands in it as a comment that begins with `FILL IN`.
-pub fn rig_file(look: &Look, stated: &Stated) -> String {
+pub fn rig_file(look: &Look, stated: &UserInput) -> String {
     let mut out = String::new();
     // Writing to a text does not fail.
     let _ = write(&mut out, look, stated);
     out
 }
 
-fn write(out: &mut String, look: &Look, stated: &Stated) -> std::fmt::Result {
+fn write(out: &mut String, look: &Look, stated: &UserInput) -> std::fmt::Result {
     let gauge = look.guess.of(Quantity::Pressure).is_some_and(|pressure| pressure.gauge);
     writeln!(
         out,

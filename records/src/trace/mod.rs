@@ -7,6 +7,7 @@ mod dialect;
 pub(crate) mod excel;
 mod fields;
 mod header;
+mod header_line;
 mod left_out;
 mod lines;
 mod order;

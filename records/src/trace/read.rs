@@ -7,7 +7,7 @@ use super::header::Header;
 use super::lines::{self, Lines, Stop};
 use super::problem::TraceProblem;
 use super::reading::Reading;
-use super::rows::{Rows, Table};
+use super::rows::{ReadRows, Rows};
 use crate::error::Error;
 use crate::layout::{Layout, Quantity};
 use std::fs::File;
@@ -82,7 +82,7 @@ fn read_rows(
     dialect: &Dialect,
     header: &Header<'_>,
     reading: &Reading<'_>,
-) -> Result<Table, Stop> {
+) -> Result<ReadRows, Stop> {
     let mut rows = Rows::new(dialect, header, reading);
     while let Some((line, text)) = lines.next_filled()? {
         if line >= dialect.first_row && !dialect.is_comment(text) {

@@ -39,7 +39,7 @@ pub struct Rows<'a> {
 }
 
 /// What a file's rows come to.
-pub struct Table {
+pub struct ReadRows {
     /// One for each column found, time first, in the order of time.
     pub columns: Vec<Vec<f64>>,
     /// The rows that are no part of it.
@@ -123,7 +123,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The table, once all lines are taken.
-    pub fn finish(mut self) -> Result<Table, TraceProblem> {
+    pub fn finish(mut self) -> Result<ReadRows, TraceProblem> {
         let all = self.columns[0].len() + self.bad.len();
         self.leave_out_negative_positions();
         let column = self.header.found[0].2;
@@ -159,7 +159,7 @@ impl<'a> Rows<'a> {
                 self.leave_out(problems);
             }
         }
-        Ok(Table { left_out: self.bad.few_among(all)?, columns: self.columns, sorted })
+        Ok(ReadRows { left_out: self.bad.few_among(all)?, columns: self.columns, sorted })
     }
 
     /// Positions below zero, but for a sensor's noise at the end.

@@ -1,20 +1,23 @@
 //! Designs: which points a study has. A row's point is a pure function of the design and the row's number, so that
 //! shards, threads and interruptions make no difference and no state lives between rows.
 
-pub mod random;
-pub mod saltelli;
-pub mod sobol;
-pub mod table;
+pub(crate) mod axes;
+pub(crate) mod latin_hypercube;
+pub(crate) mod random;
+pub(crate) mod saltelli;
+pub(crate) mod sobol;
+pub(crate) mod table;
 
-use crate::axis::Axis;
-use crate::copula::Copula;
 use crate::error::Error;
-use pulp::{Arch, Simd, WithSimd};
-use random::{Permutation, Stream, mix, unit};
+use crate::quantity::axis::Axis;
+use crate::quantity::copula::Copula;
+use latin_hypercube::LatinHypercube;
 use saltelli::Saltelli;
 use sobol::Sobol;
 use std::ops::Range;
 use table::Table;
+
+pub use axes::Axes;
 
 /// Which points a study has.
 #[derive(Debug)]
@@ -31,64 +34,13 @@ pub enum Design {
     Table(Table),
 }
 
-/// The varied quantities of a design: the values of each, and which of them are correlated.
-#[derive(Clone, Debug)]
-pub struct Axes {
-    list: Vec<Axis>,
-    /// Correlations between some of the axes.
-    copula: Option<Copula>,
-}
-
-impl From<Vec<Axis>> for Axes {
-    fn from(list: Vec<Axis>) -> Self {
-        Self { list, copula: None }
-    }
-}
-
-impl Axes {
-    /// Axes, and the correlations between some of them.
-    pub fn new(list: Vec<Axis>, copula: Option<Copula>) -> Self {
-        Self { list, copula }
-    }
-
-    /// Puts values in place of shares in [0, 1), one column for each axis.
-    pub fn place(&self, columns: &mut [Vec<f64>]) {
-        if let Some(copula) = &self.copula {
-            copula.apply(columns);
-        }
-        for (axis, column) in self.list.iter().zip(columns) {
-            axis.place(column);
-        }
-    }
-}
-
-impl std::ops::Deref for Axes {
-    type Target = [Axis];
-
-    fn deref(&self) -> &[Axis] {
-        &self.list
-    }
-}
-
-/// One row in each of `samples` equal slices of every axis, at a random place in its slice.
-#[derive(Debug)]
-pub struct LatinHypercube {
-    axes: Axes,
-    samples: u64,
-    columns: Vec<(Permutation, Stream)>,
-}
-
 /// Names of the designs in study files.
 pub const NAMES: [&str; 5] = ["factorial", "latin-hypercube", "sobol", "saltelli", "table"];
 
 impl Design {
     /// A Latin hypercube of that many rows.
     pub fn latin_hypercube(axes: impl Into<Axes>, samples: u64, seed: u64) -> Self {
-        let axes = axes.into();
-        let keys = (0..axes.len() as u64).map(|d| (mix(seed, 2 * d), mix(seed, 2 * d + 1)));
-        let columns =
-            keys.map(|(permutation, place)| (Permutation::new(samples, permutation), Stream::new(place))).collect();
-        Design::LatinHypercube(LatinHypercube { axes, samples, columns })
+        Design::LatinHypercube(LatinHypercube::new(axes.into(), samples, seed))
     }
 
     /// The first `samples` points of a scrambled Sobol' sequence.
@@ -117,7 +69,7 @@ impl Design {
     fn all_axes(&self) -> Option<&Axes> {
         match self {
             Design::Factorial(axes) | Design::Sobol(axes, ..) => Some(axes),
-            Design::LatinHypercube(cube) => Some(&cube.axes),
+            Design::LatinHypercube(cube) => Some(cube.axes()),
             Design::Saltelli(saltelli) => Some(saltelli.axes()),
             Design::Table(_) => None,
         }
@@ -125,19 +77,19 @@ impl Design {
 
     /// The axes; none for a table.
     pub fn axes(&self) -> &[Axis] {
-        self.all_axes().map_or(&[], |axes| &axes.list)
+        self.all_axes().map_or(&[], |axes| &**axes)
     }
 
-    /// How some of the axes hang together.
+    /// Correlations between some of the axes.
     pub fn copula(&self) -> Option<&Copula> {
-        self.all_axes()?.copula.as_ref()
+        self.all_axes()?.copula()
     }
 
     /// Number of rows; `None` where it does not fit.
     pub fn rows(&self) -> Option<u64> {
         match self {
             Design::Factorial(axes) => axes.iter().try_fold(1u64, |rows, a| rows.checked_mul(a.levels().unwrap_or(1))),
-            Design::LatinHypercube(cube) => Some(cube.samples),
+            Design::LatinHypercube(cube) => Some(cube.rows()),
             Design::Sobol(_, samples, _) => Some(*samples),
             Design::Saltelli(saltelli) => saltelli.rows(),
             Design::Table(table) => Some(table.rows()),
@@ -176,46 +128,10 @@ impl Design {
     }
 }
 
-impl LatinHypercube {
-    fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) {
-        let mut slices = vec![0; (rows.end - rows.start) as usize];
-        for ((permutation, place), column) in self.columns.iter().zip(columns.iter_mut()) {
-            permutation.fill(rows.start, &mut slices);
-            column.resize(slices.len(), 0.0);
-            let (first_row, samples) = (rows.start, self.samples as f64);
-            Arch::new().dispatch(Shares { slices: &slices, samples, place: *place, first_row, out: column });
-        }
-        self.axes.place(columns);
-    }
-}
-
-/// Random places in slices of an axis, as shares of it.
-struct Shares<'a> {
-    slices: &'a [u64],
-    samples: f64,
-    place: Stream,
-    first_row: u64,
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Shares<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let mut i = 0;
-        while i < self.slices.len() && i < self.out.len() {
-            let within = unit(self.place.at(self.first_row + i as u64));
-            self.out[i] = (self.slices[i] as f64 + within) / self.samples;
-            i += 1;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axis::Scale;
+    use crate::quantity::axis::Scale;
     use proptest::prelude::*;
 
     fn unit_axes(n: usize) -> Vec<Axis> {

@@ -4,7 +4,7 @@
 //! quantity; B (Saltelli 2002). The points are of [`REPLICATES`] independently scrambled Sobol' sequences that take turns, so
 //! that the scatter between them shows how far indices can be trusted, and more blocks continue all of them.
 
-use super::Axes;
+use super::axes::Axes;
 use super::random::mix;
 use super::sobol::Sobol;
 use std::ops::Range;
@@ -102,7 +102,7 @@ impl Saltelli {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axis::{Axis, Scale};
+    use crate::quantity::axis::{Axis, Scale};
 
     /// The rows of a design of three quantities, block after block.
     fn blocks(samples: u64, second: bool) -> Vec<Vec<[f64; 3]>> {

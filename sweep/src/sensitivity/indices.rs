@@ -158,8 +158,8 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axis::{Axis, Scale};
     use crate::design::Design;
+    use crate::quantity::axis::{Axis, Scale};
     use std::f64::consts::PI;
 
     /// Indices from an output's values by row, a missing one being NaN.

@@ -2,13 +2,13 @@
 //!
 //! Blocks with a missing value take no part. [`indices`] explains the estimates and their intervals.
 
-pub mod indices;
+pub(crate) mod indices;
 
 use crate::design::Design;
 use crate::design::saltelli::{REPLICATES, Scheme};
 use crate::error::Error;
-use crate::reader;
-use crate::store::LocalFile;
+use crate::folder::store::LocalFile;
+use crate::part::reader;
 use crate::study::Study;
 use arrow::array::AsArray;
 use indices::{Centre, Indices, Sums};

@@ -6,18 +6,18 @@
 mod column;
 mod front;
 mod moments;
-pub mod plan;
+pub(crate) mod plan;
 mod sketch;
 
 pub use front::Front;
 pub use plan::{Bins, Goals, Plan};
 pub use sketch::{ERROR, Sketch};
 
-use crate::chunk::CHUNK;
-use crate::columns;
 use crate::error::Error;
-use crate::reader;
-use crate::status_column::StatusCounts;
+use crate::part::columns;
+use crate::part::reader;
+use crate::part::status_column::StatusCounts;
+use crate::row::chunk::CHUNK;
 use crate::study::Study;
 use arrow::array::AsArray;
 use arrow::datatypes::Float64Type;

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::hash;
-use crate::outputs::Output;
+use crate::row::outputs::Output;
 use serde::Serialize;
 use serde_json::json;
 

@@ -4,7 +4,7 @@
 //! of the other one; single combinations of an axis with another are rows with their reason. A table's rows are what
 //! they are: the first that breaks a rule is refused.
 
-use crate::point::Point;
+use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
 use chamber::Geometry;
 use records::Model;

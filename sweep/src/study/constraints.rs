@@ -2,10 +2,10 @@
 
 use super::Varied;
 use super::section::{Entry, Section};
-use crate::constraint::Constraint;
 use crate::design::Design;
 use crate::error::Error;
-use crate::point::Point;
+use crate::quantity::constraint::Constraint;
+use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
 
 /// The key of [vary] that is no quantity.

@@ -9,15 +9,15 @@ mod statistics;
 mod test;
 mod vary;
 
-use crate::constraint::Constraint;
 use crate::design::Design;
 use crate::design::saltelli::REPLICATES;
 use crate::error::Error;
-use crate::file_names;
+use crate::folder::file_names;
 use crate::hash;
-use crate::outputs::{OUTPUTS, Output, When};
-use crate::point::Point;
+use crate::quantity::constraint::Constraint;
+use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
+use crate::row::outputs::{OUTPUTS, Output, When};
 use crate::statistics::plan::Plan;
 use chamber::effects::{EffectSet, EffectValues};
 use ensemble::Solver;
@@ -127,15 +127,6 @@ impl Study {
 
     /// The study with every number it rests on, as JSON: what is written beside its rows.
     pub fn json(&self) -> Value {
-        let mut groups: Map<String, Value> = Map::new();
-        let effects = self.effects();
-        for (place, q) in quantity::all().iter().enumerate() {
-            let value = self.base.0[place];
-            let effect_is_off = quantity::effect_of(place).is_some_and(|(effect, _)| !effects.has(effect));
-            if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == place) {
-                groups.insert(q.name.clone(), json!(value));
-            }
-        }
         let mut study = json!({ "name": self.name, "design": self.design.name() });
         if let Some(samples) = self.samples {
             study["samples"] = json!(samples);
@@ -156,7 +147,31 @@ impl Study {
         study["area_law"] = json!(self.model.chamber.geometry.area_law.name());
         let by_duration = self.base.get(Base::Duration).is_finite();
         study["length_of_the_test"] = json!(if by_duration { "duration_s" } else { "hold_time_constants" });
-        study["fixed"] = Value::Object(groups);
+        study["fixed"] = Value::Object(self.fixed());
+        self.describe_points(&mut study);
+        if !self.constraints.is_empty() {
+            let texts: Vec<_> = self.constraints.iter().map(Constraint::text).collect();
+            study["constraints"] = json!(texts);
+        }
+        study
+    }
+
+    /// The numbers that do not vary, by name; of effects only those that are on.
+    fn fixed(&self) -> Map<String, Value> {
+        let mut fixed = Map::new();
+        let effects = self.effects();
+        for (place, q) in quantity::all().iter().enumerate() {
+            let value = self.base.0[place];
+            let effect_is_off = quantity::effect_of(place).is_some_and(|(effect, _)| !effects.has(effect));
+            if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == place) {
+                fixed.insert(q.name.clone(), json!(value));
+            }
+        }
+        fixed
+    }
+
+    /// Says what varies: the table's file and its columns, or each axis with its correlations.
+    fn describe_points(&self, study: &mut Value) {
         match &self.design {
             Design::Table(table) => {
                 let name = table.path().file_name().map(|name| name.to_string_lossy().into_owned());
@@ -174,11 +189,6 @@ impl Study {
                 }
             }
         }
-        if !self.constraints.is_empty() {
-            let texts: Vec<_> = self.constraints.iter().map(Constraint::text).collect();
-            study["constraints"] = json!(texts);
-        }
-        study
     }
 
     /// The computed columns of the study.

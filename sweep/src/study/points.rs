@@ -4,17 +4,17 @@ use super::Varied;
 use super::check::{self, Bounds};
 use super::constraints;
 use super::section::{Entry, Section};
-use super::vary::{self, Found, varied};
-use crate::axis::Axis;
-use crate::copula::Copula;
+use super::vary::{self, VariedAxis, varied};
 use crate::design::table::Table;
 use crate::design::{Axes, Design, NAMES, sobol};
 use crate::error::Error;
 use crate::hash;
-use crate::names::{self, NotFound};
-use crate::point::Point;
+use crate::quantity::axis::Axis;
+use crate::quantity::copula::Copula;
+use crate::quantity::names::{self, NotFound};
+use crate::quantity::point::Point;
+use crate::quantity::uncertain::Uncertain;
 use crate::quantity::{self, Base};
-use crate::uncertain::Uncertain;
 use records::{Field, Model};
 use std::path::Path;
 
@@ -124,14 +124,14 @@ fn refuse_axes(
     vary: &Section<'_>,
     entry: Field<'_>,
     name: &str,
-    found: &[Found<'_>],
+    found: &[VariedAxis<'_>],
     copula: Option<&Copula>,
 ) -> Result<(), Error> {
     if found.is_empty() {
         return Err(vary.because("names no quantity; at least one quantity to vary is needed"));
     }
     if name == "factorial"
-        && let Some(Found { entry, axis, .. }) = found.iter().find(|found| found.axis.levels().is_none())
+        && let Some(VariedAxis { entry, axis, .. }) = found.iter().find(|found| found.axis.levels().is_none())
     {
         return Err(entry.because(match axis {
             Axis::Drawn(_) => {

@@ -3,7 +3,7 @@
 use super::Varied;
 use super::section::{Entry, Section};
 use crate::error::Error;
-use crate::point::Point;
+use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
 use records::Model;
 use report::number::shortest;

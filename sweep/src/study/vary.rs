@@ -3,14 +3,14 @@
 use super::Varied;
 use super::constraints;
 use super::section::{Entry, Section};
-use crate::axis::{Axis, Scale};
-use crate::copula::Copula;
-use crate::distribution::{Distribution, Limits};
 use crate::error::Error;
-use crate::names;
-use crate::outputs;
+use crate::quantity::axis::{Axis, Scale};
+use crate::quantity::copula::Copula;
+use crate::quantity::distribution::{Distribution, Limits};
+use crate::quantity::names;
+use crate::quantity::uncertain::{self, Parameter, Uncertain};
 use crate::quantity::{self, Base};
-use crate::uncertain::{self, Parameter, Uncertain};
+use crate::row::outputs;
 use records::Field;
 use report::number::shortest;
 
@@ -34,7 +34,7 @@ enum Kind {
 }
 
 /// One quantity that varies, and where the study says so.
-pub struct Found<'a> {
+pub struct VariedAxis<'a> {
     /// The entry of `[vary]`, for error messages.
     pub entry: Field<'a>,
     /// The quantity and its column.
@@ -45,13 +45,13 @@ pub struct Found<'a> {
     of_model: bool,
 }
 
-/// Every axis of [vary], in the order of the file, and how those hang together that are drawn from the model.
+/// Every axis of [vary], in the order of the file, and the correlations of those that are drawn from the model.
 pub fn axes<'a>(
     vary: &Section<'a>,
     model: &Result<Uncertain, String>,
-) -> Result<(Vec<Found<'a>>, Option<Copula>), Error> {
-    let mut found: Vec<Found<'a>> = Vec::new();
-    let mut add = |new: Found<'a>| {
+) -> Result<(Vec<VariedAxis<'a>>, Option<Copula>), Error> {
+    let mut found: Vec<VariedAxis<'a>> = Vec::new();
+    let mut add = |new: VariedAxis<'a>| {
         let place = new.varied.quantity;
         if let Some(other) = found.iter().find(|other| other.varied.quantity == place) {
             let (line, name) = (other.entry.line(), &quantity::all()[place].name);
@@ -65,13 +65,13 @@ pub fn axes<'a>(
             for Parameter { quantity, distribution, .. } in &all_of_model(entry, model)?.parameters {
                 let column = quantity::all()[*quantity].name.clone();
                 let varied = Varied { column, quantity: *quantity };
-                add(Found { entry, varied, axis: Axis::Drawn(distribution.clone()), of_model: true })?;
+                add(VariedAxis { entry, varied, axis: Axis::Drawn(distribution.clone()), of_model: true })?;
             }
             continue;
         }
         let place = names::find(&name).map_err(|reason| entry.because(reason.words(&name)))?;
         let (axis, of_model) = axis(entry, place, model)?;
-        add(Found { entry, varied: varied(&name, place), axis, of_model })?;
+        add(VariedAxis { entry, varied: varied(&name, place), axis, of_model })?;
     }
     refuse_contradictions(&found)?;
     let copula = copula(&found, model)?;
@@ -92,8 +92,8 @@ fn known<'m>(entry: Field<'_>, model: &'m Result<Uncertain, String>) -> Result<&
     model.as_ref().map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
 }
 
-/// How the axes that are drawn from the model hang together.
-fn copula(found: &[Found<'_>], model: &Result<Uncertain, String>) -> Result<Option<Copula>, Error> {
+/// The correlations of the axes that are drawn from the model.
+fn copula(found: &[VariedAxis<'_>], model: &Result<Uncertain, String>) -> Result<Option<Copula>, Error> {
     let columns: Vec<usize> = (0..found.len()).filter(|i| found[*i].of_model).collect();
     let (Some(first), Ok(model)) = (columns.first(), model) else { return Ok(None) };
     let entry = found[*first].entry;
@@ -107,7 +107,7 @@ fn copula(found: &[Found<'_>], model: &Result<Uncertain, String>) -> Result<Opti
 }
 
 /// Refuses quantities that set the same thing twice.
-fn refuse_contradictions(found: &[Found<'_>]) -> Result<(), Error> {
+fn refuse_contradictions(found: &[VariedAxis<'_>]) -> Result<(), Error> {
     let conflict = |a: Base, b: Base| {
         let at = |base: Base| found.iter().find(|f| f.varied.quantity == base as usize).map(|f| f.entry);
         Some((at(a)?, at(b)?))

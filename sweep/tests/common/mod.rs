@@ -35,6 +35,11 @@ push_time_s = 0.04
 duration_s = 5.0
 ";
 
+/// Axes of a factorial design of 2400 rows, half of which leak.
+pub const BORES: &str = "bore_m = { from = 0.016, to = 0.063, count = 40, scale = \"log\" }
+initial_pressure_pa = { from = 1e5, to = 7e5, count = 30 }
+\"effect.leakage.conductance_m3_per_s_pa\" = { values = [0.0, 1e-12] }";
+
 /// A study about [`model`] from its lines of [study] and [vary].
 pub fn study(head: &str, vary: &str) -> Study {
     Study::about(&model(), &text(head, vary)).unwrap()

@@ -5,6 +5,8 @@
 mod common;
 mod constraints;
 mod distributions;
+mod folders;
 mod growing;
 mod refusals;
+mod rows;
 mod whole;

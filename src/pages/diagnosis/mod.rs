@@ -1,0 +1,336 @@
+//! The page that `diagnose --report` writes: for a person who decides, in words and units that engineers use.
+
+mod drawings;
+mod meaning;
+mod spectrum;
+
+use super::quantities::{Quantity, lower, pressure, spaced};
+use super::{file, record_table};
+use chamber::effects;
+use identify::Diagnosed;
+use identify::fit::covariance::Estimate;
+use identify::outcome::diagnosis::Diagnosis;
+use identify::outcome::estimates::Rmse;
+use identify::outcome::read_off::Empirical;
+use identify::outcome::recording::RecordFound;
+use report::Error;
+use report::document::{Block, Section, Table};
+use report::{digits, page};
+
+/// Rows of the evidence that the page shows.
+const SHOWN: usize = 16;
+
+/// What a diagnosis found, as one self-contained HTML page with its drawings.
+///
+/// # Errors
+/// A drawing that failed.
+pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
+    let d = &found.diagnosis;
+    let mut sections = vec![verdict(d), parameters(d), recording(d)];
+    if let Some(e) = &d.empirical {
+        sections.push(empirical(rig, e)?);
+    }
+    if !d.missing.is_empty() {
+        sections.push(missing(rig, d)?);
+    }
+    if !d.next_experiments.is_empty() {
+        sections.push(next(d));
+    }
+    for number in 0..found.data.experiments.len() {
+        let mut section = Section::new(&format!("Records of “{}”", found.data.experiments[number]));
+        if number == 0 {
+            section.note(
+                "All repeats of the experiment. The residual is measured minus model; the grey band is ± two standard deviations of the noise.",
+            );
+        }
+        section.blocks.push(Block::Charts(drawings::experiment(found, number)?));
+        sections.push(section);
+    }
+    sections.push(residual(found)?);
+    sections.push(evidence(d));
+    sections.push(data(rig, d));
+    sections.retain(|s| !s.blocks.is_empty());
+    Ok(page::page("Diagnosis of a cylinder chamber", &rig.path.display().to_string(), &sections))
+}
+
+fn effect_names(names: &[&str]) -> String {
+    names.iter().map(|n| format!("**{}**", spaced(n))).collect::<Vec<_>>().join(" and ")
+}
+
+fn documented(names: &[&str]) -> String {
+    let docs = names.iter().filter_map(|e| effects::find(e)).map(|(_, card)| lower(card.doc));
+    docs.collect::<Vec<_>>().join("; ")
+}
+
+fn verdict(d: &Diagnosis) -> Section {
+    let mut section = Section::new("Verdict");
+    section.blocks.push(Block::Verdict { kind: d.verdict, text: verdict_text(d) });
+    section.table(errors(d));
+    section.note(
+        "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; with few records, the last third of each, which is \
+         simulated from the start of the record. The initial pressure of a left-out record is fitted to one half of its rows and the other half is judged, and vice versa.",
+    );
+    if !d.probabilities.is_empty() {
+        let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
+        let each = each.collect::<Vec<_>>().join(", ");
+        section.text(format!("Odds over all sets tried, {}: {each}.", d.meaning_of_probabilities()));
+    }
+    for group in &d.indistinguishable {
+        let names: Vec<String> = group.iter().map(|n| format!("**{}**", spaced(n))).collect();
+        section.text(format!("These records cannot distinguish: {}.", names.join(", ")));
+    }
+    section
+}
+
+/// The verdict and what it means here.
+fn verdict_text(d: &Diagnosis) -> String {
+    let remaining = pressure(d.remaining_pa, 2);
+    match d.verdict {
+        "adequate" => format!(
+            "**Adequate.** The paper's chamber model{} describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
+            if d.terms().is_empty() { String::new() } else { format!(", with {},", spaced(d.terms())) },
+            pressure(d.accuracy_pa, 2)
+        ),
+        "explained" => format!(
+            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, the residual is noise.",
+            effect_names(&d.effects),
+            documented(&d.effects)
+        ),
+        "improved" if d.has_curve() => format!(
+            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out experiments decisively better. \
+             The curve describes the records and names no cause; a systematic misfit of {remaining} rms remains.",
+            effect_names(d.effects_of_model()),
+            documented(d.effects_of_model())
+        ),
+        "improved" => format!(
+            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better. \
+             A systematic misfit of {remaining} rms remains: the model describes the records, and its effects need not be the cause.",
+            effect_names(d.effects_of_model()),
+            documented(d.effects_of_model())
+        ),
+        _ => format!(
+            "**Unexplained.** The paper's chamber model does not describe these records, and no known effect predicts left-out records decisively better. \
+             A systematic misfit of {remaining} rms remains; the evidence points to the {} balance. No effect is added to the model.",
+            d.balance
+        ),
+    }
+}
+
+/// The error of the paper's model, of each step after it, and the noise.
+fn errors(d: &Diagnosis) -> Table {
+    let mut table = Table::new(&["model", "error on fitted data", "error on left-out data"]);
+    let errors = |name: String, rmse: &Rmse| {
+        let held_out = rmse.held_out.map_or("–".to_owned(), |h| pressure(h, 3));
+        [name, pressure(rmse.fit, 3), held_out]
+    };
+    for step in &d.steps {
+        let name = match step.terms.is_empty() {
+            true => "before: the paper's model".to_owned(),
+            false => format!("with {}", spaced(&step.terms)),
+        };
+        table.row(errors(name, &step.rmse_pa));
+    }
+    table.row(["noise of the recording".to_owned(), pressure(d.noise_pa, 3), String::new()]);
+    table
+}
+
+fn interval(q: &Quantity, e: &Estimate) -> String {
+    format!("{} … {}", q.number(e.ci95[0], 4), q.number(e.ci95[1], 4))
+}
+
+fn parameters(d: &Diagnosis) -> Section {
+    let mut section = Section::new("Parameters");
+    let mut table = Table::new(&["quantity", "before", "after", "95 % interval (after)"]);
+    // The values of a curve are drawn in a section of their own.
+    for (name, e) in d.after.parameters.iter().filter(|(name, _)| !name.starts_with("empirical.values")) {
+        let q = Quantity::of(name, &e.unit, e.value);
+        let before = d.before.parameters.iter().find(|(n, _)| n == name);
+        let before = before.map_or("–".to_owned(), |(_, b)| q.number(b.value, 4));
+        table.row([q.headed(), before, q.number(e.value, 4), interval(&q, e)]);
+    }
+    section.table(table);
+    let shares: Vec<String> = d
+        .lambda0_budget
+        .iter()
+        .filter(|b| b.share > 0.005)
+        .map(|b| format!("{} {:.0} %", Quantity::of(&b.source, "", 1.0).name, 100.0 * b.share))
+        .collect();
+    if !shares.is_empty() {
+        section.text(format!("Variance of λ0 by source: {}.", shares.join(", ")));
+    }
+    for u in &d.undetermined {
+        section.text(format!("Poorly determined by these records: {}.", u.words()));
+    }
+    for (_, card) in d.effects.iter().filter_map(|e| effects::find(e)) {
+        section.note(format!("{}: `{}`. {}", spaced(card.name), card.equation, card.source));
+    }
+    section
+}
+
+fn recording(d: &Diagnosis) -> Section {
+    let mut section = Section::new("The recording");
+    let n = &d.noise;
+    let mut parts = vec![format!("white noise of {}", pressure(n.white_pa, 3))];
+    if n.coloured_pa > 0.0 {
+        parts.push(format!(
+            "coloured noise of {} with a correlation time of {}",
+            pressure(n.coloured_pa, 3),
+            Quantity::of("", "s", n.correlation_s).text(n.correlation_s, 2)
+        ));
+    }
+    parts.extend(n.hum_hz.map(|hz| format!("a hum of {} Hz", digits(hz, 3))));
+    if n.step_pa > 0.0 {
+        parts.push(format!("steps of {} between readings", pressure(n.step_pa, 3)));
+    }
+    parts.extend(n.readout_hz.map(|hz| format!("a readout rate of {} Hz", digits(hz, 3))));
+    if n.outliers > 0 {
+        parts.push(format!("{} outliers, which are left out", n.outliers));
+    }
+    section.text(format!("The pressure has {}.", parts.join(", ")));
+    let cells = |r: &RecordFound| vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3)];
+    let records: Vec<_> = d.records.iter().map(|r| (cells(r), &r.parameters)).collect();
+    if !records.is_empty() {
+        section.table(record_table::table(&["record", "error, Pa"], &records));
+    }
+    section
+}
+
+/// The missing term as a curve: in the model, or refused.
+fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
+    let mut section = Section::new("The missing term as a curve");
+    let errors = format!(
+        "the error on left-out data {} {}, from {} without it",
+        if e.accepted { "falls to" } else { "is then" },
+        pressure(e.left_out_rmse_pa.with, 3),
+        pressure(e.left_out_rmse_pa.without, 3)
+    );
+    section.text(if e.accepted {
+        format!(
+            "No named effect has the shape of the residual. A curve was fitted together with all other parameters and is now in the model, a {} over {}: {errors}. \
+             It is linear between its knots and constant beyond them, where there are no data.",
+            e.quantity, e.variable
+        )
+    } else {
+        format!(
+            "Neither a named effect nor a curve explains the residual. The best curve, a {} over {}, does not predict left-out data decisively better and is not in the model: {errors}.",
+            e.quantity, e.variable
+        )
+    });
+    let caption = meaning::sentence(&e.as_first_order(), rig.ambient.pressure_pa);
+    section.blocks.push(Block::Charts(vec![drawings::empirical(e, caption)?]));
+    section.note("Bars: 95 % intervals, with all other parameters fitted.");
+    Ok(section)
+}
+
+fn missing(rig: &records::Rig, d: &Diagnosis) -> Result<Section, Error> {
+    let mut section = Section::new("Curves that would explain the residual");
+    section.text(
+        "Each curve is a missing term as a free function of one variable, to first order. The curves that explain most of the residual beyond noise come first. Bars: ± two standard deviations.",
+    );
+    let drawings: Result<Vec<_>, Error> =
+        d.missing.iter().take(4).map(|m| drawings::missing(m, meaning::sentence(m, rig.ambient.pressure_pa))).collect();
+    section.blocks.push(Block::Charts(drawings?));
+    Ok(section)
+}
+
+fn next(d: &Diagnosis) -> Section {
+    let mut section = Section::new("What to measure next");
+    let advice = d.next_experiments.iter().map(|n| {
+        let [one, other] = n.separates.each_ref().map(|terms| spaced(terms));
+        let by = digits(n.difference_over_noise, 2);
+        format!("To distinguish **{one}** from **{other}**: {}. There the two differ by {by} times the noise.", n.test)
+    });
+    section.blocks.push(Block::List(advice.collect()));
+    section
+}
+
+fn residual(found: &Diagnosed) -> Result<Section, Error> {
+    let mut section = Section::new("The residual in detail");
+    section.text(
+        "All records. White noise has a flat spectrum; a peak or a rise towards low frequencies is coloured noise, or something that the model lacks. \
+         Each point in the other plots is the mean of a block of rows; a flat cloud within the band is noise.",
+    );
+    section.blocks.push(Block::Charts(drawings::residuals(found)?));
+    Ok(section)
+}
+
+fn evidence(d: &Diagnosis) -> Section {
+    let mut section = Section::new("Evidence");
+    section.text(
+        "Each effect was added to the model, and all parameters were fitted again. ΔBIC is the evidence for it over the paper's model, with a penalty for each parameter. \
+         An effect enters the model if the gain in BIC is above 10, plus the logarithm of the number of candidates, and if the error on left-out data falls too.",
+    );
+    let paper: Vec<&String> = d.before.parameters.iter().map(|(n, _)| n).collect();
+    let mut table = Table::new(&["effect", "ΔBIC", "error on left-out data", "its parameters"]);
+    for (i, c) in d.candidates.iter().take(SHOWN).enumerate() {
+        let own = c.parameters.iter().filter(|(n, _)| !paper.contains(&n)).map(|(n, e)| {
+            let q = Quantity::of(n, &e.unit, e.value);
+            let words = q.name.split_once(": ").map_or(q.name.as_str(), |(_, words)| words);
+            format!("{words} {}", q.text(e.value, 3))
+        });
+        let held_out = c.held_out_rmse_pa.map_or("–".to_owned(), |h| pressure(h, 3));
+        let own: Vec<String> = own.collect();
+        table.row([spaced(&c.effect), format!("{:.1}", c.delta_bic), held_out, own.join(", ")]);
+        if is_chosen(&c.effect, d) {
+            table.chosen = Some(i);
+        }
+    }
+    section.table(table);
+    if d.candidates.len() > SHOWN {
+        section.note(format!("{} more are in the JSON.", d.candidates.len() - SHOWN));
+    }
+    section
+}
+
+/// Whether a row of the evidence is the set that was chosen.
+fn is_chosen(row: &str, d: &Diagnosis) -> bool {
+    let names: Vec<&str> = row.split(" + ").collect();
+    names.len() == d.effects.len() && d.effects.iter().all(|e| names.contains(e))
+}
+
+fn data(rig: &records::Rig, d: &Diagnosis) -> Section {
+    let mut section = Section::new("Data");
+    if !d.assumptions.is_empty() {
+        section.blocks.push(Block::List(d.assumptions.iter().map(|a| format!("{a}.")).collect()));
+    }
+    let mut table = Table::new(&["experiment", "record", "rows", "SHA-256"]);
+    for e in &rig.experiments {
+        for t in &e.traces {
+            let file = t.path.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned());
+            let sha256 = t.sha256.get(..12).unwrap_or("").to_owned();
+            table.row([e.name.clone(), file, t.len().to_string(), sha256]);
+        }
+    }
+    section.table(table);
+    section.note(format!("pneutherm {}", env!("CARGO_PKG_VERSION")));
+    section
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use identify::synthetic::Recipe;
+
+    #[test]
+    fn the_page_holds_everything_and_asks_for_nothing_else() {
+        let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(31) };
+        recipe = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]);
+        let rig = recipe.rig();
+        let found = identify::diagnose(&rig, &|_, _| ()).unwrap();
+        let page = html(&rig, &found).unwrap();
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+        for words in [
+            "<svg",
+            "pressure, bar",
+            "sonic conductance",
+            "compress-3bar: the push",
+            "pressure and position",
+            "Spectrum of the residual",
+        ] {
+            assert!(page.contains(words), "{words}");
+        }
+        for words in ["http://", "https://", "NaN", "lambda0_w_per_m2_k"] {
+            assert!(!page.contains(words), "{words}");
+        }
+    }
+}

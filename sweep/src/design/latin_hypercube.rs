@@ -1,0 +1,69 @@
+//! A Latin hypercube: one row in each of `samples` equal slices of every axis, at a random place in its slice.
+
+use super::axes::Axes;
+use super::random::{Permutation, Stream, mix, unit};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// The slices of each axis in the order of the rows.
+#[derive(Debug)]
+pub struct LatinHypercube {
+    axes: Axes,
+    samples: u64,
+    columns: Vec<(Permutation, Stream)>,
+}
+
+impl LatinHypercube {
+    /// Of that many rows.
+    pub fn new(axes: Axes, samples: u64, seed: u64) -> Self {
+        let keys = (0..axes.len() as u64).map(|d| (mix(seed, 2 * d), mix(seed, 2 * d + 1)));
+        let columns =
+            keys.map(|(permutation, place)| (Permutation::new(samples, permutation), Stream::new(place))).collect();
+        Self { axes, samples, columns }
+    }
+
+    /// The axes.
+    pub fn axes(&self) -> &Axes {
+        &self.axes
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> u64 {
+        self.samples
+    }
+
+    /// Fills one column for each axis with the values of some rows.
+    pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) {
+        let mut slices = vec![0; (rows.end - rows.start) as usize];
+        for ((permutation, place), column) in self.columns.iter().zip(columns.iter_mut()) {
+            permutation.fill(rows.start, &mut slices);
+            column.resize(slices.len(), 0.0);
+            let (first_row, samples) = (rows.start, self.samples as f64);
+            Arch::new().dispatch(Shares { slices: &slices, samples, place: *place, first_row, out: column });
+        }
+        self.axes.place(columns);
+    }
+}
+
+/// Random places in slices of an axis, as shares of it.
+struct Shares<'a> {
+    slices: &'a [u64],
+    samples: f64,
+    place: Stream,
+    first_row: u64,
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Shares<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let mut i = 0;
+        while i < self.slices.len() && i < self.out.len() {
+            let within = unit(self.place.at(self.first_row + i as u64));
+            self.out[i] = (self.slices[i] as f64 + within) / self.samples;
+            i += 1;
+        }
+    }
+}

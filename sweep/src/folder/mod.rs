@@ -1,0 +1,334 @@
+//! A study's folder: which parts are there, what an interrupted run left behind, and the manifest.
+//!
+//! A part's record is there before the part, so that no part is without its hash.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`file_names`], `record` | what stands where; what is known of a part |
+//! | [`store`] | where the folder is: on a disk or elsewhere |
+//! | [`earlier`] | rows that a smaller study has solved already |
+//! | [`verify`] | whether it holds what its manifest says |
+
+pub mod earlier;
+pub mod file_names;
+pub(crate) mod record;
+pub mod store;
+pub mod verify;
+
+use crate::error::Error;
+use crate::part::Written;
+use crate::part::columns;
+use crate::statistics::State;
+use crate::study::Study;
+use file_names::{MANIFEST, RECORDS, ROWS, SENSITIVITY, STATISTICS, STUDY, TRACES_FILE};
+use record::{Record, statuses_of};
+use serde_json::{Value, json};
+use std::io;
+use std::path::PathBuf;
+use store::{LocalFile, Store};
+
+/// A study's folder.
+pub struct Folder<'a> {
+    study: &'a Study,
+    store: &'a dyn Store,
+    identity: String,
+}
+
+/// What a part's place holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Found {
+    /// The part, as its record describes it.
+    Whole(Record),
+    /// A file that differs from its record in length or contents.
+    Damaged,
+    /// Nothing, or nothing whole.
+    Nothing,
+}
+
+impl Found {
+    /// The part's record, if it is whole.
+    pub fn whole(self) -> Option<Record> {
+        match self {
+            Found::Whole(record) => Some(record),
+            Found::Damaged | Found::Nothing => None,
+        }
+    }
+}
+
+/// How closely to look at a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// Compares the length of the file with the record.
+    Length,
+    /// Compares the SHA-256 of the file with the record.
+    Contents,
+}
+
+impl<'a> Folder<'a> {
+    /// A folder that is the study's or does not exist yet; nothing is written.
+    ///
+    /// # Errors
+    /// It cannot be read, or is another study's.
+    pub fn open(study: &'a Study, store: &'a dyn Store) -> Result<Self, Error> {
+        let folder = Self { study, store, identity: study.identity() };
+        folder.refuse_another_study()?;
+        Ok(folder)
+    }
+
+    /// The store that holds the folder.
+    pub fn store(&self) -> &'a dyn Store {
+        self.store
+    }
+
+    /// Makes the folder the study's.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn prepare(&self) -> Result<(), Error> {
+        let name = format!("{RECORDS}/{STUDY}");
+        if self.store.length(&name).map_err(self.reading(&name))?.is_some() {
+            return Ok(());
+        }
+        let mut study = self.about();
+        study["columns"] = self.columns();
+        self.store.write(&name, pretty(&study).as_bytes()).map_err(self.writing(&name))
+    }
+
+    /// Where files are made.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn staging(&self) -> Result<PathBuf, Error> {
+        self.store.staging().map_err(self.writing(""))
+    }
+
+    /// A system's reason as an error about a file of this folder.
+    fn reading(&self, name: &str) -> impl FnOnce(io::Error) -> Error + use<> {
+        let path = self.path(name);
+        move |source| Error::Read { path, source }
+    }
+
+    fn writing(&self, name: &str) -> impl FnOnce(io::Error) -> Error + use<> {
+        let path = self.path(name);
+        move |source| Error::Write { path, source }
+    }
+
+    /// A file of this folder as people write it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        if name.is_empty() { self.store.place().to_owned() } else { self.store.place().join(name) }
+    }
+
+    /// A part's place in the folder.
+    pub fn part_file(&self, part: u64) -> String {
+        format!("{ROWS}/{}", self.study.part_name(part))
+    }
+
+    /// A part on the disk.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn local_part(&self, part: u64) -> Result<LocalFile, Error> {
+        let name = self.part_file(part);
+        self.store.local(&name).map_err(self.reading(&name))
+    }
+
+    /// A part's record in the folder.
+    fn record_file(&self, part: u64) -> String {
+        record::file(&self.study.part_name(part))
+    }
+
+    /// A part's record, to be written before the part gets its name.
+    pub fn record(&self, part: u64, written: &Written) -> Record {
+        let rows = self.study.rows_of(part);
+        Record {
+            study_sha256: self.identity.clone(),
+            first_row: rows.start,
+            rows: rows.end - rows.start,
+            statuses: written.statuses.clone(),
+            file: written.file.as_ref().map(|file| file.digest().clone()),
+            statistics: written.statistics.clone(),
+        }
+    }
+
+    /// Makes a part's record last.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_record(&self, part: u64, record: &Record) -> Result<(), Error> {
+        let text = serde_json::to_string(record).unwrap_or_default() + "\n";
+        let name = self.record_file(part);
+        self.store.write(&name, text.as_bytes()).map_err(self.writing(&name))
+    }
+
+    fn names(&self, folder: &str) -> Result<Vec<String>, Error> {
+        self.store.names(folder).map_err(self.reading(folder))
+    }
+
+    fn refuse_another_study(&self) -> Result<(), Error> {
+        let other = |difference: String| Err(Error::OtherStudy { folder: self.path(""), difference });
+        let mut is_known = false;
+        for name in [format!("{RECORDS}/{STUDY}"), MANIFEST.to_owned()] {
+            let Some(text) = self.store.read(&name).map_err(self.reading(&name))? else { continue };
+            let Ok(found) = serde_json::from_slice::<Value>(&text) else {
+                return other(format!("{name} cannot be read"));
+            };
+            if found["study_sha256"] != json!(self.identity) {
+                return other(format!("{name} is {}", self.described(&found)));
+            }
+            is_known = true;
+        }
+        if let Some(name) = self.names("")?.iter().find(|name| name.ends_with(".parquet")) {
+            return other(format!("{name} is not in {ROWS}/"));
+        }
+        let parts = self.names(ROWS)?;
+        if let Some(name) = parts.iter().find(|name| !self.is_part(name)) {
+            return other(format!("{ROWS}/{name} is none of its {} parts", self.study.parts));
+        }
+        if !parts.is_empty() && !is_known {
+            return other(format!("{ROWS}/ holds parts, but {RECORDS}/{STUDY}, which says whose, is missing"));
+        }
+        Ok(())
+    }
+
+    /// Whether a file has the name of one of the study's parts.
+    fn is_part(&self, name: &str) -> bool {
+        let number = name.strip_prefix("part-").and_then(|rest| rest.split('-').next()?.parse().ok());
+        number.is_some_and(|part| part < self.study.parts && self.study.part_name(part) == name)
+    }
+
+    /// What another study differs in, as far as that can be said in a few words.
+    fn described(&self, found: &Value) -> String {
+        let (theirs, ours) = (&found["study"], self.study.json());
+        if found["program_version"] != json!(env!("CARGO_PKG_VERSION")) {
+            return format!(
+                "version {} of the program wrote it, this is version {}",
+                found["program_version"],
+                env!("CARGO_PKG_VERSION")
+            );
+        }
+        let keys = ours.as_object().map(|map| map.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
+        let different: Vec<_> = keys.into_iter().filter(|key| theirs[key] != ours[key]).collect();
+        format!("{}, which differs in {}", theirs["name"], different.join(", "))
+    }
+
+    /// The statistics in a part's record. [`Folder::find`] leaves them out: those of all parts of a large study are more than
+    /// its memory.
+    pub fn statistics(&self, part: u64) -> Option<State> {
+        record::read(self.store, &self.study.part_name(part))?.statistics
+    }
+
+    /// Looks for a part; with `rows` its file has to be there too.
+    pub fn find(&self, part: u64, rows: bool, look: Look) -> Found {
+        let rows_of = self.study.rows_of(part);
+        let record =
+            record::read(self.store, &self.study.part_name(part)).map(|record| Record { statistics: None, ..record });
+        let name = self.part_file(part);
+        let length = self.store.length(&name).ok().flatten();
+        let Some(record) = record else {
+            return if length.is_some() { Found::Damaged } else { Found::Nothing };
+        };
+        let its = record.study_sha256 == self.identity
+            && (record.first_row, record.rows) == (rows_of.start, rows_of.end - rows_of.start);
+        if !its {
+            return Found::Damaged;
+        }
+        match (&record.file, length) {
+            (None, _) if rows => Found::Nothing,
+            (None, _) => Found::Whole(record),
+            (Some(_), None) => Found::Nothing,
+            (Some(digest), Some(length)) => {
+                let same = length == digest.bytes
+                    && (look == Look::Length || self.store.sha256(&name).is_ok_and(|sha256| sha256 == digest.sha256));
+                if same { Found::Whole(record) } else { Found::Damaged }
+            }
+        }
+    }
+
+    /// Removes what killed runs left of the parts that `mine` says yes to: temporary files that nobody has locked.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
+        let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
+        let mut names: Vec<String> = parts.flat_map(|part| [record::file_name(&part), part]).collect();
+        if mine(0) {
+            names.extend([TRACES_FILE, STUDY, MANIFEST, STATISTICS, SENSITIVITY].map(str::to_owned));
+        }
+        self.store.clean(&names).map_err(self.reading(""))
+    }
+
+    /// Removes a manifest that says more than is there.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn remove_manifest(&self) -> Result<(), Error> {
+        self.store.remove(MANIFEST).map_err(self.writing(MANIFEST))
+    }
+
+    /// Every part's record, if all are there.
+    pub fn all_finished(&self, rows: bool) -> Option<Vec<Record>> {
+        (0..self.study.parts).map(|part| self.find(part, rows, Look::Length).whole()).collect()
+    }
+
+    /// Writes a result for programs beside the parts, unless it is there already.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_json(&self, name: &str, value: &Value) -> Result<(), Error> {
+        let text = pretty(value);
+        if self.store.read(name).is_ok_and(|found| found.as_deref() == Some(text.as_bytes())) {
+            return Ok(());
+        }
+        self.store.write(name, text.as_bytes()).map_err(self.writing(name))
+    }
+
+    /// Writes the manifest: the study, its columns and its parts.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_manifest(&self, parts: &[Record]) -> Result<(), Error> {
+        let total = statuses_of(parts);
+        let files = parts.iter().enumerate().filter_map(|(i, part)| {
+            let file = part.file.as_ref()?;
+            Some(json!({
+                "file": self.part_file(i as u64),
+                "first_row": part.first_row,
+                "rows": part.rows,
+                "bytes": file.bytes,
+                "sha256": file.sha256,
+                "statuses": part.statuses,
+            }))
+        });
+        let files: Vec<_> = files.collect();
+        let mut manifest = self.about();
+        manifest["rows"] = json!(self.study.rows);
+        manifest["statuses"] = json!(total);
+        manifest["columns"] = self.columns();
+        manifest["parts"] = json!(files);
+        self.write_json(MANIFEST, &manifest)
+    }
+
+    /// Content of the file that identifies the folder's study.
+    fn about(&self) -> Value {
+        json!({
+            "program": "pneutherm",
+            "program_version": env!("CARGO_PKG_VERSION"),
+            "study_sha256": self.identity,
+            "study": self.study.json(),
+        })
+    }
+
+    fn columns(&self) -> Value {
+        let schema = columns::schema(self.study);
+        let column = |field: &arrow::datatypes::FieldRef| {
+            let metadata = field.metadata();
+            json!({ "name": field.name(), "unit": metadata["unit"], "description": metadata["description"] })
+        };
+        schema.fields().iter().map(column).collect()
+    }
+}
+
+/// JSON as a file has it.
+fn pretty(value: &Value) -> String {
+    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
+}

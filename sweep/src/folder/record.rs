@@ -1,0 +1,49 @@
+//! What is known of a part without its rows: a file of its own, which is there before the part.
+
+use super::file_names::RECORDS;
+use super::store::Store;
+use crate::part::new_file::Digest;
+use crate::part::status_column::{StatusCounts, add_counts};
+use crate::statistics::State;
+use serde::{Deserialize, Serialize};
+
+/// What is known of a part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// SHA-256 of the study's identity, hexadecimal.
+    pub study_sha256: String,
+    /// Number of its first row.
+    pub first_row: u64,
+    /// Number of rows in the part.
+    pub rows: u64,
+    /// How many rows ended with each status.
+    pub statuses: StatusCounts,
+    /// Its file; none where the study's rows are not kept.
+    pub file: Option<Digest>,
+    /// Its statistics, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub statistics: Option<State>,
+}
+
+/// Name of the record of a part.
+pub fn file_name(part: &str) -> String {
+    format!("{}.json", part.trim_end_matches(".parquet"))
+}
+
+/// Place of the record of a part.
+pub fn file(part: &str) -> String {
+    format!("{RECORDS}/{}", file_name(part))
+}
+
+/// The record of a part of that name, where there is one that can be read.
+pub fn read(store: &dyn Store, part: &str) -> Option<Record> {
+    let text = store.read(&file(part)).ok().flatten()?;
+    serde_json::from_slice(&text).ok()
+}
+
+/// Number of rows by status, summed over these parts.
+pub fn statuses_of(parts: &[Record]) -> StatusCounts {
+    let mut total = StatusCounts::new();
+    parts.iter().for_each(|part| add_counts(&mut total, &part.statuses));
+    total
+}

@@ -1,0 +1,132 @@
+//! Pages with checksums: the CRC-32 of each page's bytes stands in its header, so that readers find a damaged page
+//! (pyarrow's `page_checksum_verification`, Spark, DuckDB).
+//!
+//! The Parquet library writes headers without it. A column's pages are collected as it makes them, each header followed
+//! by its data; the checksum is put into the header, and the column's places and lengths follow.
+//! Header: <https://github.com/apache/parquet-format/blob/master/src/main/thrift/parquet.thrift>, `PageHeader`, field 4.
+
+use bytes::Bytes;
+use parquet::arrow::arrow_writer::ArrowColumnChunk;
+use parquet::column::page_store::{PageKey, PageStore, PageStoreArgs, PageStoreFactory};
+use parquet::column::writer::ColumnCloseResult;
+use parquet::errors::{ParquetError, Result};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Pages of one column, header and data in turn.
+type Pages = Arc<Mutex<Vec<Bytes>>>;
+
+/// Makes a collection for each column, and keeps hold of them.
+#[derive(Debug, Default)]
+pub struct Collector(Mutex<Vec<Pages>>);
+
+impl Collector {
+    /// The collections since the last call, in the order of the columns.
+    pub fn take(&self) -> Vec<Pages> {
+        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl PageStoreFactory for Collector {
+    fn create(&self, _: &PageStoreArgs<'_>) -> Result<Box<dyn PageStore>> {
+        let pages = Pages::default();
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(pages.clone());
+        Ok(Box::new(ColumnPages(pages)))
+    }
+}
+
+/// The pages of one column, as the Parquet library stores them.
+struct ColumnPages(Pages);
+
+impl PageStore for ColumnPages {
+    fn put(&mut self, value: Bytes) -> Result<PageKey> {
+        let mut pages = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        pages.push(value);
+        Ok(PageKey::new(pages.len() as u64 - 1))
+    }
+
+    fn take(&mut self, _: PageKey) -> Result<Bytes> {
+        Err(ParquetError::General("pages are taken by `with_checksums` only".into()))
+    }
+}
+
+/// A column chunk's bytes with a checksum in each page's header, and what its metadata says of them then.
+///
+/// # Errors
+/// The library made a header that is not of the known form.
+pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Bytes, ColumnCloseResult)> {
+    let pages = std::mem::take(&mut *pages.lock().unwrap_or_else(PoisonError::into_inner));
+    let (pairs, _) = pages.as_chunks::<2>();
+    // The dictionary is made last and stands first.
+    let (dictionary, data): (Vec<_>, Vec<_>) = pairs.iter().partition(|[header, _]| header.get(1) == Some(&DICTIONARY));
+    let mut out = Vec::with_capacity(pages.iter().map(|bytes| bytes.len() + LONGEST).sum());
+    let mut append = |[header, data]: &[Bytes; 2]| -> Result<(usize, usize)> {
+        let begin = out.len();
+        append_header(header, crc32fast::hash(data), &mut out)?;
+        out.extend_from_slice(data);
+        Ok((begin, out.len() - begin))
+    };
+    for page in &dictionary {
+        append(page)?;
+    }
+    let places: Vec<(usize, usize)> = data.into_iter().map(append).collect::<Result<_>>()?;
+    let added = (out.len() - pages.iter().map(Bytes::len).sum::<usize>()) as i64;
+    let close = chunk.close_mut();
+    let first = places.first().map_or(0, |(begin, _)| *begin as i64);
+    let metadata = close.metadata.clone();
+    let (compressed, uncompressed) = (metadata.compressed_size() + added, metadata.uncompressed_size() + added);
+    let metadata = metadata
+        .into_builder()
+        .set_total_compressed_size(compressed)
+        .set_total_uncompressed_size(uncompressed)
+        .set_dictionary_page_offset((!dictionary.is_empty()).then_some(0))
+        .set_data_page_offset(first)
+        .build()?;
+    let mut offset_index = close.offset_index.take();
+    for (location, (begin, length)) in offset_index.iter_mut().flat_map(|index| &mut index.page_locations).zip(places) {
+        location.offset = begin as i64;
+        location.compressed_page_size = length as i32;
+    }
+    let close = ColumnCloseResult {
+        bytes_written: compressed as u64,
+        rows_written: close.rows_written,
+        metadata,
+        bloom_filter: close.bloom_filter.take(),
+        column_index: close.column_index.take(),
+        offset_index,
+    };
+    Ok((out.into(), close))
+}
+
+/// Second byte of a dictionary page's header: its type, 2, in zigzag.
+const DICTIONARY: u8 = 4;
+/// First byte of a number in Thrift's compact protocol, one field after the last: `1 << 4 | i32`.
+const NEXT_I32: u8 = 0x15;
+/// Most bytes that a checksum adds.
+const LONGEST: usize = 6;
+
+/// The header with the checksum as its field 4, after its fields 1 to 3.
+fn append_header(header: &[u8], checksum: u32, out: &mut Vec<u8>) -> Result<()> {
+    let unknown = || ParquetError::General("the Parquet library made a page header of unknown form".into());
+    let mut at = 0;
+    for _ in 0..3 {
+        if header.get(at) != Some(&NEXT_I32) {
+            return Err(unknown());
+        }
+        // A varint ends with the first byte below 128.
+        at += 1 + header[at + 1..].iter().position(|byte| *byte < 0x80).ok_or_else(unknown)? + 1;
+    }
+    let next = *header.get(at).filter(|next| **next >> 4 >= 2).ok_or_else(unknown)?;
+    out.extend_from_slice(&header[..at]);
+    out.push(NEXT_I32);
+    let signed = checksum as i32;
+    let mut zigzag = ((signed << 1) ^ (signed >> 31)) as u32;
+    while zigzag >= 0x80 {
+        out.push(zigzag as u8 | 0x80);
+        zigzag >>= 7;
+    }
+    out.push(zigzag as u8);
+    // The next field counts from this one.
+    out.push(next - (1 << 4));
+    out.extend_from_slice(&header[at + 1..]);
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! The values that one varied quantity takes: a list, a range with a linear or logarithmic scale, or a distribution.
+
+use super::distribution::Distribution;
+use chamber::real::Real;
+use ensemble::lanes::{Lanes, WIDTH};
+use pulp::{Arch, Simd, WithSimd};
+use serde::Serialize;
+use std::ops::RangeInclusive;
+
+/// How a range is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scale {
+    /// Equal steps.
+    Linear,
+    /// Equal ratios.
+    Log,
+}
+
+/// The values of one varied quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Axis {
+    /// A list of values, each a level.
+    Values {
+        /// In the order of the study file.
+        values: Vec<f64>,
+    },
+    /// From one value to another, both included.
+    Range {
+        /// The lower end.
+        from: f64,
+        /// The upper end.
+        to: f64,
+        /// Number of levels of a factorial design; the sampled designs do not use it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        count: Option<u64>,
+        /// Equal steps or equal ratios.
+        scale: Scale,
+    },
+    /// Drawn from a distribution; not in a factorial design.
+    Drawn(Distribution),
+}
+
+impl Axis {
+    /// Number of levels in a factorial design; a range needs a count for it, a distribution has
+    /// none.
+    pub fn levels(&self) -> Option<u64> {
+        match self {
+            Axis::Values { values } => Some(values.len() as u64),
+            Axis::Range { count, .. } => *count,
+            Axis::Drawn(_) => None,
+        }
+    }
+
+    /// The value at a level of a factorial design, counted from zero. The ends of a range are met exactly.
+    pub fn level(&self, level: u64) -> f64 {
+        match *self {
+            Axis::Values { ref values } => values[level as usize],
+            Axis::Drawn(ref distribution) => distribution.quantile(0.5),
+            Axis::Range { from, to, count, scale } => {
+                let last = count.unwrap_or(1).saturating_sub(1);
+                if level == 0 {
+                    from
+                } else if level >= last {
+                    to
+                } else {
+                    Between::new(from, to, scale).value(level as f64 / last as f64)
+                }
+            }
+        }
+    }
+
+    /// Puts values in place of shares in [0, 1) of the axis: of a range's length, of the values in equal shares, or of a
+    /// distribution's probability.
+    pub fn place(&self, shares: &mut [f64]) {
+        match *self {
+            Axis::Values { ref values } => {
+                let value = |u: f64| values[((u * values.len() as f64) as usize).min(values.len() - 1)];
+                shares.iter_mut().for_each(|share| *share = value(*share));
+            }
+            Axis::Range { from, to, scale, .. } => {
+                Arch::new().dispatch(PlaceInLanes { between: Between::new(from, to, scale), shares });
+            }
+            Axis::Drawn(ref distribution) => {
+                shares.iter_mut().for_each(|share| *share = distribution.quantile(*share));
+            }
+        }
+    }
+
+    /// The least and the largest value.
+    pub fn bounds(&self) -> RangeInclusive<f64> {
+        match *self {
+            Axis::Values { ref values } => {
+                values.iter().copied().fold(f64::MAX, f64::min)..=values.iter().copied().fold(f64::MIN, f64::max)
+            }
+            Axis::Range { from, to, .. } => from..=to,
+            Axis::Drawn(ref distribution) => distribution.bounds(),
+        }
+    }
+
+    /// Whether a factorial design's values repeat often enough for a dictionary.
+    pub fn is_discrete(&self) -> bool {
+        matches!(self, Axis::Values { .. })
+    }
+}
+
+/// From a share of a range to its value.
+struct Between {
+    from: f64,
+    to: f64,
+    scale: Scale,
+    /// What the share is a share of: the values, or their logarithms.
+    begin: f64,
+    length: f64,
+}
+
+impl Between {
+    fn new(from: f64, to: f64, scale: Scale) -> Self {
+        let (begin, end) = match scale {
+            Scale::Linear => (from, to),
+            Scale::Log => (from.ln(), to.ln()),
+        };
+        Self { from, to, scale, begin, length: end - begin }
+    }
+
+    #[inline(always)]
+    fn value<R: Real>(&self, share: R) -> R {
+        let value = share * self.length + self.begin;
+        let value = if self.scale == Scale::Log { value.exp() } else { value };
+        value.max(R::from(self.from)).min(R::from(self.to))
+    }
+}
+
+/// Values in place of shares, several at a time.
+struct PlaceInLanes<'a> {
+    between: Between,
+    shares: &'a mut [f64],
+}
+
+impl WithSimd for PlaceInLanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let (whole, rest) = self.shares.as_chunks_mut::<WIDTH>();
+        for shares in whole {
+            *shares = self.between.value(Lanes(*shares)).0;
+        }
+        let last = self.between.value(Lanes::from_fn(|lane| rest.get(lane).copied().unwrap_or(0.0)));
+        rest.copy_from_slice(&last.0[..rest.len()]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_meets_both_ends_exactly_and_keeps_its_steps_or_ratios() {
+        for scale in [Scale::Linear, Scale::Log] {
+            let axis = Axis::Range { from: 0.016, to: 0.063, count: Some(12), scale };
+            let levels: Vec<f64> = (0..12).map(|i| axis.level(i)).collect();
+            assert_eq!((levels[0], levels[11]), (0.016, 0.063));
+            let step = |a: f64, b: f64| if scale == Scale::Log { b / a } else { b - a };
+            let first = step(levels[0], levels[1]);
+            assert!(levels.windows(2).all(|w| (step(w[0], w[1]) / first - 1.0).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn shares_of_a_list_are_equal() {
+        let axis = Axis::Values { values: vec![1.0, 2.0, 4.0] };
+        let mut shares = [0.0, 0.33, 0.34, 0.66, 0.67, 0.9999999];
+        axis.place(&mut shares);
+        assert_eq!(shares, [1.0, 1.0, 2.0, 2.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn shares_of_a_range_are_within_it_and_as_far_along_as_they_say() {
+        let shares: Vec<f64> = (0..37).map(|i| f64::from(i) / 37.0).collect();
+        for (scale, expected) in [(Scale::Linear, 1.0 + 6.0 * 0.5), (Scale::Log, 7f64.sqrt())] {
+            let axis = Axis::Range { from: 1.0, to: 7.0, count: None, scale };
+            let mut values = shares.clone();
+            axis.place(&mut values);
+            assert!(values[0] == 1.0 && values.is_sorted() && values[36] < 7.0);
+            let mut middle = [0.5];
+            axis.place(&mut middle);
+            assert!((middle[0] / expected - 1.0).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Quantities by the names that people write: dotted, or the last part alone where that is clear.
+
+use super::{Quantity, all, is_of_recorded_stroke, is_of_table};
+use crate::row::outputs;
+
+/// Why a name does not stand for one quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NotFound {
+    /// It could mean any of these: the first by its last part, others because it stands in theirs, or a result.
+    Ambiguous(Vec<String>),
+    /// None does; perhaps this one was meant.
+    Unknown(Option<&'static str>),
+    /// It belongs to an effect that acts on the record of a stroke, and a test's stroke is the true one.
+    OfRecordedStroke,
+    /// It says what a model's table is of, and stays as the model has it.
+    OfTable,
+}
+
+impl NotFound {
+    /// Why `name` stands for no quantity, in words that follow it.
+    pub fn words(&self, name: &str) -> String {
+        match self {
+            NotFound::OfRecordedStroke => {
+                "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
+                    .into()
+            }
+            NotFound::OfTable => "is a fixed part of the model's table, of which only the values can be varied".into(),
+            NotFound::Unknown(None) => {
+                "is no number of the model or of the test; its names are the keys of the model file and of [test]".into()
+            }
+            NotFound::Unknown(Some(nearest)) => {
+                format!("is no number of the model or of the test; did you mean `{nearest}`?")
+            }
+            NotFound::Ambiguous(list) => {
+                format!("could be {}; write `{}`, say, instead of `{name}`", list.join(" or "), list[0])
+            }
+        }
+    }
+}
+
+/// Place of the quantity of that dotted name, or of the only one whose name ends with these parts. A single part is
+/// refused, too, where its words stand in another quantity's (`pressure_pa` in `initial_pressure_pa`) or name a result:
+/// whoever wrote it may have meant that one.
+pub fn find(name: &str) -> Result<usize, NotFound> {
+    let exact = all().iter().position(|q| q.name == name);
+    if exact.is_some_and(is_of_recorded_stroke) {
+        return Err(NotFound::OfRecordedStroke);
+    }
+    if exact.is_some_and(is_of_table) {
+        return Err(NotFound::OfTable);
+    }
+    meaning(name).map_err(|meanings| match meanings.is_empty() {
+        true => NotFound::Unknown(nearest(name)),
+        false => NotFound::Ambiguous(meanings),
+    })
+}
+
+/// The one quantity that a name can mean, or all that it could.
+fn meaning(name: &str) -> Result<usize, Vec<String>> {
+    let list = all();
+    if let Some(exact) = list.iter().position(|q| q.name == name) {
+        return Ok(exact);
+    }
+    let ends = |q: &Quantity| q.name.strip_suffix(name).is_some_and(|rest| rest.ends_with('.'));
+    let can_vary = |i: usize| !is_of_recorded_stroke(i) && !is_of_table(i);
+    let mut found: Vec<usize> = (0..list.len()).filter(|&i| ends(&list[i]) && can_vary(i)).collect();
+    let mut results = Vec::new();
+    if !name.contains('.') && !found.is_empty() {
+        let alike = |i: &usize| !found.contains(i) && can_vary(*i) && has_words(last_part(&list[*i].name), name);
+        found.extend((0..list.len()).filter(alike).collect::<Vec<_>>());
+        results.extend(outputs::is_output(name).then(|| format!("the result {name}, which cannot be varied")));
+    }
+    match (&found[..], &results[..]) {
+        ([one], []) => Ok(*one),
+        _ => Err(found.iter().map(|i| list[*i].name.clone()).chain(results).collect()),
+    }
+}
+
+/// Whether a name has these words, one after the other.
+fn has_words(name: &str, words: &str) -> bool {
+    let (name, words): (Vec<&str>, Vec<&str>) = (name.split('_').collect(), words.split('_').collect());
+    name.windows(words.len()).any(|some| some == words)
+}
+
+fn last_part(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or(name)
+}
+
+/// The known name most like this one, among the dotted ones or their last parts, as the writer seems to prefer.
+fn nearest(name: &str) -> Option<&'static str> {
+    if name.to_lowercase().starts_with("lambda") {
+        // As results, reports and the FMU call it.
+        return Some("coefficient_w_per_m2_k");
+    }
+    if name.contains('.') {
+        records::nearest(name, all().iter().map(|q| q.name.as_str()))
+    } else {
+        let short = all().iter().map(|q| last_part(&q.name)).filter(|part| meaning(part).is_ok());
+        records::nearest(name, short).or_else(|| records::nearest(name, all().iter().map(|q| q.name.as_str())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::{BASE, Base};
+    use chamber::effects;
+
+    #[test]
+    fn a_last_part_is_enough_where_only_one_quantity_has_it() {
+        assert_eq!(find("bore_m"), Ok(Base::Bore as usize));
+        assert_eq!(find("chamber.bore_m"), find("bore_m"));
+        assert_eq!(find("volume_to_area_m"), Ok(Base::VolumeToArea as usize));
+        assert_eq!(find("extra_area_m2"), find("effect.dead_volume_surface.extra_area_m2"));
+        assert_eq!(find("leakage.critical_pressure_ratio"), find("effect.leakage.critical_pressure_ratio"));
+    }
+
+    #[test]
+    fn an_ambiguous_name_lists_what_it_could_mean() {
+        for (name, first, other) in [
+            ("exponent", "effect.natural_convection.exponent", "effect.gas_column_length.exponent"),
+            ("pressure_pa", "ambient.pressure_pa", "test.initial_pressure_pa"),
+            ("temperature_k", "ambient.temperature_k", "test.initial_temperature_k"),
+            ("coefficient", "effect.forced_convection.coefficient", "heat_transfer.coefficient_w_per_m2_k"),
+            ("volume_m3", "effect.tube_volume.volume_m3", "chamber.dead_volume_m3"),
+            (
+                "time_constant_s",
+                "effect.sensor_lag.time_constant_s",
+                "the result time_constant_s, which cannot be varied",
+            ),
+        ] {
+            let Err(NotFound::Ambiguous(list)) = find(name) else { panic!("{name} is not ambiguous") };
+            assert!(list[0] == first && list.iter().any(|meaning| meaning == other), "{name}: {list:?}");
+            assert!(find(&list[0]).is_ok());
+        }
+    }
+
+    #[test]
+    fn a_slip_of_the_finger_finds_its_quantity() {
+        assert_eq!(find("boer_m"), Err(NotFound::Unknown(Some("bore_m"))));
+        assert_eq!(find("test.final_strok_m"), Err(NotFound::Unknown(Some("test.final_stroke_m"))));
+        assert_eq!(find("zzz"), Err(NotFound::Unknown(None)));
+        assert!(matches!(find("ore_m"), Err(NotFound::Unknown(Some("bore_m")))));
+        assert_eq!(find("lambda0_w_per_m2_k"), Err(NotFound::Unknown(Some("coefficient_w_per_m2_k"))));
+    }
+
+    #[test]
+    fn every_parameter_of_every_effect_can_be_varied_but_for_those_of_a_recorded_stroke_and_of_a_table() {
+        for (index, card) in effects::all() {
+            for (offset, p) in card.parameters.iter().enumerate() {
+                let place = BASE + effects::PARAMETER_OFFSETS[index] + offset;
+                let expected = match effects::of_recorded_stroke().has(index) {
+                    true => Err(NotFound::OfRecordedStroke),
+                    false if !p.is_variable() => Err(NotFound::OfTable),
+                    false => Ok(place),
+                };
+                assert_eq!(find(&format!("effect.{}.{}", card.name, p.key())), expected);
+            }
+        }
+        assert_eq!(find("delay_s"), find("effect.record_delay.delay_s"));
+    }
+}

@@ -1,0 +1,97 @@
+//! One row: from the point of the design to the chamber and test that it stands for.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `geometry` | bore or strokes, solved for where a ratio is given |
+//! | [`outputs`], `status` | what comes out of a row, and how it ended |
+//! | [`solve`], [`chunk`] | rows through the kernel of `ensemble`, piece by piece |
+
+pub mod chunk;
+pub(crate) mod geometry;
+pub mod outputs;
+pub mod solve;
+pub(crate) mod status;
+
+use crate::quantity::Base;
+use crate::quantity::point::Point;
+use crate::study::Study;
+use chamber::balance::{self, Boundary};
+use chamber::effects::{self, EffectSet};
+use ensemble::{Hold, Scenario};
+use status::{Failure, Status};
+
+/// The push-and-hold test that a point of the study stands for.
+///
+/// # Errors
+/// How the row ends without it: there is no such test, or the row breaks one of the study's constraints.
+pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Status> {
+    let mut scenario = no_test(study);
+    set_scenario(study, point, &mut scenario)?;
+    Ok(scenario)
+}
+
+/// A scenario that is none, to be set.
+pub fn no_test(study: &Study) -> Scenario {
+    Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN))
+}
+
+/// As [`scenario`], in place of one that is there already, which spares copies of it. What is left there is of no use
+/// where the row ends without a test.
+///
+/// # Errors
+/// As for [`scenario`].
+pub fn set_scenario(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(), Status> {
+    set_test(study, point, scenario).map_err(Status::Failed)?;
+    match study.constraints.iter().position(|constraint| !constraint.holds(point, scenario)) {
+        Some(broken) => Err(Status::LeftOut(broken as u8)),
+        None => Ok(()),
+    }
+}
+
+fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(), Failure> {
+    let get = |base| point.get(base);
+    let or_ambient = |value: f64| if value.is_nan() { get(Base::AmbientTemperature) } else { value };
+    point.set_gas(&mut scenario.chamber);
+    scenario.chamber.geometry = geometry::of_point(point, study.model.chamber.geometry.area_law)?;
+    scenario.initial_pressure_pa = get(Base::InitialPressure);
+    [scenario.initial_position_m, scenario.final_position_m] = geometry::strokes(&scenario.chamber.geometry, point)?;
+    scenario.push_time_s = get(Base::PushTime);
+    scenario.hold = Hold::Duration(get(Base::Duration));
+    let initial_temperature = get(Base::InitialTemperature);
+    scenario.initial_temperature_k = if initial_temperature.is_nan() {
+        effects::rest_temperature(&scenario.chamber.effects, get(Base::AmbientTemperature))
+    } else {
+        initial_temperature
+    };
+    scenario.ambient_temperature_k = get(Base::AmbientTemperature);
+    scenario.ambient_pressure_pa = get(Base::AmbientPressure);
+    scenario.mass_flow_in_kg_per_s = get(Base::MassFlowIn);
+    scenario.temperature_in_k = or_ambient(get(Base::TemperatureIn));
+    scenario.mass_flow_out_kg_per_s = get(Base::MassFlowOut);
+    let time_constants = get(Base::HoldTimeConstants);
+    if !time_constants.is_nan() {
+        let hold = time_constants * final_time_constant(scenario);
+        if !hold.is_finite() {
+            return Err(Failure::NoTimeConstant);
+        }
+        scenario.hold = Hold::Duration(scenario.push_time_s + hold);
+    }
+    Ok(())
+}
+
+/// τ_f = m cv/(λ(Pf, Tw) Aq), s, with Pf the pressure of all the gas at the wall's temperature at rest after the push and
+/// λ with its effects but natural convection, which has no value without a temperature difference.
+pub fn final_time_constant(scenario: &Scenario) -> f64 {
+    let chamber = &scenario.chamber;
+    let ambient = scenario.ambient_temperature_k;
+    let rest = effects::rest_temperature(&chamber.effects, ambient);
+    let mass = scenario.initial_pressure_pa * chamber.geometry.volume(scenario.initial_position_m)
+        / (chamber.gas.gas_constant * scenario.initial_temperature_k);
+    let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
+    let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * rest);
+    let natural = effects::find("natural_convection").map(|(index, _)| index);
+    let set: EffectSet = chamber.active().iter().filter(|index| Some(*index) != natural).collect();
+    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
+    let area = effects::heat_transfer_area(set, &chamber.effects, geometry::final_geometry(scenario).1);
+    mass * chamber.gas.cv() / (coefficient * area)
+}

@@ -1,0 +1,253 @@
+//! A study carried out into its folder, whole or a shard of it.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`shard`] | a share of a study's parts |
+//! | `publish` | parts put in their places while the next ones are computed |
+//! | [`whole`] | a study into one file or memory, or its statistics alone |
+
+mod publish;
+pub mod shard;
+pub mod whole;
+
+use crate::error::Error;
+use crate::folder::earlier::Earlier;
+use crate::folder::file_names::{SENSITIVITY, STATISTICS};
+use crate::folder::record::{Record, statuses_of};
+use crate::folder::store::Store;
+use crate::folder::{Folder, Found, Look};
+use crate::part::new_file::keep_memory;
+use crate::part::status_column::StatusCounts;
+use crate::part::{Place, Work, Workers};
+use crate::progress::Progress;
+use crate::sensitivity;
+use crate::statistics::{self, Plan, State};
+use crate::study::Study;
+use publish::{Finished, publishing};
+use rayon::prelude::*;
+use serde_json::Value;
+use shard::Shard;
+
+/// Which parts a run writes, and what it keeps and reuses.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// Parts that this run writes.
+    pub shard: Shard,
+    /// Whether the rows are written; otherwise only their statistics.
+    pub rows: bool,
+    /// A smaller study whose rows are taken instead of solved again.
+    pub earlier: Option<&'a Earlier>,
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self { shard: Shard::WHOLE, rows: true, earlier: None }
+    }
+}
+
+impl From<Shard> for Options<'_> {
+    fn from(shard: Shard) -> Self {
+        Self { shard, ..Self::default() }
+    }
+}
+
+/// What a run did and what it found done.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Parts this run wrote.
+    pub parts_written: u64,
+    /// Parts of this shard that were there already.
+    pub parts_found: u64,
+    /// Of those written, parts that had been there and were not what their record said.
+    pub parts_damaged: u64,
+    /// Rows this run computed.
+    pub rows_written: u64,
+    /// Rows this run took from an earlier study's folder.
+    pub rows_taken: u64,
+    /// Bytes of this shard's parts.
+    pub bytes: u64,
+    /// Rows of this shard's parts by status.
+    pub statuses: StatusCounts,
+    /// Whether all parts of the study are in the folder now and the manifest is written.
+    pub complete: bool,
+    /// Files with results beside the rows, by name.
+    pub results: Vec<&'static str>,
+}
+
+/// Carries out a shard of a study into a folder. Parts that are there and whole, which is checked byte for byte, stay;
+/// when all parts of the study are there in the end, the manifest is written. May be repeated, interrupted, and run
+/// beside other shards. Where nothing is missing nothing is written.
+///
+/// Threads are those of the current rayon pool; memory grows with their number, not with the study's rows.
+///
+/// # Errors
+/// The folder is another study's or cannot be written. Parts finished before stay.
+pub fn run<'a>(
+    study: &Study,
+    store: &dyn Store,
+    options: impl Into<Options<'a>>,
+    progress: &dyn Progress,
+) -> Result<Report, Error> {
+    let options: Options<'_> = options.into();
+    let Options { shard, rows, earlier } = options;
+    let plan = plan_of(study, options);
+    let folder = Folder::open(study, store)?;
+    let mine: Vec<u64> = (0..study.parts).filter(|part| shard.has(*part)).collect();
+    let look = |part: &u64| (*part, folder.find(*part, rows, Look::Contents));
+    let looked: Vec<(u64, Found)> = mine.par_iter().map(look).collect();
+    let is_whole = |found: &Found| matches!(found, Found::Whole(_));
+    let missing: Vec<u64> = looked.iter().filter(|(_, found)| !is_whole(found)).map(|(part, _)| *part).collect();
+    let found = looked.iter().filter(|(_, found)| is_whole(found)).map(|(part, _)| study.rows_of(*part));
+    progress.found(found.map(|rows| rows.end - rows.start).sum());
+    let damaged = looked.iter().filter(|(_, found)| *found == Found::Damaged).count() as u64;
+    if !missing.is_empty() {
+        folder.prepare()?;
+        folder.clean(|part| shard.has(part))?;
+        folder.remove_manifest()?;
+        write(study, &folder, &missing, options, plan.as_ref(), progress)?;
+    }
+    if let Some(plan) = &plan {
+        mine.par_iter().try_for_each(|part| add_statistics(study, &folder, *part, rows, plan, progress))?;
+    }
+    let parts: Vec<Record> = mine.iter().filter_map(|part| folder.find(*part, rows, Look::Length).whole()).collect();
+    let (mut rows_written, mut rows_taken) = (0, 0);
+    for rows in missing.iter().map(|part| study.rows_of(*part)) {
+        let taken = earlier.map_or(0, |earlier| earlier.count(&rows));
+        rows_taken += taken;
+        rows_written += rows.end - rows.start - taken;
+    }
+    let all = folder.all_finished(rows);
+    let results = match &all {
+        Some(all) => finish(study, &folder, all, rows, plan.as_ref())?,
+        None => Vec::new(),
+    };
+    Ok(Report {
+        parts_written: missing.len() as u64,
+        parts_found: (mine.len() - missing.len()) as u64,
+        parts_damaged: damaged,
+        rows_written,
+        rows_taken,
+        bytes: parts.iter().filter_map(|part| part.file.as_ref()).map(|file| file.bytes).sum(),
+        statuses: statuses_of(&parts),
+        complete: all.is_some(),
+        results,
+    })
+}
+
+/// Writes what the rows of all parts come to, then the manifest; names of the files with results.
+fn finish(
+    study: &Study,
+    folder: &Folder<'_>,
+    all: &[Record],
+    rows: bool,
+    plan: Option<&Plan>,
+) -> Result<Vec<&'static str>, Error> {
+    let mut results = Vec::new();
+    if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.local_part(part))? {
+        folder.write_json(SENSITIVITY, &indices)?;
+        results.push(SENSITIVITY);
+    }
+    if let Some(plan) = plan
+        && let Some(summary) = summary(study, plan, folder, all)?
+    {
+        folder.write_json(STATISTICS, &summary)?;
+        results.push(STATISTICS);
+    }
+    folder.write_manifest(all)?;
+    Ok(results)
+}
+
+/// The statistics that a run makes: the study's, or all of them where nothing else is kept.
+fn plan_of(study: &Study, options: Options<'_>) -> Option<Plan> {
+    study.statistics.clone().or_else(|| (!options.rows).then(|| Plan::all(study.outputs())))
+}
+
+/// Gives a part that was found the statistics that its record does not have, from its stored rows where there are some.
+fn add_statistics(
+    study: &Study,
+    folder: &Folder<'_>,
+    part: u64,
+    rows: bool,
+    plan: &Plan,
+    progress: &dyn Progress,
+) -> Result<(), Error> {
+    let Found::Whole(record) = folder.find(part, rows, Look::Length) else { return Ok(()) };
+    if folder.statistics(part).is_some_and(|state| state.plan == plan.identity()) {
+        return Ok(());
+    }
+    let state = match &record.file {
+        Some(_) => statistics::of_file(plan, folder.local_part(part)?.path(), record.first_row)?,
+        None => {
+            let work = Work { plan: Some(plan), workers: Workers::One, ..Work::new(study, progress) };
+            let written = work.write(study.rows_of(part), None)?;
+            written.statistics.unwrap_or_else(|| State::new(plan))
+        }
+    };
+    folder.write_record(part, &Record { statistics: Some(state), ..record })
+}
+
+/// The statistics of all parts, if each has its own; one part's are in memory at a time.
+fn summary(study: &Study, plan: &Plan, folder: &Folder<'_>, parts: &[Record]) -> Result<Option<Value>, Error> {
+    let mut total = State::new(plan);
+    for part in 0..study.parts {
+        match folder.statistics(part) {
+            Some(state) if state.plan == total.plan => total.merge(&state),
+            _ => return Ok(None),
+        }
+    }
+    total.summary(study, plan, &statuses_of(parts)).map(Some)
+}
+
+/// Computes parts and puts them in their places.
+fn write(
+    study: &Study,
+    folder: &Folder<'_>,
+    missing: &[u64],
+    options: Options<'_>,
+    plan: Option<&Plan>,
+    progress: &dyn Progress,
+) -> Result<(), Error> {
+    keep_memory();
+    // Fewer files than threads: the threads share each file's rows.
+    let workers = if missing.len() < rayon::current_num_threads() { Workers::All } else { Workers::One };
+    let work = Work { study, plan, earlier: options.earlier, workers, progress };
+    let staging = folder.staging()?;
+    let one = |part: u64| -> Result<Finished<'_>, Error> {
+        let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
+        let path = folder.path(&folder.part_file(part));
+        let place = options.rows.then_some(Place { path: &path, staging: &staging, extra: &extra });
+        let written = work.write(study.rows_of(part), place.as_ref())?;
+        let record = folder.record(part, &written);
+        Ok(Finished { folder, part, record, file: written.file })
+    };
+    let scattered = scattered(missing);
+    publishing(|publish| match workers {
+        Workers::All => scattered.iter().try_for_each(|part| publish.send(one(*part)?)),
+        Workers::One => scattered.par_iter().with_max_len(1).try_for_each(|part| publish.send(one(*part)?)),
+    })
+}
+
+/// The same parts, one after the other far from each other (by the reversed bits of their places): what is done at any
+/// time is a fair share of the design, and the rate so far that of the rest, though one end of an axis may be slow.
+fn scattered(parts: &[u64]) -> Vec<u64> {
+    let bits = parts.len().next_power_of_two().trailing_zeros();
+    let places =
+        (0..parts.len().next_power_of_two()).map(|i| i.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0));
+    places.filter_map(|place| parts.get(place).copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scattered_parts_are_the_same_parts_and_any_beginning_is_spread_over_all() {
+        for count in [0, 1, 2, 3, 16, 23] {
+            let parts: Vec<u64> = (0..count).collect();
+            let mut sorted = scattered(&parts);
+            sorted.sort_unstable();
+            assert_eq!(sorted, parts);
+        }
+        assert_eq!(scattered(&(0..16).collect::<Vec<_>>())[..4], [0, 8, 4, 12]);
+    }
+}
