@@ -73,6 +73,8 @@ class Logger:
     readout: tuple | None = None  # Hz, "held" or "interpolated"
     position_delay: float = 0.0
     position_low_pass: float = 0.0
+    position_readout: tuple | None = None  # Hz, "held" or "interpolated"
+    position_lost: float = 0.0  # share of the readings
     creep: float = 0.0
     ambient_rise: float = 0.0
     pressure_unit: float = 1.0
@@ -207,6 +209,9 @@ RECORDINGS = [
     Recording("supply-leak", supply_leak, "named", ("supply_leakage",)),
     Recording("bar-as-pa", set_to(pressure_unit=1e-5), "refused", (), False),
     Recording("ms-as-s", set_to(time_unit=1e3), "refused", (), False),
+    Recording("position-held", set_to(position_readout=(25.0, "held"))),
+    Recording("position-interpolated", set_to(position_readout=(25.0, "interpolated"))),
+    Recording("position-lost", set_to(position_lost=0.005)),
 ]
 
 
@@ -220,6 +225,15 @@ def filtered(signal, step, tau):
     driven = before * (1 - kept) + slope * (step - tau * (1 - kept))
     shown, _ = lfilter([1.0], [1.0, -kept], driven[1:], zi=[kept * signal[0]])
     return np.concatenate([signal[:1], shown])
+
+
+def read_out(rows, signal, readout, rate):
+    """A signal whose sensor is read less often than the rows come."""
+    if not readout:
+        return signal
+    every = round(rate / readout[0])
+    read = np.arange(0, len(rows), every)
+    return np.interp(rows, rows[read], signal[read]) if readout[1] == "interpolated" else np.repeat(signal[read], every)[: len(rows)]
 
 
 def trace(chamber, logger, moves, pressure, end, rate, position_noise, g):
@@ -262,12 +276,13 @@ def trace(chamber, logger, moves, pressure, end, rate, position_noise, g):
     seen = np.round(seen / logger.step) * logger.step
     bad = g.uniform(size=len(rows)) < logger.outliers
     seen[bad] += g.choice([-1, 1], bad.sum()) * g.uniform(4e3, 2e4, bad.sum())
-    if logger.readout:
-        every = round(rate / logger.readout[0])
-        read = np.arange(0, len(rows), every)
-        seen = np.interp(rows, rows[read], seen[read]) if logger.readout[1] == "interpolated" else np.repeat(seen[read], every)[: len(rows)]
+    seen = read_out(rows, seen, logger.readout, rate)
     where = np.interp(rows - logger.position_delay, grid, filtered(positions, grid[1], logger.position_low_pass))
     where = where * logger.scale + logger.position_offset + g.normal(0, position_noise, len(rows))
+    where = read_out(rows, where, logger.position_readout, rate)
+    if logger.position_lost:
+        lost = g.uniform(size=len(rows)) < logger.position_lost
+        where[lost] = np.where(g.uniform(size=lost.sum()) < 0.5, 0.0, where[lost] + g.uniform(1e-3, 2e-2, lost.sum()))
     ambient = chamber.ambient_temperature + chamber.ambient_rate * rows + g.normal(0, 0.02, len(rows))
     return rows * logger.time_unit, seen * logger.pressure_unit, where, ambient
 

@@ -22,7 +22,7 @@ def test_a_wander_has_the_same_power_in_every_octave():
     assert max(octaves) < 1.5 * min(octaves)
 
 
-@pytest.mark.parametrize("name", ["white", "12-bit-150", "creep-fast", "bore-41-for-40"])
+@pytest.mark.parametrize("name", ["white", "12-bit-150", "creep-fast", "bore-41-for-40", "position-held", "position-lost"])
 def test_a_recording_gets_the_answer_that_it_deserves(name, pneutherm, tmp_path):
     recording = BY_NAME[name]
     answer = recordings.write(tmp_path, recording, 0)

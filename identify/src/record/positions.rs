@@ -17,6 +17,9 @@ const OF_THE_WAY: f64 = 1e-3;
 const OF_THE_OTHERS: f64 = 6.0;
 /// Rows on either side that a reading is compared with.
 const REACH: usize = 2;
+/// Of a reading that stands out of a move, what is left in its neighbours' distances from their own cubics without it: a corner
+/// of the stroke leaves a sixth.
+const LEFT: f64 = 0.1;
 /// More than this share of such rows is no accident.
 const MOST: f64 = 0.02;
 /// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
@@ -93,29 +96,51 @@ fn filled(rows: &[usize], position_m: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Those of the rows whose position stands out of the two on either side (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974)
-/// 383). In a piston's way the middle one of five is near their median, however fast it goes.
+/// Those of the rows whose position is far from what the two on either side say: from their median, which is near the middle one
+/// of five in a piston's way, however fast it goes (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383), or, in a smooth move,
+/// from the cubic through them.
 fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
     let (low, high) = extent(&readings);
-    let least = (FROM_MEDIAN * position_noise(&readings)).max(OF_THE_WAY * (high - low));
-    let middle = |mut five: [f64; 2 * REACH + 1]| {
-        five.sort_unstable_by(f64::total_cmp);
-        five[REACH]
+    let noise_m = position_noise(&readings);
+    let least = (FROM_MEDIAN * noise_m).max(OF_THE_WAY * (high - low));
+    let stands_out = |k: &usize| {
+        let five = &readings[k - REACH..=k + REACH];
+        // Most readings lie near both neighbours.
+        let near = |other: usize| (five[REACH] - five[other]).abs() < 0.5 * least;
+        !(near(REACH - 1) && near(REACH + 1))
+            && (off_median(five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
     };
-    let stands_out = |five: &[f64]| {
-        let Ok(five) = <[f64; 2 * REACH + 1]>::try_from(five) else { return false };
-        // Most readings lie near the one before them.
-        if (five[REACH] - five[REACH - 1]).abs() < 0.5 * least && (five[REACH] - five[REACH + 1]).abs() < 0.5 * least {
-            return false;
-        }
-        let median = middle(five);
-        let others = middle(five.map(|x| (x - median).abs()));
-        (five[REACH] - median).abs() > least.max(OF_THE_OTHERS * others)
-    };
-    let found = readings.windows(2 * REACH + 1).enumerate().filter(|(_, five)| stands_out(five));
-    let found: Vec<usize> = found.map(|(k, _)| rows[k + REACH]).collect();
+    let found: Vec<usize> = (REACH..readings.len().saturating_sub(REACH)).filter(stands_out).map(|k| rows[k]).collect();
     if found.len() as f64 > (MOST * rows.len() as f64).max(3.0) { Vec::new() } else { found }
+}
+
+/// How far the middle one of five is from their median; zero where half of them are as far.
+fn off_median(five: &[f64]) -> f64 {
+    let middle = |mut of: Vec<f64>| {
+        of.sort_unstable_by(f64::total_cmp);
+        of[REACH]
+    };
+    let median = middle(five.to_vec());
+    let others = middle(five.iter().map(|x| (x - median).abs()).collect());
+    let off = five[REACH] - median;
+    if off.abs() > OF_THE_OTHERS * others { off } else { 0.0 }
+}
+
+/// Whether a reading is off the cubic through the two on either side by more than `least` and than noise can hide, and its
+/// neighbours off theirs by what that makes of them, and nothing else.
+fn is_off_cubic(readings: &[f64], k: usize, least: f64, noise_m: f64) -> bool {
+    let off = |i: usize| {
+        let [a, b, x, c, d] = [-2, -1, 0, 1, 2].map(|by| readings[i.wrapping_add_signed(by)]);
+        x - (4.0 * (b + c) - a - d) / 6.0
+    };
+    let least = least.max(FROM_MEDIAN * noise_m / LEFT);
+    if k < 2 * REACH || k + 2 * REACH >= readings.len() || off(k).abs() < least {
+        return false;
+    }
+    let most = LEFT * off(k).abs();
+    let shares = [(k - 2, -1.0 / 6.0), (k - 1, 4.0 / 6.0), (k + 1, 4.0 / 6.0), (k + 2, -1.0 / 6.0)];
+    shares.iter().all(|(i, share)| (off(*i) + share * off(k)).abs() < most)
 }
 
 /// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common.
@@ -240,6 +265,10 @@ mod tests {
         let found = Positions::of(&position_m);
         assert_eq!(found.outliers, [20, 30, 64, 150, 151, 250]);
         assert!(found.filled(&position_m).iter().zip(&good).all(|(a, b)| (a - b).abs() < 2e-3));
+        // In the fastest part of a move, by half of what it goes in a row.
+        let mut position_m = good.clone();
+        position_m[65] -= 0.0015;
+        assert_eq!(Positions::of(&position_m).outliers, [65]);
         let stop = |i: usize| if (60..63).contains(&i) { 59 } else { i };
         let with_a_stop: Vec<f64> = (0..300).map(|i| good[stop(i)]).collect();
         assert!(Positions::of(&with_a_stop).are_all());

@@ -387,7 +387,7 @@ impl Recipe {
         let mut noisy = |value: f64, sd: f64, step: f64| rounded(value + sd * random.normal(), step);
         let mut pressure_pa: Vec<f64> = shown.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect();
         let stated = &faults.stated;
-        let position_m = sampled(&time_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
+        let mut position_m: Vec<f64> = sampled(&time_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
             times.iter().map(|t| averaged(*t, faults.position_window_s, |t| stroke.at(t, t).0)).collect()
         })
         .into_iter()
@@ -399,7 +399,8 @@ impl Recipe {
         let ambient_temperature_k =
             self.ambient_column.then(|| time_s.iter().map(|t| noisy(shown_k(*t), 0.02, 0.01)).collect());
         faults.spoil(&mut pressure_pa, test + repeat == 0, disturbing);
-        faults.slow_readout(self.rate_hz, &mut pressure_pa);
+        recording::slow_readout(faults.readout, self.rate_hz, &mut pressure_pa);
+        faults.spoil_positions(self.rate_hz, &mut position_m, disturbing);
         faults.stamp(&mut time_s, &mut pressure_pa, disturbing);
         Trace {
             path: format!("{name}-{}.csv", repeat + 1).into(),

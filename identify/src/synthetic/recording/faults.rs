@@ -91,6 +91,10 @@ pub struct Faults {
     pub position_low_pass_s: f64,
     /// Time over which the recorded position is a centred moving average, s.
     pub position_window_s: f64,
+    /// Readings in a second of a position sensor that is slower than the rows, and what stands between them.
+    pub position_readout: Option<(f64, Filled)>,
+    /// Share of the positions that are lost (zero) or off by 1 to 20 mm.
+    pub position_spikes: f64,
     /// Number of rows in each record that have the time stamp of the row before.
     pub repeated_stamps: usize,
     /// Recorded pressure over its value in Pa, as of a wrong unit.
@@ -116,6 +120,8 @@ impl Default for Faults {
             position_delay_s: 0.0,
             position_low_pass_s: 0.0,
             position_window_s: 0.0,
+            position_readout: None,
+            position_spikes: 0.0,
             repeated_stamps: 0,
             pressure_unit: 1.0,
             time_unit: 1.0,
@@ -142,22 +148,17 @@ impl Faults {
         }
     }
 
-    /// Fills the rows between the readings of a slow sensor, in place.
-    pub fn slow_readout(&self, rate_hz: f64, pressure_pa: &mut [f64]) {
-        let Some((readout_hz, filled)) = self.readout else { return };
-        let every = (rate_hz / readout_hz).round().max(1.0) as usize;
-        for first in (0..pressure_pa.len()).step_by(every) {
-            let from = pressure_pa[first];
-            // Beyond the last reading there is nothing to go to.
-            let to = pressure_pa.get(first + every).copied().unwrap_or(from);
-            let end = (first + every).min(pressure_pa.len());
-            for (k, p) in pressure_pa[first..end].iter_mut().enumerate() {
-                *p = match filled {
-                    Filled::Held => from,
-                    Filled::Interpolated => from + (to - from) * k as f64 / every as f64,
-                };
+    /// Positions that are lost or off, and those of a slow sensor, in place.
+    pub fn spoil_positions(&self, rate_hz: f64, position_m: &mut [f64], random: &mut Random) {
+        if self.position_spikes > 0.0 {
+            for x in position_m.iter_mut() {
+                if random.uniform() < self.position_spikes {
+                    let off = random.between(1e-3, 2e-2);
+                    *x = if random.below(2) == 0 { 0.0 } else { *x + off };
+                }
             }
         }
+        slow_readout(self.position_readout, rate_hz, position_m);
     }
 
     /// Clock and units, in place.
@@ -168,6 +169,24 @@ impl Faults {
         }
         time_s.iter_mut().for_each(|t| *t *= self.time_unit);
         pressure_pa.iter_mut().for_each(|p| *p *= self.pressure_unit);
+    }
+}
+
+/// Fills the rows between the readings of a slow sensor, in place.
+pub fn slow_readout(readout: Option<(f64, Filled)>, rate_hz: f64, column: &mut [f64]) {
+    let Some((readout_hz, filled)) = readout else { return };
+    let every = (rate_hz / readout_hz).round().max(1.0) as usize;
+    for first in (0..column.len()).step_by(every) {
+        let from = column[first];
+        // Beyond the last reading there is nothing to go to.
+        let to = column.get(first + every).copied().unwrap_or(from);
+        let end = (first + every).min(column.len());
+        for (k, value) in column[first..end].iter_mut().enumerate() {
+            *value = match filled {
+                Filled::Held => from,
+                Filled::Interpolated => from + (to - from) * k as f64 / every as f64,
+            };
+        }
     }
 }
 
@@ -202,7 +221,7 @@ mod tests {
         let rows: Vec<f64> = (0..25).map(|i| f64::from(i * i)).collect();
         for filled in [Filled::Held, Filled::Interpolated] {
             let mut filled_rows = rows.clone();
-            Faults { readout: Some((10.0, filled)), ..Faults::default() }.slow_readout(100.0, &mut filled_rows);
+            slow_readout(Some((10.0, filled)), 100.0, &mut filled_rows);
             for k in [0, 10, 20] {
                 assert_eq!(filled_rows[k], rows[k], "{filled:?}");
             }

@@ -310,4 +310,24 @@ pub const ALL: &[Recording] = &[
         changes: |r, _| r.faults.repeated_stamps = 5,
         ..PLAIN
     },
+    Recording {
+        name: "position-held",
+        what: "position read at 25 Hz, held",
+        changes: |r, _| r.faults.position_readout = Some((25.0, Filled::Held)),
+        hides: &["record_delay", "sensor_lag", "position_delay", "position_averaging"],
+        ..PLAIN
+    },
+    Recording {
+        name: "position-interpolated",
+        what: "position read at 25 Hz, interpolated to the rows",
+        changes: |r, _| r.faults.position_readout = Some((25.0, Filled::Interpolated)),
+        hides: &["record_delay", "sensor_lag", "position_delay", "position_averaging"],
+        ..PLAIN
+    },
+    Recording {
+        name: "position-lost",
+        what: "0.5 % of the positions lost (zero) or off by 1–20 mm",
+        changes: |r, _| r.faults.position_spikes = 0.005,
+        ..PLAIN
+    },
 ];

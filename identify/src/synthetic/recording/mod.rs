@@ -8,7 +8,7 @@ pub mod faults;
 mod list;
 
 pub use disturbance::Disturbance;
-pub use faults::{Faults, Filled, Scattered, Stated};
+pub use faults::{Faults, Filled, Scattered, Stated, slow_readout};
 pub use list::ALL;
 
 use super::{Random, Recipe};
