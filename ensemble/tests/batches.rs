@@ -398,13 +398,13 @@ fn holds_that_are_integrals_over_the_temperature_agree_with_the_integrator() {
     assert!(given_up < 10, "{given_up}");
 }
 
-#[test]
-fn holds_before_a_wall_that_remembers_agree_with_the_integrator() {
+/// Tight rows in front of a wall that remembers, also with effects that keep the closed form and behind sensors.
+fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
     let [conduction, column, warm, surface, lag, delay] =
         ["wall_conduction", "gas_column_length", "warm_wall", "dead_volume_surface", "sensor_lag", "record_delay"]
             .map(|name| effects::find(name).unwrap().0);
     let mut r = Numbers(29);
-    let mut rows = sealed(600);
+    let mut rows = sealed(count);
     for (k, s) in rows.iter_mut().enumerate() {
         let values = &mut s.chamber.effects;
         values.of_mut(conduction)[0] = r.log_between(1e-5, 1e-2);
@@ -424,7 +424,12 @@ fn holds_before_a_wall_that_remembers_agree_with_the_integrator() {
         s.push_time_s = r.log_between(0.01, 0.5);
         s.hold = Hold::Duration(s.push_time_s + r.log_between(0.01, 200.0));
     }
-    let set: EffectSet = [conduction, column, warm, surface, lag, delay].into_iter().collect();
+    ([conduction, column, warm, surface, lag, delay].into_iter().collect(), rows)
+}
+
+#[test]
+fn holds_before_a_wall_that_remembers_agree_with_the_integrator() {
+    let (set, rows) = remembering(600);
     let with =
         |solver, relative_tolerance| results(set, &rows, &Options { solver, relative_tolerance, ..Options::default() });
     let integrated = with(Solver::Adaptive, 1e-12);
@@ -624,7 +629,8 @@ fn sealed_rows_with_their_regressions_agree_with_the_sampled_record() {
 
 #[test]
 fn a_row_does_not_depend_on_its_neighbours() {
-    let (relaxing, kept, curved) = (relaxing(300), kept(300), with_a_curve_of_the_reading(100));
+    let (relaxing, remembering) = (relaxing(300), remembering(300));
+    let (kept, curved) = (kept(300), with_a_curve_of_the_reading(100));
     let (lag, _) = effects::find("sensor_lag").unwrap();
     let (mut r, mut lagging) = (Numbers(5), kept.1.clone());
     for s in &mut lagging {
@@ -636,6 +642,7 @@ fn a_row_does_not_depend_on_its_neighbours() {
         (EffectSet::one(0), varied(300, Some(0)), Solver::Auto),
         (EffectSet::ALL, varied(100, None), Solver::Auto),
         (relaxing.0, relaxing.1, Solver::Auto),
+        (remembering.0, remembering.1, Solver::Auto),
         (kept.0.union(EffectSet::one(lag)), lagging, Solver::Auto),
         (kept.0, kept.1, Solver::Auto),
         (curved.0, curved.1, Solver::Auto),
