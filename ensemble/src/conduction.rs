@@ -518,8 +518,8 @@ impl Gas {
                 misses[node] = by_surface * excess - drive[node];
             }
             if anew.any_positive() {
-                let mut matrix = matrix::<FUSED, C>(black_box(&slopes), response);
-                factors.put::<FUSED>(anew, black_box(&mut matrix));
+                fill::<FUSED, C>(&mut factors.next, black_box(&slopes), response);
+                black_box(&mut *factors).take::<FUSED>(anew);
             }
             let change = black_box(&mut *factors).solve::<FUSED>(black_box(&mut misses));
             let mut largest = Lanes::ZERO;
@@ -562,12 +562,12 @@ impl Gas {
 
 /// The matrix of Newton's equations, from the derivatives of d at each node by the surface's warming and by the integral of d.
 #[inline(always)]
-fn matrix<const FUSED: bool, C: Copy + Into<Lanes>>(
+fn fill<const FUSED: bool, C: Copy + Into<Lanes>>(
+    matrix: &mut [[Lanes; NODES]; NODES],
     slopes: &[[Lanes; 2]; NODES],
     response: &Response<C>,
-) -> [[Lanes; NODES]; NODES] {
+) {
     let rule = &*RULE;
-    let mut matrix = [[Lanes::ZERO; NODES]; NODES];
     for node in 0..black_box(NODES) {
         let [by_surface, by_cooled] = slopes[node];
         for from in 0..NODES {
@@ -576,7 +576,6 @@ fn matrix<const FUSED: bool, C: Copy + Into<Lanes>>(
         }
         matrix[node][node] += Lanes::ONE;
     }
-    matrix
 }
 
 #[cfg(test)]

@@ -11,6 +11,8 @@ pub const SIZE: usize = 6;
 
 /// A matrix, eliminated without exchanges: its diagonal must be large.
 pub struct Factors {
+    /// The matrix to be taken next.
+    pub next: [[Lanes; SIZE]; SIZE],
     /// Above the diagonal what elimination leaves there, below it the factors that it took.
     matrix: [[Lanes; SIZE]; SIZE],
     /// One over the diagonal.
@@ -19,11 +21,13 @@ pub struct Factors {
 
 impl Factors {
     /// Of no matrix yet.
-    pub const NONE: Self = Self { matrix: [[Lanes::ZERO; SIZE]; SIZE], per_pivot: [Lanes::ONE; SIZE] };
+    pub const NONE: Self =
+        Self { next: [[Lanes::ZERO; SIZE]; SIZE], matrix: [[Lanes::ZERO; SIZE]; SIZE], per_pivot: [Lanes::ONE; SIZE] };
 
-    /// Takes a matrix, which is used up, in lanes where `anew` is positive.
+    /// Takes the next matrix, which is used up, in lanes where `anew` is positive.
     #[inline(always)]
-    pub fn put<const FUSED: bool>(&mut self, anew: Lanes, matrix: &mut [[Lanes; SIZE]; SIZE]) {
+    pub fn take<const FUSED: bool>(&mut self, anew: Lanes) {
+        let matrix = &mut self.next;
         for pivot in 0..SIZE {
             let per_pivot = matrix[pivot][pivot].recip();
             self.per_pivot[pivot] = anew.where_positive(per_pivot, self.per_pivot[pivot]);
@@ -45,7 +49,7 @@ impl Factors {
     /// The solution for a right side, which is used up. Written out, as the compiler leaves such loops as they are.
     #[inline(always)]
     pub fn solve<const FUSED: bool>(&self, right: &mut [Lanes; SIZE]) -> [Lanes; SIZE] {
-        let Self { matrix, per_pivot } = self;
+        let Self { matrix, per_pivot, .. } = self;
         macro_rules! eliminate {
             ($pivot:literal; $($row:literal)*) => {
                 $(right[$row] = multiply_add::<FUSED>(matrix[$row][$pivot], right[$pivot], right[$row]);)*
@@ -85,10 +89,10 @@ mod tests {
             if row == column { 4.0 + small } else { small }
         };
         let of = |scale: f64| core::array::from_fn(|i| core::array::from_fn(|j| Lanes::from(entry(i, j) * scale)));
-        let mut factors = Factors::NONE;
-        factors.put::<false>(Lanes::ONE, &mut of(1.0));
-        let odd = Lanes::from_fn(|lane| (lane % 2) as f64);
-        factors.put::<false>(odd, &mut of(2.0));
+        let mut factors = Factors { next: of(1.0), ..Factors::NONE };
+        factors.take::<false>(Lanes::ONE);
+        factors.next = of(2.0);
+        factors.take::<false>(Lanes::from_fn(|lane| (lane % 2) as f64));
         let expected: [f64; SIZE] = core::array::from_fn(|k| 1.0 - 0.3 * k as f64);
         let mut right =
             core::array::from_fn(|i| Lanes::from((0..SIZE).map(|j| entry(i, j) * expected[j]).sum::<f64>()));
