@@ -503,9 +503,8 @@ impl Gas {
         let allowed = self.temperature * (relative.max(FINEST) * CONVERGED);
         let least = self.feed * self.wall * self.wall * 1e-14 + allowed / cooling;
         let (mut open, mut first, mut anew) = (Lanes::ONE, Lanes::ZERO, Lanes::ONE);
+        let (mut misses, mut slopes) = ([Lanes::ZERO; NODES], [[Lanes::ZERO; 2]; NODES]);
         for round in 0..ROUNDS {
-            let mut misses = [Lanes::ZERO; NODES];
-            let mut slopes = [[Lanes::ZERO; 2]; NODES];
             for node in 0..black_box(NODES) {
                 let (mut cooled, mut warmed) = (Lanes::ZERO, surface[node]);
                 for from in 0..NODES {
