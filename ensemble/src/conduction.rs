@@ -7,7 +7,8 @@
 //! fastest mode. Here d is over a step of length h the polynomial through its values at the nodes of Radau's rule, the
 //! last of which is the step's end. From it T follows by integration and each mode by the integral of d weighted with
 //! e^(−μ (t − s)), both exactly, however large μ h is ([`Response`]). The values at the nodes solve their equations (a
-//! collocation method: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, IV.5) by Newton's method.
+//! collocation method: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, IV.5) by Newton's method, from
+//! where the polynomial of the step before goes on, mostly with the slopes of the first round throughout.
 //!
 //! Modes have the same μ in all rows, so that all rows can take steps of the same lengths, with a response worked out once:
 //! what the wall remembers and what relaxes both change over as long as they have lasted, and so the lengths grow in equal
@@ -18,6 +19,7 @@
 use crate::Batch;
 use crate::advance::{Problem, Steps};
 use crate::chambers::Chambers;
+use crate::elimination::{self, Factors};
 use crate::filter::{self, Sensor, TERMS};
 use crate::general::Row;
 use crate::history::History;
@@ -36,7 +38,7 @@ use std::sync::{LazyLock, OnceLock};
 pub const EFFECTS: EffectSet = effects::REMEMBERING.union(kept::EFFECTS);
 
 /// Nodes of a step, and their places in it.
-const NODES: usize = 6;
+const NODES: usize = elimination::SIZE;
 const PLACES: [f64; NODES] = [
     0.039_809_857_051_468_74,
     0.198_013_417_873_608_17,
@@ -58,9 +60,19 @@ const FINER_POWER: usize = 6;
 const LENGTHS: usize = 84;
 /// A last step is at most this much longer than the one that would be next.
 const STRETCHED: f64 = 1.2;
-/// Rounds of Newton's method at most, and the change, as a share of d at the begin, after which the next is below rounding.
-const ROUNDS: usize = 8;
-const CONVERGED: f64 = 1e-6;
+/// Rounds of Newton's method at most.
+const ROUNDS: usize = 10;
+/// Error of T, as a share of that allowed for, that the equations are solved to.
+const CONVERGED: f64 = 1e-3;
+/// The smallest relative tolerance that rounding allows for.
+const FINEST: f64 = 1e-12;
+/// As the equations are quadratic, a round with the slopes of the first leaves at most so many times b (a h)², the first change
+/// and its own.
+const LEFT: f64 = 3.0;
+/// Where that is a larger share of its own change, slopes are worked out anew.
+const SLOW: f64 = 0.05;
+/// Of how many values at the end of a step d ahead is guessed.
+const GUESSED: usize = 5;
 /// Error of T at the end of a step over a h and the square of the last Legendre terms, over d: for T' = −T it is 0.002 to 0.01.
 const ERROR: f64 = 0.02;
 /// Share of the Legendre term before the last that counts beside it, should it happen to vanish.
@@ -74,6 +86,8 @@ struct Rule {
     integrals: [[f64; NODES]; NODES],
     /// Its last Legendre coefficient, likewise, and the share of the one before.
     last: [[f64; NODES]; 2],
+    /// Coefficients, in powers of the place beyond the end, of the polynomial through the last of the values.
+    ahead: [[f64; GUESSED]; GUESSED],
 }
 
 static RULE: LazyLock<Rule> = LazyLock::new(|| {
@@ -85,7 +99,9 @@ static RULE: LazyLock<Rule> = LazyLock::new(|| {
     // Of Legendre's polynomials from 0 to 1, that of order five begins with 252 x⁵ − 630 x⁴, that of order four with 70 x⁴.
     let fifth = powers.map(|polynomial| polynomial[5] / 252.0);
     let fourth = core::array::from_fn(|node| (powers[node][4] + 630.0 * fifth[node]) / 70.0 * BEFORE_LAST);
-    Rule { powers, integrals, last: [fifth, fourth] }
+    let beyond = filter::polynomials::<GUESSED>(core::array::from_fn(|k| PLACES[NODES - GUESSED + k] - 1.0));
+    let ahead = core::array::from_fn(|power| beyond.map(|polynomial| polynomial[power]));
+    Rule { powers, integrals, last: [fifth, fourth], ahead }
 });
 
 /// How the modes respond to d over a step.
@@ -167,7 +183,10 @@ impl WithSimd for WorkOut<'_> {
 
 /// Length of a step, s, by the power of the ratio that it is longer than the shortest by.
 fn length(number: usize) -> f64 {
-    FIRST / FINER.powi(LEVELS as i32 - 1) * RATIO.powi(number as i32)
+    static ALL: LazyLock<[f64; LENGTHS]> = LazyLock::new(|| {
+        core::array::from_fn(|number| FIRST / FINER.powi(LEVELS as i32 - 1) * RATIO.powi(number as i32))
+    });
+    ALL[number]
 }
 
 /// The number of the step that comes after `taken` others at a level.
@@ -324,8 +343,10 @@ impl Hold<'_> {
         ));
         gas.modes = modes;
         gas.temperature = temperature;
+        gas.drives = [gas.drive(); NODES];
         let per_temperature = mass * balance.chamber.gas.gas_constant / volume;
-        let begin = gas.view(per_temperature, gas.drive());
+        let begin = gas.view(per_temperature, gas.drives[0]);
+        let mut factors = black_box(Factors::NONE);
         let (mut time, mut taken) = (Lanes::ZERO, 0);
         let mut good = Lanes::ONE;
         loop {
@@ -334,17 +355,17 @@ impl Hold<'_> {
                 break;
             }
             let response = Response::of(number(level, taken));
-            let step = black_box(&mut gas).step::<FUSED, f64>(response, self.relative);
+            let step = black_box(&mut gas).step::<FUSED, f64>(response, self.relative, &mut factors);
             let goes = black_box(goes_on.where_positive(Lanes::ONE, Lanes::ZERO));
             good = goes.where_positive(good.min(step.good), good);
             time = goes.where_positive(time + response.length, time);
-            gas.take(goes, &step);
-            history.push(time, goes, &gas.view(per_temperature, step.drive));
+            gas.take(goes, response.length.into(), &step);
+            history.push(time, goes, &gas.view(per_temperature, step.drives[NODES - 1]));
             taken += 1;
         }
-        let step = black_box(&mut gas).step::<FUSED, Lanes>(black_box(last), self.relative);
-        gas.take(Lanes::ONE, &step);
-        history.push(time + last.length, Lanes::ONE, &gas.view(per_temperature, step.drive));
+        let step = black_box(&mut gas).step::<FUSED, Lanes>(black_box(last), self.relative, &mut factors);
+        gas.take(Lanes::ONE, last.length, &step);
+        history.push(time + last.length, Lanes::ONE, &gas.view(per_temperature, step.drives[NODES - 1]));
         let energy = gas.temperature * capacity;
         let heat = (gas.temperature - temperature) * capacity;
         black_box(Held { good: good.min(step.good), begin, root_energy: energy.sqrt(), modes: gas.modes, heat })
@@ -361,14 +382,17 @@ struct Gas {
     wall: Lanes,
     temperature: Lanes,
     modes: [Lanes; MODES],
+    /// Length of the last step, s, and d at its nodes: at first d at the begin.
+    since: Lanes,
+    drives: [Lanes; NODES],
 }
 
 /// A step of it.
 struct Step {
     temperature: Lanes,
     modes: [Lanes; MODES],
-    /// d at the end.
-    drive: Lanes,
+    /// d at the nodes, the last of which is the end.
+    drives: [Lanes; NODES],
     /// Positive where its error is small enough.
     good: Lanes,
 }
@@ -398,6 +422,8 @@ impl Gas {
             wall: at.wall_temperature,
             temperature,
             modes: [Lanes::ZERO; MODES],
+            since: Lanes::ONE,
+            drives: [Lanes::ZERO; NODES],
         }
     }
 
@@ -411,6 +437,30 @@ impl Gas {
         self.feed * self.temperature * excess
     }
 
+    /// d at the nodes of a step of a length, s, by the polynomial through the last of its values.
+    #[inline(always)]
+    fn guess<const FUSED: bool>(&self, length: Lanes) -> [Lanes; NODES] {
+        let rule = &*RULE;
+        let mut terms = [Lanes::ZERO; GUESSED];
+        for power in 0..black_box(GUESSED) {
+            for k in 0..GUESSED {
+                let value = self.drives[NODES - GUESSED + k];
+                terms[power] = multiply_add::<FUSED>(value, Lanes::from(rule.ahead[power][k]), terms[power]);
+            }
+        }
+        let (terms, ratio) = (black_box(&terms), black_box(length / self.since));
+        let mut guess = [Lanes::ZERO; NODES];
+        for node in 0..black_box(NODES) {
+            let place = ratio * PLACES[node];
+            let mut value = terms[GUESSED - 1];
+            for power in (0..GUESSED - 1).rev() {
+                value = multiply_add::<FUSED>(value, place, terms[power]);
+            }
+            guess[node] = value;
+        }
+        guess
+    }
+
     /// What is seen of it, by its pressure over its temperature and d.
     #[inline(always)]
     fn view(&self, per_temperature: Lanes, drive: Lanes) -> View<Lanes> {
@@ -419,7 +469,11 @@ impl Gas {
     }
 
     #[inline(always)]
-    fn take(&mut self, goes: Lanes, step: &Step) {
+    fn take(&mut self, goes: Lanes, length: Lanes, step: &Step) {
+        self.since = goes.where_positive(length, self.since);
+        for node in 0..NODES {
+            self.drives[node] = goes.where_positive(step.drives[node], self.drives[node]);
+        }
         self.temperature = goes.where_positive(step.temperature, self.temperature);
         for mode in 0..MODES {
             self.modes[mode] = goes.where_positive(step.modes[mode], self.modes[mode]);
@@ -428,7 +482,12 @@ impl Gas {
 
     /// A step with that response.
     #[inline(always)]
-    fn step<const FUSED: bool, C: Copy + Into<Lanes>>(&self, response: &Response<C>, relative: f64) -> Step {
+    fn step<const FUSED: bool, C: Copy + Into<Lanes>>(
+        &self,
+        response: &Response<C>,
+        relative: f64,
+        factors: &mut Factors,
+    ) -> Step {
         let rule = &*RULE;
         let cooling = self.cooling * response.length.into();
         // What the surface has at the nodes without d.
@@ -439,13 +498,13 @@ impl Gas {
                     multiply_add::<FUSED>(self.modes[mode], response.kept[node][mode].into(), surface[node]);
             }
         }
-        let guess = self.drive();
-        let least = guess.abs() * CONVERGED + self.feed * self.wall * self.wall * 1e-14;
-        let mut drive = [guess; NODES];
-        let mut open = Lanes::ONE;
-        for _ in 0..ROUNDS {
-            let mut matrix = [[Lanes::ZERO; NODES]; NODES];
-            let mut misses = [Lanes::ZERO; NODES];
+        let mut drive = self.guess::<FUSED>(response.length.into());
+        let bend = self.feed * cooling * cooling * LEFT;
+        let allowed = self.temperature * (relative.max(FINEST) * CONVERGED);
+        let least = self.feed * self.wall * self.wall * 1e-14 + allowed / cooling;
+        let (mut open, mut first, mut anew) = (Lanes::ONE, Lanes::ZERO, Lanes::ONE);
+        let (mut misses, mut slopes) = ([Lanes::ZERO; NODES], [[Lanes::ZERO; 2]; NODES]);
+        for round in 0..ROUNDS {
             for node in 0..black_box(NODES) {
                 let (mut cooled, mut warmed) = (Lanes::ZERO, surface[node]);
                 for from in 0..NODES {
@@ -454,26 +513,29 @@ impl Gas {
                 }
                 let temperature = self.temperature - cooling * cooled;
                 let (by_surface, excess) = (self.feed * temperature, temperature - warmed);
-                let by_cooled = self.feed * (excess + temperature) * cooling;
+                slopes[node] = [by_surface, self.feed * (excess + temperature) * cooling];
                 misses[node] = by_surface * excess - drive[node];
-                for from in 0..NODES {
-                    let by_warmed: Lanes = response.warming[node][from].into();
-                    matrix[node][from] =
-                        multiply_add::<FUSED>(by_surface, by_warmed, by_cooled * rule.integrals[node][from]);
-                }
-                matrix[node][node] += Lanes::ONE;
             }
-            let change = solve::<FUSED>(black_box(&mut matrix), black_box(&mut misses));
+            if anew.any_positive() {
+                fill::<FUSED, C>(&mut factors.next, black_box(&slopes), response);
+                black_box(&mut *factors).take::<FUSED>(anew);
+            }
+            let change = black_box(&mut *factors).solve::<FUSED>(black_box(&mut misses));
             let mut largest = Lanes::ZERO;
             for node in 0..NODES {
                 drive[node] += open.where_positive(change[node], Lanes::ZERO);
                 largest = largest.max(change[node].abs());
             }
+            if round == 0 {
+                first = largest;
+            }
+            let share = bend * first.max(largest);
             // Not where it is no number: then the row is not solved.
-            open = (least - largest).where_positive(Lanes::ZERO, open);
+            open = (least - share * largest).where_positive(Lanes::ZERO, open);
             if !open.any_positive() {
                 break;
             }
+            anew = open.min(share - SLOW);
         }
         let (mut cooled, mut last, mut before_last, mut largest) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
         for from in 0..NODES {
@@ -493,33 +555,26 @@ impl Gas {
             }
         }
         let good = (allowed + f64::MIN_POSITIVE).where_positive(Lanes::ONE - open, Lanes::ZERO);
-        Step { temperature, modes, drive: drive[NODES - 1], good }
+        Step { temperature, modes, drives: drive, good }
     }
 }
 
-/// Solves linear equations by elimination without exchanges, as their diagonals are large; both sides are used up.
+/// The matrix of Newton's equations, from the derivatives of d at each node by the surface's warming and by the integral of d.
 #[inline(always)]
-fn solve<const FUSED: bool>(matrix: &mut [[Lanes; NODES]; NODES], right: &mut [Lanes; NODES]) -> [Lanes; NODES] {
-    let mut per_pivot = [Lanes::ZERO; NODES];
-    for pivot in 0..NODES {
-        per_pivot[pivot] = matrix[pivot][pivot].recip();
-        for row in pivot + 1..NODES {
-            let factor = -(matrix[row][pivot] * per_pivot[pivot]);
-            for column in pivot + 1..NODES {
-                matrix[row][column] = multiply_add::<FUSED>(factor, matrix[pivot][column], matrix[row][column]);
-            }
-            right[row] = multiply_add::<FUSED>(factor, right[pivot], right[row]);
+fn fill<const FUSED: bool, C: Copy + Into<Lanes>>(
+    matrix: &mut [[Lanes; NODES]; NODES],
+    slopes: &[[Lanes; 2]; NODES],
+    response: &Response<C>,
+) {
+    let rule = &*RULE;
+    for node in 0..black_box(NODES) {
+        let [by_surface, by_cooled] = slopes[node];
+        for from in 0..NODES {
+            let by_warmed: Lanes = response.warming[node][from].into();
+            matrix[node][from] = multiply_add::<FUSED>(by_surface, by_warmed, by_cooled * rule.integrals[node][from]);
         }
+        matrix[node][node] += Lanes::ONE;
     }
-    let mut solution = [Lanes::ZERO; NODES];
-    for row in (0..NODES).rev() {
-        let mut rest = right[row];
-        for column in row + 1..NODES {
-            rest -= matrix[row][column] * solution[column];
-        }
-        solution[row] = rest * per_pivot[row];
-    }
-    solution
 }
 
 #[cfg(test)]

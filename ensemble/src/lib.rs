@@ -28,6 +28,7 @@ mod clock;
 mod conduction;
 mod corner;
 mod course;
+mod elimination;
 mod exact_rows;
 mod exact_tests;
 mod filter;

@@ -1,8 +1,7 @@
 //! Effects that keep a closed form, or whose hold is an integral: against the integrator and against exact solutions.
 
-use crate::common::{assert_close, assert_same, kept, relaxing, results, sealed};
-use crate::numbers::Numbers;
-use chamber::{EffectSet, effects};
+use crate::common::{assert_close, assert_same, kept, relaxing, remembering, results, sealed};
+use chamber::effects;
 use ensemble::{Failure, Hold, Options, Solver};
 
 #[test]
@@ -44,31 +43,7 @@ fn holds_that_are_integrals_over_the_temperature_agree_with_the_integrator() {
 
 #[test]
 fn holds_before_a_wall_that_remembers_agree_with_the_integrator() {
-    let [conduction, column, warm, surface, lag, delay] =
-        ["wall_conduction", "gas_column_length", "warm_wall", "dead_volume_surface", "sensor_lag", "record_delay"]
-            .map(|name| effects::find(name).unwrap().0);
-    let mut r = Numbers(29);
-    let mut rows = sealed(600);
-    for (k, s) in rows.iter_mut().enumerate() {
-        let values = &mut s.chamber.effects;
-        values.of_mut(conduction)[0] = r.log_between(1e-5, 1e-2);
-        for (effect, is_there, value) in [
-            (column, k % 3 > 0, r.between(-0.5, 0.5)),
-            (warm, k % 4 > 1, r.between(-5.0, 20.0)),
-            (surface, k % 5 > 3, r.log_between(1e-3, 1e-2)),
-            (lag, k % 6 > 4, r.log_between(1e-3, 0.1)),
-            (delay, k % 7 > 5, r.between(0.0, 0.02)),
-        ] {
-            if is_there {
-                values.of_mut(effect)[0] = value;
-            }
-        }
-        s.initial_temperature_k += r.between(-20.0, 20.0);
-        s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
-        s.push_time_s = r.log_between(0.01, 0.5);
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.01, 200.0));
-    }
-    let set: EffectSet = [conduction, column, warm, surface, lag, delay].into_iter().collect();
+    let (set, rows) = remembering(600);
     let with =
         |solver, relative_tolerance| results(set, &rows, &Options { solver, relative_tolerance, ..Options::default() });
     let integrated = with(Solver::Adaptive, 1e-12);

@@ -215,3 +215,32 @@ pub fn assert_independent(
     }
     assert_eq!(with_instructions(instructions, set, &rows[5..6], options)[0], straight[5], "{name}");
 }
+
+/// Tight rows in front of a wall that remembers, also with effects that keep the closed form and behind sensors.
+pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let [conduction, column, warm, surface, lag, delay] =
+        ["wall_conduction", "gas_column_length", "warm_wall", "dead_volume_surface", "sensor_lag", "record_delay"]
+            .map(|name| effects::find(name).unwrap().0);
+    let mut r = Numbers(29);
+    let mut rows = sealed(count);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let values = &mut s.chamber.effects;
+        values.of_mut(conduction)[0] = r.log_between(1e-5, 1e-2);
+        for (effect, is_there, value) in [
+            (column, k % 3 > 0, r.between(-0.5, 0.5)),
+            (warm, k % 4 > 1, r.between(-5.0, 20.0)),
+            (surface, k % 5 > 3, r.log_between(1e-3, 1e-2)),
+            (lag, k % 6 > 4, r.log_between(1e-3, 0.1)),
+            (delay, k % 7 > 5, r.between(0.0, 0.02)),
+        ] {
+            if is_there {
+                values.of_mut(effect)[0] = value;
+            }
+        }
+        s.initial_temperature_k += r.between(-20.0, 20.0);
+        s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
+        s.push_time_s = r.log_between(0.01, 0.5);
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.01, 200.0));
+    }
+    ([conduction, column, warm, surface, lag, delay].into_iter().collect(), rows)
+}

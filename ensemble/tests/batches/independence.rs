@@ -1,7 +1,7 @@
 //! A row is its own: its neighbours, its place and the instruction set change nothing but, for the last, rounding.
 
 use crate::common::{
-    assert_independent, assert_same, kept, relaxing, results, sealed, varied, with_a_curve_of_the_reading,
+    assert_independent, assert_same, kept, relaxing, remembering, results, sealed, varied, with_a_curve_of_the_reading,
     with_instructions,
 };
 use crate::numbers::Numbers;
@@ -10,7 +10,8 @@ use ensemble::{InstructionSet, Options, Solver};
 
 #[test]
 fn a_row_does_not_depend_on_its_neighbours() {
-    let (relaxing, kept, curved) = (relaxing(300), kept(300), with_a_curve_of_the_reading(100));
+    let (relaxing, remembering) = (relaxing(300), remembering(300));
+    let (kept, curved) = (kept(300), with_a_curve_of_the_reading(100));
     let (lag, _) = effects::find("sensor_lag").unwrap();
     let (mut r, mut lagging) = (Numbers(5), kept.1.clone());
     for s in &mut lagging {
@@ -22,6 +23,7 @@ fn a_row_does_not_depend_on_its_neighbours() {
         (EffectSet::one(0), varied(300, Some(0)), Solver::Auto),
         (EffectSet::ALL, varied(100, None), Solver::Auto),
         (relaxing.0, relaxing.1, Solver::Auto),
+        (remembering.0, remembering.1, Solver::Auto),
         (kept.0.union(EffectSet::one(lag)), lagging, Solver::Auto),
         (kept.0, kept.1, Solver::Auto),
         (curved.0, curved.1, Solver::Auto),

@@ -85,9 +85,13 @@ fn without(rows: &[usize], gone: &[usize]) -> Vec<usize> {
     rows.iter().copied().filter(|row| gone.binary_search(row).is_err()).collect()
 }
 
-/// All rows, linear between these.
+/// All rows, linear between these and as the nearest of them beyond.
 fn filled(rows: &[usize], position_m: &[f64]) -> Vec<f64> {
     let mut out = position_m.to_vec();
+    if let [first, .., last] = rows {
+        out[..*first].fill(position_m[*first]);
+        out[*last..].fill(position_m[*last]);
+    }
     for pair in rows.windows(2) {
         let (from, to) = (pair[0], pair[1]);
         let slope = (position_m[to] - position_m[from]) / (to - from) as f64;
@@ -104,14 +108,23 @@ fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     let (low, high) = extent(&readings);
     let noise_m = position_noise(&readings);
     let least = (FROM_MEDIAN * noise_m).max(OF_THE_WAY * (high - low));
+    if readings.len() < 2 * REACH + 1 {
+        return Vec::new();
+    }
+    let last = readings.len() - 1;
+    // Beyond its ends a record is taken to go back.
+    let at = |k: usize, by: isize| {
+        let place = k.checked_add_signed(by).unwrap_or_else(|| by.unsigned_abs() - k);
+        readings[if place > last { 2 * last - place } else { place }]
+    };
     let stands_out = |k: &usize| {
-        let five = &readings[k - REACH..=k + REACH];
+        let five = [-2, -1, 0, 1, 2].map(|by| at(*k, by));
         // Most readings lie near both neighbours.
         let near = |other: usize| (five[REACH] - five[other]).abs() < 0.5 * least;
         !(near(REACH - 1) && near(REACH + 1))
-            && (off_median(five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
+            && (off_median(&five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
     };
-    let found: Vec<usize> = (REACH..readings.len().saturating_sub(REACH)).filter(stands_out).map(|k| rows[k]).collect();
+    let found: Vec<usize> = (0..=last).filter(stands_out).map(|k| rows[k]).collect();
     if found.len() as f64 > (MOST * rows.len() as f64).max(3.0) { Vec::new() } else { found }
 }
 
@@ -252,7 +265,8 @@ mod tests {
             .collect();
         let found = Positions::of(&position_m);
         assert_eq!((found.between, &found.rows[..3]), (Between::Interpolated, &[0, 4, 8][..]));
-        assert!(found.filled(&position_m).iter().zip(&position_m).all(|(a, b)| (a - b).abs() < 1e-6));
+        let filled = found.filled(&position_m);
+        assert!(filled[..=288].iter().zip(&position_m).all(|(a, b)| (a - b).abs() < 1e-6));
     }
 
     #[test]
@@ -265,6 +279,11 @@ mod tests {
         let found = Positions::of(&position_m);
         assert_eq!(found.outliers, [20, 30, 64, 150, 151, 250]);
         assert!(found.filled(&position_m).iter().zip(&good).all(|(a, b)| (a - b).abs() < 2e-3));
+        let mut at_the_ends = good.clone();
+        (at_the_ends[0], at_the_ends[298]) = (0.0, 0.0);
+        let found = Positions::of(&at_the_ends);
+        assert_eq!(found.outliers, [0, 298]);
+        assert!((found.filled(&at_the_ends)[0] - good[1]).abs() < 1e-9);
         // In the fastest part of a move, by half of what it goes in a row.
         let mut position_m = good.clone();
         position_m[65] -= 0.0015;
