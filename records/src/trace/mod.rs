@@ -15,6 +15,7 @@ mod read;
 mod rest;
 mod rows;
 mod sample;
+mod slow_column;
 
 pub use dialect::Dialect;
 pub use fields::texts as fields_of_line;
