@@ -1,7 +1,7 @@
 //! Strokes whose position was read less often than the rows come: the logger repeats each reading, or joins them by straight
 //! lines. Only the rows that were really read say where the piston is; a curve through all rows would follow a staircase.
 
-use crate::record::readout::Readout;
+use crate::record::readout::{Between, Readout};
 use crate::record::stroke::{Motion, Phase};
 
 /// In this unit a position's rounding in arithmetic is nothing to a readout, which looks for that of pressures in Pa.
@@ -23,7 +23,7 @@ pub fn readouts(records: &[(&[f64], f64)]) -> Vec<Readout> {
 pub fn motion(time_s: &[f64], position_m: &[f64], readout: &Readout) -> Motion {
     let n = time_s.len();
     let rows: Vec<usize> = (0..n).filter(|row| readout.is_reading(*row)).collect();
-    if readout.period == 1 || rows.len() < FEWEST_READINGS {
+    if readout.period == 1 || rows.len() < FEWEST_READINGS || !is_made_of(position_m, &rows, readout) {
         return Motion::detect(time_s, position_m);
     }
     let of = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
@@ -44,6 +44,27 @@ pub fn motion(time_s: &[f64], position_m: &[f64], readout: &Readout) -> Motion {
     motion.segments[0].from_s = time_s[0];
     motion.segments[last].to_s = time_s[n - 1];
     motion
+}
+
+/// Whether the rows between readings are what the logger makes of these, rounded. A sensor that sticks to its steps toggles at
+/// any row, which may look like bends of straight lines, but not while the piston moves.
+fn is_made_of(position_m: &[f64], readings: &[usize], readout: &Readout) -> bool {
+    /// Share of the rows that may be disturbed.
+    const DISTURBED: f64 = 0.01;
+    /// Steps that the rounding of a row and of the readings about it may come to.
+    const ROUNDING: f64 = 1.01;
+    let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 0.0);
+    let step_m = changes.fold(f64::INFINITY, f64::min);
+    let is_off = |row: usize, pair: &[usize]| {
+        let [from, to] = [position_m[pair[0]], position_m[pair[1]]];
+        let share = (row - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
+        match readout.between {
+            Between::Interpolated => (position_m[row] - from - share * (to - from)).abs() > ROUNDING * step_m,
+            _ => position_m[row] != from,
+        }
+    };
+    let off: usize = readings.windows(2).map(|pair| (pair[0]..pair[1]).filter(|row| is_off(*row, pair)).count()).sum();
+    off as f64 <= DISTURBED * position_m.len() as f64
 }
 
 #[cfg(test)]
@@ -106,6 +127,18 @@ mod tests {
             .map(|x| (1e6 * x).round() * 1e-6)
             .collect();
         assert_is_followed(&time_s, &joined);
+    }
+
+    #[test]
+    fn a_period_that_the_rows_of_a_move_do_not_show_is_none() {
+        let mut random = Random::new(6);
+        let time_s: Vec<f64> = (0..2000).map(|i| 0.002 * f64::from(i)).collect();
+        let coarse: Vec<f64> =
+            time_s.iter().map(|t| ((stroke(*t) + 3e-5 * random.normal()) / 1e-4).round() * 1e-4).collect();
+        for between in [Between::Interpolated, Between::Held] {
+            let readout = Readout { between, period: 100, ..Readout::every_row() };
+            assert_eq!(motion(&time_s, &coarse, &readout), Motion::detect(&time_s, &coarse));
+        }
     }
 
     #[test]
