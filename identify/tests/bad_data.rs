@@ -267,3 +267,23 @@ fn a_pressure_of_the_surroundings_in_another_unit_is_noted() {
     rig.ambient.pressure_pa = 1013.0;
     assert!(notes(&rig).iter().any(is_note), "{:?}", notes(&rig));
 }
+
+#[test]
+fn a_short_stop_in_a_bounce_that_a_slow_or_coarse_gauge_sees_at_rest_is_no_open_port() {
+    let mut recipe = Recipe { repeats: 1, rate_hz: 1000.0, noise_pa: 60.0, ..Recipe::from_seed(7) };
+    for test in &mut recipe.tests {
+        let (to, push_s, shape, hold_s) = test.moves[0];
+        let back = to + 0.004 * (test.from_m - to);
+        test.moves = vec![(to, push_s, shape, 0.025), (back, 0.02, shape, 0.025), (to, 0.02, shape, hold_s)];
+    }
+    let rig = recipe.rig();
+    let read = |change: fn(&mut Vec<f64>)| {
+        let mut rig = rig.clone();
+        rig.experiments.iter_mut().flat_map(|e| &mut e.traces).for_each(|t| change(pressures(t)));
+        identify::identify(&rig, Method::Exact).map(|found| found.parameters[0].1.value)
+    };
+    let slow = read(|p| *p = (0..p.len()).map(|i| p[i - i % 40]).collect()).unwrap();
+    let coarse = read(|p| p.iter_mut().for_each(|p| *p = (*p / 2000.0).round() * 2000.0)).unwrap();
+    let truth = recipe.chamber.heat_transfer.coefficient;
+    assert!((slow / truth - 1.0).abs() < 0.03 && (coarse / truth - 1.0).abs() < 0.03, "{slow} {coarse} {truth}");
+}

@@ -141,13 +141,14 @@ impl Rig {
             return Err(document.root().missing("experiment", "at least one [[experiment]] with its traces"));
         }
         let stroke_m = rig.cylinder.stroke_m;
-        let mut seen: Vec<(String, PathBuf, Window)> = Vec::new();
+        let mut seen: Vec<(String, PathBuf, [f64; 2])> = Vec::new();
         for PlannedExperiment { name, traces, window } in plan {
             let reading = Reading { layout: &layout, stroke_m, window, need: Need::Measurement };
             let traces: Vec<Trace> = traces.iter().map(|path| Trace::read(path, &reading)).collect::<Result<_, _>>()?;
             for trace in &traces {
-                refuse_copy(trace, &window, &seen)?;
-                seen.push((trace.sha256.clone(), trace.path.clone(), window));
+                let extent_s = [trace.time_s[0], trace.time_s[trace.len() - 1]];
+                refuse_copy(trace, extent_s, &seen)?;
+                seen.push((trace.sha256.clone(), trace.path.clone(), extent_s));
             }
             rig.experiments.push(Experiment { name, traces });
         }
@@ -239,10 +240,13 @@ impl RigFile {
     }
 }
 
-/// Refuses rows that are part of another record as well: a copy is no repeat.
-fn refuse_copy(trace: &Trace, window: &Window, seen: &[(String, PathBuf, Window)]) -> Result<(), Error> {
-    let overlaps = |other: &Window| window.from_s < other.to_s && other.from_s < window.to_s;
-    match seen.iter().find(|(sha256, _, other)| *sha256 == trace.sha256 && overlaps(other)) {
+/// Refuses rows that are for the most part another record's as well: a copy is no repeat. One test may begin with the rest that
+/// the one before it ends with.
+fn refuse_copy(trace: &Trace, [from_s, to_s]: [f64; 2], seen: &[(String, PathBuf, [f64; 2])]) -> Result<(), Error> {
+    /// Share of the shorter of two records that both may have.
+    const SHARED: f64 = 0.5;
+    let is_copied = |[from, to]: [f64; 2]| to_s.min(to) - from_s.max(from) > SHARED * (to_s - from_s).min(to - from);
+    match seen.iter().find(|(sha256, _, other)| *sha256 == trace.sha256 && is_copied(*other)) {
         Some((_, other, _)) => {
             let problem = Box::new(TraceProblem::Copy { other: other.clone() });
             Err(Error::Trace { path: trace.path.clone(), problem })

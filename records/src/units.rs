@@ -58,7 +58,7 @@ const TIME: [Unit; 8] = [
 const PRESSURE: [Unit; 11] = [
     unit("Pa", 1.0, &["pascal"]),
     unit("hPa", 1e2, &[]),
-    unit("kPa", 1e3, &["kpaa", "kpag", "kn/m2", "kn/m²"]),
+    unit("kPa", 1e3, &["kpaa", "kpag", "kpa rel", "kpa abs", "kn/m2", "kn/m²"]),
     unit("MPa", 1e6, &["mpaa", "mpag", "n/mm2", "n/mm²"]),
     unit("bar", 1e5, &["bara", "barg", "bar(a)", "bar(g)", "bar abs", "bar rel", "bar_a", "bar_g", "barabs", "barrel"]),
     unit("mbar", 1e2, &["mbara", "mbarg"]),
@@ -214,14 +214,14 @@ fn unbracketed(text: &str) -> &str {
 /// Whether a unit's spelling says that a pressure counts from the surroundings' (`psig`, `barg`).
 pub fn says_gauge(spelling: &str) -> bool {
     let text = unbracketed(spelling).to_lowercase();
-    ["psig", "barg", "mbarg", "kpag", "mpag", "kg/cm2g", "psi(g)", "bar(g)", "bar_g", "bar rel", "barrel"]
+    ["psig", "barg", "mbarg", "kpag", "mpag", "kg/cm2g", "psi(g)", "bar(g)", "bar_g", "bar rel", "barrel", "kpa rel"]
         .contains(&text.as_str())
 }
 
 /// Whether a unit's spelling says that a pressure counts from vacuum (`psia`, `bara`).
 pub fn says_absolute(spelling: &str) -> bool {
     let text = unbracketed(spelling).to_lowercase();
-    ["psia", "bara", "mbara", "kpaa", "mpaa", "kg/cm2a", "psi(a)", "bar(a)", "bar_a", "bar abs", "barabs"]
+    ["psia", "bara", "mbara", "kpaa", "mpaa", "kg/cm2a", "psi(a)", "bar(a)", "bar_a", "bar abs", "barabs", "kpa abs"]
         .contains(&text.as_str())
 }
 

@@ -269,6 +269,9 @@ fn a_copy_of_a_record_is_no_repeat_but_another_part_of_the_same_file_is_one() {
         assert!(message.contains("a.csv already; a copy is no repeat") && !message.contains('\n'), "{message}");
     }
     assert!(read(&["traces = [\"a.csv\"]\nto_s = 0.5", "traces = [\"a.csv\"]\nfrom_s = 0.5"]).is_ok());
+    // The rest between two tests may belong to both, as `pneutherm look --split` has it; most of a record may not.
+    assert!(read(&["traces = [\"a.csv\"]\nto_s = 0.6", "traces = [\"a.csv\"]\nfrom_s = 0.4\nto_s = 1.0"]).is_ok());
+    assert!(read(&["traces = [\"a.csv\"]\nto_s = 0.6", "traces = [\"a.csv\"]\nfrom_s = 0.1\nto_s = 1.0"]).is_err());
 }
 
 #[test]

@@ -367,6 +367,31 @@ fn single_bad_rows_are_left_out_and_named() {
 }
 
 #[test]
+fn a_column_with_a_value_at_every_tenth_row_is_joined_by_straight_lines() {
+    let whole = Bench::new().read(spoiled(|_, _| {})).unwrap();
+    let slow = |offset: usize| {
+        spoiled(move |k, rows| {
+            if k % 10 != offset {
+                rows[k] = rows[k][..rows[k].rfind(',').unwrap() + 1].to_owned();
+            }
+        })
+    };
+    for offset in [0, 3] {
+        let trace = Bench::new().read(slow(offset)).unwrap();
+        assert_eq!((trace.len(), &trace.pressure_pa, trace.left_out.len()), (200, &whole.pressure_pa, 0));
+        // The position falls steadily.
+        let off = trace.position_m.iter().zip(&whole.position_m).map(|(a, b)| (a - b).abs());
+        assert!(off.clone().skip(offset).take(190 - offset).all(|off| off < 1e-12), "{offset}");
+    }
+    let odd = spoiled(|k, rows| {
+        if k % 10 != 0 && k != 55 {
+            rows[k] = rows[k][..rows[k].rfind(',').unwrap() + 1].to_owned();
+        }
+    });
+    assert_says(&Bench::new().refusal(odd), &["line 3, column `position_m`", "the field is empty", "179 of 200 rows"]);
+}
+
+#[test]
 fn one_row_in_fifty_may_be_bad_and_no_more() {
     let bad = |every: usize| {
         spoiled(move |k, rows| {

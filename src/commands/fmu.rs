@@ -26,8 +26,8 @@ Example:
   pneutherm fmu model.toml -o Chamber.fmu --validation other-day/rig.toml
 
 Every FMU contains a push and hold with the result of the model, as a reference experiment (FMI-LS-REF). With --validation it \
-contains the records of that rig too: the recorded stroke, the start values, the measured pressure and the error of the model, \
-all as `pneutherm simulate` computes them.
+contains the records of that rig too: the recorded stroke, from which a position_delay or position_averaging of the model is \
+taken, the start values, the measured pressure and the error of the model, all as `pneutherm simulate` computes them.
 
 The importing tool can change every start value. The generation date in the FMU is SOURCE_DATE_EPOCH, or else the date of the \
 model, so that the same model gives the same bytes.")]
@@ -56,7 +56,8 @@ fn version(text: &str) -> Result<Version, String> {
 
 /// Reads the model, writes the FMU.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let mut model = Model::read(&args.model)?;
+    let whole = Model::read(&args.model)?;
+    let mut model = whole.clone();
     let left_out = model.leave_out_recorded_stroke();
     for (place, card) in chamber::effects::all() {
         fmu::table::effects::exported(card, model.chamber.effects.of(place))
@@ -66,7 +67,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let identity = Identity::of(name.unwrap_or("Chamber"));
     let rig = args.validation.as_deref().map(Rig::read).transpose()?;
     output::check([&args.output], rig.iter().flat_map(output::files).chain([args.model.as_path()]))?;
-    let validations = rig.map_or_else(|| Ok(Vec::new()), |rig| measured::validations(&model, &rig))?;
+    // With what the model says of how a stroke is recorded: the inputs inside are the piston's true stroke.
+    let validations = rig.map_or_else(|| Ok(Vec::new()), |rig| measured::validations(&whole, &rig))?;
     let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?, &validations)
         .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;

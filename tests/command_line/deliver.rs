@@ -44,6 +44,25 @@ fn an_fmu_is_a_zip_archive_the_same_each_time() {
 }
 
 #[test]
+fn a_record_inside_an_fmu_has_the_error_of_simulate_though_its_stroke_is_recorded_late() {
+    let bench = bench();
+    bench.file("late.toml", format!("{MODEL}[effect.position_delay]\ndelay_s = 0.02\n"));
+    let told = text(&bench.call(0, &["fmu", "late.toml", "--validation", "rig.toml", "-o", "a.fmu"]).stdout);
+    let stated = told.split("error of the model ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    bench.call(0, &["simulate", "late.toml", "--motion", "motion.csv", "-o", "simulated.csv"]);
+    let pressures = |name: &str| -> Vec<f64> {
+        let table = std::fs::read_to_string(bench.path(name)).unwrap();
+        let place = table.lines().next().unwrap().split(',').position(|column| column == "pressure_pa").unwrap();
+        table.lines().skip(1).map(|row| row.split(',').nth(place).unwrap().parse().unwrap()).collect()
+    };
+    let (simulated, measured) = (pressures("simulated.csv"), pressures("motion.csv"));
+    let squares: f64 = simulated.iter().zip(&measured).map(|(a, b)| (a - b).powi(2)).sum();
+    let error = (squares / measured.len() as f64).sqrt();
+    assert!((stated.parse::<f64>().unwrap() / error - 1.0).abs() < 1e-2, "{told} {error}");
+    assert!(told.contains("left out of the model: position_delay"), "{told}");
+}
+
+#[test]
 fn an_fmu_of_a_faulty_model_or_at_an_impossible_place_is_refused() {
     let bench = bench();
     bench.file("faulty.toml", MODEL.replace("bore_m", "boer_m"));

@@ -189,3 +189,27 @@ def test_positions_in_millimetres_under_the_name_of_metres_are_refused(command, 
     process = pneutherm(command, *arguments, cwd=tmp_path, code=1)
     assert "mm.csv: line 2, column `position_m`" in process.stderr and 'unit = "mm"' in process.stderr, process.stderr
     assert process.stderr.count("\n") == 1 and not (tmp_path / "out").exists()
+
+
+def test_cycles_of_a_shut_chamber_share_the_rests_between_them(pneutherm, tmp_path):
+    """In, out and in again without opening the port: a hold is the rest of the next test."""
+    (tmp_path / "model.toml").write_text(MODEL)
+
+    def position(t):
+        return 0.12 - 0.06 * sum(sign * min(max((t - begin) / 0.1, 0.0), 1.0) for begin, sign in [(1.0, 1), (9.0, -1), (17.0, 1)])
+
+    times = [k / 200 for k in range(5000)]
+    plan = "time_s,position_m\n" + "".join(f"{t:.4f},{position(t):.8f}\n" for t in times)
+    (tmp_path / "plan.csv").write_text(plan)
+    pneutherm("simulate", "model.toml", "--motion", "plan.csv", "--initial-pressure", "3e5", "-o", "out.csv", cwd=tmp_path)
+    noise = random.Random(6)
+    with open(tmp_path / "out.csv") as file:
+        pressures = [float(row["pressure_pa"]) + noise.gauss(0, 40) for row in csv.DictReader(file)]
+    rows = zip(times, pressures, map(position, times))
+    text = table(rows, "time_s,pressure_pa,position_m", lambda t, p, x: f"{t:.4f},{p:.2f},{x:.8f}")
+    (tmp_path / "cycles.csv").write_text(text)
+    pneutherm("look", "cycles.csv", "--bore-mm", "32", "--split", "-o", "rig.toml", cwd=tmp_path)
+    assert (tmp_path / "rig.toml").read_text().count("[[experiment]]") == 3
+    pneutherm("identify", "rig.toml", "--json", "out.json", cwd=tmp_path)
+    parameters = json.loads((tmp_path / "out.json").read_text())["parameters"]
+    assert parameters["lambda0_w_per_m2_k"]["value"] == pytest.approx(LAMBDA0, rel=0.01)

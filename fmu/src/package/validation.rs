@@ -1,4 +1,4 @@
-//! A measured record inside an FMU: the recorded stroke as inputs, the start values that go with it, the measured pressure as
+//! A measured record inside an FMU: the stroke as inputs, the start values that go with it, the measured pressure as
 //! the expected result.
 
 use super::related::{CSV, Related};

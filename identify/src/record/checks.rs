@@ -10,6 +10,8 @@ use std::ops::Range;
 
 /// Fewest rows of a trace.
 pub const FEWEST_ROWS: usize = 20;
+/// A move of less than this share of the travel may leave a coarse sensor where it is.
+const SHORT_MOVE: f64 = 0.05;
 /// A run of equal extreme readings this long is a sensor at the end of its range.
 const LONGEST_HONEST_RUN: usize = 5;
 
@@ -44,7 +46,7 @@ pub fn trace(
         return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low, units });
     }
     saturation(trace, pressure_pa, motion, readout, (least, most))?;
-    closed(trace, pressure_pa, motion)?;
+    closed(trace, pressure_pa, motion, readout)?;
     let correlation = correlation(&trace.position_m, pressure_pa);
     if correlation > 0.5 {
         return Err(Error::WrongSign { trace: path(), correlation });
@@ -75,16 +77,21 @@ fn saturation(
     let rows: Vec<usize> = (0..pressure_pa.len()).filter(|&i| readout.is_data(i)).collect();
     let equal = rows.windows(2).filter(|w| pressure_pa[w[0]] == pressure_pa[w[1]]).count();
     let still = equal as f64 / (rows.len() - 1).max(1) as f64;
+    let way = |rows: Range<usize>| {
+        let (low, high) = extent(&trace.position_m[rows]);
+        high - low
+    };
+    let travel = way(0..trace.position_m.len());
     for (extreme, high) in [(most, true), (least, false)] {
         let run = longest_run(&rows, pressure_pa, extreme);
         let (Some(&first), Some(&last)) = (run.first(), run.last()) else { continue };
         let moves = motion.segments.iter().any(|s| {
             let inside = first.max(s.first)..(last + 1).min(s.end);
-            let stroke = extent(&trace.position_m[s.first..s.end]);
-            s.phase == Phase::Move && inside.len() >= LONGEST_HONEST_RUN * readout.period && {
-                let part = extent(&trace.position_m[inside]);
-                part.1 - part.0 > 0.1 * (stroke.1 - stroke.0)
-            }
+            let stroke = way(s.first..s.end);
+            s.phase == Phase::Move
+                && stroke > SHORT_MOVE * travel
+                && inside.len() >= LONGEST_HONEST_RUN * readout.period
+                && way(inside) > 0.1 * stroke
         });
         if run.len() >= LONGEST_HONEST_RUN && (moves || (still < 0.2 && run.len() > 2 * LONGEST_HONEST_RUN)) {
             let from_s = trace.time_s[first];
@@ -102,31 +109,40 @@ fn saturation(
 
 /// Where the piston comes back to a place, the pressure does too: a change by more than what the holds' own slopes make of it,
 /// once the gas has settled, is gas that came or went.
-fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion) -> Result<(), Error> {
-    /// Fewest rows of a rest or hold that is looked at.
+fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout) -> Result<(), Error> {
+    /// Fewest readings of a rest or hold that is looked at.
     const FEWEST: usize = 10;
     /// Places within this share of the position are the same.
     const SAME_PLACE: f64 = 0.01;
     /// A change beyond this share, with nothing to be seen in between, is an open port.
     const OPENED: f64 = 0.05;
     let is_same = |a: f64, b: f64| (b / a - 1.0).abs() < SAME_PLACE;
-    // Rows and position of each rest and hold.
-    let still: Vec<(Range<usize>, f64)> = motion
+    // Readings and position of each rest and hold.
+    let still: Vec<(Vec<usize>, f64)> = motion
         .segments
         .iter()
-        .filter(|s| s.phase != Phase::Move && s.end - s.first >= FEWEST)
-        .map(|s| (s.first..s.end, trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64))
+        .filter(|s| s.phase != Phase::Move)
+        .map(|s| ((s.first..s.end).filter(|&row| readout.is_data(row)).collect::<Vec<_>>(), s))
+        .filter(|(rows, _)| rows.len() >= FEWEST)
+        .map(|(rows, s)| (rows, trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64))
         .collect();
     if !still.iter().enumerate().any(|(i, (_, place))| still[i + 1..].iter().any(|(_, other)| is_same(*place, *other)))
     {
         return Ok(());
     }
+    // In a short hold the readings of a coarse sensor may all be equal although the gas relaxes.
+    let changes = pressure_pa.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 0.0);
+    let step_pa = changes.fold(f64::INFINITY, f64::min);
     // End, position, and the line that the pressure tends to.
     let ends: Vec<(f64, f64, Line)> = still
         .into_iter()
         .map(|(rows, place)| {
-            let line = Line::towards(&trace.time_s[rows.clone()], &pressure_pa[rows.clone()]);
-            (trace.time_s[rows.end - 1], place, line)
+            let of = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
+            let time_s = of(&trace.time_s);
+            let mut line = Line::towards(&time_s, &of(pressure_pa));
+            let (begin_s, end_s) = extent(&time_s);
+            line.slope_error = line.slope_error.max(step_pa / (end_s - begin_s));
+            (end_s, place, line)
         })
         .collect();
     let relative = |line: &Line| (line.slope.abs() + 2.0 * line.slope_error) / line.mean;

@@ -128,23 +128,42 @@ impl Readout {
     }
 }
 
-/// Changes fall on every k-th row only, although nearly every reading differs from the one before it.
+/// Changes fall on every k-th row only, but for few, although nearly every reading differs from the one before it.
 fn held(pressure_pa: &[f64]) -> Option<Readout> {
-    /// Natural logarithm of the probability with which changes on any rows all fall on a grid: surely no chance.
-    const BY_CHANCE: f64 = -16.0;
     let changes: Vec<usize> = (1..pressure_pa.len()).filter(|&i| pressure_pa[i] != pressure_pa[i - 1]).collect();
     if 2 * changes.len() > pressure_pa.len() {
         return None;
     }
-    // The most frequent distance between changes, and nothing shorter.
-    let period = changes.windows(2).map(|w| w[1] - w[0]).min()?;
-    if !(2..=LONGEST).contains(&period) || -((changes.len() - 1) as f64) * (period as f64).ln() > BY_CHANCE {
+    let mut distances: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    distances.sort_unstable();
+    let most_frequent = distances.chunk_by(|a, b| a == b).max_by_key(|alike| alike.len())?[0];
+    // Where readings stick to a step most changes may be several readings apart; where single rows are disturbed, less than one.
+    [distances[0], most_frequent].into_iter().find_map(|period| held_for(&changes, period))
+}
+
+/// The readout of that many rows, if the changes are its.
+fn held_for(changes: &[usize], period: usize) -> Option<Readout> {
+    /// Natural logarithm of the probability with which changes on any rows all fall on a grid: surely no chance.
+    const BY_CHANCE: f64 = -16.0;
+    /// Share of the changes that disturbances of single rows may be.
+    const DISTURBED: f64 = 0.05;
+    if !(2..=LONGEST).contains(&period) {
         return None;
     }
-    let first = changes[0] % period;
-    let on_grid = changes.iter().filter(|&&i| i % period == first).count();
+    let mut at = vec![0; period];
+    changes.iter().for_each(|row| at[row % period] += 1);
+    let (first, on_grid) = at.into_iter().enumerate().max_by_key(|(first, count)| (*count, period - first))?;
+    let (all, off) = (changes.len() as f64, (changes.len() - on_grid) as f64);
+    // In so many ways are those off the grid chosen from all (Stirling).
+    let ways = if off > 0.0 { off * (1.0 + (all / off).ln()) } else { 0.0 };
+    let chance = ways - (on_grid - 1) as f64 * (period as f64).ln();
     // A sensor that sticks to its steps changes on any row; a slow one on its own rows only.
-    (on_grid == changes.len()).then(|| Readout { between: Between::Held, period, first, outliers: Vec::new() })
+    (off <= DISTURBED * all && chance <= BY_CHANCE).then(|| Readout {
+        between: Between::Held,
+        period,
+        first,
+        outliers: Vec::new(),
+    })
 }
 
 /// Second differences vanish, to the rounding of the readings, but at every k-th row.
@@ -204,6 +223,18 @@ mod tests {
         let found = Readout::detect(&rows);
         assert_eq!((found.between, found.period, found.first), (Between::Held, 10, 3));
         assert!(found.is_data(3) && found.is_data(13) && !found.is_data(4));
+    }
+
+    #[test]
+    fn a_held_readout_is_found_though_single_rows_are_disturbed() {
+        let slow = readings(100);
+        let mut rows: Vec<f64> = (0..960).map(|i| slow[(i + 7) / 10]).collect();
+        // Amid a run, at a reading's own row, and right before the next one's.
+        for (row, by) in [(88, 2e4), (203, -1e4), (402, 3e4)] {
+            rows[row] += by;
+        }
+        let found = Readout::detect(&rows);
+        assert_eq!((found.between, found.period, found.first), (Between::Held, 10, 3));
     }
 
     #[test]

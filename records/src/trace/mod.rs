@@ -17,6 +17,7 @@ mod reading;
 mod rest;
 mod rows;
 mod sample;
+mod slow_column;
 
 pub use dialect::Dialect;
 pub use fields::texts as fields_of_line;

@@ -8,6 +8,7 @@ use super::left_out::{BadRows, LeftOut, ONE_IN};
 use super::order::{self, Order};
 use super::problem::{RowProblem, TraceProblem};
 use super::reading::{MAX_ROWS, Reading};
+use super::slow_column;
 use crate::format::{Decimal, Separator};
 use crate::layout::{Column, Quantity};
 use crate::limits;
@@ -106,6 +107,10 @@ impl<'a> Rows<'a> {
                 }
                 continue;
             }
+            if field(place).is_empty() {
+                *value = slow_column::EMPTY;
+                continue;
+            }
             *value = column.si(finite(column, field(place), self.dialect.decimal)?);
             check(quantity, *value, column, self.reading.stroke_m)?;
         }
@@ -125,6 +130,7 @@ impl<'a> Rows<'a> {
     /// The table, once all lines are taken.
     pub fn finish(mut self) -> Result<ReadRows, TraceProblem> {
         let all = self.columns[0].len() + self.bad.len();
+        self.settle_empty_cells();
         self.leave_out_negative_positions();
         let column = self.header.found[0].2;
         let times = &self.columns[0];
@@ -160,6 +166,18 @@ impl<'a> Rows<'a> {
             }
         }
         Ok(ReadRows { left_out: self.bad.few_among(all)?, columns: self.columns, sorted })
+    }
+
+    /// Fills the columns that have a value at every k-th row only; other rows with an empty cell are left out.
+    fn settle_empty_cells(&mut self) {
+        self.columns.iter_mut().for_each(|column| slow_column::fill(column));
+        for place in 1..self.columns.len() {
+            let (column, values) = (self.header.found[place].2, &self.columns[place]);
+            let problem = |_| finite(column, "", self.dialect.decimal).err();
+            let empty = (0..values.len()).filter(|row| values[*row].is_nan());
+            let empty = empty.filter_map(|row| Some((row, problem(row)?))).collect();
+            self.leave_out(empty);
+        }
     }
 
     /// Positions below zero, but for a sensor's noise at the end.
