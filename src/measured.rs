@@ -1,4 +1,5 @@
-//! Measured records as reference experiments of an FMU: the model along each record as `pneutherm simulate` has it.
+//! Measured records as reference experiments of an FMU: the model along each record as `pneutherm simulate` has it,
+//! but for the stroke, which is linear from row to row.
 
 use crate::simulation::course::along_record;
 use anyhow::Context;

@@ -109,12 +109,13 @@ impl Course<'_> {
     }
 }
 
-/// A model along a record: what is imposed on the chamber, the state it begins from, one sample for each row.
+/// A model along a record whose stroke is linear from row to row: what is imposed on the chamber, the state it begins from, one
+/// sample for each row.
 ///
 /// # Errors
 /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
 pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
-    let stroke = Stroke::behind(&record.time_s, &record.position_m);
+    let stroke = Stroke::behind(&record.time_s, &record.position_m).at_rows(&record.time_s);
     Course { motion: record, stroke, initial_pressure_pa: None }.followed(model, 0.0)
 }
 

@@ -53,6 +53,12 @@ impl Stroke {
         }
         Self { knots, faults }
     }
+
+    /// The same with knots at the rows only, as a client of an FMU sets its inputs.
+    pub fn at_rows(mut self, time_s: &[f64]) -> Self {
+        self.knots.retain(|(time, _)| time_s.binary_search_by(|row| row.total_cmp(time)).is_ok());
+        self
+    }
 }
 
 fn faults(positions: &Positions, motion: &Motion, position_m: &[f64]) -> Vec<String> {

@@ -254,7 +254,8 @@ def test_a_full_disk_is_named_and_what_stood_there_still_stands(command, rig, sm
     fill(small_disk)
     code, message, _, _ = bounded(WRITING[command](out), rig)
     assert code == 1 and "No space left" in message and str(small_disk) in message, message
-    assert message.startswith("error: ") and message.count("\n") == 1, message
+    *notes, error = message.splitlines()
+    assert error.startswith("error: ") and all(note.startswith("note: ") for note in notes), message
     if command in INTO_A_FOLDER:
         assert not results(out)
     else:
