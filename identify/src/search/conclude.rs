@@ -40,7 +40,8 @@ impl Search {
             self.steps.push(self.chosen.clone());
         }
         let mut follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
-        let mut verdict = self.verdict(follows_the_test);
+        let mut carries_over = self.carries_over();
+        let mut verdict = self.verdict(follows_the_test, carries_over);
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
             // Beside a leak the first fit cannot tell, and with wrong pressures another term may have entered in its place.
             let leaky = self.tried.iter().find(|c| has_a_leak_alone(&c.model));
@@ -66,9 +67,9 @@ impl Search {
             self.chosen = found.candidate.clone();
             self.chosen_adequacy = adequacy::test(&self.data, &self.chosen.fit);
             follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
+            carries_over = self.carries_over();
             (verdict, alike) = (Verdict::Improved, Vec::new());
         }
-        let carries_over = self.carries_over();
         let found = Found {
             verdict,
             baseline: self.baseline,
@@ -132,7 +133,7 @@ impl Search {
         wide(&less.fit) - wide(&self.chosen.fit)
     }
 
-    pub(super) fn verdict(&self, follows_the_test: bool) -> Verdict {
+    pub(super) fn verdict(&self, follows_the_test: bool, carries_over: bool) -> Verdict {
         let nothing_named = self.chosen.model.of_rig().is_empty();
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
@@ -141,7 +142,7 @@ impl Search {
             return match self.chosen_adequacy.explains(&self.baseline_adequacy) {
                 _ if nothing_named => Verdict::Adequate,
                 _ if self.chosen.fit.exhausted().is_some() => Verdict::Improved,
-                true if self.carries_over() => Verdict::Explained,
+                true if carries_over => Verdict::Explained,
                 _ => Verdict::Improved,
             };
         }
@@ -155,10 +156,10 @@ impl Search {
 
     /// Whether the chosen model errs on records left out whole hardly more than on those it was fitted to: a cause is at work in
     /// all of them. The last third of a record, which nothing like it was fitted to, may be predicted less well.
-    fn carries_over(&self) -> bool {
-        let fitted = misfit::rms(&self.data, &misfit::residuals(&self.data, &self.chosen.fit));
+    pub(super) fn carries_over(&self) -> bool {
         let whole_records = self.folds.iter().any(|fold| fold.selection.contains(&0));
-        !whole_records || self.chosen.held_out_pa.is_none_or(|left_out| left_out < policy::CARRIES_OVER * fitted)
+        let Some(left_out) = self.chosen.held_out_pa.filter(|_| whole_records) else { return true };
+        left_out < policy::CARRIES_OVER * misfit::rms(&self.data, &misfit::residuals(&self.data, &self.chosen.fit))
     }
 
     fn alike(&self) -> Vec<Model> {
@@ -194,15 +195,15 @@ mod tests {
         let mut search = Search::new(data, paper, adequacy);
         search.first_round();
         assert!(search.carries_over());
-        assert_eq!(search.verdict(false), Verdict::Explained);
+        assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
         search.chosen.held_out_pa = search.chosen.held_out_pa.map(|left_out| 1.5 * left_out);
-        assert_eq!(search.verdict(false), Verdict::Improved);
+        assert_eq!(search.verdict(false, search.carries_over()), Verdict::Improved);
 
         // Of a rig whose records only lose their last thirds, no prediction is asked.
         search
             .folds
             .iter_mut()
             .for_each(|fold| fold.selection.iter_mut().for_each(|blocks| *blocks = (*blocks).max(1)));
-        assert_eq!(search.verdict(false), Verdict::Explained);
+        assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
     }
 }

@@ -168,7 +168,7 @@ mod tests {
         assert!(search.best_of(1, 1, |_| true).is_empty());
         assert!(search.describes());
         assert_eq!(search.chosen.model, zones.model);
-        assert_ne!(search.verdict(false), Verdict::Explained);
+        assert_ne!(search.verdict(false, search.carries_over()), Verdict::Explained);
 
         let (mut search, zones) = search_with_exhausted_zones();
         search.tried = vec![zones];
