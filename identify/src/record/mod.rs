@@ -7,6 +7,7 @@ pub mod clock;
 pub mod colour;
 pub mod data;
 mod first_volume;
+mod hampel;
 mod lattice;
 mod level;
 pub mod line;

@@ -6,6 +6,7 @@
 
 use crate::policy;
 use crate::record::data::{Data, Prepared};
+use crate::record::hampel::{accidental, middle_and_scatter};
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase};
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -16,8 +17,6 @@ const FROM_NEIGHBOURS: f64 = 9.0;
 const FROM_MEDIAN: f64 = 6.5;
 /// Rows on each side that a residual is compared with.
 const REACH: usize = 8;
-/// More than this share of outliers is no accident but the noise itself.
-const MOST: f64 = 0.02;
 
 /// Rows whose pressure stands out of both neighbours by much more than these differ and than the noise, Pa.
 pub fn spikes(pressure_pa: &[f64], readout: &Readout, noise_pa: f64) -> Vec<usize> {
@@ -131,9 +130,8 @@ fn far_from_median(rows: &[usize], residual: &[f64], noise_pa: f64) -> Vec<usize
         }
         around.clear();
         around.extend(near.iter().map(|&i| residual[i]));
-        let middle = median(&mut around);
-        around.iter_mut().for_each(|r| *r = (*r - middle).abs());
-        let scatter = (1.4826 * median(&mut around)).max(noise_pa);
+        let [middle, scatter] = middle_and_scatter(&mut around);
+        let scatter = (1.4826 * scatter).max(noise_pa);
         if (off - middle).abs() > FROM_MEDIAN * scatter {
             found.push(k);
         }
@@ -144,15 +142,6 @@ fn far_from_median(rows: &[usize], residual: &[f64], noise_pa: f64) -> Vec<usize
 /// Whether the middle one of three stands out of both neighbours by much more than these differ and than the noise.
 fn stands_out([a, b, c]: [f64; 3], noise_pa: f64) -> bool {
     (b - a) * (b - c) > 0.0 && (b - a).abs().min((b - c).abs()) > FROM_NEIGHBOURS * noise_pa + 3.0 * (c - a).abs()
-}
-
-fn accidental(found: Vec<usize>, rows: usize) -> Vec<usize> {
-    if found.len() as f64 > (MOST * rows as f64).max(3.0) { Vec::new() } else { found }
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -4,10 +4,12 @@
 //! lines; and single rows stand out of all around them, where a reading was lost or disturbed. Neither says where the piston
 //! is: the stroke goes through the others.
 
+use super::hampel::{accidental, middle_and_scatter};
 use super::lattice::lattice;
 use super::position_noise::position_noise;
 use super::readout::{Between, interpolated};
 use super::spline::extent;
+use records::fill_between;
 
 /// A reading this many standard deviations of the noise from the median of those around it stands out...
 const FROM_MEDIAN: f64 = 9.0;
@@ -20,8 +22,6 @@ const REACH: usize = 2;
 /// Of a reading that stands out of a move, what is left in its neighbours' distances from their own cubics without it: a corner
 /// of the stroke leaves a sixth.
 const LEFT: f64 = 0.14;
-/// More than this share of such rows is no accident.
-const MOST: f64 = 0.02;
 /// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
 const STEPS: f64 = 5.0;
 /// ...and must have gone so far that often for a slower readout to be believed.
@@ -88,15 +88,7 @@ fn without(rows: &[usize], gone: &[usize]) -> Vec<usize> {
 /// All rows, linear between these and as the nearest of them beyond.
 fn filled(rows: &[usize], position_m: &[f64]) -> Vec<f64> {
     let mut out = position_m.to_vec();
-    if let [first, .., last] = rows {
-        out[..*first].fill(position_m[*first]);
-        out[*last..].fill(position_m[*last]);
-    }
-    for pair in rows.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let slope = (position_m[to] - position_m[from]) / (to - from) as f64;
-        (from + 1..to).for_each(|row| out[row] = position_m[from] + slope * (row - from) as f64);
-    }
+    fill_between(rows, &mut out);
     out
 }
 
@@ -122,21 +114,17 @@ fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
         // Most readings lie near both neighbours.
         let near = |other: usize| (five[REACH] - five[other]).abs() < 0.5 * least;
         !(near(REACH - 1) && near(REACH + 1))
-            && (off_median(&five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
+            && (off_median(five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
     };
     let found: Vec<usize> = (0..=last).filter(stands_out).map(|k| rows[k]).collect();
-    if found.len() as f64 > (MOST * rows.len() as f64).max(3.0) { Vec::new() } else { found }
+    accidental(found, rows.len())
 }
 
 /// How far the middle one of five is from their median; zero where half of them are as far.
-fn off_median(five: &[f64]) -> f64 {
-    let middle = |mut of: Vec<f64>| {
-        of.sort_unstable_by(f64::total_cmp);
-        of[REACH]
-    };
-    let median = middle(five.to_vec());
-    let others = middle(five.iter().map(|x| (x - median).abs()).collect());
-    let off = five[REACH] - median;
+fn off_median(mut five: [f64; 2 * REACH + 1]) -> f64 {
+    let reading = five[REACH];
+    let [median, others] = middle_and_scatter(&mut five);
+    let off = reading - median;
     if off.abs() > OF_THE_OTHERS * others { off } else { 0.0 }
 }
 

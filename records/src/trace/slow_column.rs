@@ -1,6 +1,8 @@
 //! A column that has a value at every k-th row only, since it is sampled more slowly than the others: straight lines join the
 //! values, as other loggers write such a column themselves.
 
+use crate::fill::fill_between;
+
 /// Stands for an empty cell until all rows are read.
 pub const EMPTY: f64 = f64::NAN;
 
@@ -13,15 +15,7 @@ pub fn fill(column: &mut [f64]) {
     if !is_regular || first >= period || column.len() - last > period {
         return;
     }
-    for pair in given.windows(2) {
-        let [from, to] = [column[pair[0]], column[pair[1]]];
-        for (step, value) in column[pair[0]..pair[1]].iter_mut().enumerate() {
-            *value = from + (to - from) * step as f64 / period as f64;
-        }
-    }
-    let ends = [column[first], column[last]];
-    column[..first].fill(ends[0]);
-    column[last + 1..].fill(ends[1]);
+    fill_between(&given, column);
 }
 
 #[cfg(test)]
