@@ -12,9 +12,9 @@ const MEAN_ITERATIONS: usize = 8;
 
 /// What is simulated along: a motion that was read, and the pressure to begin from.
 pub struct Course<'a> {
-    /// The motion.
+    /// The file's rows: times, ambient temperatures, flows, and the pressure that the start is taken from.
     pub motion: &'a Trace,
-    /// Its stroke.
+    /// What the piston does, which need not be what the rows' positions say.
     pub stroke: Stroke,
     /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,

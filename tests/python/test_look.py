@@ -144,13 +144,8 @@ def test_look_says_what_it_found(record, pneutherm, tmp_path):
     ]
 
 
-def test_cycles_of_one_file_are_split_into_experiments(record, pneutherm, tmp_path):
-    rows, start = [], 0.0
-    for _ in range(3):
-        rows += [(start + t, p, x) for t, p, x in record]
-        back = [(8.0 + k / 200, record[0][1], 0.06 + 0.06 * min(k / 200, 1.0)) for k in range(300)]
-        rows += [(start + t, p, x) for t, p, x in back]
-        start += 9.5
+def assert_three_experiments_give_the_coefficient(rows, pneutherm, tmp_path):
+    """Of one file that holds three cycles."""
     text = table(rows, "time_s,pressure_pa,position_m", lambda t, p, x: f"{t:.4f},{p:.2f},{x:.8f}")
     (tmp_path / "cycles.csv").write_text(text)
     pneutherm("look", "cycles.csv", "--bore-mm", "32", "--split", "-o", "rig.toml", cwd=tmp_path)
@@ -158,6 +153,16 @@ def test_cycles_of_one_file_are_split_into_experiments(record, pneutherm, tmp_pa
     pneutherm("identify", "rig.toml", "--json", "out.json", cwd=tmp_path)
     parameters = json.loads((tmp_path / "out.json").read_text())["parameters"]
     assert parameters["lambda0_w_per_m2_k"]["value"] == pytest.approx(LAMBDA0, rel=0.01)
+
+
+def test_cycles_of_one_file_are_split_into_experiments(record, pneutherm, tmp_path):
+    rows, start = [], 0.0
+    for _ in range(3):
+        rows += [(start + t, p, x) for t, p, x in record]
+        back = [(8.0 + k / 200, record[0][1], 0.06 + 0.06 * min(k / 200, 1.0)) for k in range(300)]
+        rows += [(start + t, p, x) for t, p, x in back]
+        start += 9.5
+    assert_three_experiments_give_the_coefficient(rows, pneutherm, tmp_path)
 
 
 def test_look_refuses_what_is_no_trace_in_a_sentence(pneutherm, tmp_path):
@@ -206,10 +211,4 @@ def test_cycles_of_a_shut_chamber_share_the_rests_between_them(pneutherm, tmp_pa
     with open(tmp_path / "out.csv") as file:
         pressures = [float(row["pressure_pa"]) + noise.gauss(0, 40) for row in csv.DictReader(file)]
     rows = zip(times, pressures, map(position, times))
-    text = table(rows, "time_s,pressure_pa,position_m", lambda t, p, x: f"{t:.4f},{p:.2f},{x:.8f}")
-    (tmp_path / "cycles.csv").write_text(text)
-    pneutherm("look", "cycles.csv", "--bore-mm", "32", "--split", "-o", "rig.toml", cwd=tmp_path)
-    assert (tmp_path / "rig.toml").read_text().count("[[experiment]]") == 3
-    pneutherm("identify", "rig.toml", "--json", "out.json", cwd=tmp_path)
-    parameters = json.loads((tmp_path / "out.json").read_text())["parameters"]
-    assert parameters["lambda0_w_per_m2_k"]["value"] == pytest.approx(LAMBDA0, rel=0.01)
+    assert_three_experiments_give_the_coefficient(rows, pneutherm, tmp_path)

@@ -64,7 +64,8 @@ pub struct Validated {
 /// that is not known).
 ///
 /// # Errors
-/// [`Error`]: data that cannot be what it should be, a record that the model cannot follow, records that end with their first move.
+/// [`Error`]: data that cannot be what it should be, a record that the model cannot follow, records that end with their first
+/// move.
 pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let data = Data::prepare(rig)?;
     // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:

@@ -1,9 +1,10 @@
 //! What the rows of a move leave open of the stroke between them, where a model looks there.
 //!
 //! A reading without delay shows the stroke at its own row. One that is late or lags shows it between two rows, where a curve
-//! through the rows may miss it, and so does one between two readings of a position that is not read at every row. How far is told by how far a row lies from the cubic through the two rows on either side of it:
-//! of a corner in the stroke the curve through all rows misses a quarter of that, of anything smoother less (1/64 of a fourth
-//! power). So much is stated, zero at the rows and largest half way between them, of moves of few rows.
+//! through the rows may miss it, and so does one between two readings of a position that is not read at every row. How far is
+//! told by how far a row lies from the cubic through the two rows on either side of it: of a corner in the stroke the curve
+//! through all rows misses a quarter of that, of anything smoother less (1/64 of a fourth power). So much is stated, zero at the
+//! rows and largest half way between them, of moves of few rows.
 //! Position in m, time in s.
 
 use crate::record::stroke::{Motion, Phase, extent};

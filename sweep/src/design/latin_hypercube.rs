@@ -22,7 +22,7 @@ impl LatinHypercube {
         Self { axes, samples, columns }
     }
 
-    /// The axes.
+    /// The axes whose values the rows are drawn from, one column each.
     pub fn axes(&self) -> &Axes {
         &self.axes
     }

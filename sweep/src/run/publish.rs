@@ -10,7 +10,7 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 pub struct Finished<'a> {
     /// The folder it belongs to.
     pub folder: &'a Folder<'a>,
-    /// Its number.
+    /// Its number among the study's parts, from 0.
     pub part: u64,
     /// What is known of it.
     pub record: Record,
