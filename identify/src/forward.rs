@@ -417,6 +417,32 @@ mod tests {
     }
 
     #[test]
+    fn steps_along_a_stroke_recorded_as_an_average_keep_their_tolerance() {
+        // Pushes with a gentle begin and end and at constant speed, with and without a low-pass behind the average.
+        let ramp = |share: f64| 0.1 - 0.05 * share.clamp(0.0, 1.0);
+        for (position, duration) in [(push as fn(f64) -> f64, 0.2), (push, 0.8), (ramp, 0.3)] {
+            let (times, course) = recorded(400, |t| position((t - 0.5) / duration));
+            for (window, filter) in [(0.05, 0.0), (0.3, 0.0), (0.05, 0.02)] {
+                let mut chamber = chamber();
+                let mut set = EffectSet::NONE;
+                for (name, values) in [("position_averaging", vec![window]), ("position_delay", vec![0.0, filter])] {
+                    let effect = effects::find(name).unwrap().0;
+                    chamber.effects.of_mut(effect)[..values.len()].copy_from_slice(&values);
+                    set = set.union(EffectSet::one(effect));
+                }
+                let pressures = |relative_tolerance: f64| {
+                    let start = Start { pressure: 2e5, temperature: 293.0 };
+                    let (chamber, course) = (&chamber, &course);
+                    Run { chamber, set, start, warmer: 0.0, course, relative_tolerance }.pressures(&times).unwrap()
+                };
+                let (coarse, fine) = (pressures(1e-6), pressures(1e-12));
+                let off = coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+                assert!(off < 3e-5, "{duration} {window} {filter}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
     fn sensitivities_are_those_of_finite_differences() {
         let (times, course) = recorded(300, |t| push((t - 0.5) / 0.2));
         fn along<R: Scalar>(x: [R; 3], course: &Course, times: &[f64]) -> Vec<R> {

@@ -49,6 +49,12 @@ impl Missing {
         -n * ((squares - self.gain).max(1.0) / squares).ln() - self.rank as f64 * n.ln()
     }
 
+    /// Share of a fit's sum of squares beyond noise that it takes away, to first order.
+    pub fn share(&self, fit: &Fit) -> f64 {
+        let beyond = (fit.marginal - fit.blocks as f64).max(1.0);
+        (self.gain / beyond).min(1.0)
+    }
+
     /// It as a model holds it, all zero; `None` where no model can.
     pub fn flat(&self) -> Option<empirical::Curve> {
         let (balance, variable) = (self.balance, self.variable.in_model()?);

@@ -29,7 +29,6 @@ pub struct Unnamed {
 
 /// The families that take away most of what a model leaves, best first.
 pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
-    let beyond = (c.fit.marginal - c.fit.blocks as f64).max(1.0);
     // What takes away most for its number of coefficients comes first.
     let mut best: Vec<&Missing> = families.iter().collect();
     best.sort_by(|a, b| b.worth(&c.fit).total_cmp(&a.worth(&c.fit)));
@@ -44,7 +43,7 @@ pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
             at: m.at.clone(),
             value: m.value.clone(),
             sd: m.sd.clone(),
-            share: (m.gain / beyond).min(1.0),
+            share: m.share(&c.fit),
         })
         .collect()
 }

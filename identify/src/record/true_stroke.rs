@@ -2,11 +2,15 @@
 //! and `position_delay` take back, with its derivatives by the window and by the low-pass's time constant. Position in m,
 //! time in s from the record's start.
 //!
-//! Where the record has a corner, the stroke has one there and half a window and a window to either side of it.
+//! Where the record has a corner, its speed jumps, and so does the stroke's there and half a window and a window to either side
+//! of it. Where a segment meets the next at its speed, the stroke's acceleration alone jumps at these places.
 
 use crate::record::stroke::{Motion, Phase};
 use chamber::effects::position_averaging::{self, PLACES, READ};
 use std::cell::Cell;
+
+/// Where the stroke of a record without a corner changes its course, windows from where the segments meet.
+const AROUND: [f64; 3] = [PLACES[0], PLACES[READ / 2], PLACES[READ - 1]];
 
 /// A stroke on the way: with the places of the recorded one that were asked last.
 pub struct TrueStroke<'a> {
@@ -47,8 +51,12 @@ impl<'a> TrueStroke<'a> {
         let mut ends: Vec<f64> = motion.segments.iter().map(|s| s.to_s).collect();
         if window > 0.0 {
             let (begin, end) = motion.extent();
-            ends.push(begin);
-            ends = ends.iter().flat_map(|end| PLACES.map(|place| end + place * window)).collect();
+            // Behind a low-pass the stroke has the record's speed in its position.
+            let is_corner = |k: usize| filter > 0.0 || has_corner(motion, k);
+            let places = |k: usize| if is_corner(k) { &PLACES[..] } else { &AROUND[..] };
+            let shifted = |(k, &end): (usize, &f64)| places(k).iter().map(move |place| end + place * window);
+            ends =
+                ends.iter().enumerate().flat_map(shifted).chain(PLACES.map(|place| begin + place * window)).collect();
             ends.retain(|time| *time > begin && *time <= end);
             ends.sort_by(f64::total_cmp);
             ends.dedup_by(|later, earlier| *later - *earlier < 1e-9);
@@ -141,6 +149,16 @@ impl<'a> TrueStroke<'a> {
         }
         segments[segment.get()].stroke.bent(time, piece)
     }
+}
+
+/// Whether the recorded speed jumps where segment number `k` ends.
+fn has_corner(motion: &Motion, k: usize) -> bool {
+    /// Of the speed itself: the rounding of splines that meet.
+    const ROUNDING: f64 = 1e-6;
+    let (segment, near) = (&motion.segments[k], Cell::new(0));
+    let speed_of = |k: usize| motion.segments.get(k).map_or(0.0, |s| s.stroke.at(segment.to_s, &near).1);
+    let [before, after] = [k, k + 1].map(speed_of);
+    (after - before).abs() > ROUNDING * before.abs().max(after.abs())
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::{Candidate, Search, terms};
 use crate::discrepancy::{self, Missing};
 use crate::fit::{Fit, Until};
 use crate::judge::evidence::{bic, bic_widened};
-use crate::judge::left_out;
+use crate::judge::{left_out, misfit};
 use crate::parameters::{Model, curve_of};
 use crate::policy;
 use crate::search::starts::fit_by_size;
@@ -23,6 +23,9 @@ use std::cmp::Ordering;
 
 /// Curves that are refitted, on each model.
 const REFITTED: usize = 4;
+/// A curve that to first order takes away less than this share of the squares beyond noise is not refitted: on left-out
+/// experiments it would have to take three quarters. Where the model fails on those, little on the others may do much there.
+const LEAST_SHARE: f64 = 0.5;
 /// A refitted curve has at the most so many times the evidence that it has to first order, beside what it is added to.
 const FIRST_ORDER: f64 = 5.0;
 /// Refitted curves that are judged by left-out experiments, on each model.
@@ -74,7 +77,7 @@ impl Search {
     /// A curve in the place of several named effects that together leave no more than noise: one that alone fits the records
     /// decisively better shows that the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
-        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE);
+        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE, 0.0);
         let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
         Some(self.told(self.settled(best), self.left_out(named)?, true))
     }
@@ -87,8 +90,9 @@ impl Search {
             parts.push(&self.chosen);
         }
         let (settled_pa, paper_pa) = (self.left_out(settled)?, self.left_out(&self.baseline)?);
-        let curves: Vec<Judged> =
-            parts.into_par_iter().flat_map_iter(|part| self.curves_on(part, empirical, settled.delta_bic)).collect();
+        let least_share = if self.fails_on_others(settled, settled_pa) { 0.0 } else { LEAST_SHARE };
+        let curves_on = |part| self.curves_on(part, empirical, settled.delta_bic, least_share);
+        let curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
         let acceptable = |c: &&Judged| {
             c.is_evident
                 && if c.candidate.model.terms() > settled.model.terms() {
@@ -126,6 +130,12 @@ impl Search {
         known.or_else(|| left_out::rmse(&self.data, &c.fit, &left_out::by_experiment(&self.data)))
     }
 
+    /// Whether a model errs more on experiments left out whole than [`policy::CARRIES_OVER`] allows.
+    fn fails_on_others(&self, c: &Candidate, left_out_pa: f64) -> bool {
+        let fitted_pa = misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit));
+        self.data.experiments.len() > 1 && left_out_pa > policy::CARRIES_OVER * fitted_pa
+    }
+
     /// Whether the error on left-out data falls by more than nobody minds.
     fn fits_left_out_data_better(&self, c: &Judged, settled: &Candidate) -> bool {
         let held_out = c.candidate.held_out_pa.zip(settled.held_out_pa);
@@ -150,13 +160,17 @@ impl Search {
         }
     }
 
-    /// The curves that take most away from what a model leaves, refitted; those of more than this evidence judged.
-    fn curves_on(&self, part: &Candidate, empirical: usize, least_bic: f64) -> Vec<Judged> {
+    /// The curves that take most away from what a model leaves, at least that share of it, refitted; those of more than this
+    /// evidence judged.
+    fn curves_on(&self, part: &Candidate, empirical: usize, least_bic: f64, least_share: f64) -> Vec<Judged> {
         let Some(search) = discrepancy::Search::new(&self.data, &part.fit) else { return Vec::new() };
         let mut curves = search.curves();
         curves.sort_by(|a, b| b.worth(&part.fit).total_cmp(&a.worth(&part.fit)));
         curves.truncate(REFITTED);
-        curves.retain(|curve| part.delta_bic + FIRST_ORDER * curve.worth(&part.fit) > least_bic);
+        let may_enter = |curve: &Missing| {
+            curve.share(&part.fit) >= least_share && part.delta_bic + FIRST_ORDER * curve.worth(&part.fit) > least_bic
+        };
+        curves.retain(may_enter);
         let mut refitted: Vec<(Missing, Candidate)> = curves
             .into_par_iter()
             .filter_map(|missing| {
