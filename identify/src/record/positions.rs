@@ -26,6 +26,8 @@ const LEFT: f64 = 0.14;
 const STEPS: f64 = 5.0;
 /// ...and must have gone so far that often for a slower readout to be believed.
 const FEWEST_JUMPS: usize = 5;
+/// Changes at every k-th row only are no chance where it would be one in a million: k to the power of minus their number.
+const NO_CHANCE: f64 = 14.0;
 /// Fewer readings show no stroke.
 const FEWEST_READINGS: usize = 12;
 
@@ -150,13 +152,24 @@ fn step(position_m: &[f64]) -> f64 {
     lattice(&mut changes.filter(|change| *change > 1e-12).collect::<Vec<f64>>())
 }
 
-/// The rows that a held readout was read in: no two rows in a row change, although the piston goes many steps at a time. A fine
-/// encoder's changes while it hardly moves are of single steps.
+/// The rows that a held readout was read in: no two rows in a row change.
 fn held(position_m: &[f64]) -> Option<Vec<usize>> {
     let changes: Vec<usize> = (1..position_m.len()).filter(|&i| position_m[i] != position_m[i - 1]).collect();
     if changes.windows(2).any(|w| w[1] - w[0] < 2) {
         return None;
     }
+    let period = period_of_jumps(position_m, &changes).or_else(|| common_period(&changes))?;
+    // While nothing changes, the sensor is read as often.
+    let ends = changes.iter().copied().chain([position_m.len()]);
+    let starts = std::iter::once(0).chain(changes.iter().copied());
+    let read =
+        |(from, to): (usize, usize)| (from..to).step_by(period).filter(move |row| *row == from || row + period <= to);
+    Some(starts.zip(ends).flat_map(read).collect())
+}
+
+/// Rows from one reading to the next where the piston goes many steps at a time. A fine encoder's changes while it hardly moves
+/// are of single steps.
+fn period_of_jumps(position_m: &[f64], changes: &[usize]) -> Option<usize> {
     let far = STEPS * step(position_m);
     let is_far = |row: &usize| (position_m[*row] - position_m[row - 1]).abs() >= far;
     let mut periods: Vec<usize> = changes.windows(2).filter(|w| w.iter().all(is_far)).map(|w| w[1] - w[0]).collect();
@@ -164,13 +177,20 @@ fn held(position_m: &[f64]) -> Option<Vec<usize>> {
         return None;
     }
     periods.sort_unstable();
-    let period = periods[periods.len() / 2];
-    // While nothing changes, the sensor is read as often.
-    let ends = changes.iter().copied().chain([position_m.len()]);
-    let starts = std::iter::once(0).chain(changes.iter().copied());
-    let read =
-        |(from, to): (usize, usize)| (from..to).step_by(period).filter(move |row| *row == from || row + period <= to);
-    Some(starts.zip(ends).flat_map(read).collect())
+    Some(periods[periods.len() / 2])
+}
+
+/// Rows from one reading to the next where all changes, most of them of the position's noise, lie a multiple of these apart.
+/// Steps of an encoder along a steady way come at equal distances as well and do not count.
+fn common_period(changes: &[usize]) -> Option<usize> {
+    let gaps: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    let period = gaps.iter().copied().reduce(greatest_common_divisor)?;
+    let uneven = gaps.windows(2).filter(|w| w[0] != w[1]).count();
+    (uneven as f64 * (period as f64).ln() > NO_CHANCE).then_some(period)
+}
+
+fn greatest_common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 /// The rows that a readout was read in that is interpolated in between: bends of many steps at every k-th row only.
@@ -246,6 +266,27 @@ mod tests {
         let position_m: Vec<f64> = (0..300).map(|i| stroke((i / 5 * 5) as f64 * 0.01, 0.0)).collect();
         let found = Positions::of(&position_m);
         assert_eq!(found.rows, (0..60).map(|k| 5 * k).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_held_readout_is_found_by_its_noise_where_hardly_a_reading_falls_into_the_move() {
+        // Read every 20th row; the move is over in 30.
+        let mut random = Random::new(5);
+        let mut reading = |row: usize| {
+            let u = ((row as f64 - 250.0) / 30.0).clamp(0.0, 1.0);
+            ((0.1 - 0.05 * u + 1e-6 * random.normal()) * 1e6).round() * 1e-6
+        };
+        let readings: Vec<f64> = (0..60).map(|k| reading(20 * k + 10)).collect();
+        let position_m: Vec<f64> = (0..1190).map(|row| readings[(row + 10) / 20]).collect();
+        let found = Positions::of(&position_m);
+        assert_eq!((found.between, found.rows_per_reading()), (Between::Held, 20));
+        assert!(found.rows.iter().skip(1).all(|row| row % 20 == 10), "{:?}", found.rows);
+    }
+
+    #[test]
+    fn steps_of_an_encoder_along_a_steady_way_are_no_held_readout() {
+        let position_m: Vec<f64> = (0..900).map(|row| 0.1 - 1e-4 * (row.clamp(300, 600) / 3) as f64).collect();
+        assert!(Positions::of(&position_m).are_all());
     }
 
     #[test]
