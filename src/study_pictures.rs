@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use report::{Axis, Chart, Colour, Mark, Series, chart};
 use serde_json::Value;
 use sweep::Store;
-use sweep::folder::file_names::{SENSITIVITY, STATISTICS};
+use sweep::folder::file_names::{SENSITIVITY, SENSITIVITY_PICTURE, STATISTICS, STATISTICS_PICTURE};
 
 /// Size of a panel, px, without the bars of indices.
 const PANEL: (u32, u32) = (420, 260);
@@ -18,7 +18,7 @@ type Draw = fn(&Value) -> Result<Option<String>>;
 
 /// The pictures and what they are drawn from.
 const PICTURES: [(&str, &str, Draw); 2] =
-    [(STATISTICS, "statistics.svg", of_statistics), (SENSITIVITY, "sensitivity.svg", of_sensitivity)];
+    [(STATISTICS, STATISTICS_PICTURE, of_statistics), (SENSITIVITY, SENSITIVITY_PICTURE, of_sensitivity)];
 
 /// Draws those of a study's results that a run has written; the names of the pictures.
 ///

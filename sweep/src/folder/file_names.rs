@@ -7,6 +7,7 @@
 //! | `parts/` | `study.json`, whose folder this is; for each part its hash, its statuses and its statistics; what is being written |
 //! | `manifest.json` | the study, its columns and its parts, once all are there |
 //! | `statistics.json`, `sensitivity.json` | what the rows come to, where the study asks for it |
+//! | `statistics.svg`, `sensitivity.svg` | pictures of these |
 
 /// Name of the file that says that all parts are there.
 pub const MANIFEST: &str = "manifest.json";
@@ -25,6 +26,14 @@ pub const TRACES_FILE: &str = "traces.parquet";
 pub const STATISTICS: &str = "statistics.json";
 /// File with the sensitivity indices.
 pub const SENSITIVITY: &str = "sensitivity.json";
+/// Picture of the statistics.
+pub const STATISTICS_PICTURE: &str = "statistics.svg";
+/// Picture of the sensitivity indices.
+pub const SENSITIVITY_PICTURE: &str = "sensitivity.svg";
+
+/// Files of the whole study; others are those of a part.
+pub const OF_THE_STUDY: [&str; 7] =
+    [TRACES_FILE, STUDY, MANIFEST, STATISTICS, SENSITIVITY, STATISTICS_PICTURE, SENSITIVITY_PICTURE];
 
 /// Name of a part's file.
 pub fn part(part: u64, parts: u64) -> String {

@@ -20,7 +20,7 @@ use crate::part::Written;
 use crate::part::columns;
 use crate::statistics::State;
 use crate::study::Study;
-use file_names::{MANIFEST, RECORDS, ROWS, SENSITIVITY, STATISTICS, STUDY, TRACES_FILE};
+use file_names::{MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use record::{Record, statuses_of};
 use serde_json::{Value, json};
 use std::io;
@@ -252,7 +252,7 @@ impl<'a> Folder<'a> {
         let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
         let mut names: Vec<String> = parts.flat_map(|part| [record::file_name(&part), part]).collect();
         if mine(0) {
-            names.extend([TRACES_FILE, STUDY, MANIFEST, STATISTICS, SENSITIVITY].map(str::to_owned));
+            names.extend(OF_THE_STUDY.map(str::to_owned));
         }
         self.store.clean(&names).map_err(self.reading(""))
     }

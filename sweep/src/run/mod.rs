@@ -76,7 +76,7 @@ pub struct Report {
 
 /// Carries out a shard of a study into a folder. Parts that are there and whole, which is checked byte for byte, stay;
 /// when all parts of the study are there in the end, the manifest is written. May be repeated, interrupted, and run
-/// beside other shards. Where nothing is missing nothing is written.
+/// beside other shards. Where nothing is missing nothing is written; what killed runs left is removed.
 ///
 /// Threads are those of the current rayon pool; memory grows with their number, not with the study's rows.
 ///
@@ -92,6 +92,7 @@ pub fn run<'a>(
     let Options { shard, rows, earlier } = options;
     let plan = plan_of(study, options);
     let folder = Folder::open(study, store)?;
+    folder.clean(|part| shard.has(part))?;
     let mine: Vec<u64> = (0..study.parts).filter(|part| shard.has(*part)).collect();
     let look = |part: &u64| (*part, folder.find(*part, rows, Look::Contents));
     let looked: Vec<(u64, Found)> = mine.par_iter().map(look).collect();
@@ -102,7 +103,6 @@ pub fn run<'a>(
     let damaged = looked.iter().filter(|(_, found)| *found == Found::Damaged).count() as u64;
     if !missing.is_empty() {
         folder.prepare()?;
-        folder.clean(|part| shard.has(part))?;
         folder.remove_manifest()?;
         write(study, &folder, &missing, options, plan.as_ref(), progress)?;
     }

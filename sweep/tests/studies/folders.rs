@@ -3,6 +3,10 @@
 use crate::common::{BORES, at, parts, quiet, study};
 use sweep::{Shard, run, verify};
 
+/// Files of the whole study in its folder.
+const OF_THE_FOLDER: [&str; 5] =
+    ["manifest.json", "statistics.json", "sensitivity.json", "statistics.svg", "sensitivity.svg"];
+
 #[test]
 fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
     let study = study("design = \"factorial\"", BORES);
@@ -15,8 +19,7 @@ fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
     std::fs::write(&broken, &bytes[..bytes.len() / 2]).unwrap();
     let stale = folder.path().join("parts").join(format!(".{}.1-2-3.tmp", study.part_name(0)));
     let stale_record = folder.path().join("parts/.part-00001-of-00003.json.1-2.tmp");
-    let of_folder =
-        ["manifest", "statistics", "sensitivity"].map(|name| folder.path().join(format!(".{name}.json.1-2.tmp")));
+    let of_folder = OF_THE_FOLDER.map(|name| folder.path().join(format!(".{name}.1-2.tmp")));
     let stale: Vec<_> = [stale, stale_record].into_iter().chain(of_folder).collect();
     for path in &stale {
         std::fs::write(path, "half").unwrap();
@@ -28,6 +31,23 @@ fn an_interrupted_study_resumes_with_the_parts_that_are_missing_or_broken() {
         assert!(!path.exists(), "{}: what a killed run left is removed", path.display());
     }
     assert_eq!(parts(folder.path()), before);
+}
+
+#[test]
+fn what_a_run_killed_at_its_last_files_left_is_removed_though_no_part_is_missing() {
+    let study = study("design = \"factorial\"", BORES);
+    let folder = tempfile::tempdir().unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
+    let stale = OF_THE_FOLDER.map(|name| folder.path().join(format!(".{name}.1-2.tmp")));
+    let of_others = folder.path().join(".picture.svg.1-2.tmp");
+    for path in stale.iter().chain([&of_others]) {
+        std::fs::write(path, "half").unwrap();
+    }
+    assert_eq!(run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap().parts_written, 0);
+    for path in &stale {
+        assert!(!path.exists(), "{}", path.display());
+    }
+    assert!(of_others.exists(), "what is none of the study's stays");
 }
 
 #[test]
