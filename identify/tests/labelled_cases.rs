@@ -5,7 +5,7 @@ use identify::fit::readings;
 use identify::outcome::diagnosis::Diagnosed;
 use identify::parameters::Setting;
 use identify::record::data::Data;
-use records::Rig;
+use records::{Rig, Verdict};
 use std::path::PathBuf;
 
 fn folder(case: &str) -> PathBuf {
@@ -45,7 +45,7 @@ fn assert_within(value: f64, truth: f64, share: f64) {
 #[test]
 fn a_clean_cylinder_raises_no_alarm() {
     let found = diagnosed("case01");
-    assert_eq!((found.diagnosis.verdict, found.diagnosis.balance), ("adequate", "none"));
+    assert_eq!((found.diagnosis.verdict, found.diagnosis.balance), (Verdict::Adequate, "none"));
     assert!(found.diagnosis.effects.is_empty());
     assert_within(found.chamber().heat_transfer.coefficient, 43.257, 0.01);
     assert_within(found.chamber().geometry.dead_volume, 9.645e-6, 0.01);
@@ -55,7 +55,7 @@ fn a_clean_cylinder_raises_no_alarm() {
 #[test]
 fn a_leak_is_named_and_measured() {
     let found = diagnosed("case03");
-    assert_eq!((found.diagnosis.verdict, found.diagnosis.balance), ("explained", "mass"));
+    assert_eq!((found.diagnosis.verdict, found.diagnosis.balance), (Verdict::Explained, "mass"));
     assert_eq!(found.diagnosis.effects, ["leakage"]);
     assert_within(found.chamber().heat_transfer.coefficient, 33.132, 0.01);
     let leak = found.diagnosis.after.parameters.iter().find(|(n, _)| n == "leakage.conductance_m3_per_s_pa").unwrap();
@@ -74,7 +74,8 @@ fn a_slow_sensor_is_named_and_not_taken_for_a_delay() {
 #[test]
 fn what_no_card_describes_is_never_called_explained() {
     let found = diagnosed("case13");
-    assert!(matches!(found.diagnosis.verdict, "unexplained" | "improved"), "{}", found.diagnosis.verdict);
+    let verdict = found.diagnosis.verdict;
+    assert!(matches!(verdict, Verdict::Unexplained | Verdict::Improved), "{verdict:?}");
     assert!(found.diagnosis.missing.len() > 2 && found.diagnosis.balance != "none");
     assert!(found.diagnosis.remaining_pa > found.diagnosis.noise_pa);
     let after = found.diagnosis.after.rmse_pa.held_out.unwrap();

@@ -6,7 +6,7 @@ use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::unnamed::Unnamed;
-use records::Rig;
+use records::{Rig, Verdict};
 use report::digits;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -59,10 +59,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     if let Some(path) = &args.output {
         let verdict = found.diagnosis.verdict;
-        if args.strict && !matches!(verdict, "adequate" | "explained") {
+        if args.strict && !matches!(verdict, Verdict::Adequate | Verdict::Explained) {
             anyhow::bail!(
-                "{}: not written, because --strict requires `adequate` or `explained` and the verdict is `{verdict}`",
-                path.display()
+                "{}: not written, because --strict requires `adequate` or `explained` and the verdict is `{}`",
+                path.display(),
+                verdict.name()
             );
         }
         evaluation::write_diagnosed(&rig, &found, path)?;
@@ -77,23 +78,23 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 /// What the verdict means here, in a sentence.
 fn meaning(d: &Diagnosis) -> String {
     match d.verdict {
-        "adequate" => format!(
+        Verdict::Adequate => format!(
             "the residual of the paper's model{} is noise, or below the accuracy of {} Pa",
             if d.terms().is_empty() { String::new() } else { format!(", with {},", d.terms()) },
             digits(d.accuracy_pa, 2)
         ),
-        "explained" => format!("the residual is explained by {}", d.effects.join(" and ")),
-        "improved" if d.has_curve() => format!(
+        Verdict::Explained => format!("the residual is explained by {}", d.effects.join(" and ")),
+        Verdict::Improved if d.has_curve() => format!(
             "with {} the model predicts left-out experiments decisively better; the curve describes the records and names no cause (a systematic misfit of {} Pa rms remains)",
             d.effects_of_model().join(" and "),
             digits(d.remaining_pa, 3)
         ),
-        "improved" => format!(
+        Verdict::Improved => format!(
             "with {} the model predicts left-out data decisively better, but a systematic misfit of {} Pa rms remains: it describes the records, and its effects need not be the cause",
             d.effects_of_model().join(" and "),
             digits(d.remaining_pa, 3)
         ),
-        _ => format!(
+        Verdict::Unexplained => format!(
             "no known effect predicts left-out data decisively better; a systematic misfit of {} Pa rms remains, and the evidence points to the {} balance",
             digits(d.remaining_pa, 3),
             d.balance
@@ -102,7 +103,7 @@ fn meaning(d: &Diagnosis) -> String {
 }
 
 fn table(d: &Diagnosis) -> String {
-    let mut out = format!("{}: {}\n\n", d.verdict, meaning(d));
+    let mut out = format!("{}: {}\n\n", d.verdict.name(), meaning(d));
     errors(&mut out, d);
     estimates::parameters(&mut out, &d.after.parameters);
     recording(&mut out, d);

@@ -119,7 +119,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let probabilities = probabilities.join(";");
     format!(
         "{},{found},{},{},{signal:.4},{left:.4},{best:.1},{:.2},{:.2e},{rows},{seconds:.2},{deviations},{probabilities},{left_out:.3},{shows}",
-        d.verdict,
+        d.verdict.name(),
         alike.join("&"),
         d.balance,
         a.squares_deviations,

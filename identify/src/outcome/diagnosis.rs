@@ -19,7 +19,7 @@ use crate::search::curve::ReadOff;
 use crate::search::{self, Candidate, Found, Verdict};
 use chamber::Chamber;
 use chamber::effects::{CARDS, EffectSet};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// A model and how far it is off.
@@ -69,8 +69,9 @@ pub struct Budget {
 /// The result of `diagnose`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
-    /// adequate, explained, improved or unexplained.
-    pub verdict: &'static str,
+    /// What it comes to; for programs, by its name.
+    #[serde(serialize_with = "by_name")]
+    pub verdict: Verdict,
     /// The effects in the model, the one that entered first at the head.
     pub effects: Vec<&'static str>,
     /// Posterior probability of every effect that has one worth mention.
@@ -110,6 +111,10 @@ pub struct Diagnosis {
     pub next_experiments: Vec<NextExperiment>,
     /// What was assumed, left out or noticed.
     pub assumptions: Vec<String>,
+}
+
+fn by_name<S: Serializer>(verdict: &Verdict, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(verdict.name())
 }
 
 impl Diagnosis {
@@ -212,7 +217,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     let is_open = found.verdict != Verdict::Explained;
     let of_two_rigs = is_open.then(|| rigs::apart(&data, before.rmse_pa.fit, rigs::Overlap::Levels)).flatten();
     let diagnosis = Diagnosis {
-        verdict: found.verdict.name(),
+        verdict: found.verdict,
         effects,
         probabilities: probability::of_effects(&found),
         steps,

@@ -22,9 +22,12 @@ pub fn odds(gain: f64) -> f64 {
 
 /// What these probabilities say with a verdict: of the cause only where a set of effects leaves no more than noise. Elsewhere
 /// they compare sets none of which will do, and the best of them may have 100 %.
-pub fn meaning(verdict: &str) -> &'static str {
-    let leaves_noise = [Verdict::Adequate, Verdict::Explained].iter().any(|v| v.name() == verdict);
-    if leaves_noise { "probable effects" } else { "best of the effects tried, none of which explains the records" }
+pub fn meaning(verdict: Verdict) -> &'static str {
+    if matches!(verdict, Verdict::Adequate | Verdict::Explained) {
+        "probable effects"
+    } else {
+        "best of the effects tried, none of which explains the records"
+    }
 }
 
 /// Probability of each effect of the rig, the most probable first.
@@ -56,7 +59,7 @@ mod tests {
 
     #[test]
     fn effects_are_called_probable_only_where_they_leave_no_more_than_noise() {
-        let probable = |verdict: Verdict| meaning(verdict.name()).contains("probable");
+        let probable = |verdict: Verdict| meaning(verdict).contains("probable");
         assert!(probable(Verdict::Adequate) && probable(Verdict::Explained));
         assert!(!probable(Verdict::Improved) && !probable(Verdict::Unexplained));
     }

@@ -13,6 +13,7 @@ use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::recording::RecordFound;
+use records::Verdict;
 use report::Error;
 use report::document::{Block, Section, Table};
 use report::{digits, page};
@@ -64,7 +65,7 @@ fn documented(names: &[&str]) -> String {
 
 fn verdict(d: &Diagnosis) -> Section {
     let mut section = Section::new("Verdict");
-    section.blocks.push(Block::Verdict { kind: d.verdict, text: verdict_text(d) });
+    section.blocks.push(Block::Verdict { kind: d.verdict.name(), text: verdict_text(d) });
     section.table(errors(d));
     section.note(
         "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; with few records, the last third of each, which is \
@@ -86,29 +87,29 @@ fn verdict(d: &Diagnosis) -> Section {
 fn verdict_text(d: &Diagnosis) -> String {
     let remaining = pressure(d.remaining_pa, 2);
     match d.verdict {
-        "adequate" => format!(
+        Verdict::Adequate => format!(
             "**Adequate.** The paper's chamber model{} describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
             if d.terms().is_empty() { String::new() } else { format!(", with {},", spaced(d.terms())) },
             pressure(d.accuracy_pa, 2)
         ),
-        "explained" => format!(
+        Verdict::Explained => format!(
             "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, the residual is noise.",
             effect_names(&d.effects),
             documented(&d.effects)
         ),
-        "improved" if d.has_curve() => format!(
+        Verdict::Improved if d.has_curve() => format!(
             "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out experiments decisively better. \
              The curve describes the records and names no cause; a systematic misfit of {remaining} rms remains.",
             effect_names(d.effects_of_model()),
             documented(d.effects_of_model())
         ),
-        "improved" => format!(
+        Verdict::Improved => format!(
             "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better. \
              A systematic misfit of {remaining} rms remains: the model describes the records, and its effects need not be the cause.",
             effect_names(d.effects_of_model()),
             documented(d.effects_of_model())
         ),
-        _ => format!(
+        Verdict::Unexplained => format!(
             "**Unexplained.** The paper's chamber model does not describe these records, and no known effect predicts left-out records decisively better. \
              A systematic misfit of {remaining} rms remains; the evidence points to the {} balance. No effect is added to the model.",
             d.balance
