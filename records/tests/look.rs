@@ -164,6 +164,22 @@ fn latin_1_and_utf_16_as_windows_exports_them() {
 }
 
 #[test]
+fn thousands_set_apart_and_the_line_ends_of_an_old_macintosh() {
+    let apart = |pa: f64| {
+        let text = format!("{pa:.1}");
+        let (whole, decimals) = text.split_once('.').unwrap();
+        let (thousands, rest) = whole.split_at(whole.len() - 3);
+        format!("{thousands}.{rest},{decimals}")
+    };
+    let text = table("time_s;pressure_pa;position_m", |t, p, x| {
+        [comma(format!("{t:.3}")), apart(p), comma(format!("{x:.6}"))].join(";")
+    });
+    assert_is_the_example("thousands.csv", text.as_bytes());
+    assert_is_the_example("quoted.csv", text.replace('.', "'").replace(',', ".").as_bytes());
+    assert_is_the_example("macintosh.csv", text.replace('\n', "\r").as_bytes());
+}
+
+#[test]
 fn blanks_under_a_commented_header_with_empty_cells_and_repeated_times() {
     let mut text =
         table("% time_s  pressure_kPa  position_mm", |t, p, x| format!("  {t:8.3}   {:.4}  {:.3}", p / 1e3, x * 1e3));

@@ -16,7 +16,9 @@ const CHORD_ERROR: f64 = 0.05;
 const MOST_BETWEEN_ROWS: f64 = 16.0;
 /// Rows at rest from which on their scatter is judged...
 const FEWEST_AT_REST: usize = 20;
-/// ...and what counts as a difference of one from its neighbours, of the way that the piston goes: less is an integrator's.
+/// ...by so many changes that take back the one before, at the least...
+const FEWEST_REVERSALS: usize = 4;
+/// ...and what counts as a change, of the way that the piston goes: less is an integrator's.
 const DIFFERENCE: f64 = 1e-7;
 
 /// A stroke that is linear between its knots.
@@ -76,19 +78,20 @@ fn faults(positions: &Positions, motion: &Motion, position_m: &[f64]) -> Vec<Str
     out
 }
 
-/// Whether most rows at rest differ from their neighbours, to and fro: neither a held plan, nor one that moves slowly.
+/// Whether the positions go to and fro at rest: most of their changes take back the one before, be they of every row or the few of
+/// an encoder that toggles between two steps. Neither a held plan does so, nor one that moves slowly in rounded steps.
 fn scatters_at_rest(motion: &Motion, position_m: &[f64]) -> bool {
-    let at_rest = motion.segments.iter().filter(|segment| segment.phase != Phase::Move);
     let (low, high) = extent(position_m);
-    let (mut rows, mut differ, mut product) = (0, 0, 0.0);
-    for segment in at_rest {
-        let second: Vec<f64> =
-            position_m[segment.first..segment.end].windows(3).map(|x| x[0] - 2.0 * x[1] + x[2]).collect();
-        rows += second.len();
-        differ += second.iter().filter(|d| d.abs() > DIFFERENCE * (high - low)).count();
-        product += second.windows(2).map(|d| d[0] * d[1]).sum::<f64>();
+    let (mut rows, mut changes, mut reversals) = (0, 0, 0);
+    for segment in motion.segments.iter().filter(|segment| segment.phase != Phase::Move) {
+        let own = &position_m[segment.first..segment.end];
+        let by: Vec<f64> =
+            own.windows(2).map(|x| x[1] - x[0]).filter(|by| by.abs() > DIFFERENCE * (high - low)).collect();
+        rows += own.len();
+        changes += by.len();
+        reversals += by.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
     }
-    rows >= FEWEST_AT_REST && 2 * differ > rows && product < 0.0
+    rows >= FEWEST_AT_REST && reversals >= FEWEST_REVERSALS && 2 * reversals > changes
 }
 
 /// The rows of a segment and its ends, and in a move as many moments in between as its curvature asks for.
@@ -136,6 +139,19 @@ mod tests {
         let moves = stroke.knots.windows(2).filter(|pair| pair[0].0 > 0.33 && pair[1].0 < 0.47);
         let rms = (moves.clone().map(|pair| off(pair).powi(2)).sum::<f64>() / moves.count() as f64).sqrt();
         assert!(rms < 6e-6, "{rms}");
+    }
+
+    #[test]
+    fn an_encoder_that_toggles_between_two_steps_at_rest_does_not_move_the_piston() {
+        let (time_s, position_m) = recorded(2.5e-6);
+        let encoder: Vec<f64> = position_m.iter().map(|x| (x * 1e5).round() * 1e-5).collect();
+        let toggles: Vec<f64> =
+            encoder.iter().enumerate().map(|(i, x)| if i % 20 == 0 { x + 1e-5 } else { *x }).collect();
+        let stroke = Stroke::behind(&time_s, &toggles);
+        assert!(stroke.faults[0].starts_with("scatter"), "{:?}", stroke.faults);
+        let slow: Vec<f64> =
+            time_s.iter().map(|t| if *t > 1.0 { 0.05 - 1e-5 * (10.0 * (t - 1.0)).floor() } else { push(*t) }).collect();
+        assert!(Stroke::behind(&time_s, &slow).faults.is_empty());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a fit leaves, in Pa: all of it, and the part that is systematic.
 //!
 //! The systematic part is what remains beyond noise. Where an experiment has repeats it is what their residuals have in
-//! common, √(mean of products), which needs no model of the noise; elsewhere √(rms² − variance expected of noise and
+//! common, √(mean of products), less what the rounding of their positions may have; elsewhere √(rms² − variance expected of noise and
 //! position). Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
 
 use crate::fit::{self, Fit, readings};
@@ -85,7 +85,9 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
             for (segment, s) in t.course.motion.segments.iter().enumerate() {
                 let rows = (s.end - s.first) as f64;
                 let mean = if alike && s.phase != Phase::Move {
-                    in_common(data, residuals, &repeats, segment)
+                    // Repeats that are held at one place share the error of its rounding.
+                    let shared = in_common(data, residuals, &repeats, segment);
+                    if shared > 0.0 { (shared - by_rounding(t, segment)).max(0.0) } else { shared }
                 } else {
                     beyond_noise(data, t, &residuals[k], segment)
                 };
@@ -118,6 +120,13 @@ fn in_common(data: &Data, residuals: &[Vec<f64>], repeats: &[usize], segment: us
         }
     }
     sum / f64::max(pairs, 1.0)
+}
+
+/// Variance that the rounding of a held piston's position leaves of the pressures of a segment, Pa².
+fn by_rounding(t: &Prepared, segment: usize) -> f64 {
+    let own = t.blocks.iter().filter(|b| b.segment == segment);
+    let (sum, rows) = own.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.by_rounding_pa.powi(2), n + b.rows));
+    sum / rows.max(1) as f64
 }
 
 /// Mean square of a segment's residual less what noise and position leave open, Pa².

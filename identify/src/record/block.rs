@@ -4,8 +4,10 @@
 //! its mean is that of two Gauss points of the model; it stands for its rows at a fraction of their cost.
 
 use crate::record::between_rows::{BetweenRows, Look};
+use crate::record::position_noise::rounding_of_mean;
+use crate::record::positions;
 use crate::record::readout::Readout;
-use crate::record::stroke::{Motion, Phase, extent};
+use crate::record::stroke::{Motion, Phase, Segment, extent};
 use crate::record::unresolved::Unresolved;
 
 /// A run of rows and the mean of those that are data.
@@ -30,6 +32,10 @@ pub struct Block {
     /// Standard deviation of the mean by the position's noise while the piston moves, and by what its moving average leaves
     /// open, Pa.
     pub by_position_pa: f64,
+    /// The part of that by the noise alone, Pa.
+    pub by_noise_pa: f64,
+    /// Standard deviation of the mean by the rounding of a held piston's position, Pa: part of what its blocks have in common.
+    pub by_rounding_pa: f64,
     /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, by the
     /// slope of that, and by the time at which the move before it really was over.
     pub common_sd_pa: [f64; 3],
@@ -48,7 +54,17 @@ impl Block {
     /// Variance of its mean by what the positions leave open, Pa². The model of the mean is that of two points, which have two
     /// positions' noise however many rows there are.
     pub fn variance_by_position(&self) -> f64 {
-        self.by_position_pa.powi(2) / (self.rows as f64).min(2.0)
+        self.by_position_pa.powi(2) / self.positions()
+    }
+
+    /// The part of that by their noise alone.
+    pub fn variance_by_noise(&self) -> f64 {
+        self.by_noise_pa.powi(2) / self.positions()
+    }
+
+    /// Positions that the model of its mean is made of.
+    fn positions(&self) -> f64 {
+        (self.rows as f64).min(2.0)
     }
 }
 
@@ -74,6 +90,7 @@ pub fn blocks(
     let between_rows = BetweenRows::new(motion, look);
     // Rows around one reading of the position share its error, and count as one.
     let of_one_reading = (motion.rows_per_reading as f64).sqrt();
+    let held_sd_m = held_sd_m(position_m, motion);
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
         let rows = data.len();
@@ -97,15 +114,16 @@ pub fn blocks(
             // Pressure answers a wrong position with P/V times the wrong volume, γ times that where it is sudden. The
             // dead volume, not known yet, is taken for a tenth of the stroke at least.
             let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
-            let readings = (s.end - s.first) as f64 / motion.rows_per_reading as f64;
-            let held = per_metre * motion.noise_m / readings.max(1.0).sqrt();
+            let [noise_m, rounding_m] = held_sd_m[segment];
+            let held = per_metre * noise_m.hypot(rounding_m);
             // The slope of a straight line through the rows of a hold is known to √12/length of its mean.
             let along = 12.0f64.sqrt() * (t - 0.5 * (s.from_s + s.to_s)) / (s.to_s - s.from_s).max(f64::MIN_POSITIVE);
             let moves = s.phase == Phase::Move;
             // What an average hides is the same over a window, whose rows count as one reading.
             let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
             let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_rows.error_m(t));
-            let position_sd_m = hidden_m.hypot(if moves { motion.noise_m } else { 0.0 }) * of_one_reading;
+            let noise_sd_m = if moves { motion.noise_m } else { 0.0 };
+            let by_metre_pa = gamma * per_metre * of_one_reading;
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
             let range_pa: [f64; 2] = extent(&values).into();
@@ -118,7 +136,9 @@ pub fn blocks(
                 mean_pa: p,
                 range_pa,
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
-                by_position_pa: gamma * per_metre * position_sd_m,
+                by_position_pa: by_metre_pa * hidden_m.hypot(noise_sd_m),
+                by_noise_pa: by_metre_pa * noise_sd_m,
+                by_rounding_pa: if moves { 0.0 } else { per_metre * rounding_m },
                 common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },
                 phase: s.phase,
                 segment,
@@ -128,6 +148,16 @@ pub fn blocks(
     }
     shifted_holds(&mut out, motion);
     out
+}
+
+/// Standard deviations of the mean position of each part of the stroke, m: by the noise of its readings, and by their rounding.
+fn held_sd_m(position_m: &[f64], motion: &Motion) -> Vec<[f64; 2]> {
+    let step_m = positions::step(position_m);
+    let of = |s: &Segment| {
+        let readings = (s.end - s.first) as f64 / motion.rows_per_reading as f64;
+        [motion.noise_m / readings.max(1.0).sqrt(), rounding_of_mean(&position_m[s.first..s.end], step_m)]
+    };
+    motion.segments.iter().map(of).collect()
 }
 
 /// How long the readings around these rows stay within their range, s.

@@ -1,6 +1,7 @@
 //! Data that cannot be what it should be, found before anything is fitted.
 
 use crate::error::Error;
+use crate::record::lattice::lattice;
 use crate::record::line::Line;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, extent};
@@ -12,8 +13,10 @@ use std::ops::Range;
 pub const FEWEST_ROWS: usize = 20;
 /// A move of less than this share of the travel may leave a coarse sensor where it is.
 const SHORT_MOVE: f64 = 0.05;
-/// A run of equal extreme readings this long is a sensor at the end of its range.
+/// A run of equal extreme readings this long is a sensor at the end of its range...
 const LONGEST_HONEST_RUN: usize = 5;
+/// ...if the noise moves its readings: one of less than so many steps may leave them where they are.
+const STEPS_OF_NOISE: f64 = 0.6;
 
 /// Pressures that a pneumatic chamber can have on the whole, Pa.
 const PLAUSIBLE_PRESSURE_PA: std::ops::RangeInclusive<f64> = 1e3..=1e8;
@@ -66,7 +69,8 @@ fn units(trace: &Trace, pressure_pa: &[f64], declared: Declared) -> Result<(), E
     Ok(())
 }
 
-/// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row.
+/// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row. Where
+/// readings stick to their steps, and may be late, such a run lasts from the begin of a move for longer than that.
 fn saturation(
     trace: &Trace,
     pressure_pa: &[f64],
@@ -85,6 +89,7 @@ fn saturation(
     for (extreme, high) in [(most, true), (least, false)] {
         let run = longest_run(&rows, pressure_pa, extreme);
         let (Some(&first), Some(&last)) = (run.first(), run.last()) else { continue };
+        let sticks = readings_stick(&rows, pressure_pa, first..last + 1);
         let moves = motion.segments.iter().any(|s| {
             let inside = first.max(s.first)..(last + 1).min(s.end);
             let stroke = way(s.first..s.end);
@@ -92,8 +97,10 @@ fn saturation(
                 && stroke > SHORT_MOVE * travel
                 && inside.len() >= LONGEST_HONEST_RUN * readout.period
                 && way(inside) > 0.1 * stroke
+                && (!sticks || last + 1 > first.max(s.first) + (s.end - s.first))
         });
-        if run.len() >= LONGEST_HONEST_RUN && (moves || (still < 0.2 && run.len() > 2 * LONGEST_HONEST_RUN)) {
+        if run.len() >= LONGEST_HONEST_RUN && (moves || (still < 0.2 && !sticks && run.len() > 2 * LONGEST_HONEST_RUN))
+        {
             let from_s = trace.time_s[first];
             return Err(Error::Saturated {
                 trace: trace.path.clone(),
@@ -160,6 +167,23 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
 }
 
 /// The longest run of that value.
+/// Whether the noise is too small to move readings, but for those of a run, off the sensor's steps.
+fn readings_stick(rows: &[usize], pressure_pa: &[f64], run: Range<usize>) -> bool {
+    let beside: Vec<f64> = rows.iter().filter(|row| !run.contains(row)).map(|&row| pressure_pa[row]).collect();
+    let changes = beside.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 1e-9);
+    let step_pa = lattice(&mut changes.collect::<Vec<f64>>());
+    scatter(&beside) < STEPS_OF_NOISE * step_pa
+}
+
+/// Standard deviation of readings from their second differences where they are small, Pa.
+fn scatter(readings: &[f64]) -> f64 {
+    let mut second: Vec<f64> = readings.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    second.sort_unstable_by(f64::total_cmp);
+    let median = second.get(second.len() / 2).copied().unwrap_or(0.0);
+    let small = &second[..second.partition_point(|d| *d <= 4.5 * median)];
+    (small.iter().map(|d| d * d).sum::<f64>() / (6 * small.len().max(1)) as f64).sqrt()
+}
+
 fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
     let (mut best, mut length) = (0..0, 0);
     for (k, &i) in rows.iter().enumerate() {
@@ -169,4 +193,27 @@ fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
         }
     }
     &rows[best]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    #[test]
+    fn readings_stick_where_the_noise_is_small_against_the_steps() {
+        let sticks = |noise_pa: f64| {
+            let mut random = Random::new(31);
+            let rows: Vec<usize> = (0..300).collect();
+            let relaxing = |i: usize| 3e5 + 2e5 * (-(i as f64) / 60.0).exp();
+            let rounded = |p: f64| (p / 390.6).round() * 390.6;
+            let p: Vec<f64> = rows.iter().map(|&i| rounded(relaxing(i) + noise_pa * random.normal())).collect();
+            readings_stick(&rows, &p, 290..300)
+        };
+        assert!(sticks(20.0) && sticks(80.0));
+        assert!(!sticks(400.0));
+        let mut random = Random::new(32);
+        let unrounded: Vec<f64> = (0..300).map(|_| 3e5 + 80.0 * random.normal()).collect();
+        assert!(!readings_stick(&(0..300).collect::<Vec<usize>>(), &unrounded, 0..0));
+    }
 }

@@ -52,20 +52,19 @@ struct Window {
 /// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
 /// change: step, what the rig states.
 pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
-    if before.sticks {
-        // What a sticking sensor shows between its steps is rounding, which has a model of its own.
-        return before.clone();
-    }
     let (mut windows, pure) = windows(data, residuals);
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
-    if points < FEWEST_POINTS {
+    let sticks = before.sticks && !(pure && exceeds_rounding(&windows, before.rounding_pa()));
+    // What a sticking sensor shows between its steps is rounding, which has a model of its own.
+    if sticks || points < FEWEST_POINTS {
         return before.clone();
     }
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
         windows = windows.into_iter().step_by(2).collect();
     }
     let likelihood = Likelihood { windows: &windows, free: if pure { FREE_IN_CONTRAST } else { FREE_ALONE } };
-    let start = Noise { colours: Vec::new(), hum: None, ..before.clone() };
+    let white_pa = before.white_pa.max(before.rounding_pa());
+    let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, ..before.clone() };
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
     let longest_s = if pure { record_s } else { likelihood.longest_s() };
     let mut noise = likelihood.best(&start, longest_s, record_s);
@@ -79,6 +78,17 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
         noise = scale_by(&noise, scale);
     }
     noise
+}
+
+/// Whether repeats differ by more than twice the variance of rounding: coloured noise moves the readings over their steps, though
+/// not from each to the next.
+fn exceeds_rounding(windows: &[Window], rounding_pa: f64) -> bool {
+    let of = |w: &Window| {
+        let mean = w.values.iter().sum::<f64>() / w.values.len() as f64;
+        w.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+    };
+    let points: usize = windows.iter().map(|w| w.values.len()).sum();
+    windows.iter().map(of).sum::<f64>() > 2.0 * rounding_pa * rounding_pa * points as f64
 }
 
 /// Hum that whole rests and holds of single records show: a short window holds less than a period of it.

@@ -232,11 +232,11 @@ impl Data {
     }
 
     /// How much of the sum of squares of a true model is expected to be the positions' noise, which its pressures follow.
-    pub fn squares_by_position(&self) -> f64 {
+    pub fn squares_by_noise_of_positions(&self) -> f64 {
         let of_reading = self.noise.white_pa.powi(2) + self.noise.rounding_pa().powi(2);
         let share = |b: &Block| {
-            let by_position = b.variance_by_position();
-            by_position / (by_position + of_reading / b.rows as f64).max(f64::MIN_POSITIVE)
+            let all = b.variance_by_position() + of_reading / b.rows as f64;
+            b.variance_by_noise() / all.max(f64::MIN_POSITIVE)
         };
         self.traces.iter().flat_map(|t| &t.blocks).map(share).sum()
     }

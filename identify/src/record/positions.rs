@@ -147,7 +147,7 @@ fn is_off_cubic(readings: &[f64], k: usize, least: f64, noise_m: f64) -> bool {
 }
 
 /// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common.
-fn step(position_m: &[f64]) -> f64 {
+pub fn step(position_m: &[f64]) -> f64 {
     let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
     lattice(&mut changes.filter(|change| *change > 1e-12).collect::<Vec<f64>>())
 }

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::fit::whiten::Whitener;
 use crate::forward::Course;
 use crate::record::between_rows::Look;
-use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES, mean_row_s};
+use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
 use crate::record::first_volume::first_guess;
 use crate::record::level;
 use crate::record::line::Line;
@@ -38,7 +38,7 @@ impl Data {
         for (experiment, repeat, trace) in &mended {
             columns.push(Columns::of(trace, *experiment, *repeat)?);
         }
-        let records: Vec<(&[f64], f64)> = columns.iter().map(|c| (c.pressure_pa, c.row_s())).collect();
+        let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], c.pressure_pa)).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
         let declared = Declared::of(rig);
         for (c, readout) in columns.iter_mut().zip(readouts) {
@@ -130,10 +130,6 @@ impl<'a> Columns<'a> {
         let readout = Readout::every_row();
         let backward_rows = *backward_rows;
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout })
-    }
-
-    fn row_s(&self) -> f64 {
-        mean_row_s(&self.time_s)
     }
 
     fn quiet(&self) -> Quiet<'_> {

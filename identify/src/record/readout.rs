@@ -2,9 +2,11 @@
 //! showed last, or with straight lines; those rows say nothing new.
 //!
 //! A held readout repeats each reading, also while the pressure changes by many times its noise; an interpolated one
-//! bends at every k-th row only. Rows marked as outliers are no data either.
+//! bends at every k-th row only. Rows that are missing in between count, since the sensor does not wait for them. Rows marked
+//! as outliers are no data either.
 
 use crate::record::lattice::lattice;
+use records::fill_between;
 
 /// How the rows between two readings came to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,38 +39,55 @@ pub struct Readout {
     pub period: usize,
     /// The first row that is a reading.
     pub first: usize,
+    /// Rows before which one is missing, ascending: one for each that is.
+    pub missing: Vec<usize>,
     /// Rows that are no data although they are readings, ascending.
     pub outliers: Vec<usize>,
 }
 
-/// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz.
+/// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz...
 const LONGEST: usize = 250;
+/// ...or at 20 kHz where its readings are held, which shows at once.
+const LONGEST_HELD: usize = 2000;
 /// At least so many readings must be in a record for a period to be believed that its bends show.
 const FEWEST_READINGS: usize = 20;
 
 impl Readout {
     /// Every row is a reading.
     pub fn every_row() -> Self {
-        Self { between: Between::Nothing, period: 1, first: 0, outliers: Vec::new() }
+        Self::new(Between::Nothing, 1, 0)
     }
 
-    /// Readouts of the records of one logger, of which each has its pressure and the time from row to row, s: at the stated rate,
-    /// Hz, or as each record shows it. One with too few readings to show anything was read like that which shows most.
-    pub fn of_logger(records: &[(&[f64], f64)], stated_hz: Option<f64>) -> Vec<Self> {
+    fn new(between: Between, period: usize, first: usize) -> Self {
+        Self { between, period, first, missing: Vec::new(), outliers: Vec::new() }
+    }
+
+    /// Readouts of the records of one logger, of which each has its times, s, and pressures: at the stated rate, Hz, or as each
+    /// record shows it. One with too few readings to show anything was read like that which shows most.
+    pub fn of_logger(records: &[(&[f64], &[f64])], stated_hz: Option<f64>) -> Vec<Self> {
+        let records: Vec<Rows> = records.iter().map(|(time_s, pressure_pa)| Rows::of(time_s, pressure_pa)).collect();
         if let Some(hz) = stated_hz {
-            return records.iter().map(|(pressure_pa, row_s)| Self::stated(pressure_pa, *row_s, hz)).collect();
+            return records
+                .iter()
+                .map(|rows| rows.readout(&rows.repeated(), &|p| Self::stated(p, rows.row_s, hz)))
+                .collect();
         }
-        let shown: Vec<Self> = records.iter().map(|(pressure_pa, _)| Self::detect(pressure_pa)).collect();
-        let readings = |(r, (pressure_pa, _)): &(&Self, &(&[f64], f64))| pressure_pa.len() / r.period;
-        let rates = shown.iter().zip(records).filter(|(r, _)| r.period > 1);
-        let Some(rate_hz) = rates.max_by_key(readings).and_then(|(r, (_, row_s))| r.rate_hz(*row_s)) else {
+        let shown: Vec<Self> = records.iter().map(|rows| rows.readout(&rows.joined(), &Self::detect)).collect();
+        let readings = |(r, rows): &(&Self, &Rows)| rows.pressure_pa.len() / r.period;
+        let rates = shown.iter().zip(&records).filter(|(r, _)| r.period > 1);
+        let Some(rate_hz) = rates.max_by_key(readings).and_then(|(r, rows)| r.rate_hz(rows.row_s)) else {
             return shown;
         };
-        let of_record = |(r, (pressure_pa, row_s)): (Self, &(&[f64], f64))| {
-            let is_short = pressure_pa.len() as f64 * rate_hz * row_s < FEWEST_READINGS as f64;
-            if r.period == 1 && is_short { Self::stated(pressure_pa, *row_s, rate_hz) } else { r }
+        let of_record = |(r, rows): (Self, &Rows)| {
+            let is_short = rows.pressure_pa.len() as f64 * rate_hz * rows.row_s < FEWEST_READINGS as f64;
+            match r.period {
+                1 if is_short => rows.readout(&rows.repeated(), &|p| Self::stated(p, rows.row_s, rate_hz)),
+                1 => rows
+                    .readout(&rows.joined(), &|p| Self::on_lines(p, (1.0 / (rate_hz * rows.row_s)).round() as usize)),
+                _ => r,
+            }
         };
-        shown.into_iter().zip(records).map(of_record).collect()
+        shown.into_iter().zip(&records).map(of_record).collect()
     }
 
     /// Looks for a slower readout in a pressure's rows.
@@ -90,6 +109,14 @@ impl Readout {
         }
     }
 
+    /// Interpolated with that period, if the other rows lie on straight lines, be the readings of a sticking sensor on one line too.
+    fn on_lines(pressure_pa: &[f64], period: usize) -> Self {
+        let bends = Bends::of(pressure_pa);
+        let on_lines = (2..=bends.squares.len() / FEWEST_READINGS).contains(&period).then(|| bends.largest(period));
+        let first = on_lines.flatten().filter(|(first, most)| bends.stand_out(period, *first, *most).is_some());
+        first.map_or_else(Self::every_row, |(first, _)| Self::new(Between::Interpolated, period, first))
+    }
+
     /// Held where hardly any other row than every `period`-th changes, else interpolated: begun where changes, or bends, are
     /// largest.
     fn of_period(pressure_pa: &[f64], period: usize) -> Self {
@@ -107,7 +134,7 @@ impl Readout {
         } else {
             (Between::Interpolated, sums(&mut { bends }).0)
         };
-        Self { between, period, first, outliers: Vec::new() }
+        Self::new(between, period, first)
     }
 
     /// Whether a row is data.
@@ -119,12 +146,64 @@ impl Readout {
     /// Whether a row was really read, be it an outlier or not.
     #[inline]
     pub fn is_reading(&self, row: usize) -> bool {
+        let row = row + self.missing.partition_point(|before| *before <= row);
         row >= self.first % self.period && (row - self.first % self.period).is_multiple_of(self.period)
     }
 
     /// Readings in a second where rows come `row_s` apart; `None` where every row is a reading.
     pub fn rate_hz(&self, row_s: f64) -> Option<f64> {
         (self.period > 1).then(|| 1.0 / (self.period as f64 * row_s))
+    }
+}
+
+/// A record's rows on the grid of their times, which a row that is left out leaves a gap in.
+struct Rows {
+    row_s: f64,
+    pressure_pa: Vec<f64>,
+    /// Rows before which one is missing, one for each that is.
+    missing: Vec<usize>,
+}
+
+impl Rows {
+    fn of(time_s: &[f64], pressure_pa: &[f64]) -> Self {
+        let mut intervals: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
+        intervals.sort_unstable_by(f64::total_cmp);
+        let row_s = intervals.get(intervals.len() / 2).copied().unwrap_or(1.0);
+        let gap = |(k, w): (usize, &[f64])| {
+            vec![k + 1; (((w[1] - w[0]) / row_s).round() - 1.0).clamp(0.0, LONGEST as f64) as usize]
+        };
+        let missing = time_s.windows(2).enumerate().flat_map(gap).collect();
+        Self { row_s, pressure_pa: pressure_pa.to_vec(), missing }
+    }
+
+    /// What `find` finds in these rows, those that are missing in `all` too; in the rows alone where that is nothing.
+    fn readout(&self, all: &[f64], find: &dyn Fn(&[f64]) -> Readout) -> Readout {
+        let found = (!self.missing.is_empty()).then(|| find(all)).filter(|found| found.period > 1);
+        let found = found.map(|found| Readout { missing: self.missing.clone(), ..found });
+        found.unwrap_or_else(|| find(&self.pressure_pa))
+    }
+
+    /// All rows, those that are missing as the row before them.
+    fn repeated(&self) -> Vec<f64> {
+        let mut all: Vec<f64> = Vec::with_capacity(self.pressure_pa.len() + self.missing.len());
+        for (place, p) in self.places().into_iter().zip(&self.pressure_pa) {
+            all.resize(place, all.last().copied().unwrap_or(*p));
+            all.push(*p);
+        }
+        all
+    }
+
+    /// All rows, those that are missing on straight lines: they bend neither a line nor a reading that is held.
+    fn joined(&self) -> Vec<f64> {
+        let mut all = self.repeated();
+        fill_between(&self.places(), &mut all);
+        all
+    }
+
+    /// Where each row is among all rows.
+    fn places(&self) -> Vec<usize> {
+        let before = |row: usize| self.missing.partition_point(|missing| *missing <= row);
+        (0..self.pressure_pa.len()).map(|row| row + before(row)).collect()
     }
 }
 
@@ -147,7 +226,7 @@ fn held_for(changes: &[usize], period: usize) -> Option<Readout> {
     const BY_CHANCE: f64 = -16.0;
     /// Share of the changes that disturbances of single rows may be.
     const DISTURBED: f64 = 0.05;
-    if !(2..=LONGEST).contains(&period) {
+    if !(2..=LONGEST_HELD).contains(&period) {
         return None;
     }
     let mut at = vec![0; period];
@@ -158,52 +237,101 @@ fn held_for(changes: &[usize], period: usize) -> Option<Readout> {
     let ways = if off > 0.0 { off * (1.0 + (all / off).ln()) } else { 0.0 };
     let chance = ways - (on_grid - 1) as f64 * (period as f64).ln();
     // A sensor that sticks to its steps changes on any row; a slow one on its own rows only.
-    (off <= DISTURBED * all && chance <= BY_CHANCE).then(|| Readout {
-        between: Between::Held,
-        period,
-        first,
-        outliers: Vec::new(),
-    })
+    (off <= DISTURBED * all && chance <= BY_CHANCE).then(|| Readout::new(Between::Held, period, first))
 }
 
 /// Second differences vanish, to the rounding of the readings, but at every k-th row.
 pub(super) fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
-    /// Mean square at the other rows over that at the k-th rows, where rows are not rounded.
-    const SMALL: f64 = 0.01;
-    /// The same at the least, where rounding hides part of it.
-    const CLEAR: f64 = 0.6;
-    /// Bends below this are rounding of the arithmetic, Pa.
-    const NOTHING: f64 = 1e-6;
-    /// A bend's square over the usual one of a reading, at the most.
-    const MOST: f64 = 25.0;
-    let rows = &pressure_pa[..pressure_pa.len().min(20_000)];
-    let bends = rows.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
-    let squares: Vec<f64> = bends.map(|bend| if bend > NOTHING { bend * bend } else { 0.0 }).collect();
-    // On straight lines the rounding is all that bends; the slopes themselves need not differ by single steps.
-    let mut largest: Vec<f64> = squares.iter().copied().filter(|s| *s > 0.0).collect();
-    let step = lattice(&mut largest.iter().map(|s| s.sqrt()).collect::<Vec<f64>>());
-    // Rounding passes a second difference with variance 6 step²/12.
-    let rounding = 1.5 * 0.5 * step * step;
-    largest.sort_by(|a, b| b.total_cmp(a));
-    let candidates = (2..=LONGEST.min(squares.len() / FEWEST_READINGS)).filter_map(|period| {
-        // A few large bends, as of a push, are not to stand for a period: limited by what a reading's bend would be.
-        let most = MOST * largest.get(squares.len() / (2 * period)).or(largest.last())?;
-        let mut sums = vec![0.0; period];
-        for (i, square) in squares.iter().enumerate() {
-            sums[(i + 1) % period] += square.min(most);
-        }
-        let first = (0..period).max_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
-        let others = (sums.iter().sum::<f64>() - sums[first]) / (period - 1) as f64;
-        let readings = squares.len() as f64 / period as f64;
-        let straight = others < SMALL * sums[first] || (others / readings < rounding && others < CLEAR * sums[first]);
-        // A sensor that sticks to its steps bends here and there; an interpolated one at nearly every reading.
-        let places = (0..squares.len()).filter(|i| (i + 1) % period == first);
-        let bends = places.clone().filter(|&i| squares[i] > 0.0).count();
-        let readout = Readout { between: Between::Interpolated, period, first, outliers: Vec::new() };
-        (straight && 2 * bends > places.count()).then(|| ((sums[first] - others) / readings.sqrt(), readout))
+    let bends = Bends::of(&pressure_pa[..pressure_pa.len().min(20_000)]);
+    let candidates = (2..=LONGEST.min(bends.squares.len() / FEWEST_READINGS)).filter_map(|period| {
+        let (first, most) = bends.largest(period)?;
+        bends.stand_out(period, first, most)?;
+        // Spikes and a push bend few rows much: what stands for a period is the usual bend of its readings.
+        let stands_out = bends.stand_out(period, first, MOST_OF_USUAL * bends.usual(period, first))?;
+        Some((stands_out, Readout::new(Between::Interpolated, period, first)))
     });
     // Where several periods pass, as divisors of the true one do, that which stands out most.
     candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, readout)| readout)
+}
+
+/// A bend's square over the usual one of a reading, at the most.
+const MOST_OF_USUAL: f64 = 25.0;
+
+/// Squares of the second differences of a column's rows, from the second row on.
+struct Bends {
+    squares: Vec<f64>,
+    /// Those that are not zero, the largest first.
+    largest: Vec<f64>,
+    /// What rounding may make of them.
+    rounding: f64,
+}
+
+impl Bends {
+    fn of(rows: &[f64]) -> Self {
+        /// Bends below this are rounding of the arithmetic, Pa.
+        const NOTHING: f64 = 1e-6;
+        let size = |by: f64| Some(by.abs()).filter(|size| *size > NOTHING);
+        let bends: Vec<Option<f64>> = rows.windows(3).map(|w| size(w[0] - 2.0 * w[1] + w[2])).collect();
+        // On straight lines the rounding is all that bends; the slopes themselves need not differ by single steps. Where they
+        // do, they show the sensor's steps also in a file with digits of its own, which bends where the steps do not.
+        let mut changes: Vec<f64> = rows.windows(2).filter_map(|w| size(w[1] - w[0])).collect();
+        let step = lattice(&mut bends.iter().copied().flatten().collect::<Vec<f64>>()).max(lattice(&mut changes));
+        let squares: Vec<f64> = bends.into_iter().map(|bend| bend.map_or(0.0, |size| size * size)).collect();
+        let mut largest: Vec<f64> = squares.iter().copied().filter(|s| *s > 0.0).collect();
+        largest.sort_unstable_by(|a, b| b.total_cmp(a));
+        // Rounding passes a second difference with variance 6 step²/12.
+        Self { squares, largest, rounding: 1.5 * 0.5 * step * step }
+    }
+
+    fn at(&self, period: usize, first: usize) -> impl Iterator<Item = f64> {
+        let row = (first + period - 1) % period;
+        self.squares.iter().skip(row).step_by(period).copied()
+    }
+
+    /// Where the readings of that period begin if they bend most, and the square that none of them is to count beyond.
+    fn largest(&self, period: usize) -> Option<(usize, f64)> {
+        let most = MOST_OF_USUAL * self.largest.get(self.squares.len() / (2 * period)).or(self.largest.last())?;
+        let sum = |first: &usize| self.at(period, *first).map(|s| s.min(most)).sum::<f64>();
+        let first = (0..period).max_by(|a, b| sum(a).total_cmp(&sum(b)))?;
+        Some((first, most))
+    }
+
+    /// Median square at those readings: a sensor that sticks to its steps bends here and there, an interpolated one at nearly every
+    /// reading.
+    fn usual(&self, period: usize, first: usize) -> f64 {
+        let mut squares: Vec<f64> = self.at(period, first).collect();
+        let middle = squares.len() / 2;
+        *squares.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// How far those readings stand out of the rows between them, which lie on straight lines; `None` where they do not. No square
+    /// counts for more than `most`.
+    fn stand_out(&self, period: usize, first: usize, most: f64) -> Option<f64> {
+        /// Mean square at the other rows over that at the readings, where rows are not rounded.
+        const SMALL: f64 = 0.01;
+        /// The same at the least, where rounding hides part of it...
+        const CLEAR: f64 = 0.6;
+        /// ...and standard deviations by which the readings' sum is above the other rows': the best of many periods and begins.
+        const DEVIATIONS: f64 = 8.0;
+        let [mut sum, mut squares] = [0.0; 2];
+        for square in self.squares.iter().map(|s| s.min(most)) {
+            sum += square;
+            squares += square * square;
+        }
+        let (mut at_readings, mut squares_there, mut readings) = (0.0, 0.0, 0.0);
+        for square in self.at(period, first).map(|s| s.min(most)) {
+            at_readings += square;
+            squares_there += square * square;
+            readings += 1.0;
+        }
+        let others = self.squares.len() as f64 - readings;
+        let mean = (sum - at_readings) / others;
+        let variance = ((squares - squares_there) / others - mean * mean).max(0.0);
+        let (there, above) = (at_readings / readings, at_readings - readings * mean);
+        let clearly =
+            || mean < self.rounding && mean < CLEAR * there && above > DEVIATIONS * (readings * variance).sqrt();
+        (mean < SMALL * there || clearly()).then(|| above / readings.sqrt())
+    }
 }
 
 #[cfg(test)]
@@ -295,12 +423,84 @@ mod tests {
         let straight: Vec<f64> =
             (0..1000).map(|i| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0).collect();
         let short = &straight[3..150];
-        assert_eq!(Readout::of_logger(&[(short, 0.01)], None), [Readout::every_row()]);
-        let both = Readout::of_logger(&[(short, 0.01), (&straight, 0.01)], None);
+        let times: Vec<f64> = (0..1000).map(|i| 0.01 * f64::from(i)).collect();
+        assert_eq!(Readout::of_logger(&[(&times[..147], short)], None), [Readout::every_row()]);
+        let both = Readout::of_logger(&[(&times[..147], short), (&times, &straight)], None);
         assert_eq!(both.iter().map(|r| (r.period, r.first)).collect::<Vec<_>>(), [(10, 7), (10, 0)]);
         // Read by another logger, and long enough to show it.
         let every_row = readings(1000);
-        assert_eq!(Readout::of_logger(&[(&every_row, 0.01), (&straight, 0.01)], None)[0], Readout::every_row());
+        assert_eq!(Readout::of_logger(&[(&times, &every_row), (&times, &straight)], None)[0], Readout::every_row());
+    }
+
+    #[test]
+    fn a_record_whose_slow_readings_stick_was_read_like_the_others_of_its_logger() {
+        let joined = |slow: &[f64]| -> Vec<f64> {
+            (0..1000).map(|i| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0).collect()
+        };
+        let clear = joined(&readings(101));
+        let sticks = joined(&readings(101).iter().map(|p| (p / 2e4).round() * 2e4).collect::<Vec<f64>>());
+        assert_eq!(Readout::detect(&sticks), Readout::every_row());
+        let times: Vec<f64> = (0..1000).map(|i| 0.01 * f64::from(i)).collect();
+        let both = Readout::of_logger(&[(&times, &sticks), (&times, &clear)], None);
+        assert_eq!(
+            both.iter().map(|r| (r.between, r.period, r.first)).collect::<Vec<_>>(),
+            [(Between::Interpolated, 10, 0); 2]
+        );
+    }
+
+    #[test]
+    fn a_slow_readout_is_found_though_single_rows_are_missing() {
+        let slow = readings(102);
+        let kept: Vec<usize> = (0..1000).filter(|i| ![37, 204, 205, 310, 555, 702, 871].contains(i)).collect();
+        let times: Vec<f64> = kept.iter().map(|i| *i as f64 * 0.01).collect();
+        let held: Vec<f64> = kept.iter().map(|i| slow[(i + 7) / 10]).collect();
+        let between = |i: usize| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0;
+        let joined: Vec<f64> = kept.iter().map(|i| between(i + 7)).collect();
+        for (rows, between) in [(held, Between::Held), (joined, Between::Interpolated)] {
+            let found = &Readout::of_logger(&[(&times, &rows)], None)[0];
+            assert_eq!((found.between, found.period, found.first), (between, 10, 3));
+            for (row, i) in kept.iter().enumerate() {
+                assert_eq!(found.is_reading(row), i % 10 == 3, "{i}");
+            }
+        }
+        let every_row: Vec<f64> = readings(1000)[..times.len()].to_vec();
+        assert_eq!(Readout::of_logger(&[(&times, &every_row)], None)[0], Readout::every_row());
+    }
+
+    #[test]
+    fn an_interpolated_readout_is_found_in_a_file_with_fewer_digits_than_the_sensors_steps() {
+        let slow = readings(251);
+        let rows: Vec<f64> = (0..1000)
+            .map(|i| slow[i / 4] + (slow[i / 4 + 1] - slow[i / 4]) * (i % 4) as f64 / 4.0)
+            .map(|p| ((p / 24.414).round() * 24.414 * 10.0).round() / 10.0)
+            .collect();
+        let found = Readout::detect(&rows);
+        assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 4, 0));
+    }
+
+    #[test]
+    fn spikes_are_no_slow_readout() {
+        for seed in 0..10 {
+            let mut random = Random::new(200 + seed);
+            let mut rows: Vec<f64> = (0..4200).map(|_| 2e5 + 200.0 * random.normal()).collect();
+            for k in 0..9 {
+                rows[(173 + 467 * k + 13 * seed as usize) % 4200] += 2e4 * random.normal();
+            }
+            rows.iter_mut().for_each(|p| *p = (*p / 390.6).round() * 390.6);
+            assert_eq!(Readout::detect(&rows).period, 1, "{seed}");
+        }
+    }
+
+    #[test]
+    fn noise_that_toggles_between_coarse_steps_is_no_slow_readout() {
+        for seed in 0..10 {
+            let mut random = Random::new(100 + seed);
+            let rows: Vec<f64> = (0..4200)
+                .map(|i| 2e5 + 250.0 * (f64::from(i) / 20.0).sin() + 200.0 * random.normal())
+                .map(|p| (p / 390.6).round() * 390.6)
+                .collect();
+            assert_eq!(Readout::detect(&rows).period, 1, "{seed}");
+        }
     }
 
     #[test]

@@ -156,8 +156,8 @@ fn mean(rows: &[f64]) -> f64 {
 
 /// Which rows belong to moves.
 ///
-/// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows: then means of rows are
-/// looked at instead, of twice as many until the moves are whole.
+/// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows, or none: then means of rows
+/// are looked at instead, of twice as many until the moves are whole.
 fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     /// No move is shorter, once it has its gentle begin and end.
     const FEWEST_ROWS: usize = 10;
@@ -171,7 +171,8 @@ fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
         let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)), shortest_hold);
         widen(&mut moving, &means, noise_m);
         let in_pieces = ranges(&moving).into_iter().any(|(first, end, moves)| moves && end - first < FEWEST_ROWS);
-        if !in_pieces || means.len() < 2 * FEWEST_MEANS {
+        let is_whole = moving.contains(&true) && !in_pieces;
+        if is_whole || means.len() < 2 * FEWEST_MEANS {
             return moving.iter().flat_map(|moves| [*moves].repeat(averaged)).take(position_m.len()).collect();
         }
         averaged *= 2;
@@ -462,6 +463,27 @@ mod tests {
         let curve = &motion.segments[1].stroke;
         let worst = (1..200).map(|k| 0.3 + 0.001 * f64::from(k)).map(|t| (curve.at(t, &near).0 - push(t)).abs());
         assert!(worst.fold(0.0, f64::max) < 4e-6);
+    }
+
+    #[test]
+    fn a_slow_push_whose_way_from_row_to_row_is_lost_in_the_noise_is_a_move() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let push = |t: f64| 0.03 - 0.012 * smooth(((t - 0.3) / 1.0).clamp(0.0, 1.0));
+        let mut random = crate::synthetic::Random::new(9);
+        let (t, x): (Vec<f64>, Vec<f64>) =
+            (0..50_000).map(|i| f64::from(i) * 1e-4).map(|t| (t, push(t) + 6e-6 * random.normal())).unzip();
+        let motion = Motion::detect(&t, &x);
+        assert_eq!(
+            motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>(),
+            [Phase::Rest, Phase::Move, Phase::Hold]
+        );
+        let [_, moved, _] = &motion.segments[..] else { return };
+        assert!(
+            (0.1..0.4).contains(&moved.from_s) && (1.2..1.5).contains(&moved.to_s),
+            "{} {}",
+            moved.from_s,
+            moved.to_s
+        );
     }
 
     #[test]

@@ -89,7 +89,8 @@ impl Search {
         Ok((self.data, found))
     }
 
-    /// The chosen model without each of its terms in turn.
+    /// The chosen model without each of its terms in turn: with the secondary parameters of the others as free as they are, which a
+    /// term may have entered in place of, or with none of them free, whichever has the better evidence.
     fn without_one(&self) -> Vec<Candidate> {
         let models = terms::without_one(&self.chosen.model);
         models
@@ -98,12 +99,19 @@ impl Search {
                 if model == Model::PAPER {
                     return Some(self.baseline.clone());
                 }
-                // From the chosen numbers too: a fit that ended beside its best would make a term seem needed.
-                let known = self.tried.iter().find(|c| c.model == model).cloned();
-                let anew = self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit));
-                known.into_iter().chain(anew).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
+                let plain = Model { secondary: EffectSet::NONE, ..model };
+                let freed = (model != plain).then(|| self.part_refitted(model)).flatten();
+                freed.into_iter().chain(self.part_refitted(plain)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
             })
             .collect()
+    }
+
+    /// A part of the chosen model, as it was tried or from the chosen numbers: a fit that ended beside its best would make a term
+    /// seem needed.
+    fn part_refitted(&self, model: Model) -> Option<Candidate> {
+        let known = self.tried.iter().find(|c| c.model == model).cloned();
+        let anew = self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit));
+        known.into_iter().chain(anew).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
     }
 
     /// A fit of a part of a fitted model, from the numbers that it has there.
@@ -185,6 +193,26 @@ mod tests {
     use crate::search::baseline;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
+
+    #[test]
+    fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {
+        let (leakage, drift) = (find("leakage").unwrap().0, find("sensor_drift").unwrap().0);
+        let mut recipe = Recipe::from_seed(5);
+        recipe.chamber.effects.of_mut(leakage)[..2].copy_from_slice(&[2e-11, 0.1]);
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        let leak = EffectSet::one(leakage);
+        let both = Model { secondary: leak, ..Model::with(leak.union(EffectSet::one(drift))) };
+        let fit = fit_model(&search.data, both, &search.baseline.fit, &search.sizes).unwrap();
+        search.chosen = search.candidate(fit);
+        let without = search.without_one();
+        let less = without.iter().find(|c| c.model.effects == leak).unwrap();
+        assert_eq!(less.model.secondary, leak);
+        assert!(search.needed(less) < policy::DECISIVE, "{}", search.needed(less));
+        let plain = search.part_refitted(Model::with(leak)).unwrap();
+        assert!(search.needed(&plain) > policy::DECISIVE, "{}", search.needed(&plain));
+    }
 
     #[test]
     fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {

@@ -24,7 +24,7 @@ const THE_SAME: f64 = 1e-4;
 /// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew. Where the
 /// part has lost λ0, that starts anew too; the better of both.
 pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
-    let fits = bases(data, part).into_iter().filter_map(|base| fit_from(&base, data, model, part, sizes));
+    let fits = bases(data, part, &model).into_iter().filter_map(|base| fit_from(&base, data, model, part, sizes));
     fits.min_by(|a, b| a.marginal.total_cmp(&b.marginal))
 }
 
@@ -32,14 +32,30 @@ pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option
 /// begin from, the same with λ0 and dead volume as first guessed. What lacks a delay, say, fits best without heat transfer, and
 /// there nothing tells how the other effects of the gas would help. Gas that as first guessed relaxed from one row to the next
 /// is no place to begin: the records would not show it, and its equations would be stiff (times in ms declared as s).
-fn bases(data: &Data, part: &Fit) -> Vec<Chamber> {
+///
+/// Where the part has found a secondary parameter that the larger model does not free, that begins as found and as its card states
+/// it: what it was found beside may have been wrong.
+fn bases(data: &Data, part: &Fit, model: &Model) -> Vec<Chamber> {
     let known = part.chamber();
     let first = first_chamber(data);
     let shows = |Sizes { relaxation, row, .. }: Sizes| relaxation > row;
-    if !has_lost_lambda0(&known) || !shows(Sizes::of(data, &first)) {
-        return vec![known];
+    let mut out = vec![known];
+    if has_lost_lambda0(&known) && shows(Sizes::of(data, &first)) {
+        out.push(Chamber { heat_transfer: first.heat_transfer, geometry: first.geometry, ..known });
     }
-    vec![known, Chamber { heat_transfer: first.heat_transfer, geometry: first.geometry, ..known }]
+    out.extend(Some(as_stated(&known, model)).filter(|stated| *stated != known));
+    out
+}
+
+/// The chamber with the secondary parameters that a model does not free as their cards state them.
+fn as_stated(chamber: &Chamber, model: &Model) -> Chamber {
+    let mut stated = *chamber;
+    let kept = |e: &usize| CARDS[*e].candidate && !model.secondary.has(*e);
+    for e in model.effects.iter().filter(kept) {
+        let values = stated.effects.of_mut(e).iter_mut().zip(CARDS[e].parameters);
+        values.filter(|(_, p)| !p.fitted).for_each(|(value, p)| *value = p.neutral);
+    }
+    stated
 }
 
 /// Whether λ0 has gone farther from its first guess than a gas in a cylinder is likely to be.
@@ -77,7 +93,7 @@ pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Opt
         let squares = fit::promise(data, &h, &start.rig, &start.own)? + fit::smoothed(data, &model);
         Some(evidence::of_squares(squares, part.blocks, h.freedom(data.traces.len())))
     };
-    let begun = bases(data, part).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));
+    let begun = bases(data, part, &model).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));
     begun.filter_map(promised).min_by(f64::total_cmp)
 }
 
@@ -216,9 +232,10 @@ mod tests {
         let recipe = Recipe::from_seed(5);
         let recipe = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]);
         let (data, mut part) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        assert_eq!(bases(&data, &part).len(), 1);
+        assert_eq!(bases(&data, &part, &Model::PAPER).len(), 1);
         part.rig[0] = -12.0;
-        let coefficients: Vec<f64> = bases(&data, &part).iter().map(|base| base.heat_transfer.coefficient).collect();
+        let coefficients: Vec<f64> =
+            bases(&data, &part, &Model::PAPER).iter().map(|base| base.heat_transfer.coefficient).collect();
         assert_eq!(coefficients, [part.chamber().heat_transfer.coefficient, FIRST_LAMBDA0]);
         let leak = Model::with(EffectSet::one(find("leakage").unwrap().0));
         let sizes = Sizes::of(&data, &first_chamber(&data));
@@ -228,12 +245,31 @@ mod tests {
     }
 
     #[test]
+    fn a_larger_set_does_not_keep_a_secondary_number_that_only_its_part_needed() {
+        let (leakage, zones) = (find("leakage").unwrap().0, find("gas_zones").unwrap().0);
+        let mut recipe = Recipe::from_seed(5);
+        recipe.chamber.effects.of_mut(leakage)[0] = 2e-11;
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let sizes = Sizes::of(&data, &first_chamber(&data));
+        let leak = EffectSet::one(leakage);
+        let part = fit_model(&data, Model::with(leak), &paper, &sizes).unwrap();
+        let both = Model::with(leak.union(EffectSet::one(zones)));
+        let right = fit_model(&data, both, &part, &sizes).unwrap().marginal;
+        let mut wrong = part;
+        wrong.hypothesis.base.effects.of_mut(leakage)[1] = 0.8;
+        assert_eq!(bases(&data, &wrong, &both).len(), 2);
+        let found = fit_model(&data, both, &wrong, &sizes).unwrap();
+        assert_eq!(found.chamber().effects.of(leakage)[1], 0.3);
+        assert!(found.marginal < 1.001 * right, "{} {right}", found.marginal);
+    }
+
+    #[test]
     fn a_fit_does_not_begin_where_the_gas_relaxes_from_one_row_to_the_next() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let lost = |recipe: &Recipe| {
             let (data, mut part) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
             part.rig[0] = -12.0;
-            bases(&data, &part).len()
+            bases(&data, &part, &Model::PAPER).len()
         };
         assert_eq!(lost(&recipe), 2);
         recipe.faults.time_unit = 1e3;

@@ -56,7 +56,7 @@ pub fn takes_back_the_stroke(model: &Model) -> bool {
     model.effects.iter().any(|e| CARDS[e].acts_on == ActsOn::RecordedStroke)
 }
 
-/// The model with one term less, each way there is.
+/// The model with one term less, each way there is; what is freed of the others stays free.
 pub fn without_one(model: &Model) -> Vec<Model> {
     let mut out: Vec<Model> = model
         .effects
@@ -66,13 +66,13 @@ pub fn without_one(model: &Model) -> Vec<Model> {
             Model {
                 effects: model.effects.without(one),
                 own: model.own.without(one),
-                secondary: EffectSet::NONE,
+                secondary: model.secondary.without(one),
                 ..*model
             }
         })
         .collect();
     if model.initial_temperature {
-        out.push(Model { initial_temperature: false, secondary: EffectSet::NONE, ..*model });
+        out.push(Model { initial_temperature: false, ..*model });
     }
     out
 }

@@ -27,10 +27,34 @@ pub fn texts(line: &str, separator: Separator) -> Vec<&str> {
 /// The number in a field.
 #[inline]
 pub fn number(text: &str, decimal: Decimal) -> Option<f64> {
-    match decimal {
+    let plain = match decimal {
         Decimal::Point => text.parse().ok(),
-        Decimal::Comma => with_point(text)?.as_str()?.parse().ok(),
+        Decimal::Comma => with_point(text).and_then(|text| text.as_str()?.parse().ok()),
+    };
+    plain.or_else(|| grouped(text, decimal))
+}
+
+/// A number whose thousands are set apart, as `101'325.0`, `101 325,0` and `101.325,0` are. A point or a comma sets them apart only
+/// where the other one follows: alone it would be a decimal sign.
+#[cold]
+fn grouped(text: &str, decimal: Decimal) -> Option<f64> {
+    const MARKS: [char; 6] = ['\'', '’', ' ', '\u{a0}', '\u{202f}', '\u{2009}'];
+    let (sign, other) = match decimal {
+        Decimal::Point => ('.', ','),
+        Decimal::Comma => (',', '.'),
+    };
+    let (whole, decimals) = text.split_once(sign).map_or((text, None), |(whole, decimals)| (whole, Some(decimals)));
+    let digits = whole.trim_start_matches(['-', '+']);
+    let mark = digits.chars().find(|c| !c.is_ascii_digit())?;
+    let sets_apart = MARKS.contains(&mark) || (mark == other && decimals.is_some());
+    let are_digits = |group: &str| group.bytes().all(|byte| byte.is_ascii_digit());
+    let (first, rest) = digits.split_once(mark)?;
+    let are_groups =
+        (1..=3).contains(&first.len()) && rest.split(mark).all(|group| group.len() == 3 && are_digits(group));
+    if !(sets_apart && are_groups) {
+        return None;
     }
+    format!("{}.{}", whole.replace(mark, ""), decimals.unwrap_or("0")).parse().ok()
 }
 
 /// A number's text with a point in place of its comma, on the stack.
@@ -46,7 +70,7 @@ fn with_point(text: &str) -> Option<Pointed> {
     let mut pointed = Pointed([0; 40], text.len());
     let bytes = pointed.0.get_mut(..text.len())?;
     bytes.copy_from_slice(text.as_bytes());
-    // A point beside a decimal comma would separate thousands, or be a decimal point after all.
+    // A point beside a decimal comma sets thousands apart, or is a decimal point after all.
     if bytes.contains(&b'.') {
         return None;
     }
@@ -126,10 +150,24 @@ mod tests {
     }
 
     #[test]
+    fn thousands_may_be_set_apart_where_that_is_no_decimal_sign() {
+        for text in ["101.325,5", "101'325,5", "101 325,5", "101\u{a0}325,5", "101\u{202f}325,5"] {
+            assert_eq!(number(text, Decimal::Comma), Some(101_325.5), "{text}");
+        }
+        assert_eq!(number("-1,101,325.5e-3", Decimal::Point), Some(-1101.3255));
+        assert_eq!(number("1'101’325", Decimal::Point), None);
+        assert_eq!(number("1'101'325", Decimal::Point), Some(1_101_325.0));
+        for not in ["101,325", "1,01,325.5", "1013,255.5", ",325.5", "1,325,.5", "1 2", "12:000.5", "1,325.5.5"] {
+            assert_eq!(number(not, Decimal::Point), None, "{not}");
+        }
+        assert_eq!(number("101.325", Decimal::Comma), None);
+    }
+
+    #[test]
     fn a_decimal_comma_reads_as_the_same_number() {
         assert_eq!(number("-1,25e-3", Decimal::Comma), number("-1.25e-3", Decimal::Point));
         assert_eq!(number("101325", Decimal::Comma), Some(101325.0));
-        for not in ["1,2,3", "1.000,5", "1.5", "", "a", &"1".repeat(50)] {
+        for not in ["1,2,3", "1.00,5", "1.5", "", "a", &"1".repeat(50)] {
             assert_eq!(number(not, Decimal::Comma), None, "{not}");
         }
     }

@@ -57,6 +57,8 @@ pub struct Lines<'a> {
     encoding: Encoding,
     /// No encoding is stated: a line that is not UTF-8 is taken for Latin-1.
     free: bool,
+    /// What a line ends with: a carriage return alone in files of old Macintosh programs.
+    end: u8,
     /// Of the current line, from 1.
     number: usize,
     buffer: Vec<u8>,
@@ -82,6 +84,7 @@ impl<'a> Lines<'a> {
             Encoding::Utf16Be => b"\xfe\xff",
             Encoding::Latin1 => b"",
         };
+        let end = if first.contains(&b'\r') && !first.contains(&b'\n') { b'\r' } else { b'\n' };
         let begin = if first.starts_with(mark) { mark.len() as u64 } else { 0 };
         let mut whole = Cursor::new(first).chain(source);
         whole.get_mut().0.set_position(begin);
@@ -96,6 +99,7 @@ impl<'a> Lines<'a> {
             hashed,
             encoding,
             free: stated.is_none(),
+            end,
             number: 0,
             buffer: Vec::new(),
             text: String::new(),
@@ -144,7 +148,7 @@ impl<'a> Lines<'a> {
     /// Reads the next line; `false` after the last.
     fn read_line(&mut self) -> Result<bool, Stop> {
         self.buffer.clear();
-        let read = self.source.by_ref().take(MAX_LINE).read_until(b'\n', &mut self.buffer)? as u64;
+        let read = self.source.by_ref().take(MAX_LINE).read_until(self.end, &mut self.buffer)? as u64;
         self.number += usize::from(read > 0);
         let line = self.number;
         if self.hashed.borrow().bytes > MAX_BYTES {
@@ -153,7 +157,7 @@ impl<'a> Lines<'a> {
         if self.buffer.contains(&0) || (line == 1 && self.buffer.iter().any(is_control)) {
             return Err(TraceProblem::NotText { line, what: "binary data" }.into());
         }
-        if read == MAX_LINE && !self.buffer.ends_with(b"\n") {
+        if read == MAX_LINE && !self.buffer.ends_with(&[self.end]) {
             return Err(TraceProblem::NotText { line, what: "a line of more than a million bytes" }.into());
         }
         Ok(read > 0)
