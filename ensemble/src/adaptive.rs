@@ -76,7 +76,7 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
     pushed.clear();
     for (problem, (_, duration)) in problems.iter_mut().zip(rows) {
         pushed.push(Pushed { temperature: problem.state[0] * problem.state[0], energy: problem.energy });
-        (problem.length, problem.longest) = (duration - problem.length, f64::INFINITY);
+        (problem.length, problem.longest, problem.first) = (duration - problem.length, f64::INFINITY, 0.0);
     }
     advance(arch, &Held::new(tests), problems, relative, log);
 

@@ -53,15 +53,13 @@ pub struct Problem<const N: usize> {
     pub absolute: [f64; N],
     /// Longest step that may be tried, s.
     pub longest: f64,
-    /// Longest first step, s.
-    pub longest_first: f64,
+    /// Length of its first step, s; zero where that is to be found out.
+    pub first: f64,
     /// Rates of the states at the stretch's begin, per second.
     slope: [f64; N],
     power: [f64; 2],
     /// What is seen at its begin.
     pub view: View<f64>,
-    /// Length of its first step, s.
-    first: f64,
     /// Energy received as heat and enthalpy, and work on the piston: integrals of [`Moment::power`].
     pub energy: [f64; 2],
     /// Where the watch has kept its steps.
@@ -76,21 +74,8 @@ impl<const N: usize> Problem<N> {
         let view = View { value: [0.0; 2], slope: [0.0; 2] };
         let steps = Steps::default();
         let (slope, power, energy) = ([0.0; N], [0.0; 2], [0.0; 2]);
-        let (longest, longest_first, first) = (f64::INFINITY, f64::INFINITY, 0.0);
-        Self {
-            length,
-            state,
-            absolute,
-            longest,
-            longest_first,
-            slope,
-            power,
-            view,
-            first,
-            energy,
-            steps,
-            failure: None,
-        }
+        let (longest, first) = (f64::INFINITY, 0.0);
+        Self { length, state, absolute, longest, first, slope, power, view, energy, steps, failure: None }
     }
 }
 
@@ -98,7 +83,9 @@ impl<const N: usize> Problem<N> {
     /// Notes what a lane has found out about its begin.
     #[inline(always)]
     fn begin(&mut self, lane: usize, moment: &Moment<N>, first: Lanes) {
-        self.first = first[lane];
+        if self.first == 0.0 {
+            self.first = first[lane];
+        }
         for i in 0..2 {
             self.view.value[i] = moment.view.value[i][lane];
             self.view.slope[i] = moment.view.slope[i][lane];
@@ -481,7 +468,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
                 self.energy[i][lane] = 0.0;
             }
             (self.t[lane], self.length[lane], self.longest[lane]) = (0.0, problem.length, problem.longest);
-            self.h[lane] = problem.first.min(problem.longest).min(problem.longest_first);
+            self.h[lane] = problem.first.min(problem.longest);
             (self.attempts[lane], self.beyond[lane], self.since[lane]) = (0.0, 0.0, 0.0);
             self.owner[lane] = *next;
             *next += 1;

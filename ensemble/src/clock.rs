@@ -3,7 +3,12 @@
 //!
 //! w = w0 + w' s,  dt/ds = p w³,  p = 4/((w0 + w1)(w0² + w1²)),  t = s p (w + w0)(w² + w0²)/4
 //!
-//! Where the piston rests, s = t. Volumes in m³, t and s in s.
+//! Where the piston rests, s = t. A law with |T − Tw|^n has no power series at the start of a push from T = Tw: T goes on as
+//! t^(n+2) there. Then the clock shows, in the place of s, an r in which that is nearly r^(2n+4),
+//!
+//! s = r (1 − b + b r/L),  ds/dr = 1 − b + 2 b r/L,  b close to 1, L the stretch's length
+//!
+//! Volumes in m³, t, s and r in s.
 
 use crate::lanes::Lanes;
 use chamber::real::Real;
@@ -17,40 +22,60 @@ pub struct Clock<R = f64> {
     pub root_rate: R,
     /// p, m^(-9/4).
     pub pace_factor: R,
+    /// 1 − b.
+    straight: R,
+    /// b/L, 1/s.
+    bend: R,
 }
+
+/// b of clocks that are bent.
+const BENT: f64 = 0.999;
 
 impl Clock<f64> {
     /// The clock of a held unit volume: w stays 1.
-    pub const RESTING: Self = Self { start: 1.0, root_rate: 0.0, pace_factor: 1.0 };
+    pub const RESTING: Self = Self { start: 1.0, root_rate: 0.0, pace_factor: 1.0, straight: 1.0, bend: 0.0 };
 
     /// From one volume, m³, to another over `length`, s.
     pub fn new(from: f64, to: f64, length: f64) -> Self {
         if from == to {
             // Every hold: half the roots.
             let root = from.sqrt().sqrt();
-            return Self { start: root, root_rate: 0.0, pace_factor: 1.0 / (root * root * root) };
+            return Self { start: root, pace_factor: 1.0 / (root * root * root), ..Self::RESTING };
         }
         let [square, end_square] = [from.sqrt(), to.sqrt()];
         let [start, end] = [square.sqrt(), end_square.sqrt()];
-        Self { start, root_rate: (end - start) / length, pace_factor: 4.0 / ((start + end) * (square + end_square)) }
+        let pace_factor = 4.0 / ((start + end) * (square + end_square));
+        Self { start, root_rate: (end - start) / length, pace_factor, ..Self::RESTING }
+    }
+
+    /// The same over `length`, s, bent.
+    pub fn bent(self, length: f64) -> Self {
+        Self { straight: 1.0 - BENT, bend: BENT / length, ..self }
     }
 }
 
 impl<R: Real> Clock<R> {
-    /// w, m^(3/4), when the clock shows `s`.
+    /// s, and ds/dr, when the clock shows `r`.
+    #[inline(always)]
+    pub fn unbent(&self, r: R) -> [R; 2] {
+        let bend = self.bend * r;
+        [r * (self.straight + bend), self.straight + bend * 2.0]
+    }
+
+    /// w, m^(3/4), at `s`.
     #[inline(always)]
     pub fn root(&self, s: R) -> R {
         self.start + self.root_rate * s
     }
 
-    /// dt/ds when the clock shows `s`.
+    /// dt/ds at `s`.
     #[inline(always)]
     pub fn pace(&self, s: R) -> R {
         let root = self.root(s);
         self.pace_factor * root * (root * root)
     }
 
-    /// The time, s, when the clock shows `s`.
+    /// The time, s, at `s`.
     #[inline(always)]
     pub fn time(&self, s: R) -> R {
         let root = self.root(s);
@@ -59,28 +84,39 @@ impl<R: Real> Clock<R> {
 }
 
 impl Clock<f64> {
-    /// The time, s, when the clock shows `s`, and dt/ds there; where the piston rests without arithmetic.
+    /// The time, s, when the clock shows `r`, and dt/dr there; where the piston rests without arithmetic.
     #[inline(always)]
-    pub fn time_and_pace(&self, s: f64) -> (f64, f64) {
-        if self.root_rate == 0.0 { (s, 1.0) } else { (self.time(s), self.pace(s)) }
+    pub fn time_and_pace(&self, r: f64) -> (f64, f64) {
+        if self.root_rate == 0.0 && self.bend == 0.0 {
+            return (r, 1.0);
+        }
+        let [s, rate] = self.unbent(r);
+        (self.time(s), self.pace(s) * rate)
     }
 }
 
 impl Clock<Lanes> {
     /// A clock that stands in every lane, to be loaded lane by lane.
-    pub const NONE: Self = Self { start: Lanes::ZERO, root_rate: Lanes::ZERO, pace_factor: Lanes::ZERO };
+    pub const NONE: Self = Self {
+        start: Lanes::ZERO,
+        root_rate: Lanes::ZERO,
+        pace_factor: Lanes::ZERO,
+        straight: Lanes::ONE,
+        bend: Lanes::ZERO,
+    };
 
     /// What the clocks show at a time, s.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> Lanes {
         // Of most records only the hold is looked into.
-        if !self.root_rate.abs().any_positive() {
+        if !(self.root_rate.abs() + self.bend).any_positive() {
             return time;
         }
         let start = self.start * self.start;
         let root = (start * start + time * 4.0 * self.root_rate / self.pace_factor).sqrt().sqrt();
         let moving = time * 4.0 / (self.pace_factor * (root + self.start) * (root * root + start));
-        self.root_rate.abs().where_positive(moving, time)
+        let s = self.root_rate.abs().where_positive(moving, time);
+        s * 2.0 / (self.straight + (self.straight * self.straight + self.bend * s * 4.0).sqrt())
     }
 
     /// Puts a clock into a lane.
@@ -89,6 +125,8 @@ impl Clock<Lanes> {
         self.start[lane] = from.start;
         self.root_rate[lane] = from.root_rate;
         self.pace_factor[lane] = from.pace_factor;
+        self.straight[lane] = from.straight;
+        self.bend[lane] = from.bend;
     }
 }
 
@@ -113,6 +151,23 @@ mod tests {
             let step = 1e-5 * length;
             let slope = (clock.time(s + step) - clock.time(s - step)) / (2.0 * step);
             prop_assert!((clock.pace(s) / slope - 1.0).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn a_bent_clock_tells_the_same_times() {
+        for to in [1e-5, 3e-5] {
+            let (plain, bent) = (Clock::new(3e-5, to, 2.0), Clock::new(3e-5, to, 2.0).bent(2.0));
+            let mut lanes = Clock::NONE;
+            lanes.load(4, &bent);
+            for r in [0.0, 1e-3, 0.3, 1.1, 2.0] {
+                let ([s, _], (time, pace)) = (bent.unbent(r), bent.time_and_pace(r));
+                assert!((time - plain.time_and_pace(s).0).abs() < 1e-15);
+                assert!((lanes.shown(Lanes::from(time))[4] - r).abs() < 1e-12, "{r}");
+                let slope = (bent.time_and_pace(r + 1e-5).0 - bent.time_and_pace(r - 1e-5).0) / 2e-5;
+                assert!((pace - slope).abs() < 1e-9, "{pace} {slope}");
+            }
+            assert!((bent.time_and_pace(2.0).0 - 2.0).abs() < 1e-14);
         }
     }
 

@@ -25,11 +25,8 @@ use chamber::simulate::tolerance;
 const EMPTY: f64 = 0.01;
 /// Steps of all lanes that are kept at most, 768 bytes each; the fewest rows together keep as many as they need.
 const HISTORY: usize = 1 << 14;
-/// Longest first step, as a share of the stretch, from where gas and wall have one temperature, with an effect that has no
-/// power series there: the error estimate of a longer one promises too much again and again.
-const SINGULAR_FIRST: f64 = 0.01;
-/// Within so many kelvin of it a start is one from there.
-const NEAR_EQUILIBRIUM_K: f64 = 1.0;
+/// First step, as a share of the stretch, by a clock that is bent: there is no telling its length by the rates.
+const FIRST_OF_BENT: f64 = 0.15;
 /// The fewest rows that are solved together.
 const FEWEST: usize = 16;
 /// Knots after which traces are read.
@@ -250,18 +247,10 @@ impl<'a, const N: usize> Course<'a, N> {
         } else if stretch.velocity != 0.0 {
             problem.longest = LONGEST_OF_MOVE * stretch.length;
         }
-        if index == 0 && self.starts_singular() {
-            problem.longest_first = SINGULAR_FIRST * stretch.length;
+        if index == 0 && self.plan.starts_singular {
+            problem.first = FIRST_OF_BENT * stretch.length;
         }
         problem
-    }
-
-    /// Whether it starts where the law of its heat transfer is no power series.
-    fn starts_singular(&self) -> bool {
-        let Scenario { chamber, ambient_temperature_k, initial_temperature_k, .. } = self.scenario;
-        let rest = effects::rest_temperature(&chamber.effects, *ambient_temperature_k);
-        !self.plan.active.intersection(effects::SINGULAR).is_empty()
-            && (initial_temperature_k - rest).abs() < NEAR_EQUILIBRIUM_K
     }
 
     /// Whether it goes through a stretch.

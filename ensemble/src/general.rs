@@ -159,7 +159,14 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         own
     }
 
-    /// What the chambers hold when the clock shows `s`, and 1/√U there.
+    /// The clock's s, and ds/dr, when it shows `r`: only with some effects is it bent.
+    #[inline(always)]
+    fn unbent(&self, r: Lanes) -> [Lanes; 2] {
+        let bent = !self.set().intersection(effects::SINGULAR).is_empty();
+        if bent { self.stretch.clock.unbent(r) } else { [r, Lanes::ONE] }
+    }
+
+    /// What the chambers hold at the clock's `s`, and 1/√U there.
     #[inline(always)]
     fn contents(&self, s: Lanes, y: &[Lanes; N]) -> (Contents<Lanes>, Lanes) {
         let root = self.stretch.clock.root(s);
@@ -175,7 +182,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         (Contents { mass, energy, volume, per_root, per_energy }, per_root_energy)
     }
 
-    /// The boundary when the clock shows `s`.
+    /// The boundary at the clock's `s`.
     #[inline(always)]
     fn boundary(&self, s: Lanes) -> Boundary<Lanes> {
         self.stretch.boundary(if self.stretch.profiled { self.stretch.clock.time(s) } else { Lanes::ZERO })
@@ -227,9 +234,10 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     const ANYWHERE: bool = BITS == AT_RUN_TIME;
 
     #[inline(always)]
-    fn rates(&self, s: Lanes, y: &[Lanes; N]) -> Moment<N> {
+    fn rates(&self, r: Lanes, y: &[Lanes; N]) -> Moment<N> {
+        let [s, rate] = self.unbent(r);
         let (contents, per_root_energy) = self.contents(s, y);
-        let pace = self.stretch.clock.pace(s);
+        let pace = self.stretch.clock.pace(s) * rate;
         let (set, boundary, own) = (self.set(), self.boundary(s), Self::own(y));
         let (at, rates, own) = if Self::TIGHT {
             self.balance.evaluate_within(&Tight, set, &boundary, &contents, &own)

@@ -147,6 +147,18 @@ pub struct Plan {
     pub hold: usize,
     /// Whether the piston leaves more gas volume than it found.
     pub expands: bool,
+    /// Whether it starts where the law of its heat transfer is no power series; the clock is bent there.
+    pub starts_singular: bool,
+}
+
+/// Within so many kelvin of the wall's temperature a start is one from there.
+const NEAR_EQUILIBRIUM_K: f64 = 1.0;
+
+/// Whether a scenario with these active effects starts where the law of its heat transfer is no power series.
+fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
+    let Scenario { chamber, ambient_temperature_k, initial_temperature_k, .. } = scenario;
+    let excess = || initial_temperature_k - effects::rest_temperature(&chamber.effects, *ambient_temperature_k);
+    !active.intersection(effects::SINGULAR).is_empty() && excess().abs() < NEAR_EQUILIBRIUM_K
 }
 
 impl Plan {
@@ -179,9 +191,14 @@ impl Plan {
             let [from, to] = [0.0, stretch.length].map(|t| geometry.volume(stretch.position + stretch.velocity * t));
             stretch.clock = Clock::new(from, to, stretch.length);
         }
+        let starts_singular = starts_singular(active, scenario);
+        if starts_singular {
+            let first = &mut stretches[0];
+            first.clock = first.clock.bent(first.length);
+        }
         let last = stretches[stretches.len() - 1];
         let expands = last.position + last.velocity * last.length > stretches[0].position;
-        Ok(Self { active, stretches, push_end, duration, delay, window: [from, to], hold, expands })
+        Ok(Self { active, stretches, push_end, duration, delay, window: [from, to], hold, expands, starts_singular })
     }
 }
 

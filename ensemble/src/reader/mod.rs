@@ -372,7 +372,7 @@ impl<'a> Traces<'a> {
                 Lanes::from_fn(|lane| {
                     let (segment, knot) = turn(lane);
                     let knots = self.memory.segments[segment as usize].knots.clone();
-                    self.of_segment(segment).1.clock.time(self.memory.knots[knots][knot as usize + end].at)
+                    self.of_segment(segment).1.clock.time_and_pace(self.memory.knots[knots][knot as usize + end].at).0
                 })
             });
             let reading = Prompt { inside, gain: Lanes::ONE, offset: Lanes::ZERO, drift: Lanes::ZERO };
