@@ -225,7 +225,7 @@ pub fn coarsest(sensor: &Sensor) -> usize {
     usize::from(sensor.lag > 0.0)
 }
 
-/// Solves problems of rows whose pistons rest, with effects of [`EFFECTS`], from a level each on. Among their states √U has the
+/// Solves problems of rows whose pistons rest, with effects of [`EFFECTS`], from a level each on. Among their states 1/√U has the
 /// first of the two places, and the modes follow from the second on. Answers which it has solved; the others are left as they
 /// are.
 pub fn hold<const N: usize>(
@@ -258,7 +258,7 @@ pub fn hold<const N: usize>(
                 set,
                 balance,
                 mass: Lanes::from_fn(|lane| row(lane).mass),
-                root_energy: Lanes::from_fn(|lane| problem(lane).state[energy]),
+                energy: Lanes::from_fn(|lane| problem(lane).state[energy].powi(-2)),
                 modes: core::array::from_fn(|mode| Lanes::from_fn(|lane| problem(lane).state[first_mode + mode])),
                 volume: Lanes::from_fn(|lane| row(lane).balance.chamber.geometry.volume(row(lane).stretch.position)),
                 ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.ambient_temperature),
@@ -278,7 +278,7 @@ pub fn hold<const N: usize>(
                         slope: held.begin.slope.map(|slope| slope[lane]),
                     };
                     problem.energy = [held.heat[lane], 0.0];
-                    problem.state[energy] = held.root_energy[lane];
+                    problem.state[energy] = 1.0 / held.energy[lane].sqrt();
                     for mode in 0..MODES {
                         problem.state[first_mode + mode] = held.modes[mode][lane];
                     }
@@ -295,7 +295,7 @@ struct Hold<'a> {
     set: EffectSet,
     balance: &'a Balance<Lanes>,
     mass: Lanes,
-    root_energy: Lanes,
+    energy: Lanes,
     modes: [Lanes; MODES],
     volume: Lanes,
     ambient_temperature: Lanes,
@@ -314,7 +314,7 @@ struct Held {
     good: Lanes,
     /// What is seen at the begin.
     begin: View<Lanes>,
-    root_energy: Lanes,
+    energy: Lanes,
     modes: [Lanes; MODES],
     /// Heat into the gas, J.
     heat: Lanes,
@@ -334,7 +334,7 @@ impl Hold<'_> {
     fn follow<const FUSED: bool>(self) -> Held {
         let Self { balance, mass, modes, volume, counts, last, level, history, .. } = self;
         let capacity = mass * balance.cv;
-        let temperature = self.root_energy * self.root_energy / capacity;
+        let temperature = self.energy / capacity;
         let mut gas = black_box(Gas::new(
             self.set,
             balance,
@@ -368,7 +368,7 @@ impl Hold<'_> {
         history.push(time + last.length, Lanes::ONE, &gas.view(per_temperature, step.drives[NODES - 1]));
         let energy = gas.temperature * capacity;
         let heat = (gas.temperature - temperature) * capacity;
-        black_box(Held { good: good.min(step.good), begin, root_energy: energy.sqrt(), modes: gas.modes, heat })
+        black_box(Held { good: good.min(step.good), begin, energy, modes: gas.modes, heat })
     }
 }
 

@@ -1,6 +1,8 @@
-//! Any chamber with any effects in lanes, with the balances of [`balance`](chamber::balance) as they are. States are √m, √U
+//! Any chamber with any effects in lanes, with the balances of [`balance`](chamber::balance) as they are. States are √m, 1/√U
 //! and the own states of the effects in use, and the clock is that of [`crate::clock`]: with √m and V^(1/4) at hand, λ(P, T)
-//! takes no root, and with √U the integrals of heat, work and enthalpy over a step are others than that of its states.
+//! takes no root, and with 1/√U the integrals of heat, work and enthalpy over a step are others than that of its states. In a
+//! closed chamber 1/U is a constant and a decaying exponential while the piston rests, and over an adiabatic push 1/√U is
+//! V^((γ − 1)/2), nearly even in the clock: steps are longer than with √U.
 
 use crate::advance::Loadable;
 use crate::chambers::load_chamber;
@@ -121,31 +123,33 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         if BITS & ASKED == 0 { compiled } else { compiled.intersection(self.set) }
     }
 
-    /// States to integrate, from all of a chamber's: mass and energy by their roots.
+    /// States to integrate, from all of a chamber's.
     pub fn states(all: &[f64; STATES]) -> [f64; N] {
         let mut y = Self::PLACES.map(|place| all[place]);
-        for root in &mut y[..=Self::ENERGY] {
-            *root = root.sqrt();
+        if !Self::TIGHT {
+            y[MASS] = all[MASS].sqrt();
         }
+        y[Self::ENERGY] = 1.0 / all[ENERGY].sqrt();
         y
     }
 
     /// Mass, kg, and internal energy, J, in a state that has come from one of mass `initial`.
     pub fn mass_and_energy(y: &[f64; N], initial: f64) -> [f64; 2] {
-        [if Self::TIGHT { initial } else { y[MASS] * y[MASS] }, y[Self::ENERGY] * y[Self::ENERGY]]
+        [if Self::TIGHT { initial } else { y[MASS] * y[MASS] }, y[Self::ENERGY].powi(-2)]
     }
 
     /// Whether a chamber in that state holds gas (not where it is no number).
     pub fn holds_gas(y: &[f64; N]) -> bool {
-        y[..=Self::ENERGY].iter().all(|root| *root > 0.0)
+        y[..=Self::ENERGY].iter().all(|state| *state > 0.0 && *state < f64::INFINITY)
     }
 
     /// Absolute tolerances of the states to integrate.
     pub fn tolerances(all: &[f64; STATES], absolute: &[f64; STATES]) -> [f64; N] {
         let mut tolerances = Self::PLACES.map(|place| absolute[place]);
-        for (tolerance, place) in tolerances[..=Self::ENERGY].iter_mut().zip(Self::PLACES) {
-            *tolerance *= 0.5 / all[place].sqrt();
+        if !Self::TIGHT {
+            tolerances[MASS] *= 0.5 / all[MASS].sqrt();
         }
+        tolerances[Self::ENERGY] *= 0.5 / (all[ENERGY] * all[ENERGY].sqrt());
         tolerances
     }
 
@@ -166,20 +170,20 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         if bent { self.stretch.clock.unbent(r) } else { [r, Lanes::ONE] }
     }
 
-    /// What the chambers hold at the clock's `s`, and 1/√U there.
+    /// What the chambers hold at the clock's `s`.
     #[inline(always)]
-    fn contents(&self, s: Lanes, y: &[Lanes; N]) -> (Contents<Lanes>, Lanes) {
+    fn contents(&self, s: Lanes, y: &[Lanes; N]) -> Contents<Lanes> {
         let root = self.stretch.clock.root(s);
         let square = root * root;
         let [mass, root_mass] = if Self::TIGHT { [self.mass, self.root_mass] } else { [y[MASS] * y[MASS], y[MASS]] };
-        let root_energy = y[Self::ENERGY];
+        let per_root_energy = y[Self::ENERGY];
         // Two quotients by one division.
         let root = root_mass * square;
-        let per_both = (root * root_energy).recip();
+        let per_both = (root * per_root_energy).recip();
+        let root_energy = per_both * root;
         let (energy, volume) = (root_energy * root_energy, square * square);
-        let per_root_energy = per_both * root;
-        let (per_root, per_energy) = (per_both * root_energy, per_root_energy * per_root_energy);
-        (Contents { mass, energy, volume, per_root, per_energy }, per_root_energy)
+        let (per_root, per_energy) = (per_both * per_root_energy, per_root_energy * per_root_energy);
+        Contents { mass, energy, volume, per_root, per_energy }
     }
 
     /// The boundary at the clock's `s`.
@@ -236,7 +240,7 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     #[inline(always)]
     fn rates(&self, r: Lanes, y: &[Lanes; N]) -> Moment<N> {
         let [s, rate] = self.unbent(r);
-        let (contents, per_root_energy) = self.contents(s, y);
+        let contents = self.contents(s, y);
         let pace = self.stretch.clock.pace(s) * rate;
         let (set, boundary, own) = (self.set(), self.boundary(s), Self::own(y));
         let (at, rates, own) = if Self::TIGHT {
@@ -248,7 +252,7 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
         if !Self::TIGHT {
             out[MASS] = rates.mass * (y[MASS] * at.per_mass * 0.5) * pace;
         }
-        out[Self::ENERGY] = rates.energy * (per_root_energy * 0.5) * pace;
+        out[Self::ENERGY] = rates.energy * (y[Self::ENERGY] * contents.per_energy * -0.5) * pace;
         for i in Self::ENERGY + 1..N {
             out[i] = own[Self::PLACES[i] - OWN] * pace;
         }
@@ -313,7 +317,8 @@ mod tests {
             let General { balance, stretch, .. } = &self.whole;
             let enthalpy = balance.cp * stretch.inflow[0] * stretch.temperature_in;
             let mut moment = self.whole.rates(s, y);
-            moment.slope[ENERGY] -= enthalpy * self.share * stretch.clock.pace(s) / (y[ENERGY] * 2.0);
+            moment.slope[ENERGY] +=
+                enthalpy * self.share * stretch.clock.pace(s) * (y[ENERGY] * y[ENERGY] * y[ENERGY] * 0.5);
             moment
         }
     }
@@ -340,7 +345,7 @@ mod tests {
                 work += problems[0].energy[1].abs();
             }
             let missing = share * balance.cp * 1e-5 * 310.0 * 1.04;
-            let found = closure(all[ENERGY], state[ENERGY].powi(2), received, work);
+            let found = closure(all[ENERGY], state[ENERGY].powi(-2), received, work);
             assert!(
                 (found - missing / work).abs() < 1e-9 * (1.0 + missing / work),
                 "{share}: {found:e} {missing:e} {work}"
