@@ -1,7 +1,9 @@
 //! The extremes of records and the last moment at which they are outside the band around their ends, from the corners of their
 //! pieces: begin, turn and end. Between corners a record is monotone.
 
+use super::hold::Relaxation;
 use super::pieces::Piece;
+use super::sensors::Sensors;
 use crate::exact_tests::Tests;
 use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
@@ -87,6 +89,25 @@ impl WithSimd for Events<'_> {
             }
         }
         Found { peak, peak_time, last, band, piece: at, between }
+    }
+}
+
+/// When records come within their bands for good, s, where a sensor that neither lags nor drifts shows the hold.
+pub struct Enter<'a> {
+    pub gas: &'a Relaxation,
+    pub sensors: &'a Sensors,
+    pub found: &'a Found,
+}
+
+impl WithSimd for Enter<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+        let Self { gas, sensors, found } = self;
+        let edge = found.last + gas.excess.where_positive(found.band, -found.band);
+        let [outside, later] = found.between;
+        (gas.reaches(edge - sensors.offset) + sensors.delay).max(outside).min(later)
     }
 }
 

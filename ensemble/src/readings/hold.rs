@@ -57,6 +57,12 @@ impl Relaxation {
         let pressure = self.at_rest * per_rest;
         [pressure, -(pressure * per_rest * left * self.rate)]
     }
+
+    /// Time after the push, s, at which it has come to a pressure, Pa.
+    #[inline(always)]
+    pub fn reaches(&self, pressure: Lanes) -> Lanes {
+        (self.excess / (Lanes::ONE - self.at_rest / pressure)).ln() / self.rate
+    }
 }
 
 /// The hold, of the gas and as sensors show it that lag, where they do.

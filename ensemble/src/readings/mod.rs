@@ -27,7 +27,7 @@ use crate::scenario::Scenario;
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::real::Real;
-use events::{Events, Turn};
+use events::{Enter, Events, Found, Turn};
 use hold::{HoldRecord, Relaxation};
 use pieces::{Build, Corners, Piece, Polynomial, Shown};
 use pulp::Arch;
@@ -223,10 +223,20 @@ impl<'a> Readings<'a> {
     pub fn answers(&self) -> [Answer; WIDTH] {
         let Memory { pieces, turns, .. } = &*self.memory;
         let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
-        let (last, between) = (found.last, found.between);
-        let reading = self.gather(|lane| found.piece[lane] as usize);
-        let question = Question::Enter { between, value: last, band: found.band };
-        let [settled, ..] = self.arch.dispatch(Look { times: reading.times, reading, question });
+        let Found { last, between, band, .. } = found;
+        // Of the hold there is a closed form, but for sensors that lag or drift.
+        let of_hold = |lane: usize| found.piece[lane] >= self.memory.polynomials.len() as f64;
+        let closed = |lane: usize| !self.sensors.lag() && self.sensors.drift[lane] == 0.0 && of_hold(lane);
+        let closed: [bool; WIDTH] = core::array::from_fn(closed);
+        let mut settled = self.arch.dispatch(Enter { gas: &self.hold.gas, sensors: &self.sensors, found: &found });
+        if !closed.iter().all(|closed| *closed) {
+            let reading = self.gather(|lane| found.piece[lane] as usize);
+            let question = Question::Enter { between, value: last, band };
+            let [searched, ..] = self.arch.dispatch(Look { times: reading.times, reading, question });
+            for lane in (0..WIDTH).filter(|lane| !closed[*lane]) {
+                settled[lane] = searched[lane];
+            }
+        }
         core::array::from_fn(|lane| {
             // A record that never is outside has no piece to enter from.
             let outside = between[1][lane] > between[0][lane];
