@@ -4,7 +4,8 @@
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::Failure;
 use crate::step::{
-    Attempt, FEELING, LaneSystem, Moment, PROBE, Stages, TINY, View, attempt, judge, probe, size, stages_in_turn,
+    Attempt, FEELING, LaneSystem, Moment, PROBE, Stages, TINY, View, attempt, extrapolated, judge, probe, size,
+    stages_in_turn,
 };
 use crate::tableau::STAGES;
 use chamber::real::Real;
@@ -204,8 +205,8 @@ struct Group<const N: usize, S> {
     h: Lanes,
     /// Where a kink cuts a step short: the length to go on with behind it.
     beyond: Lanes,
-    /// What was seen at the begin of the last good step of the stretch, and its length; zero where there was none.
-    before: View<Lanes>,
+    /// Pressure and its slope at the begin of the last good step of the stretch, and its length; zero where there was none.
+    before: [Lanes; 2],
     since: Lanes,
     length: Lanes,
     longest: Lanes,
@@ -273,7 +274,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
         t: Lanes::ZERO,
         h: Lanes::ZERO,
         beyond: Lanes::ZERO,
-        before: View::NONE,
+        before: [Lanes::ZERO; 2],
         since: Lanes::ZERO,
         length: Lanes::ZERO,
         longest: Lanes::ZERO,
@@ -504,9 +505,9 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
     #[inline(always)]
     fn up_to_kink(&mut self, planned: Lanes) -> Lanes {
         let since = self.since.where_positive(self.since, Lanes::ONE);
-        let view = &self.moment.view;
-        let ahead = view.extrapolated(planned, &self.before, since);
-        let cut = planned * self.system.kink(planned, [view, &ahead]);
+        let at = self.moment.view.pressure();
+        let ahead = extrapolated(planned, at, self.before, since);
+        let cut = planned * self.system.kink(planned, [at, ahead]);
         // Not from afar.
         let comes = self.since.min(planned - cut).min(self.since * FORESIGHT - cut);
         self.beyond = comes.where_positive(self.h, self.beyond);
@@ -519,7 +520,8 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let (t, h, length, y) = (self.t, self.h, self.length, self.y);
         let last = tried - (length - t) * NEARLY;
         let kinked = self.system.has_kinks();
-        let kink = if kinked { self.system.kink(tried, [&self.moment.view, &step.moment.view]) } else { Lanes::ONE };
+        let at = self.moment.view.pressure();
+        let kink = if kinked { self.system.kink(tried, [at, step.moment.view.pressure()]) } else { Lanes::ONE };
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
         let accepted =
@@ -546,10 +548,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
             let on = (Lanes::ONE - kink).where_positive(tried * smooth, Lanes::ZERO);
             self.beyond = good.where_positive(Lanes::ZERO, on);
             self.since = good.where_positive(tried, self.since);
-            for i in 0..2 {
-                self.before.value[i] = good.where_positive(self.moment.view.value[i], self.before.value[i]);
-                self.before.slope[i] = good.where_positive(self.moment.view.slope[i], self.before.slope[i]);
-            }
+            self.before = choose(good, &at, &self.before);
         }
         let (to, from) = (&mut self.moment, &step.moment);
         to.slope = choose(good, &from.slope, &to.slope);

@@ -280,8 +280,8 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [&View<Lanes>; 2]) -> Lanes {
-        let [pressure, slope] = [ends.map(|end| end.value[0]), ends.map(|end| end.slope[0] * h)];
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2]) -> Lanes {
+        let [pressure, slope] = [ends.map(|end| end[0]), ends.map(|end| end[1] * h)];
         corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, pressure, slope)
     }
 }
