@@ -254,7 +254,8 @@ pub fn check(set: EffectSet, active: EffectSet, s: &Scenario) -> Result<(), Fail
         at_least_zero(c.heat_transfer.coefficient),
         at_least_zero(s.mass_flow_in_kg_per_s),
         at_least_zero(s.mass_flow_out_kg_per_s),
-        c.effects.0.iter().fold(true, |all, value| all & finite(value)),
+        // Those of effects that are not active are neutral.
+        active.iter().all(|effect| c.effects.of(effect).iter().all(finite)),
         s.profile.is_some() || finite(&s.initial_position_m),
         s.profile.is_some() || finite(&s.final_position_m),
     ];

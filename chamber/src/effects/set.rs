@@ -60,7 +60,12 @@ impl EffectSet {
     }
     /// Places of its effects, ascending.
     pub fn iter(self) -> impl Iterator<Item = usize> {
-        (0..COUNT).filter(move |&i| self.has(i))
+        let mut rest = self.0;
+        core::iter::from_fn(move || {
+            let first = (rest != 0).then_some(rest.trailing_zeros() as usize);
+            rest &= rest.wrapping_sub(1);
+            first
+        })
     }
 }
 
