@@ -91,7 +91,7 @@ pub trait Effect {
     fn flows<R: Real>(_p: &[R], _constant: R, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
 
     /// Whether its factor of λ has no power series where gas and wall have one temperature: an integration that starts there
-    /// has to begin with short steps.
+    /// has to begin with short steps, or by a clock that makes up for it.
     const SINGULAR: bool = false;
 
     /// Whether its law has corners at some pressures: [`Effect::corner`].

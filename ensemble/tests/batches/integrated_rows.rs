@@ -47,6 +47,34 @@ fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
 }
 
 #[test]
+fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_difference() {
+    let place = |name: &str| effects::find(name).unwrap().0;
+    let [natural, late, lagging] = ["natural_convection", "record_delay", "sensor_lag"].map(place);
+    let mut rows = sealed(96);
+    for (i, s) in rows.iter_mut().enumerate() {
+        s.initial_temperature_k = s.ambient_temperature_k;
+        s.chamber.effects.of_mut(natural)[0] = [-0.4, 0.25, 1.0 / 3.0, 1.5][i % 4];
+        // The record shows some of the push.
+        match i / 4 % 3 {
+            0 => {}
+            1 => s.chamber.effects.of_mut(late)[0] = 0.3 * s.push_time_s,
+            _ => s.chamber.effects.of_mut(lagging)[0] = 0.5 * s.push_time_s,
+        }
+        if i % 5 == 0 {
+            std::mem::swap(&mut s.initial_position_m, &mut s.final_position_m);
+        }
+        s.hold = Hold::Duration(s.push_time_s + 2.0);
+    }
+    let set = [natural, late, lagging].into_iter().collect();
+    let tight = Options { relative_tolerance: 1e-13, fit: false, ..Options::default() };
+    let exact = results(set, &rows, &tight);
+    for (k, (ours, exact)) in results(set, &rows, &Options::default()).iter().zip(exact).enumerate() {
+        assert_close(ours.pressure_peak_pa, exact.pressure_peak_pa, 2e-9, &format!("peak {k}"));
+        assert_close(ours.pressure_final_pa, exact.pressure_final_pa, 2e-9, &format!("final {k}"));
+    }
+}
+
+#[test]
 fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
     let curve = effects::find("empirical").unwrap().0;
     let typical = effects::CARDS[curve].parameters.iter().map(|parameter| parameter.typical);
