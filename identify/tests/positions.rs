@@ -2,7 +2,8 @@
 
 use identify::Method;
 use identify::synthetic::Recipe;
-use records::Rig;
+use identify::synthetic::recording::{self, Recording};
+use records::{Rig, Verdict};
 
 fn rig() -> (Recipe, Rig) {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
@@ -46,4 +47,17 @@ fn a_position_that_is_read_at_every_tenth_row_and_repeated_gives_the_coefficient
     assert!((found - 1.0).abs() < 0.02, "{found}");
     let notes = identify::identify(&rig, Method::Exact).unwrap().assumptions;
     assert!(notes.iter().any(|note| note.contains("the position is read at")), "{notes:?}");
+}
+
+#[test]
+fn a_position_of_which_hardly_a_reading_falls_into_the_moves_names_no_effect() {
+    let of_kind = |r: &&Recording| r.name == "position-held";
+    let recording = recording::ALL.iter().find(of_kind).unwrap();
+    let found = identify::diagnose(&recording.apply(Recipe::wide(3)).rig(), &|_, _| ()).unwrap();
+    let named = &found.diagnosis.effects;
+    assert!(
+        found.diagnosis.verdict == Verdict::Adequate && named.is_empty(),
+        "{:?} {named:?}",
+        found.diagnosis.verdict
+    );
 }

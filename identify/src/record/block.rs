@@ -32,8 +32,8 @@ pub struct Block {
     /// Standard deviation of the mean by the position's noise while the piston moves, and by what its moving average leaves
     /// open, Pa.
     pub by_position_pa: f64,
-    /// The part of that by the noise alone, Pa.
-    pub by_noise_pa: f64,
+    /// The part of that by the positions' noise and by the stroke between their rows, Pa: all but what an average hides.
+    pub by_rows_pa: f64,
     /// Standard deviation of the mean by the rounding of a held piston's position, Pa: part of what its blocks have in common.
     pub by_rounding_pa: f64,
     /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, by the
@@ -57,9 +57,9 @@ impl Block {
         self.by_position_pa.powi(2) / self.positions()
     }
 
-    /// The part of that by their noise alone.
-    pub fn variance_by_noise(&self) -> f64 {
-        self.by_noise_pa.powi(2) / self.positions()
+    /// The part of that by their noise and by the stroke between their rows.
+    pub fn variance_by_rows(&self) -> f64 {
+        self.by_rows_pa.powi(2) / self.positions()
     }
 
     /// Positions that the model of its mean is made of.
@@ -121,7 +121,8 @@ pub fn blocks(
             let moves = s.phase == Phase::Move;
             // What an average hides is the same over a window, whose rows count as one reading.
             let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
-            let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_rows.error_m(t));
+            let between_m = between_rows.error_m(t);
+            let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_m);
             let noise_sd_m = if moves { motion.noise_m } else { 0.0 };
             let by_metre_pa = gamma * per_metre * of_one_reading;
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
@@ -137,7 +138,7 @@ pub fn blocks(
                 range_pa,
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
                 by_position_pa: by_metre_pa * hidden_m.hypot(noise_sd_m),
-                by_noise_pa: by_metre_pa * noise_sd_m,
+                by_rows_pa: by_metre_pa * between_m.hypot(noise_sd_m),
                 by_rounding_pa: if moves { 0.0 } else { per_metre * rounding_m },
                 common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },
                 phase: s.phase,

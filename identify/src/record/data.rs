@@ -231,12 +231,13 @@ impl Data {
         (squares / blocks().filter(|b| b.phase == Phase::Move).count().max(1) as f64).sqrt()
     }
 
-    /// How much of the sum of squares of a true model is expected to be the positions' noise, which its pressures follow.
-    pub fn squares_by_noise_of_positions(&self) -> f64 {
+    /// How much of the sum of squares of a true model is expected to be the positions' noise, which its pressures follow,
+    /// and the error of the stroke between their rows.
+    pub fn squares_by_rows_of_positions(&self) -> f64 {
         let of_reading = self.noise.white_pa.powi(2) + self.noise.rounding_pa().powi(2);
         let share = |b: &Block| {
             let all = b.variance_by_position() + of_reading / b.rows as f64;
-            b.variance_by_noise() / all.max(f64::MIN_POSITIVE)
+            b.variance_by_rows() / all.max(f64::MIN_POSITIVE)
         };
         self.traces.iter().flat_map(|t| &t.blocks).map(share).sum()
     }
