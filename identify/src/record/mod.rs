@@ -1,5 +1,6 @@
 //! From the rows of a record to what a fit sees: the stroke, the readout, the noise, bad input, block means.
 
+mod bends;
 pub mod between_rows;
 pub mod block;
 pub mod checks;

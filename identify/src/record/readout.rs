@@ -5,7 +5,7 @@
 //! bends at every k-th row only. Rows that are missing in between count, since the sensor does not wait for them. Rows marked
 //! as outliers are no data either.
 
-use crate::record::lattice::lattice;
+use crate::record::bends::{Bends, MOST_OF_USUAL};
 use records::fill_between;
 
 /// How the rows between two readings came to be.
@@ -252,86 +252,6 @@ pub(super) fn interpolated(pressure_pa: &[f64]) -> Option<Readout> {
     });
     // Where several periods pass, as divisors of the true one do, that which stands out most.
     candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, readout)| readout)
-}
-
-/// A bend's square over the usual one of a reading, at the most.
-const MOST_OF_USUAL: f64 = 25.0;
-
-/// Squares of the second differences of a column's rows, from the second row on.
-struct Bends {
-    squares: Vec<f64>,
-    /// Those that are not zero, the largest first.
-    largest: Vec<f64>,
-    /// What rounding may make of them.
-    rounding: f64,
-}
-
-impl Bends {
-    fn of(rows: &[f64]) -> Self {
-        /// Bends below this are rounding of the arithmetic, Pa.
-        const NOTHING: f64 = 1e-6;
-        let size = |by: f64| Some(by.abs()).filter(|size| *size > NOTHING);
-        let bends: Vec<Option<f64>> = rows.windows(3).map(|w| size(w[0] - 2.0 * w[1] + w[2])).collect();
-        // On straight lines the rounding is all that bends; the slopes themselves need not differ by single steps. Where they
-        // do, they show the sensor's steps also in a file with digits of its own, which bends where the steps do not.
-        let mut changes: Vec<f64> = rows.windows(2).filter_map(|w| size(w[1] - w[0])).collect();
-        let step = lattice(&mut bends.iter().copied().flatten().collect::<Vec<f64>>()).max(lattice(&mut changes));
-        let squares: Vec<f64> = bends.into_iter().map(|bend| bend.map_or(0.0, |size| size * size)).collect();
-        let mut largest: Vec<f64> = squares.iter().copied().filter(|s| *s > 0.0).collect();
-        largest.sort_unstable_by(|a, b| b.total_cmp(a));
-        // Rounding passes a second difference with variance 6 step²/12.
-        Self { squares, largest, rounding: 1.5 * 0.5 * step * step }
-    }
-
-    fn at(&self, period: usize, first: usize) -> impl Iterator<Item = f64> {
-        let row = (first + period - 1) % period;
-        self.squares.iter().skip(row).step_by(period).copied()
-    }
-
-    /// Where the readings of that period begin if they bend most, and the square that none of them is to count beyond.
-    fn largest(&self, period: usize) -> Option<(usize, f64)> {
-        let most = MOST_OF_USUAL * self.largest.get(self.squares.len() / (2 * period)).or(self.largest.last())?;
-        let sum = |first: &usize| self.at(period, *first).map(|s| s.min(most)).sum::<f64>();
-        let first = (0..period).max_by(|a, b| sum(a).total_cmp(&sum(b)))?;
-        Some((first, most))
-    }
-
-    /// Median square at those readings: a sensor that sticks to its steps bends here and there, an interpolated one at nearly every
-    /// reading.
-    fn usual(&self, period: usize, first: usize) -> f64 {
-        let mut squares: Vec<f64> = self.at(period, first).collect();
-        let middle = squares.len() / 2;
-        *squares.select_nth_unstable_by(middle, f64::total_cmp).1
-    }
-
-    /// How far those readings stand out of the rows between them, which lie on straight lines; `None` where they do not. No square
-    /// counts for more than `most`.
-    fn stand_out(&self, period: usize, first: usize, most: f64) -> Option<f64> {
-        /// Mean square at the other rows over that at the readings, where rows are not rounded.
-        const SMALL: f64 = 0.01;
-        /// The same at the least, where rounding hides part of it...
-        const CLEAR: f64 = 0.6;
-        /// ...and standard deviations by which the readings' sum is above the other rows': the best of many periods and begins.
-        const DEVIATIONS: f64 = 8.0;
-        let [mut sum, mut squares] = [0.0; 2];
-        for square in self.squares.iter().map(|s| s.min(most)) {
-            sum += square;
-            squares += square * square;
-        }
-        let (mut at_readings, mut squares_there, mut readings) = (0.0, 0.0, 0.0);
-        for square in self.at(period, first).map(|s| s.min(most)) {
-            at_readings += square;
-            squares_there += square * square;
-            readings += 1.0;
-        }
-        let others = self.squares.len() as f64 - readings;
-        let mean = (sum - at_readings) / others;
-        let variance = ((squares - squares_there) / others - mean * mean).max(0.0);
-        let (there, above) = (at_readings / readings, at_readings - readings * mean);
-        let clearly =
-            || mean < self.rounding && mean < CLEAR * there && above > DEVIATIONS * (readings * variance).sqrt();
-        (mean < SMALL * there || clearly()).then(|| above / readings.sqrt())
-    }
 }
 
 #[cfg(test)]
