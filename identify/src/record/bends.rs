@@ -1,6 +1,6 @@
 //! Bends of a column: where its rows do not lie on straight lines, as those between the readings of an interpolated one do.
 
-use super::lattice::lattice;
+use super::lattice::{self, lattice};
 
 /// A bend's square over the usual one of a reading, at the most.
 pub const MOST_OF_USUAL: f64 = 25.0;
@@ -20,12 +20,12 @@ impl Bends {
     pub fn of(rows: &[f64]) -> Self {
         /// Bends below this are rounding of the arithmetic, Pa.
         const NOTHING: f64 = 1e-6;
-        let size = |by: f64| Some(by.abs()).filter(|size| *size > NOTHING);
-        let bends: Vec<Option<f64>> = rows.windows(3).map(|w| size(w[0] - 2.0 * w[1] + w[2])).collect();
+        let size = |w: &[f64]| Some((w[0] - 2.0 * w[1] + w[2]).abs()).filter(|size| *size > NOTHING);
+        let bends: Vec<Option<f64>> = rows.windows(3).map(size).collect();
         // On straight lines the rounding is all that bends; the slopes themselves need not differ by single steps. Where they
         // do, they show the sensor's steps also in a file with digits of its own, which bends where the steps do not.
-        let mut changes: Vec<f64> = rows.windows(2).filter_map(|w| size(w[1] - w[0])).collect();
-        let step = lattice(&mut bends.iter().copied().flatten().collect::<Vec<f64>>()).max(lattice(&mut changes));
+        let steps = lattice::of_changes(rows, NOTHING);
+        let step = lattice(&mut bends.iter().copied().flatten().collect::<Vec<f64>>()).max(steps);
         let squares: Vec<f64> = bends.into_iter().map(|bend| bend.map_or(0.0, |size| size * size)).collect();
         let mut largest: Vec<f64> = squares.iter().copied().filter(|s| *s > 0.0).collect();
         largest.sort_unstable_by(|a, b| b.total_cmp(a));

@@ -139,7 +139,7 @@ pub fn blocks(
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
                 by_position_pa: by_metre_pa * hidden_m.hypot(noise_sd_m),
                 by_rows_pa: by_metre_pa * between_m.hypot(noise_sd_m),
-                by_rounding_pa: if moves { 0.0 } else { per_metre * rounding_m },
+                by_rounding_pa: per_metre * rounding_m,
                 common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },
                 phase: s.phase,
                 segment,
@@ -151,12 +151,17 @@ pub fn blocks(
     out
 }
 
-/// Standard deviations of the mean position of each part of the stroke, m: by the noise of its readings, and by their rounding.
+/// Standard deviations of the mean position of each part of the stroke, m: by the noise of its readings, and where it is held by
+/// their rounding.
 fn held_sd_m(position_m: &[f64], motion: &Motion) -> Vec<[f64; 2]> {
     let step_m = positions::step(position_m);
     let of = |s: &Segment| {
         let readings = (s.end - s.first) as f64 / motion.rows_per_reading as f64;
-        [motion.noise_m / readings.max(1.0).sqrt(), rounding_of_mean(&position_m[s.first..s.end], step_m)]
+        let rounding_m = match s.phase {
+            Phase::Move => 0.0,
+            Phase::Rest | Phase::Hold => rounding_of_mean(&position_m[s.first..s.end], step_m),
+        };
+        [motion.noise_m / readings.max(1.0).sqrt(), rounding_m]
     };
     motion.segments.iter().map(of).collect()
 }

@@ -1,9 +1,10 @@
 //! Data that cannot be what it should be, found before anything is fitted.
 
 use crate::error::Error;
-use crate::record::lattice::lattice;
+use crate::record::lattice;
 use crate::record::line::Line;
 use crate::record::readout::Readout;
+use crate::record::scatter::scatter;
 use crate::record::stroke::{Motion, Phase, extent};
 use crate::record::unit::Declared;
 use records::{Trace, correlation};
@@ -166,24 +167,13 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     Ok(())
 }
 
-/// The longest run of that value.
 /// Whether the noise is too small to move readings, but for those of a run, off the sensor's steps.
 fn readings_stick(rows: &[usize], pressure_pa: &[f64], run: Range<usize>) -> bool {
     let beside: Vec<f64> = rows.iter().filter(|row| !run.contains(row)).map(|&row| pressure_pa[row]).collect();
-    let changes = beside.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 1e-9);
-    let step_pa = lattice(&mut changes.collect::<Vec<f64>>());
-    scatter(&beside) < STEPS_OF_NOISE * step_pa
+    scatter(&beside) < STEPS_OF_NOISE * lattice::of_changes(&beside, 1e-9)
 }
 
-/// Standard deviation of readings from their second differences where they are small, Pa.
-fn scatter(readings: &[f64]) -> f64 {
-    let mut second: Vec<f64> = readings.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
-    second.sort_unstable_by(f64::total_cmp);
-    let median = second.get(second.len() / 2).copied().unwrap_or(0.0);
-    let small = &second[..second.partition_point(|d| *d <= 4.5 * median)];
-    (small.iter().map(|d| d * d).sum::<f64>() / (6 * small.len().max(1)) as f64).sqrt()
-}
-
+/// The longest run of that value.
 fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
     let (mut best, mut length) = (0..0, 0);
     for (k, &i) in rows.iter().enumerate() {

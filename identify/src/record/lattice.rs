@@ -12,3 +12,9 @@ pub fn lattice(differences: &mut [f64]) -> f64 {
     let share = differences.iter().filter(on_lattice).count() as f64 / differences.len() as f64;
     if share > 0.9 { step } else { 0.0 }
 }
+
+/// The lattice that the changes from each reading to the next show, those of no more than `nothing` left out.
+pub fn of_changes(readings: &[f64], nothing: f64) -> f64 {
+    let changes = readings.windows(2).map(|w| (w[1] - w[0]).abs());
+    lattice(&mut changes.filter(|change| *change > nothing).collect::<Vec<f64>>())
+}

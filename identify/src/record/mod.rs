@@ -19,6 +19,7 @@ pub mod positions;
 mod prepare;
 pub mod ramp;
 pub mod readout;
+mod scatter;
 pub mod spline;
 pub mod stroke;
 pub mod true_stroke;

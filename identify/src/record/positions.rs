@@ -5,7 +5,7 @@
 //! is: the stroke goes through the others.
 
 use super::hampel::{accidental, middle_and_scatter};
-use super::lattice::lattice;
+use super::lattice;
 use super::position_noise::position_noise;
 use super::readout::{Between, interpolated};
 use super::spline::extent;
@@ -148,8 +148,7 @@ fn is_off_cubic(readings: &[f64], k: usize, least: f64, noise_m: f64) -> bool {
 
 /// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common.
 pub fn step(position_m: &[f64]) -> f64 {
-    let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
-    lattice(&mut changes.filter(|change| *change > 1e-12).collect::<Vec<f64>>())
+    lattice::of_changes(position_m, 1e-12)
 }
 
 /// The rows that a held readout was read in: no two rows in a row change.

@@ -69,10 +69,10 @@ impl Readout {
         if let Some(hz) = stated_hz {
             return records
                 .iter()
-                .map(|rows| rows.readout(&rows.repeated(), &|p| Self::stated(p, rows.row_s, hz)))
+                .map(|rows| rows.readout(Rows::repeated, &|p| Self::stated(p, rows.row_s, hz)))
                 .collect();
         }
-        let shown: Vec<Self> = records.iter().map(|rows| rows.readout(&rows.joined(), &Self::detect)).collect();
+        let shown: Vec<Self> = records.iter().map(|rows| rows.readout(Rows::joined, &Self::detect)).collect();
         let readings = |(r, rows): &(&Self, &Rows)| rows.pressure_pa.len() / r.period;
         let rates = shown.iter().zip(&records).filter(|(r, _)| r.period > 1);
         let Some(rate_hz) = rates.max_by_key(readings).and_then(|(r, rows)| r.rate_hz(rows.row_s)) else {
@@ -81,9 +81,10 @@ impl Readout {
         let of_record = |(r, rows): (Self, &Rows)| {
             let is_short = rows.pressure_pa.len() as f64 * rate_hz * rows.row_s < FEWEST_READINGS as f64;
             match r.period {
-                1 if is_short => rows.readout(&rows.repeated(), &|p| Self::stated(p, rows.row_s, rate_hz)),
-                1 => rows
-                    .readout(&rows.joined(), &|p| Self::on_lines(p, (1.0 / (rate_hz * rows.row_s)).round() as usize)),
+                1 if is_short => rows.readout(Rows::repeated, &|p| Self::stated(p, rows.row_s, rate_hz)),
+                1 => {
+                    rows.readout(Rows::joined, &|p| Self::on_lines(p, (1.0 / (rate_hz * rows.row_s)).round() as usize))
+                }
                 _ => r,
             }
         };
@@ -177,8 +178,8 @@ impl Rows {
     }
 
     /// What `find` finds in these rows, those that are missing in `all` too; in the rows alone where that is nothing.
-    fn readout(&self, all: &[f64], find: &dyn Fn(&[f64]) -> Readout) -> Readout {
-        let found = (!self.missing.is_empty()).then(|| find(all)).filter(|found| found.period > 1);
+    fn readout(&self, all: fn(&Self) -> Vec<f64>, find: &dyn Fn(&[f64]) -> Readout) -> Readout {
+        let found = (!self.missing.is_empty()).then(|| find(&all(self))).filter(|found| found.period > 1);
         let found = found.map(|found| Readout { missing: self.missing.clone(), ..found });
         found.unwrap_or_else(|| find(&self.pressure_pa))
     }

@@ -4,7 +4,7 @@
 //! A term stays if it is decisive beside the others, and with the geometry far more uncertain than stated: an effect that a wrong
 //! bore could imitate is not named.
 
-use super::starts::fit_model;
+use super::starts::{as_stated, fit_model};
 use super::{Candidate, Found, Search, Verdict, terms};
 use crate::error::Error;
 use crate::fit::Fit;
@@ -119,12 +119,8 @@ impl Search {
         let mut from = whole.clone();
         let chamber = whole.chamber();
         let gone = whole.hypothesis.model.effects.without(model.effects);
-        let mut effects = chamber.effects.without(gone);
-        for effect in whole.hypothesis.model.secondary.without(model.secondary).iter() {
-            let values = effects.of_mut(effect).iter_mut().zip(CARDS[effect].parameters);
-            values.filter(|(_, p)| !p.fitted).for_each(|(value, p)| *value = p.neutral);
-        }
-        from.hypothesis.base = chamber::Chamber { effects, ..chamber };
+        let chamber = chamber::Chamber { effects: chamber.effects.without(gone), ..chamber };
+        from.hypothesis.base = as_stated(&chamber, whole.hypothesis.model.secondary.without(model.secondary));
         from.hypothesis.axes.clear();
         from.rig.clear();
         fit_model(&self.data, model, &from, &self.sizes)
@@ -167,7 +163,12 @@ impl Search {
     pub(super) fn carries_over(&self) -> bool {
         let whole_records = self.folds.iter().any(|fold| fold.selection.contains(&0));
         let Some(left_out) = self.chosen.held_out_pa.filter(|_| whole_records) else { return true };
-        left_out < policy::CARRIES_OVER * misfit::rms(&self.data, &misfit::residuals(&self.data, &self.chosen.fit))
+        self.predicts_as_it_fits(&self.chosen, left_out)
+    }
+
+    /// Whether a model's error on records left out whole, Pa rms, is hardly more than that on those it was fitted to.
+    pub(super) fn predicts_as_it_fits(&self, c: &Candidate, left_out_pa: f64) -> bool {
+        left_out_pa < policy::CARRIES_OVER * misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit))
     }
 
     fn alike(&self) -> Vec<Model> {

@@ -12,7 +12,7 @@ use super::{Candidate, Search, terms};
 use crate::discrepancy::{self, Missing};
 use crate::fit::{Fit, Until};
 use crate::judge::evidence::{bic, bic_widened};
-use crate::judge::{left_out, misfit};
+use crate::judge::left_out;
 use crate::parameters::{Model, curve_of};
 use crate::policy;
 use crate::search::starts::fit_by_size;
@@ -90,7 +90,8 @@ impl Search {
             parts.push(&self.chosen);
         }
         let (settled_pa, paper_pa) = (self.left_out(settled)?, self.left_out(&self.baseline)?);
-        let least_share = if self.fails_on_others(settled, settled_pa) { 0.0 } else { LEAST_SHARE };
+        let fails_on_others = self.data.experiments.len() > 1 && !self.predicts_as_it_fits(settled, settled_pa);
+        let least_share = if fails_on_others { 0.0 } else { LEAST_SHARE };
         let curves_on = |part| self.curves_on(part, empirical, settled.delta_bic, least_share);
         let curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
         let acceptable = |c: &&Judged| {
@@ -128,12 +129,6 @@ impl Search {
         // A single experiment is left out in the same parts as by every other judgement.
         let known = c.held_out_pa.filter(|_| self.data.experiments.len() < 2);
         known.or_else(|| left_out::rmse(&self.data, &c.fit, &left_out::by_experiment(&self.data)))
-    }
-
-    /// Whether a model errs more on experiments left out whole than [`policy::CARRIES_OVER`] allows.
-    fn fails_on_others(&self, c: &Candidate, left_out_pa: f64) -> bool {
-        let fitted_pa = misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit));
-        self.data.experiments.len() > 1 && left_out_pa > policy::CARRIES_OVER * fitted_pa
     }
 
     /// Whether the error on left-out data falls by more than nobody minds.

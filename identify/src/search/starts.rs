@@ -7,7 +7,7 @@ use crate::policy::FIRST_GUESS_REACH;
 use crate::record::data::Data;
 use chamber::Chamber;
 use chamber::card::Unit;
-use chamber::effects::{CARDS, PARAMETER_OFFSETS};
+use chamber::effects::{CARDS, EffectSet, PARAMETER_OFFSETS};
 use rayon::prelude::*;
 
 /// Iterations of every trial start, and further ones of those that are not far behind, before the best go on.
@@ -43,15 +43,15 @@ fn bases(data: &Data, part: &Fit, model: &Model) -> Vec<Chamber> {
     if has_lost_lambda0(&known) && shows(Sizes::of(data, &first)) {
         out.push(Chamber { heat_transfer: first.heat_transfer, geometry: first.geometry, ..known });
     }
-    out.extend(Some(as_stated(&known, model)).filter(|stated| *stated != known));
+    let not_freed = model.effects.without(model.secondary).iter().filter(|e| CARDS[*e].candidate).collect();
+    out.extend(Some(as_stated(&known, not_freed)).filter(|stated| *stated != known));
     out
 }
 
-/// The chamber with the secondary parameters that a model does not free as their cards state them.
-fn as_stated(chamber: &Chamber, model: &Model) -> Chamber {
+/// The chamber with the secondary parameters of these effects as their cards state them.
+pub fn as_stated(chamber: &Chamber, effects: EffectSet) -> Chamber {
     let mut stated = *chamber;
-    let kept = |e: &usize| CARDS[*e].candidate && !model.secondary.has(*e);
-    for e in model.effects.iter().filter(kept) {
+    for e in effects.iter() {
         let values = stated.effects.of_mut(e).iter_mut().zip(CARDS[e].parameters);
         values.filter(|(_, p)| !p.fitted).for_each(|(value, p)| *value = p.neutral);
     }
@@ -225,7 +225,7 @@ mod tests {
     use super::*;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, find};
+    use chamber::effects::find;
 
     #[test]
     fn a_fit_begins_at_a_first_guess_too_where_its_part_has_lost_the_coefficient() {
