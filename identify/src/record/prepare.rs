@@ -27,16 +27,10 @@ impl Data {
     /// # Errors
     /// Where the data cannot be what it should be: [`Error`] names it with the number that gives it away.
     pub fn prepare(rig: &Rig) -> Result<Self, Error> {
-        let mended: Vec<(usize, usize, Mended<'_>)> = rig
-            .experiments
-            .iter()
-            .enumerate()
-            .flat_map(|(e, experiment)| experiment.traces.iter().enumerate().map(move |(r, t)| (e, r, t)))
-            .map(|(e, r, t)| (e, r, Mended::of(t)))
-            .collect();
+        let mended = Mended::all(rig);
         let mut columns = Vec::with_capacity(mended.len());
-        for (experiment, repeat, trace) in &mended {
-            columns.push(Columns::of(trace, *experiment, *repeat)?);
+        for trace in &mended {
+            columns.push(Columns::of(trace)?);
         }
         let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], c.pressure_pa)).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
@@ -90,18 +84,30 @@ impl Data {
 /// A trace whose time goes on, its positions linear between those that were read.
 struct Mended<'a> {
     trace: Cow<'a, Trace>,
+    experiment: usize,
+    repeat: usize,
     backward_rows: usize,
     positions: Positions,
 }
 
 impl<'a> Mended<'a> {
-    fn of(trace: &'a Trace) -> Self {
-        let (mut trace, backward_rows) = clock::forward_only(trace);
-        let positions = Positions::of(&trace.position_m);
-        if !positions.are_all() {
-            trace.to_mut().position_m = positions.filled(&trace.position_m);
-        }
-        Self { trace, backward_rows, positions }
+    /// Those of a rig, whose sensor of the position is read alike in all of them.
+    fn all(rig: &'a Rig) -> Vec<Self> {
+        let traces = rig.experiments.iter().enumerate().flat_map(|(e, experiment)| {
+            let of_trace = move |(r, trace)| (e, r, clock::forward_only(trace));
+            experiment.traces.iter().enumerate().map(of_trace)
+        });
+        let traces: Vec<_> = traces.collect();
+        let rows: Vec<&[f64]> = traces.iter().map(|(_, _, (trace, _))| &trace.position_m[..]).collect();
+        let positions = Positions::of_rig(&rows);
+        let mended =
+            traces.into_iter().zip(positions).map(|((experiment, repeat, (mut trace, backward_rows)), positions)| {
+                if !positions.are_all() {
+                    trace.to_mut().position_m = positions.filled(&trace.position_m);
+                }
+                Self { trace, experiment, repeat, backward_rows, positions }
+            });
+        mended.collect()
     }
 }
 
@@ -120,15 +126,14 @@ struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     /// Of a trace as if each of its rows were read.
-    fn of(mended: &'a Mended<'_>, experiment: usize, repeat: usize) -> Result<Self, Error> {
-        let Mended { trace, backward_rows, positions } = mended;
+    fn of(mended: &'a Mended<'_>) -> Result<Self, Error> {
+        let &Mended { ref trace, experiment, repeat, backward_rows, ref positions } = mended;
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = Motion::through(&time_s, &trace.position_m, positions);
         let readout = Readout::every_row();
-        let backward_rows = *backward_rows;
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout })
     }
 

@@ -4,30 +4,15 @@
 //! lines; and single rows stand out of all around them, where a reading was lost or disturbed. Neither says where the piston
 //! is: the stroke goes through the others.
 
-use super::hampel::{accidental, middle_and_scatter};
-use super::lattice;
-use super::position_noise::position_noise;
-use super::readout::{Between, interpolated};
-use super::spline::extent;
-use records::fill_between;
+mod disturbed;
+mod slow;
 
-/// A reading this many standard deviations of the noise from the median of those around it stands out...
-const FROM_MEDIAN: f64 = 9.0;
-/// ...if it is also this far, of the whole way...
-const OF_THE_WAY: f64 = 1e-3;
-/// ...and so many times as far as half of them: a piston goes and comes, but not within two rows.
-const OF_THE_OTHERS: f64 = 6.0;
-/// Rows on either side that a reading is compared with.
-const REACH: usize = 2;
-/// Of a reading that stands out of a move, what is left in its neighbours' distances from their own cubics without it: a corner
-/// of the stroke leaves a sixth.
-const LEFT: f64 = 0.14;
-/// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
-const STEPS: f64 = 5.0;
-/// ...and must have gone so far that often for a slower readout to be believed.
-const FEWEST_JUMPS: usize = 5;
-/// Changes at every k-th row only are no chance where it would be one in a million: k to the power of minus their number.
-const NO_CHANCE: f64 = 14.0;
+use super::readout::Between;
+use disturbed::stand_out;
+use records::fill_between;
+use slow::Slow;
+pub use slow::step;
+
 /// Fewer readings show no stroke.
 const FEWEST_READINGS: usize = 12;
 
@@ -45,22 +30,37 @@ pub struct Positions {
 impl Positions {
     /// Of the positions of all rows, m.
     pub fn of(position_m: &[f64]) -> Self {
+        Self::with(position_m, slow::readings)
+    }
+
+    /// Of those of a rig's records. One whose rows alone do not show it was read like that which shows most, where this fits.
+    pub fn of_rig(records: &[&[f64]]) -> Vec<Self> {
+        let mut all: Vec<Self> = records.iter().map(|position_m| Self::of(position_m)).collect();
+        let slow = all.iter().filter(|positions| positions.between != Between::Nothing);
+        if let Some(shown) = slow.max_by_key(|positions| positions.rows.len()) {
+            let (between, period) = (shown.between, shown.rows_per_reading());
+            let of_all_rows = all.iter_mut().zip(records).filter(|(own, _)| own.between == Between::Nothing);
+            for (own, position_m) in of_all_rows {
+                *own = Self::with(position_m, |rows| slow::readings_at_every(period, between, rows));
+            }
+        }
+        all
+    }
+
+    /// Of the positions of all rows, m, where `slow` finds the readings among those that are not disturbed.
+    fn with(position_m: &[f64], slow: impl Fn(&[f64]) -> Option<Slow>) -> Self {
         let mut kept: Vec<usize> = (0..position_m.len()).collect();
         let mut outliers = stand_out(&kept, position_m);
-        let without = filled(&without(&kept, &outliers), position_m);
-        let slow = held(&without).map(|rows| (Between::Held, rows)).or_else(|| {
-            let rows = straight_between(&without)?;
-            Some((Between::Interpolated, rows))
-        });
-        let slow = slow.filter(|(_, rows)| rows.len() >= FEWEST_READINGS);
+        let undisturbed = filled(&without(&kept, &outliers), position_m);
+        let slow = slow(&undisturbed).filter(|(_, rows)| rows.len() >= FEWEST_READINGS);
         let between = slow.as_ref().map_or(Between::Nothing, |(between, _)| *between);
         if let Some((_, rows)) = slow {
             // A disturbed reading stands in all rows up to the next one.
-            outliers.extend(stand_out(&rows, &without));
+            outliers.extend(stand_out(&rows, &undisturbed));
             outliers.sort_unstable();
             kept = rows;
         }
-        Self { rows: self::without(&kept, &outliers), outliers, between }
+        Self { rows: without(&kept, &outliers), outliers, between }
     }
 
     /// Whether all rows are.
@@ -92,117 +92,6 @@ fn filled(rows: &[usize], position_m: &[f64]) -> Vec<f64> {
     let mut out = position_m.to_vec();
     fill_between(rows, &mut out);
     out
-}
-
-/// Those of the rows whose position is far from what the two on either side say: from their median, which is near the middle one
-/// of five in a piston's way, however fast it goes (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383), or, in a smooth move,
-/// from the cubic through them.
-fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
-    let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
-    let (low, high) = extent(&readings);
-    let noise_m = position_noise(&readings);
-    let least = (FROM_MEDIAN * noise_m).max(OF_THE_WAY * (high - low));
-    if readings.len() < 2 * REACH + 1 {
-        return Vec::new();
-    }
-    let last = readings.len() - 1;
-    // Beyond its ends a record is taken to go back.
-    let at = |k: usize, by: isize| {
-        let place = k.checked_add_signed(by).unwrap_or_else(|| by.unsigned_abs() - k);
-        readings[if place > last { 2 * last - place } else { place }]
-    };
-    let stands_out = |k: &usize| {
-        let five = [-2, -1, 0, 1, 2].map(|by| at(*k, by));
-        // Most readings lie near both neighbours.
-        let near = |other: usize| (five[REACH] - five[other]).abs() < 0.5 * least;
-        !(near(REACH - 1) && near(REACH + 1))
-            && (off_median(five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
-    };
-    let found: Vec<usize> = (0..=last).filter(stands_out).map(|k| rows[k]).collect();
-    accidental(found, rows.len())
-}
-
-/// How far the middle one of five is from their median; zero where half of them are as far.
-fn off_median(mut five: [f64; 2 * REACH + 1]) -> f64 {
-    let reading = five[REACH];
-    let [median, others] = middle_and_scatter(&mut five);
-    let off = reading - median;
-    if off.abs() > OF_THE_OTHERS * others { off } else { 0.0 }
-}
-
-/// Whether a reading is off the cubic through the two on either side by more than `least` and than noise can hide, and its
-/// neighbours off theirs by what that makes of them, and nothing else.
-fn is_off_cubic(readings: &[f64], k: usize, least: f64, noise_m: f64) -> bool {
-    let off = |i: usize| {
-        let [a, b, x, c, d] = [-2, -1, 0, 1, 2].map(|by| readings[i.wrapping_add_signed(by)]);
-        x - (4.0 * (b + c) - a - d) / 6.0
-    };
-    let least = least.max(FROM_MEDIAN * noise_m / LEFT);
-    if k < 2 * REACH || k + 2 * REACH >= readings.len() || off(k).abs() < least {
-        return false;
-    }
-    let most = LEFT * off(k).abs();
-    let shares = [(k - 2, -1.0 / 6.0), (k - 1, 4.0 / 6.0), (k + 1, 4.0 / 6.0), (k + 2, -1.0 / 6.0)];
-    shares.iter().all(|(i, share)| (off(*i) + share * off(k)).abs() < most)
-}
-
-/// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common.
-pub fn step(position_m: &[f64]) -> f64 {
-    lattice::of_changes(position_m, 1e-12)
-}
-
-/// The rows that a held readout was read in: no two rows in a row change.
-fn held(position_m: &[f64]) -> Option<Vec<usize>> {
-    let changes: Vec<usize> = (1..position_m.len()).filter(|&i| position_m[i] != position_m[i - 1]).collect();
-    if changes.windows(2).any(|w| w[1] - w[0] < 2) {
-        return None;
-    }
-    let period = period_of_jumps(position_m, &changes).or_else(|| common_period(&changes))?;
-    // While nothing changes, the sensor is read as often.
-    let ends = changes.iter().copied().chain([position_m.len()]);
-    let starts = std::iter::once(0).chain(changes.iter().copied());
-    let read =
-        |(from, to): (usize, usize)| (from..to).step_by(period).filter(move |row| *row == from || row + period <= to);
-    Some(starts.zip(ends).flat_map(read).collect())
-}
-
-/// Rows from one reading to the next where the piston goes many steps at a time. A fine encoder's changes while it hardly moves
-/// are of single steps.
-fn period_of_jumps(position_m: &[f64], changes: &[usize]) -> Option<usize> {
-    let far = STEPS * step(position_m);
-    let is_far = |row: &usize| (position_m[*row] - position_m[row - 1]).abs() >= far;
-    let mut periods: Vec<usize> = changes.windows(2).filter(|w| w.iter().all(is_far)).map(|w| w[1] - w[0]).collect();
-    if periods.len() < FEWEST_JUMPS {
-        return None;
-    }
-    periods.sort_unstable();
-    Some(periods[periods.len() / 2])
-}
-
-/// Rows from one reading to the next where all changes, most of them of the position's noise, lie a multiple of these apart.
-/// Steps of an encoder along a steady way come at equal distances as well and do not count.
-fn common_period(changes: &[usize]) -> Option<usize> {
-    let gaps: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
-    let period = gaps.iter().copied().reduce(greatest_common_divisor)?;
-    let uneven = gaps.windows(2).filter(|w| w[0] != w[1]).count();
-    (uneven as f64 * (period as f64).ln() > NO_CHANCE).then_some(period)
-}
-
-fn greatest_common_divisor(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
-}
-
-/// The rows that a readout was read in that is interpolated in between: bends of many steps at every k-th row only.
-fn straight_between(position_m: &[f64]) -> Option<Vec<usize>> {
-    const MICROMETRES: f64 = 1e6;
-    let scaled: Vec<f64> = position_m.iter().map(|x| MICROMETRES * x).collect();
-    let readout = interpolated(&scaled)?;
-    let rows: Vec<usize> = (0..position_m.len()).filter(|&row| readout.is_reading(row)).collect();
-    let inner = rows.iter().filter(|&&row| row > 0 && row + 1 < position_m.len());
-    let bends = inner.map(|&row| (position_m[row - 1] - 2.0 * position_m[row] + position_m[row + 1]).abs());
-    // An encoder's single steps along a steady way can fall on every k-th row as well.
-    let far = STEPS * step(position_m);
-    (bends.filter(|bend| *bend >= far).count() >= FEWEST_JUMPS).then_some(rows)
 }
 
 #[cfg(test)]
@@ -280,12 +169,6 @@ mod tests {
         let found = Positions::of(&position_m);
         assert_eq!((found.between, found.rows_per_reading()), (Between::Held, 20));
         assert!(found.rows.iter().skip(1).all(|row| row % 20 == 10), "{:?}", found.rows);
-    }
-
-    #[test]
-    fn steps_of_an_encoder_along_a_steady_way_are_no_held_readout() {
-        let position_m: Vec<f64> = (0..900).map(|row| 0.1 - 1e-4 * (row.clamp(300, 600) / 3) as f64).collect();
-        assert!(Positions::of(&position_m).are_all());
     }
 
     #[test]

@@ -1,0 +1,69 @@
+//! Readings of a position that stand out of those around them, m: lost or disturbed ones.
+
+use super::super::hampel::{accidental, middle_and_scatter};
+use super::super::position_noise::position_noise;
+use super::super::spline::extent;
+
+/// A reading this many standard deviations of the noise from the median of those around it stands out...
+const FROM_MEDIAN: f64 = 9.0;
+/// ...if it is also this far, of the whole way...
+const OF_THE_WAY: f64 = 1e-3;
+/// ...and so many times as far as half of them: a piston goes and comes, but not within two rows.
+const OF_THE_OTHERS: f64 = 6.0;
+/// Rows on either side that a reading is compared with.
+const REACH: usize = 2;
+/// Of a reading that stands out of a move, what is left in its neighbours' distances from their own cubics without it: a corner
+/// of the stroke leaves a sixth.
+const LEFT: f64 = 0.14;
+
+/// Those of the rows whose position is far from what the two on either side say: from their median, which is near the middle one
+/// of five in a piston's way, however fast it goes (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383), or, in a smooth move,
+/// from the cubic through them.
+pub fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
+    let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
+    let (low, high) = extent(&readings);
+    let noise_m = position_noise(&readings);
+    let least = (FROM_MEDIAN * noise_m).max(OF_THE_WAY * (high - low));
+    if readings.len() < 2 * REACH + 1 {
+        return Vec::new();
+    }
+    let last = readings.len() - 1;
+    // Beyond its ends a record is taken to go back.
+    let at = |k: usize, by: isize| {
+        let place = k.checked_add_signed(by).unwrap_or_else(|| by.unsigned_abs() - k);
+        readings[if place > last { 2 * last - place } else { place }]
+    };
+    let stands_out = |k: &usize| {
+        let five = [-2, -1, 0, 1, 2].map(|by| at(*k, by));
+        // Most readings lie near both neighbours.
+        let near = |other: usize| (five[REACH] - five[other]).abs() < 0.5 * least;
+        !(near(REACH - 1) && near(REACH + 1))
+            && (off_median(five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
+    };
+    let found: Vec<usize> = (0..=last).filter(stands_out).map(|k| rows[k]).collect();
+    accidental(found, rows.len())
+}
+
+/// How far the middle one of five is from their median; zero where half of them are as far.
+fn off_median(mut five: [f64; 2 * REACH + 1]) -> f64 {
+    let reading = five[REACH];
+    let [median, others] = middle_and_scatter(&mut five);
+    let off = reading - median;
+    if off.abs() > OF_THE_OTHERS * others { off } else { 0.0 }
+}
+
+/// Whether a reading is off the cubic through the two on either side by more than `least` and than noise can hide, and its
+/// neighbours off theirs by what that makes of them, and nothing else.
+fn is_off_cubic(readings: &[f64], k: usize, least: f64, noise_m: f64) -> bool {
+    let off = |i: usize| {
+        let [a, b, x, c, d] = [-2, -1, 0, 1, 2].map(|by| readings[i.wrapping_add_signed(by)]);
+        x - (4.0 * (b + c) - a - d) / 6.0
+    };
+    let least = least.max(FROM_MEDIAN * noise_m / LEFT);
+    if k < 2 * REACH || k + 2 * REACH >= readings.len() || off(k).abs() < least {
+        return false;
+    }
+    let most = LEFT * off(k).abs();
+    let shares = [(k - 2, -1.0 / 6.0), (k - 1, 4.0 / 6.0), (k + 1, 4.0 / 6.0), (k + 2, -1.0 / 6.0)];
+    shares.iter().all(|(i, share)| (off(*i) + share * off(k)).abs() < most)
+}

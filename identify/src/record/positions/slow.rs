@@ -1,0 +1,209 @@
+//! Rows in which a position was read where the sensor is read less often than the rows come, from positions in m.
+//!
+//! A held readout changes at its readings only, one that is interpolated bends at them only, and a piston's move shows it: it goes,
+//! or bends, by many steps of the sensor there. How often the one is read is told from its jumps, or its noise; of the other from
+//! its bends, be they large (rows of their own) or many (as of a pressure).
+
+use super::super::lattice;
+use super::super::readout::{Between, interpolated};
+use super::super::spline::extent;
+
+/// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
+const STEPS: f64 = 5.0;
+/// ...and must have gone so far that often for a slower readout to be believed.
+const FEWEST_JUMPS: usize = 5;
+/// Changes at every k-th row only are no chance where it would be one in a million: k to the power of minus their number.
+const NO_CHANCE: f64 = 14.0;
+/// Of the whole way, what the arithmetic bends in a straight line at the most.
+const ROUNDING: f64 = 1e-9;
+
+/// How a sensor was read: what stands between two readings, and in which rows they are, ascending.
+pub type Slow = (Between, Vec<usize>);
+
+/// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common.
+pub fn step(position_m: &[f64]) -> f64 {
+    lattice::of_changes(position_m, 1e-12)
+}
+
+/// The readings, where the rows show that there are fewer of them than rows.
+pub fn readings(position_m: &[f64]) -> Option<Slow> {
+    let straight = || straight_between(position_m).or_else(|| far_apart(position_m));
+    let held = held(position_m).map(|rows| (Between::Held, rows));
+    held.or_else(|| Some((Between::Interpolated, straight()?)))
+}
+
+/// The readings at every `period`-th row, where all that changes, or bends, does so in such rows.
+pub fn readings_at_every(period: usize, between: Between, position_m: &[f64]) -> Option<Slow> {
+    let marks = match between {
+        Between::Nothing => return None,
+        Between::Held => changes(position_m),
+        Between::Interpolated => bends(position_m),
+    };
+    let [first, _, ..] = marks[..] else { return None };
+    let fit = marks.iter().all(|row| (row - first).is_multiple_of(period));
+    fit.then(|| (between, (first % period..position_m.len()).step_by(period).collect()))
+}
+
+/// Rows whose position is another than that of the row before.
+fn changes(position_m: &[f64]) -> Vec<usize> {
+    (1..position_m.len()).filter(|&i| position_m[i] != position_m[i - 1]).collect()
+}
+
+/// The rows that a held readout was read in: no two rows in a row change.
+fn held(position_m: &[f64]) -> Option<Vec<usize>> {
+    let changes = changes(position_m);
+    if changes.windows(2).any(|w| w[1] - w[0] < 2) {
+        return None;
+    }
+    let period = period_of_jumps(position_m, &changes).or_else(|| period_of_noise(&changes))?;
+    // While nothing changes, the sensor is read as often.
+    let ends = changes.iter().copied().chain([position_m.len()]);
+    let starts = std::iter::once(0).chain(changes.iter().copied());
+    let read =
+        |(from, to): (usize, usize)| (from..to).step_by(period).filter(move |row| *row == from || row + period <= to);
+    Some(starts.zip(ends).flat_map(read).collect())
+}
+
+/// Rows from one reading to the next where the piston goes many steps at a time. A fine encoder's changes while it hardly moves
+/// are of single steps.
+fn period_of_jumps(position_m: &[f64], changes: &[usize]) -> Option<usize> {
+    let far = STEPS * step(position_m);
+    let is_far = |row: &usize| (position_m[*row] - position_m[row - 1]).abs() >= far;
+    let mut periods: Vec<usize> = changes.windows(2).filter(|w| w.iter().all(is_far)).map(|w| w[1] - w[0]).collect();
+    if periods.len() < FEWEST_JUMPS {
+        return None;
+    }
+    periods.sort_unstable();
+    Some(periods[periods.len() / 2])
+}
+
+/// Rows from one reading to the next where all changes, most of them of the position's noise, lie a multiple of these apart.
+/// Steps of an encoder along a steady way come at equal distances as well and do not count.
+fn period_of_noise(changes: &[usize]) -> Option<usize> {
+    let gaps = gaps(changes);
+    let uneven = gaps.windows(2).filter(|w| w[0] != w[1]).count();
+    common_divisor(&gaps).filter(|period| no_chance(uneven, *period))
+}
+
+/// Distances between rows.
+fn gaps(rows: &[usize]) -> Vec<usize> {
+    rows.windows(2).map(|w| w[1] - w[0]).collect()
+}
+
+fn common_divisor(gaps: &[usize]) -> Option<usize> {
+    fn greatest(a: usize, b: usize) -> usize {
+        if b == 0 { a } else { greatest(b, a % b) }
+    }
+    gaps.iter().copied().reduce(greatest)
+}
+
+/// Whether so many distances between rows are hardly all multiples of `period` by chance.
+fn no_chance(distances: usize, period: usize) -> bool {
+    distances as f64 * (period as f64).ln() > NO_CHANCE
+}
+
+/// The rows that a readout was read in that is interpolated in between: they bend more than the others, and some by many steps.
+fn straight_between(position_m: &[f64]) -> Option<Vec<usize>> {
+    const MICROMETRES: f64 = 1e6;
+    let scaled: Vec<f64> = position_m.iter().map(|x| MICROMETRES * x).collect();
+    let readout = interpolated(&scaled)?;
+    // An encoder's single steps along a steady way can fall on every k-th row as well.
+    let bends: Vec<usize> = bends(position_m).into_iter().filter(|&row| readout.is_reading(row)).collect();
+    let shown = bends.len() >= FEWEST_JUMPS && between_ways(position_m, &bends, readout.period);
+    shown.then(|| (0..position_m.len()).filter(|&row| readout.is_reading(row)).collect())
+}
+
+/// The same where a move bends so much at every reading that nothing else does: most bends are one reading apart.
+fn far_apart(position_m: &[f64]) -> Option<Vec<usize>> {
+    let bends = bends(position_m);
+    let gaps = gaps(&bends);
+    let period = common_divisor(&gaps).filter(|period| no_chance(gaps.len(), *period))?;
+    let one_apart = gaps.iter().filter(|gap| **gap == period).count();
+    let shown = 2 * one_apart > gaps.len() && between_ways(position_m, &bends, period);
+    shown.then(|| (bends[0] % period..position_m.len()).step_by(period).collect())
+}
+
+/// Whether as many of these bends lie between two ways as do in a move, or in noise. A plan's corners can be multiples of many rows
+/// apart as well, but have a rest on one side.
+fn between_ways(position_m: &[f64], bends: &[usize], period: usize) -> bool {
+    /// A ramp that is read slowly has half of its bends at rest.
+    const SHARE: f64 = 0.25;
+    let nothing = 0.5 * step(position_m);
+    let way = |row: usize| position_m.get(row + period).map_or(0.0, |next| next - position_m[row]);
+    let at = |row: &&usize| way(row.saturating_sub(period)).abs() > nothing && way(**row).abs() > nothing;
+    bends.iter().filter(at).count() as f64 > SHARE * bends.len() as f64
+}
+
+/// Rows in which a way bends by many steps.
+fn bends(position_m: &[f64]) -> Vec<usize> {
+    let (low, high) = extent(position_m);
+    let far = (STEPS * step(position_m)).max(ROUNDING * (high - low));
+    let bend = |row: &usize| (position_m[row - 1] - 2.0 * position_m[*row] + position_m[row + 1]).abs();
+    (1..position_m.len().saturating_sub(1)).filter(|row| bend(row) >= far).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    #[test]
+    fn steps_of_an_encoder_along_a_steady_way_are_no_held_readout() {
+        let position_m: Vec<f64> = (0..900).map(|row| 0.1 - 1e-4 * (row.clamp(300, 600) / 3) as f64).collect();
+        assert_eq!(readings(&position_m), None);
+    }
+
+    #[test]
+    fn corners_of_a_plan_at_round_times_are_no_interpolated_readout() {
+        // To and fro in half a second each, less far each time, with rests of half a second.
+        let share = |row: usize| match row % 200 {
+            0..50 => 0.0,
+            there @ 50..100 => (there - 50) as f64 / 50.0,
+            100..150 => 1.0,
+            back => (200 - back) as f64 / 50.0,
+        };
+        let far = |row: usize| 0.05 - 1e-3 * (row / 200) as f64;
+        let planned: Vec<f64> = (0..4000).map(|row| ((0.1 - far(row) * share(row)) * 1e6).round() * 1e-6).collect();
+        assert!(bends(&planned).len() > 20);
+        assert_eq!(readings(&planned), None);
+    }
+
+    /// Read at every 20th row from the fifth on, straight in between, and rounded to 1 µm: so many moves of 0.2 s at 100 Hz.
+    fn interpolated_moves(moves: usize) -> Vec<f64> {
+        let mut random = Random::new(8);
+        let way = |row: f64| {
+            let u = ((row / 500.0).fract() * 5.0 - 2.0).clamp(0.0, 1.0);
+            let done = (row / 500.0).floor() + u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+            0.1 - 0.02 * done
+        };
+        let readings: Vec<f64> = (0..=25 * moves)
+            .map(|k| way((20 * k) as f64) + 4e-7 * random.normal())
+            .map(|x| (x * 1e6).round() * 1e-6)
+            .collect();
+        let between = |row: usize| {
+            let share = (row % 20) as f64 / 20.0;
+            readings[row / 20] * (1.0 - share) + readings[row / 20 + 1] * share
+        };
+        (15..500 * moves).map(|row| (between(row) * 1e6).round() * 1e-6).collect()
+    }
+
+    #[test]
+    fn an_interpolated_readout_is_found_by_the_bends_of_its_moves_where_rounding_hides_its_noise() {
+        let position_m = interpolated_moves(2);
+        assert_eq!(straight_between(&position_m), None);
+        let (between, rows) = readings(&position_m).unwrap();
+        assert_eq!(between, Between::Interpolated);
+        assert_eq!(rows, (5..985).step_by(20).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_period_that_is_known_is_that_of_a_record_whose_bends_all_fit_it() {
+        let position_m = interpolated_moves(1);
+        let few: Vec<f64> = position_m[..240].to_vec();
+        assert_eq!(readings(&few), None);
+        let every = |period| readings_at_every(period, Between::Interpolated, &few).map(|(_, rows)| rows);
+        assert_eq!(every(20), Some((5..240).step_by(20).collect()));
+        assert_eq!(every(15), None);
+        assert_eq!(readings_at_every(20, Between::Interpolated, &[0.1; 240]), None);
+    }
+}
