@@ -2,7 +2,7 @@
 
 use identify::Method;
 use identify::synthetic::Recipe;
-use identify::synthetic::recording::{self, Recording};
+use identify::synthetic::recording;
 use records::{Rig, Verdict};
 
 fn rig() -> (Recipe, Rig) {
@@ -49,15 +49,23 @@ fn a_position_that_is_read_at_every_tenth_row_and_repeated_gives_the_coefficient
     assert!(notes.iter().any(|note| note.contains("the position is read at")), "{notes:?}");
 }
 
+/// The verdict and the effects named where a recording like that is made of a rig.
+fn diagnosed(name: &str, recipe: Recipe) -> (Verdict, Vec<&'static str>) {
+    let recording = recording::ALL.iter().find(|r| r.name == name).unwrap();
+    let found = identify::diagnose(&recording.apply(recipe).rig(), &|_, _| ()).unwrap();
+    (found.diagnosis.verdict, found.diagnosis.effects)
+}
+
 #[test]
 fn a_position_of_which_hardly_a_reading_falls_into_the_moves_names_no_effect() {
-    let of_kind = |r: &&Recording| r.name == "position-held";
-    let recording = recording::ALL.iter().find(of_kind).unwrap();
-    let found = identify::diagnose(&recording.apply(Recipe::wide(3)).rig(), &|_, _| ()).unwrap();
-    let named = &found.diagnosis.effects;
-    assert!(
-        found.diagnosis.verdict == Verdict::Adequate && named.is_empty(),
-        "{:?} {named:?}",
-        found.diagnosis.verdict
-    );
+    for (name, seed) in [("position-held", 3), ("position-interpolated", 3), ("position-held", 12)] {
+        assert_eq!(diagnosed(name, Recipe::wide(seed)), (Verdict::Adequate, Vec::new()), "{name} {seed}");
+    }
+}
+
+#[test]
+fn an_effect_is_named_though_hardly_a_reading_of_the_position_falls_into_the_moves() {
+    let recipe = Recipe::wide(12);
+    let (wall, _) = chamber::effects::find("wall_heating").unwrap();
+    assert_eq!(diagnosed("position-held", recipe.with_strength(wall, 1.0)), (Verdict::Explained, vec!["wall_heating"]));
 }

@@ -194,6 +194,12 @@ fn positions(data: &Data) -> Vec<String> {
             slow.len(),
             data.traces.len()
         ));
+        let unfollowed: usize = slow.iter().map(|t| t.readout.unfollowed.len()).sum();
+        if unfollowed > 0 {
+            out.push(format!(
+                "{unfollowed} of the moves are over within so few readings of the position that these do not show their course: the pressures in them are left out"
+            ));
+        }
     }
     out
 }

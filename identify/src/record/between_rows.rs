@@ -7,16 +7,14 @@
 //! rows and largest half way between them, of moves of few rows.
 //! Position in m, time in s.
 
-use crate::record::stroke::{Motion, Phase, extent};
+use crate::record::stroke::{Motion, Phase};
 
 /// Share of a row's distance from the cubic through its neighbours that the curve through all rows may miss.
 const MISSED: f64 = 0.25;
 /// Variance that a position's noise gives that distance: weights 1, 4/6, 4/6, 1/6, 1/6.
 const OF_NOISE: f64 = 1.0 + (16.0 + 16.0 + 1.0 + 1.0) / 36.0;
-/// Rows of a move up to which the way between two of them matters: of a longer one it is a small part.
+/// Rows of a move up to which the way between two of them matters.
 const FEW: usize = 20;
-/// Share of a move's way at either end of it that does not count as moving: a piston creeps to its stop.
-const ENDS: f64 = 0.01;
 /// Parts of a gap between two rows that a lag is followed through.
 const PARTS: usize = 8;
 /// Gaps so many time constants ago are forgotten.
@@ -66,7 +64,9 @@ impl BetweenRows {
         let is_read_seldom = motion.rows_per_reading > 1;
         let looks_between = look.lag_s > 0.0 || look.late_s != 0.0 || look.filter_s > 0.0 || is_read_seldom;
         let moves = motion.segments.iter().filter(|s| looks_between && s.phase == Phase::Move);
-        let gaps = moves.flat_map(|s| gaps(s.stroke.knots(), motion.noise_m)).collect();
+        // A straight line has its corners where they are; of a longer move the way between two rows is a small part.
+        let short = moves.filter(|s| !s.stroke.is_line() && s.stroke.knots_inside() <= FEW);
+        let gaps = short.flat_map(|s| gaps(s.stroke.knots(), motion.noise_m)).collect();
         Self { gaps, look, shared: (1.0 + look.lag_s / motion.row_s()).sqrt() }
     }
 
@@ -97,13 +97,6 @@ fn weighted(gap: &Gap, shown: f64, lag_s: f64, filter_s: f64) -> f64 {
 /// Gaps between the knots of a move through its rows; the piston is held before and after it.
 fn gaps((time, value): (&[f64], &[f64]), noise_m: f64) -> Vec<Gap> {
     let n = time.len();
-    let (low, high) = extent(value);
-    let end = ENDS * (high - low);
-    let moving = value.iter().filter(|&&at| low + end < at && at < high - end).count();
-    // A straight line has its corners where they are.
-    if n < 3 || moving > FEW {
-        return Vec::new();
-    }
     let row = |i: isize| {
         let near = i.clamp(0, n as isize - 1) as usize;
         let step = if i < 0 { time[1] - time[0] } else { time[n - 1] - time[n - 2] };

@@ -37,7 +37,7 @@ impl Data {
         let declared = Declared::of(rig);
         for (c, readout) in columns.iter_mut().zip(readouts) {
             checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared)?;
-            c.readout = readout;
+            c.readout = Readout { unfollowed: c.motion.unfollowed(), ..readout };
         }
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });

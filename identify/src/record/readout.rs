@@ -3,10 +3,11 @@
 //!
 //! A held readout repeats each reading, also while the pressure changes by many times its noise; an interpolated one
 //! bends at every k-th row only. Rows that are missing in between count, since the sensor does not wait for them. Rows marked
-//! as outliers are no data either.
+//! as outliers are no data either, nor are those of a move that the position does not show.
 
 use crate::record::bends::{Bends, MOST_OF_USUAL};
 use records::fill_between;
+use std::ops::Range;
 
 /// How the rows between two readings came to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +44,8 @@ pub struct Readout {
     pub missing: Vec<usize>,
     /// Rows that are no data although they are readings, ascending.
     pub outliers: Vec<usize>,
+    /// Rows that are no data since nothing tells where the piston is.
+    pub unfollowed: Vec<Range<usize>>,
 }
 
 /// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz...
@@ -59,7 +62,7 @@ impl Readout {
     }
 
     fn new(between: Between, period: usize, first: usize) -> Self {
-        Self { between, period, first, missing: Vec::new(), outliers: Vec::new() }
+        Self { between, period, first, missing: Vec::new(), outliers: Vec::new(), unfollowed: Vec::new() }
     }
 
     /// Readouts of the records of one logger, of which each has its times, s, and pressures: at the stated rate, Hz, or as each
@@ -141,7 +144,9 @@ impl Readout {
     /// Whether a row is data.
     #[inline]
     pub fn is_data(&self, row: usize) -> bool {
-        self.is_reading(row) && self.outliers.binary_search(&row).is_err()
+        self.is_reading(row)
+            && self.outliers.binary_search(&row).is_err()
+            && !self.unfollowed.iter().any(|rows| rows.contains(&row))
     }
 
     /// Whether a row was really read, be it an outlier or not.

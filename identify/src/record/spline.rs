@@ -2,6 +2,9 @@
 
 use std::cell::Cell;
 
+/// Share of a move's way at either end of it that does not count as moving: a piston creeps to its stop.
+const ENDS: f64 = 0.01;
+
 /// A piecewise cubic function of time with continuous slope; constant before its first and after its last knot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spline {
@@ -84,6 +87,18 @@ impl Spline {
     pub fn line([begin, end]: [f64; 2], [from, to]: [f64; 2]) -> Self {
         let speed = (to - from) / (end - begin);
         Self { time: vec![begin, end], value: vec![from, to], pieces: vec![[from, speed, 0.0, 0.0]] }
+    }
+
+    /// Whether it is one straight line.
+    pub fn is_line(&self) -> bool {
+        self.time.len() == 2 && self.pieces[0][2..] == [0.0; 2]
+    }
+
+    /// How many knots of a move show it under way.
+    pub fn knots_inside(&self) -> usize {
+        let (low, high) = self.range();
+        let end = ENDS * (high - low);
+        self.value.iter().filter(|at| low + end < **at && **at < high - end).count()
     }
 
     /// Times and values of its knots.

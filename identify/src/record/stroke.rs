@@ -6,12 +6,15 @@
 //! ([`crate::record::ramp`]). Position in m, time in s from the record's start.
 
 use crate::record::line::Line;
+use crate::record::moving::{mean, moving, narrow, ranges};
 use crate::record::position_noise::position_noise;
 use crate::record::positions::Positions;
 use crate::record::ramp;
 pub use crate::record::spline::{Spline, extent};
+use crate::record::unfollowed;
 use nalgebra::{Matrix4, Vector4};
 use std::cell::Cell;
+use std::ops::Range;
 
 /// What the piston does in one part of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +46,12 @@ pub struct Segment {
     pub shift_s: f64,
 }
 
+impl Segment {
+    fn is_unfollowed(&self) -> bool {
+        self.phase == Phase::Move && unfollowed::is_unfollowed(&self.stroke)
+    }
+}
+
 /// A stop shorter than this many rows is part of its move, ...
 const SHORTEST_HOLD: usize = 10;
 /// ...or than this many readings where the position is read less often.
@@ -62,13 +71,12 @@ pub struct Motion {
 impl Motion {
     /// Splits a stroke, m at times in s, into moves and holds.
     pub fn detect(time_s: &[f64], position_m: &[f64]) -> Self {
-        Self::with_holds_of(SHORTEST_HOLD, time_s, position_m)
+        Self::of_ranges(&ranges(&moving(position_m, SHORTEST_HOLD)), time_s, position_m)
     }
 
-    /// The same with holds of so many rows at the least.
-    fn with_holds_of(rows: usize, time_s: &[f64], position_m: &[f64]) -> Self {
+    /// The same where the rows that belong together are known.
+    fn of_ranges(ranges: &[(usize, usize, bool)], time_s: &[f64], position_m: &[f64]) -> Self {
         let noise_m = position_noise(position_m);
-        let ranges = ranges(&moving(position_m, rows));
         let mut segments: Vec<Segment> = Vec::with_capacity(ranges.len());
         let n = time_s.len();
         for (k, &(first, end, moves)) in ranges.iter().enumerate() {
@@ -104,8 +112,12 @@ impl Motion {
         let of_readings = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
         let rows_per_reading = positions.rows_per_reading();
         let shortest = (SHORTEST_HOLD / rows_per_reading).max(FEWEST_READINGS_OF_HOLD);
-        let mut motion = Self::with_holds_of(shortest, &of_readings(time_s), &of_readings(position_m));
+        let (time_of_readings_s, readings_m) = (of_readings(time_s), of_readings(position_m));
+        let mut moving = moving(&readings_m, shortest);
+        narrow(&mut moving, &readings_m);
+        let mut motion = Self::of_ranges(&ranges(&moving), &time_of_readings_s, &readings_m);
         motion.rows_per_reading = rows_per_reading;
+        let between_readings_s = motion.row_s();
         let last = motion.segments.len() - 1;
         let mut first = 0;
         for (k, segment) in motion.segments.iter_mut().enumerate() {
@@ -117,10 +129,22 @@ impl Motion {
             };
             (segment.first, segment.end) = (first, end);
             first = end;
+            if segment.is_unfollowed() {
+                segment.shift_s = segment.shift_s.hypot(unfollowed::SHIFT * between_readings_s);
+            }
         }
         motion.segments[0].from_s = time_s[0];
         motion.segments[last].to_s = time_s[time_s.len() - 1];
         motion
+    }
+
+    /// Rows of the moves whose course the readings do not show.
+    pub fn unfollowed(&self) -> Vec<Range<usize>> {
+        self.segments
+            .iter()
+            .filter(|s| self.rows_per_reading > 1 && s.is_unfollowed())
+            .map(|s| s.first..s.end)
+            .collect()
     }
 
     /// Its begin and its end, s.
@@ -148,100 +172,6 @@ impl Motion {
     pub fn starts_at_rest(&self) -> bool {
         self.segments.first().is_some_and(|s| s.phase == Phase::Rest)
     }
-}
-
-fn mean(rows: &[f64]) -> f64 {
-    rows.iter().sum::<f64>() / rows.len() as f64
-}
-
-/// Which rows belong to moves.
-///
-/// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows, or none: then means of rows
-/// are looked at instead, of twice as many until the moves are whole.
-fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
-    /// No move is shorter, once it has its gentle begin and end.
-    const FEWEST_ROWS: usize = 10;
-    /// A record is not looked at in fewer means.
-    const FEWEST_MEANS: usize = 2000;
-    let mut averaged = 1;
-    loop {
-        let means: Vec<f64> = position_m.chunks(averaged).map(mean).collect();
-        let noise_m = position_noise(&means);
-        let (low, high) = extent(&means);
-        let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)), shortest_hold);
-        widen(&mut moving, &means, noise_m);
-        let in_pieces = ranges(&moving).into_iter().any(|(first, end, moves)| moves && end - first < FEWEST_ROWS);
-        let is_whole = moving.contains(&true) && !in_pieces;
-        if is_whole || means.len() < 2 * FEWEST_MEANS {
-            return moving.iter().flat_map(|moves| [*moves].repeat(averaged)).take(position_m.len()).collect();
-        }
-        averaged *= 2;
-    }
-}
-
-/// Rows within reach of a change of position larger than `threshold`, and holds of fewer rows than `shortest_hold`.
-fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<bool> {
-    const REACH: usize = 3;
-    let n = position_m.len();
-    let mut moving: Vec<bool> = (0..n)
-        .map(|i| {
-            let (low, high) = extent(&position_m[i.saturating_sub(REACH)..(i + REACH + 1).min(n)]);
-            high - low > threshold
-        })
-        .collect();
-    let mut start = 0;
-    while start < n {
-        let end = (start..n).find(|&i| moving[i] != moving[start]).unwrap_or(n);
-        if !moving[start] && end - start < shortest_hold {
-            moving[start..end].fill(true);
-        }
-        start = end;
-    }
-    moving
-}
-
-/// Gives moves their gentle begins and ends, which single rows do not show in the position's noise: rows next to a move
-/// whose means over a window differ from where the piston is held, and one window more, in which a mean would not show
-/// them either. A piston that creeps all along is none of these.
-fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
-    const WINDOW: usize = 8;
-    const DEVIATIONS: f64 = 2.7;
-    let parts = ranges(moving);
-    for (k, &(first, end, moves)) in parts.iter().enumerate() {
-        let half = (end - first) / 2;
-        if moves || half < WINDOW {
-            continue;
-        }
-        let limit = DEVIATIONS * noise_m * (1.0 / WINDOW as f64 + 1.0 / half as f64).sqrt();
-        let length = |k: usize| parts.get(k).map_or(0, |(first, end, _)| end - first);
-        if k > 0 {
-            let (level, most) = (mean(&position_m[first + half..end]), half.min(length(k - 1)));
-            let off = |i: &usize| (mean(&position_m[first + i..first + i + WINDOW]) - level).abs() > limit;
-            let rows = (0..most).take_while(off).count();
-            if rows < most {
-                moving[first..first + rows + WINDOW].fill(true);
-            }
-        }
-        if k + 1 < parts.len() {
-            let (level, most) = (mean(&position_m[first..end - half]), half.min(length(k + 1)));
-            let off = |i: &usize| (mean(&position_m[end - i - WINDOW..end - i]) - level).abs() > limit;
-            let rows = (0..most).take_while(off).count();
-            if rows < most {
-                moving[end - rows - WINDOW..end].fill(true);
-            }
-        }
-    }
-}
-
-fn ranges(moving: &[bool]) -> Vec<(usize, usize, bool)> {
-    let mut out = Vec::new();
-    let mut start = 0;
-    while start < moving.len() {
-        let end = (start..moving.len()).find(|&i| moving[i] != moving[start]).unwrap_or(moving.len());
-        out.push((start, end, moving[start]));
-        start = end;
-    }
-    out
 }
 
 /// A hold: a straight line through its rows, since a held piston creeps; its mean where no slope shows; where it clearly moves
@@ -531,5 +461,36 @@ mod tests {
             }
             assert!((3e-6..1e-5).contains(&motion.noise_m), "{}", motion.noise_m);
         }
+    }
+
+    /// A move of so many seconds, read at every 20th row of 500 in a second.
+    fn read_slowly(length_s: f64) -> Motion {
+        let mut random = crate::synthetic::Random::new(7);
+        let stroke = |t: f64| {
+            let u = ((t - 0.813) / length_s).clamp(0.0, 1.0);
+            0.1 - 0.02 * (1.0 - (std::f64::consts::PI * u).cos())
+        };
+        let time_s: Vec<f64> = (0..1500).map(|i| 0.002 * f64::from(i)).collect();
+        let readings: Vec<f64> = time_s.iter().step_by(20).map(|t| stroke(*t) + 1e-6 * random.normal()).collect();
+        let position_m: Vec<f64> = (0..1500).map(|i| readings[i / 20]).collect();
+        Motion::through(&time_s, &position_m, &Positions::of(&position_m))
+    }
+
+    #[test]
+    fn a_hold_begins_with_the_second_reading_at_its_place() {
+        let [rest, moved, hold] = &read_slowly(0.2).segments[..] else { panic!() };
+        // From 0.813 s to 1.013 s: read at 0.8 s, at 1.04 s and at 1.08 s.
+        assert_eq!([rest.end, moved.first], [20 * 19 + 1; 2]);
+        assert_eq!((moved.end, hold.first), (540, 540));
+        assert!((hold.from_s - 1.08).abs() < 1e-12, "{}", hold.from_s);
+    }
+
+    #[test]
+    fn a_move_that_is_over_between_few_readings_is_not_followed() {
+        assert!(read_slowly(0.2).unfollowed().is_empty());
+        let short = read_slowly(0.06);
+        assert_eq!(short.unfollowed(), [short.segments[1].first..short.segments[1].end]);
+        // Late or early by 0.6 ms at the least.
+        assert!((6e-4..1e-2).contains(&short.segments[1].shift_s), "{}", short.segments[1].shift_s);
     }
 }

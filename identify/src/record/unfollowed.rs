@@ -1,0 +1,68 @@
+//! Moves that are over before the position has been read often enough to show their course.
+//!
+//! The curve through fewer than three readings under way misses 1 to 5 % of a move's way, far more than the noise of a pressure:
+//! readings in such a move tell of the stroke and not of the gas. The hold after it knows the course by the heat that the gas
+//! exchanged in the meantime, the integral of (T − Tw) A over the move. To first order a wrong course is one that was early or late
+//! on the whole, as its mean position tells ([`Spline::open_shift`]). T − Tw being no linear function of the position, more is open
+//! than that: [`SHIFT`].
+
+use crate::record::spline::Spline;
+
+/// Fewer readings under way do not show a move's course.
+const FEWEST_READINGS: usize = 3;
+/// Standard deviation of the time by which the course is early or late for the gas where its mean position is right, over the time
+/// between two readings. With two readings under way it is a third of that.
+pub const SHIFT: f64 = 0.015;
+
+/// Whether a move through its readings shows too few of them.
+pub fn is_unfollowed(stroke: &Spline) -> bool {
+    !stroke.is_line() && stroke.knots_inside() < FEWEST_READINGS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::{Move, Random, Shape, Stroke};
+    use std::cell::Cell;
+
+    /// Steps that integrals over a move are taken in.
+    const STEPS: usize = 1000;
+
+    /// Of the time between two readings: by how much a course is late for the gas beyond what its mean position says. The volume
+    /// ratio is that of the move's end, the area half as large as that of all walls without the way.
+    fn beyond_mean(random: &mut Random) -> Option<f64> {
+        let (length, begin) = (random.between(0.2, 1.99), random.uniform());
+        let shape = random.one_of(&Shape::ALL);
+        let pushed = Move { begin_s: begin, length_s: length, ends_m: [0.0, 1.0], shape };
+        let stroke = Stroke { moves: vec![pushed], creep_m_per_s: 0.0 };
+        let way = |t: f64| stroke.at(t, t).0;
+        let times: Vec<f64> = (-2..5).map(f64::from).collect();
+        let readings = times.iter().map(|t| way(*t)).collect();
+        let curve = Spline::through(times, readings, [Some(0.0); 2]);
+        if curve.knots_inside() > 1 {
+            return None;
+        }
+        let ratio = random.log_uniform(1.5, 3.0).powf(random.one_of(&[-1.0, 1.0]));
+        let heat = |way: f64| {
+            let volume = 1.0 + (1.0 / ratio - 1.0) * way;
+            (volume.powf(-0.4) - 1.0) * 0.5 * (1.0 + volume)
+        };
+        let near = Cell::new(0);
+        let [mut by_heat, mut by_way] = [0.0; 2];
+        for k in 0..STEPS {
+            let t = -2.0 + 6.0 * (k as f64 + 0.5) / STEPS as f64;
+            let (truth, found) = (way(t), curve.at(t, &near).0);
+            by_heat += (heat(truth) - heat(found)) / heat(1.0);
+            by_way += truth - found;
+        }
+        Some(6.0 / STEPS as f64 * (by_heat - by_way))
+    }
+
+    #[test]
+    fn the_gas_knows_a_course_to_the_stated_share_of_the_time_between_readings() {
+        let mut random = Random::new(17);
+        let shifts: Vec<f64> = (0..4000).filter_map(|_| beyond_mean(&mut random)).collect();
+        let rms = (shifts.iter().map(|s| s * s).sum::<f64>() / shifts.len() as f64).sqrt();
+        assert!((0.8..1.2).contains(&(rms / SHIFT)), "{rms}");
+    }
+}
