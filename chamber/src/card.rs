@@ -134,6 +134,8 @@ pub enum Unit {
     SquareMetre,
     /// Relative change for each kelvin, 1/K.
     PerKelvin,
+    /// Relative change for the square of each kelvin, 1/K².
+    PerSquareKelvin,
     /// One over an effusivity, m² K/(W s^½).
     InverseEffusivity,
     /// Another unit with each table: the effect's words say which.
@@ -156,6 +158,7 @@ impl Unit {
             Unit::SonicConductance => Some("m3_per_s_pa"),
             Unit::SquareMetre => Some("m2"),
             Unit::PerKelvin => Some("1_per_k"),
+            Unit::PerSquareKelvin => Some("1_per_k2"),
             Unit::InverseEffusivity => Some("m2_k_per_w_s05"),
         }
     }
@@ -175,6 +178,7 @@ impl Unit {
             Unit::SonicConductance => "m3/(s.Pa)",
             Unit::SquareMetre => "m2",
             Unit::PerKelvin => "1/K",
+            Unit::PerSquareKelvin => "1/K2",
             Unit::InverseEffusivity => "m2.K/(W.s0.5)",
             Unit::SpeedPower => "(s/m)0.8",
             Unit::OfTable => "",

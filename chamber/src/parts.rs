@@ -122,22 +122,31 @@ pub struct Flows<R> {
     pub inflow_kelvin: R,
     /// Σ mass flow in × the square of its temperature, kg K²/s.
     pub inflow_square_kelvin: R,
+    /// Σ mass flow in × the cube of its temperature, kg K³/s.
+    pub inflow_cube_kelvin: R,
     /// Mass flow out, at the gas's temperature, kg/s.
     pub outflow: R,
 }
 
 impl<R: Real> Flows<R> {
     /// No gas enters or leaves.
-    pub const NONE: Self =
-        Self { inflow: R::ZERO, inflow_kelvin: R::ZERO, inflow_square_kelvin: R::ZERO, outflow: R::ZERO };
+    pub const NONE: Self = Self {
+        inflow: R::ZERO,
+        inflow_kelvin: R::ZERO,
+        inflow_square_kelvin: R::ZERO,
+        inflow_cube_kelvin: R::ZERO,
+        outflow: R::ZERO,
+    };
 
     /// Adds a flow into the chamber, kg/s, at a temperature, K.
     #[inline(always)]
     pub fn enter(&mut self, flow: R, temperature: R) {
         self.inflow += flow;
         let kelvin = flow * temperature;
+        let square_kelvin = kelvin * temperature;
         self.inflow_kelvin += kelvin;
-        self.inflow_square_kelvin += kelvin * temperature;
+        self.inflow_square_kelvin += square_kelvin;
+        self.inflow_cube_kelvin += square_kelvin * temperature;
     }
 
     /// Adds a flow out of the chamber, kg/s, that where it is negative enters at a temperature, K.

@@ -222,30 +222,33 @@ fn gas_in_a_warm_wall_begins_and_stays_at_rest_at_the_wall_s_temperature() {
 
 #[test]
 fn a_gas_of_varying_heat_capacity_keeps_its_entropy_in_an_adiabatic_stroke() {
-    // ds = cv(T) dT/T + R dV/V = 0: (1 − 293 s) ln(T/T0) + s (T − T0) + (γ − 1) ln(V/V0) = 0.
+    // ds = cv(T) dT/T + R dV/V = 0: (1 − 293 s + 293² c) ln(T/T0) + (s − 2 · 293 c) (T − T0) + c (T² − T0²)/2 + (γ − 1) ln(V/V0) = 0.
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.07, ..boundary };
-    for slope in [1.4e-3, 1.2e-4, -4e-4] {
-        let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope]));
+    for [slope, c] in [[1.4e-3, 0.0], [1.2e-4, 0.0], [-4e-4, 0.0], [6e-5, 5e-7], [1.4e-3, -1.4e-6], [0.0, 3e-6]] {
+        let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope, c]));
         let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 310.0));
         let at = balance::conditions(&chamber, &Boundary { position: 0.03, ..boundary }, end[MASS], end[ENERGY]);
         let volumes = chamber.geometry.volume(0.03) / chamber.geometry.volume(0.1);
-        let rise = (1.0 - 293.0 * slope) * (at.temperature / 310.0).ln() + slope * (at.temperature - 310.0);
-        assert!((rise + 0.4 * volumes.ln()).abs() < 1e-9, "{slope}: {rise}");
-        assert!((at.pressure * volumes / (2e5 * at.temperature / 310.0) - 1.0).abs() < 1e-12, "{slope}");
+        let [logarithm, linear, square] = [1.0 - 293.0 * slope + 293.0 * 293.0 * c, slope - 2.0 * 293.0 * c, 0.5 * c];
+        let t = at.temperature;
+        let rise = logarithm * (t / 310.0).ln() + linear * (t - 310.0) + square * (t * t - 310.0 * 310.0);
+        assert!((rise + 0.4 * volumes.ln()).abs() < 1e-9, "{slope} {c}: {rise}");
+        assert!((at.pressure * volumes / (2e5 * t / 310.0) - 1.0).abs() < 1e-12, "{slope} {c}");
     }
 }
 
 #[test]
 fn gas_that_enters_brings_the_enthalpy_of_its_own_temperature() {
-    // m u(T) − m0 u(T0) = (m − m0) h(Tin), u(T) = cv (T + s (T²/2 − 293 T)), h = u + R T.
+    // m u(T) − m0 u(T0) = (m − m0) h(Tin), u(T) = cv (T + s (T²/2 − 293 T) + c (T³/3 − 293 T² + 293² T)), h = u + R T.
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, mass_flow_in: 3e-5, temperature_in: 390.0, ..boundary };
-    let slope = 1.4e-3;
-    let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope]));
+    let (slope, c) = (1.4e-3, -1.4e-6);
+    let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope, c]));
     let initial = balance::state_at(&chamber, &boundary, 1e5, 293.0);
     let end = after_a_second(&chamber, &boundary, initial);
-    let u = |t: f64| 717.5 * (t + slope * (0.5 * t * t - 293.0 * t));
+    let square = |t: f64| t * t * t / 3.0 - 293.0 * t * t + 293.0 * 293.0 * t;
+    let u = |t: f64| 717.5 * (t + slope * (0.5 * t * t - 293.0 * t) + c * square(t));
     let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
     let [gained, brought] = [
         end[MASS] * u(at.temperature) - initial[MASS] * u(293.0),
@@ -258,8 +261,9 @@ proptest! {
     #[test]
     fn the_pressure_s_rate_is_that_of_the_states_whatever_the_heat_capacity(
         chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 260.0..400.0f64, slope in -4e-4..2e-3f64,
+        curvature in -1.4e-6..4e-6f64,
     ) {
-        let chamber = with_effect(chamber, "temperature_dependent_heat_capacity", &[slope]);
+        let chamber = with_effect(chamber, "temperature_dependent_heat_capacity", &[slope, curvature]);
         let set = chamber.active();
         let state = balance::state_at(&chamber, &boundary, p, t);
         let (at, rates, _) = balance::evaluate(set, &chamber, &boundary, &state);

@@ -81,12 +81,14 @@ class Chamber:
         return self.ambient_temperature + self.value("warm_wall", "temperature_difference_k")
 
     def cv(self, t):
-        slope = self.value("temperature_dependent_heat_capacity", "slope_1_per_k")
-        return self.gas_constant / (self.gamma - 1) * (1 + slope * (t - 293))
+        effect = "temperature_dependent_heat_capacity"
+        slope, curvature = self.value(effect, "slope_1_per_k"), self.value(effect, "curvature_1_per_k2")
+        return self.gas_constant / (self.gamma - 1) * (1 + slope * (t - 293) + curvature * (t - 293) ** 2)
 
     def enthalpy_above_energy(self, t_flow, t):
-        """h of gas at t_flow less u of gas at t, J/kg: cv is linear, so its mean is that of the middle."""
-        return self.gas_constant * t_flow + self.cv((t_flow + t) / 2) * (t_flow - t)
+        """h of gas at t_flow less u of gas at t, J/kg: cv is a parabola, whose mean is by Simpson's rule."""
+        mean = (self.cv(t) + 4 * self.cv((t_flow + t) / 2) + self.cv(t_flow)) / 6
+        return self.gas_constant * t_flow + mean * (t_flow - t)
 
     def coefficient(self, p, t, tw, x, v):
         """Heat transfer coefficient: the contract's product of factors."""

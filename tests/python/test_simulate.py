@@ -25,6 +25,7 @@ EFFECTS = {
     "less_surface_than_the_bore_s": {"dead_volume_surface": {"extra_area_m2": -4e-4}},
     "warm_wall": {"warm_wall": {"temperature_difference_k": 12.0}},
     "temperature_dependent_heat_capacity": {"temperature_dependent_heat_capacity": {"slope_1_per_k": 1.2e-3}},
+    "bent_heat_capacity": {"temperature_dependent_heat_capacity": {"slope_1_per_k": 6e-5, "curvature_1_per_k2": 3e-6}},
     "falling_heat_capacity": {"temperature_dependent_heat_capacity": {"slope_1_per_k": -4e-4}},
     "laminar_leakage": {"laminar_leakage": {"conductance_m3_per_s_pa": 3e-11}},
     "supply_leakage": {"supply_leakage": {"conductance_m3_per_s_pa": 3e-11, "supply_pressure_pa": 2.2e5, "critical_pressure_ratio": 0.2}},

@@ -1,9 +1,11 @@
-//! Temperature-dependent heat capacity: cv grows linearly with temperature, as that of real diatomic gases does.
+//! Temperature-dependent heat capacity: cv grows with temperature, as that of real diatomic gases does.
 //!
-//! cv(T) = cv (1 + s (T − 293 K)),  U = m ∫ cv dT = m cv (T + s (T²/2 − 293 K · T)),  cp(T) = cv(T) + R
-//! s in 1/K; R/(γ − 1) is cv at 293 K. T follows from U by a quadratic equation, P = m R T/V.
+//! cv(T) = cv (1 + s (T − T0) + c (T − T0)²),  T0 = 293 K;  U = m ∫ cv dT,  cp(T) = cv(T) + R;  s in 1/K, c in 1/K².
+//! R/(γ − 1) is cv at T0. T follows from U by a quadratic equation, where c is not zero by Newton's method from its root on.
 //! h(T) = u(T) + R T of each flow. Beside gas zones both zones have the heat capacity of the mean temperature.
-//! Source: NIST-JANAF thermochemical tables, slope between 300 and 400 K, see [`Gas::heat_capacity_slope`].
+//! Source: NIST-JANAF thermochemical tables, slope between 300 and 400 K, see [`Gas::heat_capacity_slope`]. Below 300 K cv of air
+//! hardly changes: its molecules as harmonic oscillators (A. Einstein, Ann. Phys. 327 (1907) 180; N₂ at 3393 K, O₂ at 2273 K) have
+//! s = 5.7e-5 1/K and c = 4.7e-7 1/K² from 230 to 450 K.
 
 use super::Effect;
 use crate::card::{Balance, Card, Normal, Parameter, Prior, Unit};
@@ -25,31 +27,86 @@ fn slope_of(gas: &Gas) -> Normal {
     }
 }
 
-/// T over U/(m cv), and cv(T) over cv, where U/(m cv) is `by_energy`, K.
-#[inline(always)]
-fn solved<R: Real>(slope: R, by_energy: R) -> (R, R) {
-    // U/(m cv) = T + s (T²/2 − 293 K · T), in the form that s = 0 leaves exact; the root is 1 + s (T − 293 K).
-    let linear = R::ONE - slope * REFERENCE_TEMPERATURE_K;
-    let root = (linear * linear + slope * by_energy * 2.0).sqrt();
-    (R::from(2.0) / (linear + root), root)
+/// Temperatures, K, and what cv is there.
+struct Law<R> {
+    slope: R,
+    curvature: R,
+}
+
+impl<R: Real> Law<R> {
+    #[inline(always)]
+    fn of(p: &[R]) -> Self {
+        Self { slope: p[0], curvature: p[1] }
+    }
+
+    /// cv(T) over cv.
+    #[inline(always)]
+    fn capacity(&self, temperature: R) -> R {
+        let above = temperature - REFERENCE_TEMPERATURE_K;
+        above * (self.curvature * above + self.slope) + 1.0
+    }
+
+    /// u(T)/(cv T) as a polynomial in T, the constant first.
+    #[inline(always)]
+    fn mean_capacity(&self) -> [R; 3] {
+        const T0: f64 = REFERENCE_TEMPERATURE_K;
+        let constant = (self.curvature * T0 - self.slope) * T0 + 1.0;
+        [constant, self.slope * 0.5 - self.curvature * T0, self.curvature * (1.0 / 3.0)]
+    }
+
+    /// u(T)/(cv T).
+    #[inline(always)]
+    fn mean_capacity_at(&self, temperature: R) -> R {
+        let [constant, linear, square] = self.mean_capacity();
+        (square * temperature + linear) * temperature + constant
+    }
+
+    /// T where U/(m cv) is `by_energy`, K.
+    #[inline(always)]
+    fn temperature(&self, by_energy: R) -> R {
+        // One step more brings the derivatives where c is zero; from where that is all, a few reach rounding.
+        const STEPS: usize = 4;
+        // U/(m cv) = T + s (T²/2 − T0 T), in the form that s = 0 leaves exact.
+        let linear = R::ONE - self.slope * REFERENCE_TEMPERATURE_K;
+        let root = (linear * linear + self.slope * by_energy * 2.0).sqrt();
+        let mut temperature = by_energy * (R::from(2.0) / (linear + root));
+        let steps = if (self.curvature * self.curvature).any_positive() { STEPS } else { 1 };
+        for _ in 0..steps {
+            let energy = temperature * self.mean_capacity_at(temperature);
+            temperature -= (energy - by_energy) / self.capacity(temperature);
+        }
+        temperature
+    }
 }
 
 impl Effect for TemperatureDependentHeatCapacity {
     const CARD: Card = Card {
         name: "temperature_dependent_heat_capacity",
         doc: "The gas's heat capacity grows with its temperature",
-        equation: "cv(T) = cv (1 + s (T - 293 K)), U = m integral cv dT",
+        equation: "cv(T) = cv (1 + s (T - 293 K) + c (T - 293 K)^2), U = m integral cv dT",
         source: "NIST-JANAF thermochemical tables",
         balance: Balance::Energy,
-        parameters: &[Parameter {
-            name: "slope",
-            unit: Unit::PerKelvin,
-            bounds: -5e-4..=3e-3,
-            typical: 1.2e-4,
-            prior: Prior::OfGas(slope_of),
-            doc: "Relative slope s of the heat capacity at constant volume; 1.2e-4 for air",
-            ..Parameter::DEFAULT
-        }],
+        parameters: &[
+            Parameter {
+                name: "slope",
+                unit: Unit::PerKelvin,
+                bounds: -5e-4..=3e-3,
+                typical: 1.2e-4,
+                prior: Prior::OfGas(slope_of),
+                doc: "Relative slope s of the heat capacity at constant volume; 1.2e-4 for air between 300 and 400 K",
+                ..Parameter::DEFAULT
+            },
+            Parameter {
+                name: "curvature",
+                unit: Unit::PerSquareKelvin,
+                bounds: -1.5e-6..=4e-6,
+                typical: 5e-7,
+                fitted: false,
+                prior: Prior::Normal(Normal { mean: 0.0, standard_deviation: 7e-7 }),
+                doc: "Curvature c of the heat capacity, where its slope is that at 293 K; for air about 5e-7, with a slope of 6e-5",
+                ..Parameter::DEFAULT
+            },
+        ],
         ..Card::DEFAULT
     };
 
@@ -57,18 +114,19 @@ impl Effect for TemperatureDependentHeatCapacity {
 
     #[inline(always)]
     fn internal_energy<R: Real>(p: &[R], temperature: R) -> R {
-        p[0] * (temperature * 0.5 - REFERENCE_TEMPERATURE_K) + 1.0
+        Law::of(p).mean_capacity_at(temperature)
     }
 
     #[inline(always)]
     fn temperature<R: Real>(p: &[R], by_energy: R) -> R {
-        by_energy * solved(p[0], by_energy).0
+        Law::of(p).temperature(by_energy)
     }
 
     #[inline(always)]
     fn gas_properties<R: Real>(p: &[R], at: &mut Conditions<R>) {
-        let (rise, capacity) = solved(p[0], at.temperature);
-        let temperature = at.temperature * rise;
+        let law = Law::of(p);
+        let temperature = law.temperature(at.temperature);
+        let (rise, capacity) = (temperature / at.temperature, law.capacity(temperature));
         at.pressure = at.pressure * rise;
         at.eichelberg = at.eichelberg * rise;
         at.energy = at.energy * rise * capacity;
@@ -84,12 +142,16 @@ impl Effect for TemperatureDependentHeatCapacity {
 
     #[inline(always)]
     fn excess_enthalpy<R: Real>(p: &[R], at: &Conditions<R>, flows: &Flows<R>) -> [R; 2] {
-        // With c = cv s at 293 K: h(Tx) − cp(T) Tx = c (Tx²/2 − T Tx), and u(T) − cv(T) T = −c T²/2.
-        let capacity = p[0] * (at.temperature - REFERENCE_TEMPERATURE_K) + 1.0;
-        let half = at.cv * p[0] / capacity * 0.5;
-        let square = at.temperature * at.temperature;
-        let of_inflow = flows.inflow_square_kelvin - at.temperature * flows.inflow_kelvin * 2.0;
-        [half * (of_inflow + flows.outflow * square), half * (of_inflow + flows.inflow * square)]
+        // h(Tx) − cp(T) Tx = u(Tx) − cv(T) Tx of gas that enters at Tx; gas at T carries as much with T for Tx.
+        let law = Law::of(p);
+        let capacity = law.capacity(at.temperature);
+        let [constant, linear, square] = law.mean_capacity();
+        let of_inflow = flows.inflow_kelvin * (constant - capacity)
+            + flows.inflow_square_kelvin * linear
+            + flows.inflow_cube_kelvin * square;
+        let own = at.temperature * (law.mean_capacity_at(at.temperature) - capacity);
+        let cv = at.cv / capacity;
+        [cv * (of_inflow - flows.outflow * own), cv * (of_inflow - flows.inflow * own)]
     }
 }
 

@@ -59,6 +59,7 @@ pub const UNITS: &[Unit] = &[
     Unit { name: "K", base: Some(&[("K", 1)]), displays: &[Display { name: "degC", factor: 1.0, offset: -273.15 }] },
     Unit { name: "K/s", base: Some(&[("K", 1), ("s", -1)]), displays: &[] },
     Unit { name: "1/K", base: Some(&[("K", -1)]), displays: &[] },
+    Unit { name: "1/K2", base: Some(&[("K", -2)]), displays: &[] },
     Unit { name: "kg", base: Some(&[("kg", 1)]), displays: &[display("g", 1e3), display("mg", 1e6)] },
     Unit {
         name: "kg/s",
@@ -127,6 +128,7 @@ quantities! {
     TEMPERATURE = "ThermodynamicTemperature", "K", Some("degC"), 300.0, Some(0.0);
     TEMPERATURE_DIFFERENCE = "TemperatureDifference", "K", None, 10.0, None;
     TEMPERATURE_COEFFICIENT = "LinearTemperatureCoefficient", "1/K", None, 1e-4, None;
+    SQUARE_TEMPERATURE_COEFFICIENT = "QuadraticTemperatureCoefficient", "1/K2", None, 1e-6, None;
     TEMPERATURE_RATE = "TemperatureRate", "K/s", None, 100.0, None;
     MASS = "Mass", "kg", Some("g"), 1e-4, Some(0.0);
     MASS_FLOW = "MassFlowRate", "kg/s", Some("g/s"), 1e-3, None;
@@ -164,6 +166,7 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
         card::Unit::Kelvin => &TEMPERATURE,
         card::Unit::KelvinDifference => &TEMPERATURE_DIFFERENCE,
         card::Unit::PerKelvin => &TEMPERATURE_COEFFICIENT,
+        card::Unit::PerSquareKelvin => &SQUARE_TEMPERATURE_COEFFICIENT,
         card::Unit::PascalDifference => &PRESSURE_DIFFERENCE,
         card::Unit::Pascal => &PRESSURE,
         card::Unit::PascalPerSecond => &PRESSURE_RATE,

@@ -67,7 +67,7 @@ impl Sizes {
             Unit::CubicMetre => 0.05 * self.volume,
             Unit::SquareMetre => 0.1 * self.volume.powf(2.0 / 3.0),
             Unit::Kelvin | Unit::KelvinDifference => 10.0,
-            Unit::PerKelvin | Unit::InverseEffusivity => typical.abs(),
+            Unit::PerKelvin | Unit::PerSquareKelvin | Unit::InverseEffusivity => typical.abs(),
             Unit::Pascal | Unit::PascalDifference => 10.0 * self.noise,
             Unit::PascalPerSecond => self.noise / self.duration,
             Unit::JoulePerKelvin => 20.0 * self.gas_capacity,
