@@ -67,6 +67,11 @@ fn faults(positions: &Positions, motion: &Motion, position_m: &[f64]) -> Vec<Str
     let mut out = Vec::new();
     if positions.between != Between::Nothing {
         out.push(format!("are read at one row of {} only", positions.rows_per_reading()));
+        match motion.unfollowed().len() {
+            0 => (),
+            1 => out.push("leave the course of one move open, which is over within a few readings".to_owned()),
+            count => out.push(format!("leave the course of {count} moves open, which are over within a few readings")),
+        }
     } else if scatters_at_rest(motion, position_m) {
         out.push(format!("scatter by {} mm at rest", digits(1e3 * motion.noise_m, 2)));
     }
@@ -177,5 +182,23 @@ mod tests {
             assert!(stroke.faults.is_empty(), "{:?}", stroke.faults);
             assert_eq!(stroke.knots, Stroke::through(&time_s, &position_m).knots);
         }
+    }
+
+    #[test]
+    fn a_move_that_the_positions_are_read_too_seldom_to_show_is_told() {
+        let time_s: Vec<f64> = (0..300).map(|i| 0.01 * f64::from(i)).collect();
+        let mut random = Random::new(9);
+        // Twice in 0.2 s, read every 0.12 s.
+        let both = |time: f64| push(time) - 0.4 * (push(time - 1.5) - 0.1);
+        let readings: Vec<f64> = time_s.iter().step_by(12).map(|t| both(*t) + 5e-6 * random.normal()).collect();
+        let position_m: Vec<f64> = (0..300).map(|i| (readings[i / 12] * 1e6).round() * 1e-6).collect();
+        let faults = Stroke::behind(&time_s, &position_m).faults;
+        assert_eq!(
+            faults,
+            [
+                "are read at one row of 12 only",
+                "leave the course of 2 moves open, which are over within a few readings"
+            ]
+        );
     }
 }

@@ -1,8 +1,8 @@
 //! Rows in which a position was read where the sensor is read less often than the rows come, from positions in m.
 //!
-//! A held readout changes at its readings only, one that is interpolated bends at them only, and a piston's move shows it: it goes,
-//! or bends, by many steps of the sensor there. How often the one is read is told from its jumps, or its noise; of the other from
-//! its bends, be they large (rows of their own) or many (as of a pressure).
+//! A held readout changes at its readings only, one that is interpolated bends at them only. The rate of the former shows in a move,
+//! where it jumps by many steps of the sensor, or in its noise; that of the latter in its noise, as with a pressure, or in a move,
+//! where it bends by many steps.
 
 use super::super::lattice;
 use super::super::readout::{Between, interpolated};
