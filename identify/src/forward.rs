@@ -12,7 +12,7 @@ use chamber::Chamber;
 use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, STATES};
 use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
-use chamber::real::Scalar;
+use chamber::real::{Real, Scalar};
 use chamber::record::{self, Inputs, Mesh, Readings};
 use chamber::simulate::{Start, tolerance};
 use pulp::{Arch, Simd, WithSimd};
@@ -31,6 +31,20 @@ pub struct Course {
     pub mass_flow: Option<Spline>,
 }
 
+/// By how much surroundings and stroke differ from what is recorded or stated.
+#[derive(Clone, Copy, Debug)]
+pub struct Correction<R> {
+    /// How much warmer the surroundings are, K.
+    pub warmer: R,
+    /// Positions, and speeds, over the recorded ones.
+    pub position_times: R,
+}
+
+impl<R: Real> Correction<R> {
+    /// All is as recorded.
+    pub const NONE: Self = Self { warmer: R::ZERO, position_times: R::ONE };
+}
+
 /// Rows of a recorded mass flow that a step may cover: it changes from row to row.
 const ROWS_OF_FLOW: f64 = 8.0;
 
@@ -42,8 +56,7 @@ struct Passing<'a, R> {
     window: R,
     /// Time constant of the low-pass that it has passed, s.
     filter: R,
-    /// How much warmer than recorded or stated the surroundings are, K.
-    warmer: R,
+    correction: Correction<R>,
     near_flow: Cell<usize>,
     /// The stretch and time, s, that were asked for last, and the stroke there: the last two stages of a step ask for the same.
     last: Cell<Option<(usize, f64, Moment)>>,
@@ -52,12 +65,21 @@ struct Passing<'a, R> {
 }
 
 impl<'a, R: Scalar> Passing<'a, R> {
-    fn new(course: &'a Course, chamber: &Chamber<R>, set: EffectSet, warmer: R) -> Self {
+    fn new(course: &'a Course, chamber: &Chamber<R>, set: EffectSet, correction: Correction<R>) -> Self {
         let window = effects::stroke_window(set, &chamber.effects);
         let filter = effects::stroke_filter(set, &chamber.effects);
         let stroke = TrueStroke::new(&course.motion, window.value().max(0.0), filter.value().max(0.0));
         let longest_of_flow = course.mass_flow.as_ref().map_or(f64::INFINITY, |_| ROWS_OF_FLOW * course.motion.row_s());
-        Self { course, stroke, window, filter, warmer, near_flow: Cell::new(0), last: Cell::new(None), longest_of_flow }
+        Self {
+            course,
+            stroke,
+            window,
+            filter,
+            correction,
+            near_flow: Cell::new(0),
+            last: Cell::new(None),
+            longest_of_flow,
+        }
     }
 
     #[inline]
@@ -99,11 +121,12 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
             velocity += change * by[1];
         }
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
-        let ambient_temperature = self.warmer + ambient_temperature;
+        let Correction { warmer, position_times } = self.correction;
+        let ambient_temperature = warmer + ambient_temperature;
         let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
         Boundary {
-            position,
-            velocity,
+            position: position * position_times,
+            velocity: velocity * position_times,
             mass_flow_in: R::from(flow.max(0.0)),
             temperature_in: ambient_temperature,
             mass_flow_out: R::from((-flow).max(0.0)),
@@ -151,8 +174,8 @@ pub struct Run<'a, R> {
     pub set: EffectSet,
     /// How it begins.
     pub start: Start<R>,
-    /// How much warmer than recorded or stated the surroundings are, K.
-    pub warmer: R,
+    /// By how much surroundings and stroke differ from the course.
+    pub correction: Correction<R>,
     /// Stroke and surroundings.
     pub course: &'a Course,
     /// Integration error relative to the states.
@@ -211,9 +234,9 @@ impl<R: Scalar> Run<'_, R> {
         disturbance: &impl Disturbance<R>,
         mut on_step: impl FnMut(f64, R),
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
-        let Run { chamber, set, start, warmer, course, relative_tolerance } = *self;
+        let Run { chamber, set, start, correction, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Default::default()) };
-        let inputs = Passing::new(course, chamber, set, warmer);
+        let inputs = Passing::new(course, chamber, set, correction);
         let begin = inputs.begin();
         let (gas_set, balance) = (set.without(effects::of_sensor()), &Balance::of(*chamber));
         let at_begin = inputs.boundary(0, begin);
@@ -222,7 +245,7 @@ impl<R: Scalar> Run<'_, R> {
         let mut initial: [R; N] = core::array::from_fn(|i| initial[i]);
         initial[ENERGY] = isentrope.at(balance, &at_begin).referred(initial[ENERGY]);
         on_step(begin, initial[MASS]);
-        let passing = Passing::new(course, chamber, set, warmer);
+        let passing = Passing::new(course, chamber, set, correction);
         let mut sensor = Sensor::new(balance, isentrope, set, passing, times, start.pressure);
         let evaluations = Cell::new(0usize);
         let mut most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * course.motion.rows();
@@ -408,7 +431,9 @@ mod tests {
             let pressures = |relative_tolerance: f64| {
                 let start = Start { pressure: 2e5, temperature: 293.0 };
                 let (chamber, course, set) = (&chamber, &course, EffectSet::NONE);
-                Run { chamber, set, start, warmer: 0.0, course, relative_tolerance }.pressures(&times).unwrap()
+                Run { chamber, set, start, correction: Correction::NONE, course, relative_tolerance }
+                    .pressures(&times)
+                    .unwrap()
             };
             let (coarse, fine) = (pressures(3e-7), pressures(1e-11));
             let off = coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
@@ -433,7 +458,9 @@ mod tests {
                 let pressures = |relative_tolerance: f64| {
                     let start = Start { pressure: 2e5, temperature: 293.0 };
                     let (chamber, course) = (&chamber, &course);
-                    Run { chamber, set, start, warmer: 0.0, course, relative_tolerance }.pressures(&times).unwrap()
+                    Run { chamber, set, start, correction: Correction::NONE, course, relative_tolerance }
+                        .pressures(&times)
+                        .unwrap()
                 };
                 let (coarse, fine) = (pressures(1e-6), pressures(1e-12));
                 let off = coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
@@ -449,8 +476,10 @@ mod tests {
             let mut chamber: Chamber<R> = chamber().lift();
             (chamber.heat_transfer.coefficient, chamber.geometry.dead_volume) = (x[0], x[1]);
             let start = Start { pressure: x[2], temperature: R::from(293.0) };
-            let (set, warmer) = (EffectSet::NONE, R::ZERO);
-            Run { chamber: &chamber, set, start, warmer, course, relative_tolerance: 1e-11 }.pressures(times).unwrap()
+            let (set, correction) = (EffectSet::NONE, Correction::NONE);
+            Run { chamber: &chamber, set, start, correction, course, relative_tolerance: 1e-11 }
+                .pressures(times)
+                .unwrap()
         }
         let at = [26.5, 1.57e-6, 2e5];
         let exact = along::<Dual<3>>(core::array::from_fn(|i| Dual::variable(at[i], i)), &course, &times);

@@ -2,6 +2,7 @@
 
 use chamber::simulate::Start;
 use identify::fit::readings;
+use identify::forward::Correction;
 use identify::outcome::diagnosis::Diagnosed;
 use identify::parameters::Setting;
 use identify::record::data::Data;
@@ -32,7 +33,7 @@ fn validation_error_over_noise(case: &str, found: &Diagnosed) -> f64 {
     let t = &data.traces[0];
     let chamber = found.chamber();
     let start = Start { pressure: t.initial_pressure_pa, temperature: t.initial_temperature_k };
-    let setting = Setting { chamber, start, warmer: 0.0 };
+    let setting = Setting { chamber, start, correction: Correction::NONE };
     let model = readings(t, &setting, chamber.active()).unwrap();
     let squares: f64 = t.pressure_pa.iter().zip(&model).map(|(y, m)| (y - m).powi(2)).sum();
     (squares / model.len() as f64).sqrt() / found.diagnosis.noise_pa

@@ -1,6 +1,11 @@
 //! Positions as benches record them: counted from anywhere, read less often than the pressure.
 
+use chamber::simulate::Start;
 use identify::Method;
+use identify::fit::readings;
+use identify::forward::Correction;
+use identify::parameters::Setting;
+use identify::record::data::Data;
 use identify::synthetic::Recipe;
 use identify::synthetic::recording;
 use records::{Rig, Verdict};
@@ -35,6 +40,25 @@ fn positions_that_count_from_the_end_of_the_travel_leave_the_coefficient_as_it_i
         let found = coefficient(&recipe, &moved);
         assert!((found / as_recorded - 1.0).abs() < 2e-3, "{beyond_m}: {found} {as_recorded}");
     }
+}
+
+#[test]
+fn positions_that_are_longer_than_recorded_are_passed_at_a_higher_speed() {
+    // Forced convection knows the speed, the gas column's length the way.
+    let (recipe, rig) = rig();
+    let recipe = recipe.with("forced_convection", &[1.5]).with("gas_column_length", &[-0.3, 0.1]);
+    let mut longer = rig.clone();
+    positions(&mut longer).for_each(|x| x.iter_mut().for_each(|x| *x *= 1.01));
+    let shown = |rig: &Rig, position_times: f64| -> Vec<f64> {
+        let data = Data::prepare(rig).unwrap();
+        let (t, chamber) = (&data.traces[0], recipe.chamber);
+        let start = Start { pressure: t.initial_pressure_pa, temperature: t.initial_temperature_k };
+        let setting = Setting { chamber, start, correction: Correction { position_times, ..Correction::NONE } };
+        readings(t, &setting, chamber.active()).unwrap()
+    };
+    let (as_recorded, corrected, truth) = (shown(&rig, 1.0), shown(&rig, 1.01), shown(&longer, 1.0));
+    let apart = |other: &[f64]| truth.iter().zip(other).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+    assert!(apart(&corrected) < 1e-6 && apart(&as_recorded) > 1e-3, "{} {}", apart(&corrected), apart(&as_recorded));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use chamber::card::ActsOn;
 use chamber::effects;
 use chamber::simulate::Start;
 use identify::fit::covariance;
-use identify::forward::{Run, Undisturbed};
+use identify::forward::{Correction, Run, Undisturbed};
 use identify::parameters::names;
 use identify::record::data::Data;
 use identify::search::{self, Found, Verdict, baseline};
@@ -361,8 +361,14 @@ fn the_fit_s_forward_model_is_the_simulator_s() {
         let t = &data.traces[1];
         let start = Start { pressure: 3.2e5, temperature: data.ambient_temperature_k };
         let set = recipe.chamber.active();
-        let run =
-            Run { chamber: &recipe.chamber, set, start, warmer: 0.0, course: &t.course, relative_tolerance: 1e-9 };
+        let run = Run {
+            chamber: &recipe.chamber,
+            set,
+            start,
+            correction: Correction::NONE,
+            course: &t.course,
+            relative_tolerance: 1e-9,
+        };
         let ours = run.pressures(&t.time_s).unwrap();
         // The simulator's stroke is straight between knots: give it the same one, in steps of a tenth of a row.
         let near = Default::default();
@@ -393,8 +399,14 @@ fn a_wall_that_conducts_takes_no_more_steps_than_its_fastest_mode_asks_for() {
         let t = &data.traces[1];
         let start = Start { pressure: 3.2e5, temperature: data.ambient_temperature_k };
         let set = recipe.chamber.active();
-        let run =
-            Run { chamber: &recipe.chamber, set, start, warmer: 0.0, course: &t.course, relative_tolerance: 1e-7 };
+        let run = Run {
+            chamber: &recipe.chamber,
+            set,
+            start,
+            correction: Correction::NONE,
+            course: &t.course,
+            relative_tolerance: 1e-7,
+        };
         let mut steps = 0;
         run.disturbed(&t.time_s, &Undisturbed, |_, _| steps += 1).unwrap();
         (f64::from(steps), t.time_s[t.time_s.len() - 1])

@@ -307,9 +307,9 @@ fn pass<const N: usize>(
 
 /// The model along a record.
 pub fn run<'a, R: Real>(t: &'a Prepared, setting: &'a Setting<R>, set: EffectSet) -> Run<'a, R> {
-    let Setting { chamber, start, warmer } = setting;
+    let Setting { chamber, start, correction } = setting;
     let (course, relative_tolerance) = (&t.course, t.relative_tolerance);
-    Run { chamber, set, start: *start, warmer: *warmer, course, relative_tolerance }
+    Run { chamber, set, start: *start, correction: *correction, course, relative_tolerance }
 }
 
 /// Times at which the blocks' means need the model.

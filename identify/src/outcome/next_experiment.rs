@@ -3,7 +3,7 @@
 //! Each of a handful of push-and-hold tests within the rig's stroke is simulated with both fitted models from the same
 //! initial pressure; their difference, rms over the record in units of the noise, says how well that test separates them.
 
-use crate::forward::{Course, Run};
+use crate::forward::{Correction, Course, Run};
 use crate::record::data::{Data, Prepared};
 use crate::record::stroke::{Motion, Phase, extent};
 use crate::search::{Candidate, Found, Verdict};
@@ -70,7 +70,7 @@ fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
             chamber: &chamber,
             set: chamber.active(),
             start,
-            warmer: 0.0,
+            correction: Correction::NONE,
             course: &test.course,
             relative_tolerance: RELATIVE_TOLERANCE,
         }

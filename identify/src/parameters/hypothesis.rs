@@ -5,6 +5,7 @@ use super::curve::{self, axis_of_value, curve_of};
 use super::model::{Model, delays_pressure};
 use super::sizes::Sizes;
 use super::stated::{REST_DEVIATION_K, stated};
+use crate::forward::Correction;
 use crate::policy;
 use crate::record::data::{Data, Prepared};
 use chamber::card::{Kind, Parameter, Prior, Unit};
@@ -163,7 +164,7 @@ impl Hypothesis {
     /// Chamber, start and surroundings of one record: `stated` in units of their tolerances.
     pub fn setting<R: Real>(&self, trace: &Prepared, x: &[R], stated: &[R], own: &[R]) -> Setting<R> {
         let mut chamber = self.chamber(x);
-        let (mut warmer, mut at_rest) = (R::ZERO, R::ZERO);
+        let (mut correction, mut at_rest) = (Correction::NONE, R::ZERO);
         for (axis, x) in self.stated.iter().zip(stated) {
             let value = axis.value(*x);
             let geometry = &mut chamber.geometry;
@@ -174,24 +175,24 @@ impl Hypothesis {
                     geometry.rod_diameter = geometry.rod_diameter * factor;
                     geometry.piston_area = geometry.piston_area * factor * factor;
                 }
-                Slot::PositionScale => geometry.piston_area = geometry.piston_area * (value + 1.0),
+                Slot::PositionScale => correction.position_times = value + 1.0,
                 Slot::PositionZero => geometry.dead_volume += geometry.piston_area * value,
-                Slot::AmbientTemperature => warmer = value,
+                Slot::AmbientTemperature => correction.warmer = value,
                 Slot::RestTemperature if trace.starts_at_rest => at_rest = value,
                 Slot::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] += value,
                 _ => {}
             }
         }
-        let ambient = warmer + trace.initial_temperature_k;
+        let ambient = correction.warmer + trace.initial_temperature_k;
         let mut start = Start::at_rest(&chamber, R::from(trace.initial_pressure_pa), ambient);
         for (axis, x) in self.own_of(trace).iter().zip(own) {
             match axis.slot {
                 Own::Pressure => start.pressure = axis.value(*x),
-                Own::Temperature => start.temperature = axis.value(*x) + warmer + at_rest,
+                Own::Temperature => start.temperature = axis.value(*x) + correction.warmer + at_rest,
                 Own::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = axis.value(*x),
             }
         }
-        Setting { chamber, start, warmer }
+        Setting { chamber, start, correction }
     }
 }
 
@@ -202,8 +203,8 @@ pub struct Setting<R> {
     pub chamber: Chamber<R>,
     /// How it begins.
     pub start: Start<R>,
-    /// How much warmer than stated the surroundings are, K.
-    pub warmer: R,
+    /// By how much surroundings and stroke differ from what is recorded.
+    pub correction: Correction<R>,
 }
 
 fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
