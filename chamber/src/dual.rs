@@ -173,6 +173,10 @@ impl<const N: usize> Real for Dual<N> {
     fn any_positive(self) -> bool {
         self.value > 0.0
     }
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        self == Self::ZERO
+    }
 }
 
 impl<const N: usize> Scalar for Dual<N> {

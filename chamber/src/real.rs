@@ -41,6 +41,8 @@ pub trait Real:
     fn where_positive(self, yes: Self, no: Self) -> Self;
     /// Whether self > 0, in any lane: to leave out what no lane needs.
     fn any_positive(self) -> bool;
+    /// Whether self is zero in all lanes and with all its derivatives: to leave out what it multiplies.
+    fn is_zero(self) -> bool;
 
     /// The reciprocal, 1/self.
     #[inline(always)]
@@ -114,6 +116,10 @@ impl Real for f64 {
     #[inline(always)]
     fn any_positive(self) -> bool {
         self > 0.0
+    }
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        self == 0.0
     }
 }
 

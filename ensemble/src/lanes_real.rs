@@ -54,6 +54,10 @@ impl Real for Lanes {
     fn any_positive(self) -> bool {
         any_lane!(i => self.0[i] > 0.0)
     }
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        !any_lane!(i => self.0[i] != 0.0)
+    }
 }
 
 #[cfg(test)]

@@ -64,20 +64,24 @@ impl<R: Real> Law<R> {
     /// T where U/(m cv) is `by_energy`, K.
     #[inline(always)]
     fn temperature(&self, by_energy: R) -> R {
-        /// From the first step on, to rounding.
-        const STEPS: usize = 3;
+        /// To rounding from the root of a straight law, whatever the parameters...
+        const MOST_STEPS: usize = 4;
+        /// ...and of a step that is smaller than this share of T the next would be its square.
+        const SMALL: f64 = 1e-7;
         const T0: f64 = REFERENCE_TEMPERATURE_K;
         // U/(m cv) = T + s (T²/2 − T0 T), in the form that s = 0 leaves exact.
         let linear = R::ONE - self.slope * T0;
         let root = (linear * linear + self.slope * by_energy * 2.0).sqrt();
         let mut temperature = by_energy * (R::from(2.0) / (linear + root));
-        // The curvature's part of U is all that this root leaves: zero where c is, but for its derivative.
-        let curved = temperature * ((temperature * (1.0 / 3.0) - T0) * temperature + T0 * T0);
-        temperature -= self.curvature * curved / self.capacity(temperature);
-        if (self.curvature * self.curvature).any_positive() {
-            for _ in 0..STEPS {
+        if !self.curvature.is_zero() {
+            for _ in 0..MOST_STEPS {
                 let energy = temperature * self.mean_capacity_at(temperature);
-                temperature -= (energy - by_energy) / self.capacity(temperature);
+                let step = (energy - by_energy) / self.capacity(temperature);
+                temperature -= step;
+                let small = temperature * SMALL;
+                if !(step * step - small * small).any_positive() {
+                    break;
+                }
             }
         }
         temperature
