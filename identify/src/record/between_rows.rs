@@ -97,6 +97,9 @@ fn weighted(gap: &Gap, shown: f64, lag_s: f64, filter_s: f64) -> f64 {
 /// Gaps between the knots of a move through its rows; the piston is held before and after it.
 fn gaps((time, value): (&[f64], &[f64]), noise_m: f64) -> Vec<Gap> {
     let n = time.len();
+    if n < 3 {
+        return Vec::new();
+    }
     let row = |i: isize| {
         let near = i.clamp(0, n as isize - 1) as usize;
         let step = if i < 0 { time[1] - time[0] } else { time[n - 1] - time[n - 2] };
