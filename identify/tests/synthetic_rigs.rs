@@ -353,22 +353,25 @@ fn the_same_rig_gives_the_same_bits_on_one_thread() {
     assert_eq!(baseline::fitted(data).unwrap().1.rig, one.rig);
 }
 
+/// A rig's chamber along its second record, at rest at 3.2 bar before it.
+fn from_rest<'a>(recipe: &'a Recipe, data: &'a Data, relative_tolerance: f64) -> Run<'a, f64> {
+    Run {
+        chamber: &recipe.chamber,
+        set: recipe.chamber.active(),
+        start: Start { pressure: 3.2e5, temperature: data.ambient_temperature_k },
+        correction: Correction::NONE,
+        course: &data.traces[1].course,
+        relative_tolerance,
+    }
+}
+
 #[test]
 fn the_fit_s_forward_model_is_the_simulator_s() {
     for (e, card) in effects::all().filter(|(_, card)| card.candidate) {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(61) }.with_strength(e, 1.0);
         let data = Data::prepare(&recipe.rig()).unwrap();
         let t = &data.traces[1];
-        let start = Start { pressure: 3.2e5, temperature: data.ambient_temperature_k };
-        let set = recipe.chamber.active();
-        let run = Run {
-            chamber: &recipe.chamber,
-            set,
-            start,
-            correction: Correction::NONE,
-            course: &t.course,
-            relative_tolerance: 1e-9,
-        };
+        let run = from_rest(&recipe, &data, 1e-9);
         let ours = run.pressures(&t.time_s).unwrap();
         // The simulator's stroke is straight between knots: give it the same one, in steps of a tenth of a row.
         let near = Default::default();
@@ -381,8 +384,9 @@ fn the_fit_s_forward_model_is_the_simulator_s() {
             })
             .collect();
         let signals = chamber::signals::Signals::closed(&motion, data.ambient_temperature_k, data.ambient_pressure_pa)
-            .with_true_stroke(set, &recipe.chamber.effects);
-        let theirs = chamber::simulate::simulate(&recipe.chamber, set, start, &signals, &t.time_s, 1e-9).unwrap();
+            .with_true_stroke(run.set, &recipe.chamber.effects);
+        let theirs =
+            chamber::simulate::simulate(&recipe.chamber, run.set, run.start, &signals, &t.time_s, 1e-9).unwrap();
         let worst = ours.iter().zip(&theirs).map(|(a, b)| (a - b.measured_pressure).abs()).fold(0.0, f64::max);
         assert!(worst < 15.0, "{}: {worst} Pa", card.name);
     }
@@ -397,16 +401,7 @@ fn a_wall_that_conducts_takes_no_more_steps_than_its_fastest_mode_asks_for() {
     let steps = |recipe: &Recipe| {
         let data = Data::prepare(&recipe.rig()).unwrap();
         let t = &data.traces[1];
-        let start = Start { pressure: 3.2e5, temperature: data.ambient_temperature_k };
-        let set = recipe.chamber.active();
-        let run = Run {
-            chamber: &recipe.chamber,
-            set,
-            start,
-            correction: Correction::NONE,
-            course: &t.course,
-            relative_tolerance: 1e-7,
-        };
+        let run = from_rest(recipe, &data, 1e-7);
         let mut steps = 0;
         run.disturbed(&t.time_s, &Undisturbed, |_, _| steps += 1).unwrap();
         (f64::from(steps), t.time_s[t.time_s.len() - 1])

@@ -89,9 +89,9 @@ fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
 
 /// Takes readings at either end of a move that do not differ from where the piston is held out of it, but for the one next to it: a
 /// reading that stands for many rows is missed in a hold.
-pub fn narrow(moving: &mut [bool], readings_m: &[f64]) {
+pub fn narrow(moving: &mut [bool], readings_m: &[f64], noise_m: f64) {
     const DEVIATIONS: f64 = 3.0;
-    let limit = DEVIATIONS * position_noise(readings_m);
+    let limit = DEVIATIONS * noise_m;
     for (first, end, moves) in ranges(moving) {
         if moves {
             continue;

@@ -71,12 +71,12 @@ pub struct Motion {
 impl Motion {
     /// Splits a stroke, m at times in s, into moves and holds.
     pub fn detect(time_s: &[f64], position_m: &[f64]) -> Self {
-        Self::of_ranges(&ranges(&moving(position_m, SHORTEST_HOLD)), time_s, position_m)
+        let moving = moving(position_m, SHORTEST_HOLD);
+        Self::of_ranges(&ranges(&moving), time_s, position_m, position_noise(position_m))
     }
 
-    /// The same where the rows that belong together are known.
-    fn of_ranges(ranges: &[(usize, usize, bool)], time_s: &[f64], position_m: &[f64]) -> Self {
-        let noise_m = position_noise(position_m);
+    /// The same where the rows that belong together are known, and the noise of the positions, m.
+    fn of_ranges(ranges: &[(usize, usize, bool)], time_s: &[f64], position_m: &[f64], noise_m: f64) -> Self {
         let mut segments: Vec<Segment> = Vec::with_capacity(ranges.len());
         let n = time_s.len();
         for (k, &(first, end, moves)) in ranges.iter().enumerate() {
@@ -114,8 +114,9 @@ impl Motion {
         let shortest = (SHORTEST_HOLD / rows_per_reading).max(FEWEST_READINGS_OF_HOLD);
         let (time_of_readings_s, readings_m) = (of_readings(time_s), of_readings(position_m));
         let mut moving = moving(&readings_m, shortest);
-        narrow(&mut moving, &readings_m);
-        let mut motion = Self::of_ranges(&ranges(&moving), &time_of_readings_s, &readings_m);
+        let noise_m = position_noise(&readings_m);
+        narrow(&mut moving, &readings_m, noise_m);
+        let mut motion = Self::of_ranges(&ranges(&moving), &time_of_readings_s, &readings_m, noise_m);
         motion.rows_per_reading = rows_per_reading;
         let between_readings_s = motion.row_s();
         let last = motion.segments.len() - 1;

@@ -138,8 +138,7 @@ fn between_ways(position_m: &[f64], bends: &[usize], period: usize) -> bool {
 fn bends(position_m: &[f64]) -> Vec<usize> {
     let (low, high) = extent(position_m);
     let far = (STEPS * step(position_m)).max(ROUNDING * (high - low));
-    let bend = |row: &usize| (position_m[row - 1] - 2.0 * position_m[*row] + position_m[row + 1]).abs();
-    (1..position_m.len().saturating_sub(1)).filter(|row| bend(row) >= far).collect()
+    records::bends(position_m).zip(1..).filter(|(bend, _)| *bend >= far).map(|(_, row)| row).collect()
 }
 
 #[cfg(test)]
