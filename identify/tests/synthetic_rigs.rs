@@ -373,12 +373,12 @@ fn the_fit_s_forward_model_is_the_simulator_s() {
         let t = &data.traces[1];
         let run = from_rest(&recipe, &data, 1e-9);
         let ours = run.pressures(&t.time_s).unwrap();
-        // The simulator's stroke is straight between knots: give it the same one, in steps of a tenth of a row.
+        // The simulator's stroke is straight between knots: give it the same one, in steps of a twentieth of a row.
         let near = Default::default();
         let end = *t.time_s.last().unwrap();
-        let motion: Vec<(f64, f64)> = (0..(end * 2000.0) as usize)
+        let motion: Vec<(f64, f64)> = (0..(end * 4000.0) as usize)
             .map(|k| {
-                let time = k as f64 / 2000.0;
+                let time = k as f64 / 4000.0;
                 let part = t.course.motion.segments.iter().find(|s| time <= s.to_s).unwrap();
                 (time, part.stroke.at(time, &near).0)
             })

@@ -94,6 +94,21 @@ impl Spline {
         self.time.len() == 2 && self.pieces[0][2..] == [0.0; 2]
     }
 
+    /// Lets a straight line go on to that time, s; all else stays constant beyond its knots.
+    pub fn go_on(&mut self, time: f64) {
+        if self.is_line() {
+            let [from, speed, ..] = self.pieces[0];
+            let (begin, end) = (self.time[0].min(time), self.time[1].max(time));
+            let at = |t: f64| from + speed * (t - self.time[0]);
+            *self = Self::line([begin, end], [at(begin), at(end)]);
+        }
+    }
+
+    /// Times of its first and last knot.
+    pub fn ends(&self) -> (f64, f64) {
+        (self.time[0], self.time[self.time.len() - 1])
+    }
+
     /// How many knots of a move show it under way.
     pub fn knots_inside(&self) -> usize {
         let (low, high) = self.range();

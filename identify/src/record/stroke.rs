@@ -1,18 +1,18 @@
 //! The piston's stroke between the rows of a record.
 //!
-//! A move is a cubic spline through its samples with zero speed at its ends, since straight lines between 100 Hz rows
-//! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a hold is the mean of
-//! its samples, so that the position's own noise is averaged away. A move at constant speed keeps its corners
-//! ([`crate::record::ramp`]). Position in m, time in s from the record's start.
+//! A move is a cubic spline near its samples that meets the holds around it, since straight lines between 100 Hz rows
+//! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a short one by [`smoothed`],
+//! a long one by [`thinned`]. A hold is the mean of its samples, so that the position's own noise is averaged away. A move at
+//! constant speed keeps its corners ([`crate::record::ramp`]). Position in m, time in s from the record's start.
 
 use crate::record::line::Line;
 use crate::record::moving::{mean, moving, narrow, ranges};
 use crate::record::position_noise::position_noise;
 use crate::record::positions::Positions;
 use crate::record::ramp;
+use crate::record::smoothed::{self, Held};
 pub use crate::record::spline::{Spline, extent};
-use crate::record::unfollowed;
-use nalgebra::{Matrix4, Vector4};
+use crate::record::{thinned, unfollowed};
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -95,8 +95,9 @@ impl Motion {
         }
         for k in 0..segments.len() {
             if segments[k].phase == Phase::Move {
-                segments[k].stroke = moved(k, &segments, time_s, position_m, noise_m);
-                segments[k].shift_s = segments[k].stroke.open_shift(noise_m);
+                let stroke = moved(k, &segments, time_s, position_m, noise_m);
+                segments[k].shift_s = stroke.open_shift(noise_m);
+                set(k, &mut segments, stroke);
                 straighten(k, &mut segments, time_s, position_m, noise_m);
             }
         }
@@ -208,85 +209,33 @@ fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     if line.slope.abs() > SLOPE_SHOWS * error { Spline::line(ends, ends.map(|t| line.at(t))) } else { constant() }
 }
 
-/// A move: a spline through its rows that meets the holds before and after it.
+/// A move: a spline near its rows that meets the holds before and after it.
 fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     let segment = &segments[k];
     let mut time = time_s[segment.first..segment.end].to_vec();
     let mut value = position_m[segment.first..segment.end].to_vec();
-    let mut ends = [None, None];
     let near = Cell::new(0);
-    if k > 0 {
-        time.insert(0, segment.from_s);
-        let (from, speed) = segments[k - 1].stroke.at(segment.from_s, &near);
-        value.insert(0, from);
-        ends[0] = Some(speed);
+    let held = |hold: &Segment, time_s: f64| {
+        let (position_m, speed) = hold.stroke.at(time_s, &near);
+        Held { time_s, position_m, speed }
+    };
+    let before = k.checked_sub(1).map(|k| held(&segments[k], segment.from_s));
+    let after = segments.get(k + 1).map(|next| held(next, time_s[next.first]));
+    if let Some(before) = before {
+        time.insert(0, before.time_s);
+        value.insert(0, before.position_m);
     }
-    if let Some(next) = segments.get(k + 1) {
-        time.push(time_s[next.first]);
-        let (to, speed) = next.stroke.at(time_s[next.first], &near);
-        value.push(to);
-        ends[1] = Some(speed);
+    if let Some(after) = after {
+        time.push(after.time_s);
+        value.push(after.position_m);
     }
-    thinned(&time, &value, ends, noise_m).unwrap_or_else(|| Spline::through(time, value, ends))
-}
-
-/// A long move through fewer knots: local cubics through the rows around every few of them, where all rows then lie within their
-/// noise of the curve. The position's noise no longer shakes the speed from row to row, and a simulation takes longer steps.
-fn thinned(time_s: &[f64], position_m: &[f64], ends: [Option<f64>; 2], noise_m: f64) -> Option<Spline> {
-    const FEWEST_ROWS: usize = 100;
-    let n = time_s.len();
-    if n < FEWEST_ROWS {
-        return None;
-    }
-    [1024, 512, 256, 128, 64, 32, 16, 12, 8, 6, 4].into_iter().filter(|every| 8 * every < n).find_map(|every| {
-        let (t, x) = knots(n, every)
-            .into_iter()
-            .map(|(i, reach)| match reach {
-                0 | 1 => (time_s[i], position_m[i]),
-                _ => {
-                    let rows = i - reach..i + reach + 1;
-                    (time_s[i], local_cubic(&time_s[rows.clone()], &position_m[rows], time_s[i]))
-                }
-            })
-            .unzip();
-        let curve = Spline::through(t, x, ends);
-        let near = Cell::new(0);
-        let squares: f64 = (0..n).map(|i| (position_m[i] - curve.at(time_s[i], &near).0).powi(2)).sum();
-        let rms = (squares / n as f64).sqrt();
-        (rms < within(every) * noise_m).then_some(curve)
-    })
-}
-
-/// Root mean square of the rows' distances from the curve, over their noise, at the most: what is systematic in them stays near
-/// the curve's own error, which is smaller the more rows make a knot. The noise itself is known to a few per cent.
-fn within(every: usize) -> f64 {
-    (1.0 + 3.0 / every as f64).sqrt().clamp(1.02, 1.1)
-}
-
-/// Rows to put knots at, and the rows to either side that make one: `every` in the middle, half the way to the next end of the
-/// move at most, single rows at the ends themselves.
-fn knots(n: usize, every: usize) -> Vec<(usize, usize)> {
-    let mut out = Vec::new();
-    let mut i = 0;
-    while i < n {
-        let reach = (i.min(n - 1 - i) / 2).clamp(1, every);
-        out.push((i, reach));
-        i += reach;
-    }
-    out
-}
-
-/// The value at a time of the cubic that fits these rows best.
-fn local_cubic(time_s: &[f64], values: &[f64], at_s: f64) -> f64 {
-    let scale = (time_s[time_s.len() - 1] - time_s[0]).max(f64::MIN_POSITIVE);
-    let (mut square, mut right) = (Matrix4::zeros(), Vector4::zeros());
-    for (t, v) in time_s.iter().zip(values) {
-        let u = 2.0 * (t - at_s) / scale;
-        let row = Vector4::new(1.0, u, u * u, u * u * u);
-        square += row * row.transpose();
-        right += row * (v - values[0]);
-    }
-    square.cholesky().map_or(values[values.len() / 2], |c| values[0] + c.solve(&right)[0])
+    let speeds = [before, after].map(|held| held.map(|held| held.speed));
+    let curve = match (before, after) {
+        _ if time.len() >= thinned::FEWEST_ROWS => thinned::through(&time, &value, speeds, noise_m),
+        (Some(before), Some(after)) => smoothed::between(&time, &value, [before, after], noise_m),
+        _ => None,
+    };
+    curve.unwrap_or_else(|| Spline::through(time, value, speeds))
 }
 
 /// Makes a move between two holds a straight line where its rows say that it is one.
@@ -300,11 +249,23 @@ fn straighten(k: usize, segments: &mut [Segment], time_s: &[f64], position_m: &[
     if begin <= before.from_s || end >= after.to_s {
         return;
     }
-    (before.to_s, segment.from_s) = (begin, begin);
-    (segment.to_s, after.from_s) = (end, end);
     let speed = (to - from) / (end - begin);
     segment.shift_s = noise_m / speed.abs() / ((segment.end - segment.first) as f64).sqrt();
-    segment.stroke = Spline::line([begin, end], [from, to]);
+    set(k, segments, Spline::line([begin, end], [from, to]));
+}
+
+/// Gives a move its stroke, and the holds around it the time that this leaves them.
+fn set(k: usize, segments: &mut [Segment], stroke: Spline) {
+    let (begin, end) = stroke.ends();
+    if let Some(before) = k.checked_sub(1).map(|k| &mut segments[k]) {
+        before.to_s = begin;
+        before.stroke.go_on(begin);
+    }
+    if let Some(after) = segments.get_mut(k + 1) {
+        after.from_s = end;
+        after.stroke.go_on(end);
+    }
+    (segments[k].from_s, segments[k].to_s, segments[k].stroke) = (begin, end, stroke);
 }
 
 #[cfg(test)]
@@ -357,25 +318,6 @@ mod tests {
         let off = |time: f64, held: f64| (push(time) - held).abs();
         assert!(off(moved.to_s, 0.01) < 5e-6 && off(moved.from_s, 0.03) < 5e-6, "{} {}", moved.from_s, moved.to_s);
         assert!(moved.to_s < 1.1 && moved.from_s > 0.1, "{} {}", moved.from_s, moved.to_s);
-    }
-
-    #[test]
-    fn a_long_noisy_move_is_followed_closer_than_its_rows_are_known() {
-        let mut random = crate::synthetic::Random::new(8);
-        let truth = |t: f64| 1.0 + 0.4 * (1.3 * t).sin();
-        let (t, x): (Vec<f64>, Vec<f64>) =
-            (0..1000).map(|i| f64::from(i) * 0.02).map(|t| (t, truth(t) + 1e-5 * random.normal())).unzip();
-        let curve = thinned(&t, &x, [None, None], 1e-5).unwrap();
-        let near = Cell::new(0);
-        let (mut off, mut speed_off): (f64, f64) = (0.0, 0.0);
-        for between in t[50..950].iter().map(|t| t + 0.007) {
-            let (place, speed) = curve.at(between, &near);
-            off += (place - truth(between)).powi(2) / 900.0;
-            speed_off += (speed - 0.52 * (1.3 * between).cos()).powi(2) / 900.0;
-        }
-        assert!(off.sqrt() < 0.6e-5, "{}", off.sqrt());
-        // Rows themselves give the speed to 1.4e-5/0.02 m/s.
-        assert!(speed_off.sqrt() < 2e-4, "{}", speed_off.sqrt());
     }
 
     #[test]
@@ -483,7 +425,8 @@ mod tests {
         // From 0.813 s to 1.013 s: read at 0.8 s, at 1.04 s and at 1.08 s.
         assert_eq!([rest.end, moved.first], [20 * 19 + 1; 2]);
         assert_eq!((moved.end, hold.first), (540, 540));
-        assert!((hold.from_s - 1.08).abs() < 1e-12, "{}", hold.from_s);
+        // The piston is held from the first of these on.
+        assert!((hold.from_s - 1.04).abs() < 1e-12, "{}", hold.from_s);
     }
 
     #[test]
