@@ -1,5 +1,6 @@
 //! Which rows of a record belong to moves of the piston, by its positions in m.
 
+use crate::record::line::Line;
 use crate::record::position_noise::position_noise;
 use crate::record::spline::extent;
 
@@ -54,37 +55,72 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     moving
 }
 
-/// Gives moves their gentle begins and ends, which single rows do not show in the position's noise: rows next to a move
-/// whose means over a window differ from where the piston is held, and one window more, in which a mean would not show
-/// them either. A piston that creeps all along is none of these.
+/// Gives moves their gentle begins and ends, which single rows do not show in the position's noise. Between two moves, one of them
+/// longer, a piston that does not come to rest does not stop.
 fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
-    const WINDOW: usize = 8;
-    const DEVIATIONS: f64 = 2.7;
     let parts = ranges(moving);
+    let length = |k: usize| parts.get(k).map_or(0, |(first, end, _)| end - first);
+    // Of the move before, with what has been added to it.
+    let mut before = 0;
     for (k, &(first, end, moves)) in parts.iter().enumerate() {
-        let half = (end - first) / 2;
-        if moves || half < WINDOW {
+        if moves {
+            before += end - first;
             continue;
         }
-        let limit = DEVIATIONS * noise_m * (1.0 / WINDOW as f64 + 1.0 / half as f64).sqrt();
-        let length = |k: usize| parts.get(k).map_or(0, |(first, end, _)| end - first);
-        if k > 0 {
-            let (level, most) = (mean(&position_m[first + half..end]), half.min(length(k - 1)));
-            let off = |i: &usize| (mean(&position_m[first + i..first + i + WINDOW]) - level).abs() > limit;
-            let rows = (0..most).take_while(off).count();
-            if rows < most {
-                moving[first..first + rows + WINDOW].fill(true);
-            }
+        let backwards: Vec<f64> = position_m[first..end].iter().rev().copied().collect();
+        let after = length(k + 1);
+        let begin = if k > 0 { unsettled(&position_m[first..end], before, noise_m) } else { Some(0) };
+        let rest = if k + 1 < parts.len() { unsettled(&backwards, after, noise_m) } else { Some(0) };
+        if k > 0 && after > 0 && (begin.is_none() || rest.is_none()) && end - first < before.max(after) {
+            moving[first..end].fill(true);
+            before += end - first;
+            continue;
         }
-        if k + 1 < parts.len() {
-            let (level, most) = (mean(&position_m[first..end - half]), half.min(length(k + 1)));
-            let off = |i: &usize| (mean(&position_m[end - i - WINDOW..end - i]) - level).abs() > limit;
-            let rows = (0..most).take_while(off).count();
-            if rows < most {
-                moving[end - rows - WINDOW..end].fill(true);
-            }
+        moving[first..first + begin.unwrap_or(0)].fill(true);
+        moving[end - rest.unwrap_or(0)..end].fill(true);
+        before = 0;
+    }
+}
+
+/// How many of a hold's rows, counted from a move of so many rows, still belong to it: those whose means over a window differ from
+/// where the piston is held, and one window more, in which a mean would not show them either. A piston that swings to its stop
+/// passes its place in between. It is held along the straight line of the half of the rows that is farther from the move; none if
+/// it does not get there.
+fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> Option<usize> {
+    const SHORTEST_WINDOW: usize = 8;
+    /// Windows in a move.
+    const WINDOWS: usize = 16;
+    /// Windows for which a swing may stay near the place at which the piston will rest.
+    const PASSING: usize = 4;
+    /// A mean so far off shows that the move goes on, and after a pause that it has not been over.
+    const DEVIATIONS: [f64; 2] = [2.7, 3.5];
+    /// A move's end is no longer than so many times what single rows show of it.
+    const LONGEST: usize = 8;
+    let window = (length / WINDOWS).max(SHORTEST_WINDOW);
+    let half = rows.len() / 2;
+    let index: Vec<f64> = (0..rows.len()).map(|i| i as f64).collect();
+    if half < window {
+        let line = Line::through(&index, rows);
+        let squares: f64 = index.iter().zip(rows).map(|(i, row)| (row - line.at(*i)).powi(2)).sum();
+        return (squares < DEVIATIONS[0] * noise_m * noise_m * rows.len() as f64).then_some(0);
+    }
+    let line = Line::through(&index[half..], &rows[half..]);
+    let held = (rows.len() - half) as f64;
+    let is_off = |i: usize, deviations: f64| {
+        let middle = i as f64 + 0.5 * (window - 1) as f64;
+        let reach = (middle - line.middle_s) / held;
+        let error_m = noise_m * (1.0 / window as f64 + (1.0 + 12.0 * reach * reach) / held).sqrt();
+        (mean(&rows[i..i + window]) - line.at(middle)).abs() > deviations * error_m
+    };
+    let mut moved = 0;
+    for i in 0..half.min(LONGEST * length) {
+        if is_off(i, DEVIATIONS[usize::from(i > moved)]) {
+            moved = i + 1;
+        } else if i > moved + PASSING * window {
+            return Some(moved + window);
         }
     }
+    (moved + window < half.min(LONGEST * length)).then_some(moved + window)
 }
 
 /// Takes readings at either end of a move that do not differ from where the piston is held out of it, but for the one next to it: a

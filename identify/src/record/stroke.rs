@@ -231,7 +231,7 @@ fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64], noi
     }
     let speeds = [before, after].map(|held| held.map(|held| held.speed));
     let curve = match (before, after) {
-        _ if time.len() >= thinned::FEWEST_ROWS => thinned::through(&time, &value, speeds, noise_m),
+        _ if time.len() >= thinned::FEWEST_ROWS => Some(thinned::through(&time, &value, speeds, noise_m)),
         (Some(before), Some(after)) => smoothed::between(&time, &value, [before, after], noise_m),
         _ => None,
     };
@@ -357,6 +357,53 @@ mod tests {
             moved.from_s,
             moved.to_s
         );
+    }
+
+    /// What a record of `n` rows, `row_s` apart, says of a stroke in the noise, and how far its stroke is off at the worst.
+    fn worst_of(stroke: impl Fn(f64) -> f64, n: u32, row_s: f64, noise_m: f64) -> (Motion, f64) {
+        let mut random = crate::synthetic::Random::new(6);
+        let (t, x): (Vec<f64>, Vec<f64>) =
+            (0..n).map(|i| f64::from(i) * row_s).map(|t| (t, stroke(t) + noise_m * random.normal())).unzip();
+        let motion = Motion::detect(&t, &x);
+        let near = Cell::new(0);
+        let off = |t: &f64| (motion.segments[motion.segment_at(*t)].stroke.at(*t, &near).0 - stroke(*t)).abs();
+        let worst = t.iter().map(off).fold(0.0, f64::max);
+        (motion, worst)
+    }
+
+    #[test]
+    fn a_piston_that_swings_to_its_stop_moves_until_it_rests() {
+        let stroke = |t: f64| {
+            let u = (t - 0.5).max(0.0);
+            0.07 + 0.07 * (-u / 0.08).exp() * ((30.0 * u).cos() + (30.0 * u).sin() / (30.0 * 0.08))
+        };
+        for noise_m in [5e-6, 2e-5] {
+            let (motion, worst) = worst_of(stroke, 6000, 0.001, noise_m);
+            assert_eq!(motion.segments.len(), 3);
+            assert!(worst < 4.0 * noise_m, "{noise_m}: {worst}");
+        }
+    }
+
+    #[test]
+    fn a_piston_that_tends_to_its_stop_moves_until_it_rests() {
+        let stroke = |t: f64| 0.07 + 0.07 * (-(t - 0.5).max(0.0) / 0.12).exp();
+        for (rows, row_s) in [(3000, 0.002), (25_000, 0.0002), (600, 0.01)] {
+            let (motion, worst) = worst_of(stroke, rows, row_s, 5e-6);
+            assert_eq!(motion.segments.len(), 3);
+            // The corner lies between two rows.
+            let corner = 0.07 / 0.12 * row_s;
+            assert!(worst < 1.5e-5 + 0.1 * corner, "{row_s}: {worst}");
+        }
+    }
+
+    #[test]
+    fn a_piston_that_creeps_after_a_push_is_held_along_its_line() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let stroke = |t: f64| 0.1 - 0.05 * smooth(((t - 0.5) / 0.2).clamp(0.0, 1.0)) - 1e-4 * (t - 0.7).max(0.0);
+        let (motion, worst) = worst_of(stroke, 1000, 0.005, 2e-6);
+        let [_, moved, hold] = &motion.segments[..] else { panic!() };
+        assert!(hold.stroke.is_line() && moved.end - moved.first < 100, "{}", moved.end - moved.first);
+        assert!(worst < 1e-5, "{worst}");
     }
 
     #[test]
