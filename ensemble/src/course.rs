@@ -29,8 +29,8 @@ const HISTORY: usize = 1 << 14;
 const FIRST_OF_BENT: f64 = 0.15;
 /// The fewest rows that are solved together.
 const FEWEST: usize = 16;
-/// Knots after which traces are read.
-const KNOTS: usize = 1 << 13;
+/// Knots after which traces are read: they and what is made of them stay in a core's nearest cache.
+const KNOTS: usize = 1 << 11;
 
 /// A row that is being integrated, stretch by stretch.
 struct Course<'a, const N: usize> {
