@@ -1,7 +1,7 @@
 //! The extremes of records and the last moment at which they are outside the band around their ends, from the corners of their
 //! pieces: begin, turn and end. Between corners a record is monotone.
 
-use super::hold::Relaxation;
+use super::hold::HoldRecord;
 use super::pieces::Piece;
 use super::sensors::Sensors;
 use crate::exact_tests::Tests;
@@ -9,7 +9,12 @@ use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
 use crate::reader::ROUNDING;
 use chamber::real::Real;
+use core::hint::black_box;
 use pulp::{Simd, WithSimd};
+
+/// Rounds of Newton's method at most, and the share of a relaxation that a step of it must be shorter than to be the last.
+const ROUNDS: usize = 6;
+const NEARLY: f64 = 1e-7;
 
 /// Where records turn inside a piece.
 #[derive(Clone, Copy, Debug)]
@@ -92,22 +97,42 @@ impl WithSimd for Events<'_> {
     }
 }
 
-/// When records come within their bands for good, s, where a sensor that neither lags nor drifts shows the hold.
+/// When records come within their bands for good, s, where sensors that do not drift show the hold: in closed form, and behind a
+/// lag by Newton's method for the logarithm of the distance to the end, which falls nearly evenly. Beside it, positive where that
+/// has come to an end.
 pub struct Enter<'a> {
-    pub gas: &'a Relaxation,
+    pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,
     pub found: &'a Found,
 }
 
 impl WithSimd for Enter<'_> {
-    type Output = Lanes;
+    type Output = [Lanes; 2];
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Lanes {
-        let Self { gas, sensors, found } = self;
-        let edge = found.last + gas.excess.where_positive(found.band, -found.band);
+    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 2] {
+        let Self { hold: HoldRecord { gas, behind }, sensors, found } = self;
+        let side = gas.excess.where_positive(Lanes::ONE, -Lanes::ONE);
+        let edge = found.last + side * found.band;
         let [outside, later] = found.between;
-        (gas.reaches(edge - sensors.offset) + sensors.delay).max(outside).min(later)
+        let mut time = gas.reaches(edge - sensors.offset) + sensors.delay;
+        let Some(behind) = behind else { return [time.max(outside).min(later), Lanes::ONE] };
+        time = (time + sensors.lag).max(outside).min(later);
+        let per_band = (side * found.band).recip();
+        let mut open = Lanes::ONE;
+        for _ in 0..ROUNDS {
+            let [reading, slope] = black_box(behind.shown(time - sensors.delay));
+            let distance = reading + sensors.offset - found.last;
+            let step = (distance * per_band).max(Lanes::from(f64::MIN_POSITIVE)).ln() * distance / slope;
+            time = open.where_positive((time - step).max(outside).min(later), time);
+            // After this step the next one would be its square or less; not where it is no number.
+            open = (Lanes::from(NEARLY) - (step * gas.rate).abs()).where_positive(Lanes::ZERO, open);
+            if !open.any_positive() {
+                break;
+            }
+        }
+        let inside = (time - outside).min(later - time);
+        [time, open.where_positive(Lanes::ZERO, inside)]
     }
 }
 

@@ -224,11 +224,12 @@ impl<'a> Readings<'a> {
         let Memory { pieces, turns, .. } = &*self.memory;
         let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
         let Found { last, between, band, .. } = found;
-        // Of the hold there is a closed form, but for sensors that lag or drift.
+        // The hold is searched only of sensors that drift.
         let of_hold = |lane: usize| found.piece[lane] >= self.memory.polynomials.len() as f64;
-        let closed = |lane: usize| !self.sensors.lag() && self.sensors.drift[lane] == 0.0 && of_hold(lane);
+        let enter = Enter { hold: &self.hold, sensors: &self.sensors, found: &found };
+        let [mut settled, good] = self.arch.dispatch(enter);
+        let closed = |lane: usize| good[lane] > 0.0 && self.sensors.drift[lane] == 0.0 && of_hold(lane);
         let closed: [bool; WIDTH] = core::array::from_fn(closed);
-        let mut settled = self.arch.dispatch(Enter { gas: &self.hold.gas, sensors: &self.sensors, found: &found });
         if !closed.iter().all(|closed| *closed) {
             let reading = self.gather(|lane| found.piece[lane] as usize);
             let question = Question::Enter { between, value: last, band };
