@@ -108,6 +108,9 @@ impl Clock<Lanes> {
     /// w at a moment over w at another. One where the clock is bent: there it goes as no simple power.
     #[inline(always)]
     pub fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
+        if !self.root_rate.abs().any_positive() {
+            return Lanes::ONE;
+        }
         self.bend.where_positive(Lanes::ONE, self.root(to) / self.root(from))
     }
 

@@ -24,12 +24,16 @@ const INSIDE: [f64; 2] = [1e-3, 0.999];
 #[inline(always)]
 pub fn ahead(h: Lanes, at: [Lanes; 2], narrowing: Lanes, before: [Lanes; 3], since: Lanes) -> [Lanes; 2] {
     let [pressure, slope, wide] = before;
+    let past = since.where_positive(since, Lanes::ONE);
+    if !(narrowing - 1.0).abs().any_positive() {
+        return extrapolated(h, at, [pressure, slope], past);
+    }
     // w'/w now.
     let rate = (narrowing - 1.0) / h;
     let even = [at[0], at[1] + at[0] * rate * 6.0];
     let fifth = fifth_power(wide);
     let even_before = [pressure * fifth * wide, (slope * wide + pressure * rate * 6.0) * fifth];
-    let bent = extrapolated(h, even, even_before, since.where_positive(since, Lanes::ONE));
+    let bent = extrapolated(h, even, even_before, past);
     let value = since.where_positive(bent[0], even[0] + even[1] * h);
     let rise = since.where_positive(bent[1], even[1]);
     let per_narrowing = narrowing.recip();
