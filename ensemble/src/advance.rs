@@ -1,11 +1,11 @@
 //! Many initial value problems, each over one smooth stretch of time: one a lane, each with its own steps, and a lane
 //! that is done takes the next problem.
 
+use crate::corner;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::Failure;
 use crate::step::{
-    Attempt, FEELING, LaneSystem, Moment, PROBE, Stages, TINY, View, attempt, extrapolated, judge, probe, size,
-    stages_in_turn,
+    Attempt, FEELING, LaneSystem, Moment, PROBE, Stages, TINY, View, attempt, judge, probe, size, stages_in_turn,
 };
 use crate::tableau::STAGES;
 use chamber::real::Real;
@@ -504,12 +504,14 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
     /// Ends steps at kinks that are seen to come.
     #[inline(always)]
     fn up_to_kink(&mut self, planned: Lanes) -> Lanes {
-        let since = self.since.where_positive(self.since, Lanes::ONE);
         let at = self.moment.view.pressure();
-        let ahead = extrapolated(planned, at, self.before, since);
-        let cut = planned * self.system.kink(planned, [at, ahead]);
-        // Not from afar.
-        let comes = self.since.min(planned - cut).min(self.since * FORESIGHT - cut);
+        let narrowing = self.system.narrowing(self.t, self.t + planned);
+        let before = [self.before[0], self.before[1], self.system.narrowing(self.t, self.t - self.since)];
+        let ahead = corner::ahead(planned, at, narrowing, before, self.since);
+        let cut = planned * self.system.kink(planned, [at, ahead], narrowing);
+        // Of a hold not from afar.
+        let near = self.since.min(self.since * FORESIGHT - cut);
+        let comes = (planned - cut).min((narrowing - 1.0).abs().where_positive(Lanes::ONE, near));
         self.beyond = comes.where_positive(self.h, self.beyond);
         comes.where_positive(cut, planned)
     }
@@ -521,7 +523,12 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let last = tried - (length - t) * NEARLY;
         let kinked = self.system.has_kinks();
         let at = self.moment.view.pressure();
-        let kink = if kinked { self.system.kink(tried, [at, step.moment.view.pressure()]) } else { Lanes::ONE };
+        let kink = if kinked {
+            let narrowing = self.system.narrowing(t, t + tried);
+            self.system.kink(tried, [at, step.moment.view.pressure()], narrowing)
+        } else {
+            Lanes::ONE
+        };
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
         let accepted =

@@ -105,6 +105,15 @@ impl Clock<Lanes> {
         bend: Lanes::ZERO,
     };
 
+    /// w at a moment over w at another. One where the clock is bent: there it goes as no simple power.
+    #[inline(always)]
+    pub fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
+        if !self.root_rate.abs().any_positive() {
+            return Lanes::ONE;
+        }
+        self.bend.where_positive(Lanes::ONE, self.root(to) / self.root(from))
+    }
+
     /// What the clocks show at a time, s.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> Lanes {

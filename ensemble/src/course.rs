@@ -25,12 +25,13 @@ use chamber::simulate::tolerance;
 const EMPTY: f64 = 0.01;
 /// Steps of all lanes that are kept at most, 768 bytes each; the fewest rows together keep as many as they need.
 const HISTORY: usize = 1 << 14;
-/// First step, as a share of the stretch, by a clock that is bent: there is no telling its length by the rates.
-const FIRST_OF_BENT: f64 = 0.15;
+/// First step of a test, as a share of the stretch, where there is no telling its length by the rates: by a clock that is bent, and
+/// before a wall that remembers, whose modes all start from rest.
+const FIRST: f64 = 0.15;
 /// The fewest rows that are solved together.
 const FEWEST: usize = 16;
-/// Knots after which traces are read.
-const KNOTS: usize = 1 << 13;
+/// Knots after which traces are read: they and what is made of them stay in a core's nearest cache.
+const KNOTS: usize = 1 << 11;
 
 /// A row that is being integrated, stretch by stretch.
 struct Course<'a, const N: usize> {
@@ -247,8 +248,9 @@ impl<'a, const N: usize> Course<'a, N> {
         } else if stretch.velocity != 0.0 {
             problem.longest = LONGEST_OF_MOVE * stretch.length;
         }
-        if index == 0 && self.plan.starts_singular {
-            problem.first = FIRST_OF_BENT * stretch.length;
+        let remembers = !self.plan.active.intersection(effects::REMEMBERING).is_empty();
+        if index == 0 && (self.plan.starts_singular || remembers) {
+            problem.first = FIRST * stretch.length;
         }
         problem
     }

@@ -280,9 +280,14 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2]) -> Lanes {
-        let [pressure, slope] = [ends.map(|end| end[0]), ends.map(|end| end[1] * h)];
-        corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, pressure, slope)
+    fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
+        self.stretch.clock.narrowing(from, to)
+    }
+
+    #[inline(always)]
+    fn kink(&self, h: Lanes, [begin, end]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
+        let step = [[begin[0], begin[1] * h], [end[0], end[1] * h]];
+        corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, step, narrowing)
     }
 }
 

@@ -20,87 +20,72 @@ const NEAREST: f64 = 0.3;
 /// A neighbour's terms count where they are, in the middle of the interval, below this share of those of the one before.
 const SHRINK: f64 = 0.5;
 
-/// The knots that an interval is interpolated by, of one row.
-#[derive(Clone, Copy, Debug)]
-pub struct Stencil {
-    /// Moments in the integrator's time, and there the quantity's reciprocal and its slope: of the interval's begin and end,
-    /// then of its neighbours.
-    at: [f64; KNOTS],
-    value: [f64; KNOTS],
-    slope: [f64; KNOTS],
-    /// How many of these moments there are.
-    count: f64,
-}
-
-impl Stencil {
-    /// For a quantity between knots `index` and the next, of a segment's knots.
-    pub fn new(knots: &[Knot], index: usize, quantity: usize) -> Self {
-        let length = knots[index + 1].at - knots[index].at;
-        let near = length * NEAREST;
-        let mut picked = [index; KNOTS];
-        picked[1] = index + 1;
-        let mut count = 2;
-        // One from each side in turn, as far as there are any.
-        let mut sides = [index, index + 1];
-        let next_before = |from: usize| (0..from).rev().find(|&i| knots[from].at - knots[i].at > near);
-        let next_after = |from: usize| (from + 1..knots.len()).find(|&i| knots[i].at - knots[from].at > near);
-        // Those beyond a kink after all others.
-        for beyond_kinks in [false, true] {
-            while count < KNOTS {
-                let had = count;
-                for side in 0..2 {
-                    if knots[sides[side]].kink && !beyond_kinks {
-                        continue;
-                    }
-                    let next = if side == 0 { next_before(sides[0]) } else { next_after(sides[1]) };
-                    if let Some(next) = next.filter(|_| count < KNOTS) {
-                        picked[count] = next;
-                        sides[side] = next;
-                        count += 1;
-                    }
-                }
-                if count == had {
-                    break;
-                }
-            }
-        }
-        let mut at = picked.map(|i| knots[i].at);
-        for (missing, at) in at.iter_mut().enumerate().skip(count) {
-            *at += length * (missing + 1) as f64;
-        }
-        let value = picked.map(|i| 1.0 / knots[i].view.value[quantity]);
-        let slope = core::array::from_fn(|k| -knots[picked[k]].view.slope[quantity] * value[k] * value[k]);
-        Self { at, value, slope, count: count as f64 }
-    }
-}
-
-/// The knots of one interval a lane.
+/// The knots that a quantity is interpolated by, in one interval a lane: of its begin and end, then of its neighbours.
 #[derive(Clone, Copy, Debug)]
 pub struct Stencils {
     clock: Clock<Lanes>,
+    /// Moments in the integrator's time, and there the quantity and its slope.
     at: [Lanes; KNOTS],
     value: [Lanes; KNOTS],
     slope: [Lanes; KNOTS],
+    /// How many of these moments there are.
     count: Lanes,
 }
 
 impl Stencils {
-    /// Of each lane, and the clock of its segment.
-    pub fn new<'a>(mut of: impl FnMut(usize) -> (&'a Clock, Stencil)) -> Self {
+    /// For a quantity between a knot and the next of each lane's segment, of which there are clock and knots.
+    pub fn new<'a>(quantity: usize, mut of: impl FnMut(usize) -> (&'a Clock, &'a [Knot], usize)) -> Self {
         let zero = [Lanes::ZERO; KNOTS];
         let mut all = Self { clock: Clock::NONE, at: zero, value: zero, slope: zero, count: Lanes::ZERO };
         for lane in 0..WIDTH {
-            let (clock, stencil) = of(lane);
+            let (clock, knots, index) = of(lane);
+            let (picked, count) = pick(knots, index);
+            let length = knots[index + 1].at - knots[index].at;
             all.clock.load(lane, clock);
             for k in 0..KNOTS {
-                all.at[k][lane] = stencil.at[k];
-                all.value[k][lane] = stencil.value[k];
-                all.slope[k][lane] = stencil.slope[k];
+                let Knot { at, view, .. } = &knots[picked[k]];
+                // Places that stand for no knot must not fall on others.
+                all.at[k][lane] = if k < count { *at } else { *at + length * (k + 1) as f64 };
+                all.value[k][lane] = view.value[quantity];
+                all.slope[k][lane] = view.slope[quantity];
             }
-            all.count[lane] = stencil.count;
+            all.count[lane] = count as f64;
         }
         all
     }
+}
+
+/// The knots by which the interval from knot `index` to the next is interpolated, and how many these are.
+fn pick(knots: &[Knot], index: usize) -> ([usize; KNOTS], usize) {
+    let near = (knots[index + 1].at - knots[index].at) * NEAREST;
+    let mut picked = [index; KNOTS];
+    picked[1] = index + 1;
+    let mut count = 2;
+    // One from each side in turn, as far as there are any.
+    let mut sides = [index, index + 1];
+    let next_before = |from: usize| (0..from).rev().find(|&i| knots[from].at - knots[i].at > near);
+    let next_after = |from: usize| (from + 1..knots.len()).find(|&i| knots[i].at - knots[from].at > near);
+    // Those beyond a kink after all others.
+    for beyond_kinks in [false, true] {
+        while count < KNOTS {
+            let had = count;
+            for side in 0..2 {
+                if knots[sides[side]].kink && !beyond_kinks {
+                    continue;
+                }
+                let next = if side == 0 { next_before(sides[0]) } else { next_after(sides[1]) };
+                if let Some(next) = next.filter(|_| count < KNOTS) {
+                    picked[count] = next;
+                    sides[side] = next;
+                    count += 1;
+                }
+            }
+            if count == had {
+                break;
+            }
+        }
+    }
+    (picked, count)
 }
 
 /// A quantity between two knots, of as many rows as there are lanes, over the time from the segment's begin, s.
@@ -118,7 +103,12 @@ impl Interpolant {
     /// The polynomial through values and slopes at the stencils' knots.
     #[inline(always)]
     pub fn new(stencils: &Stencils) -> Self {
-        let Stencils { clock, at, value, slope, count } = stencils;
+        let Stencils { clock, at, count, .. } = stencils;
+        let value = reciprocals(stencils.value);
+        let mut slope = stencils.slope;
+        for k in 0..KNOTS {
+            slope[k] = -slope[k] * value[k] * value[k];
+        }
         let length = at[1] - at[0];
         let per_length = length.recip();
         let mut places = [Lanes::ZERO; KNOTS];
@@ -201,9 +191,8 @@ mod tests {
                 })
                 .collect();
             // Behind the kink.
-            let stencil = Stencil::new(&knots, 4, 0);
             let clock = Clock::new(1e-4, 1e-4, 2.0);
-            let inside = Interpolant::new(&Stencils::new(|_| (&clock, stencil)));
+            let inside = Interpolant::new(&Stencils::new(0, |_| (&clock, &knots, 4)));
             (inside.at(Lanes::from(1.1))[2] / relaxation(1.1, 2e3) - 1.0).abs()
         };
         assert!(error(true) < 1e-11 && error(false) > 1e-9, "{:e} {:e}", error(true), error(false));

@@ -80,10 +80,17 @@ pub trait LaneSystem<const N: usize> {
         false
     }
 
-    /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
-    /// slope; 1 where there is none. Steps are made to end there: across a kink their error estimates are blind.
+    /// V^(1/4) at a moment over that at another.
     #[inline(always)]
-    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2]) -> Lanes {
+    fn narrowing(&self, _from: Lanes, _to: Lanes) -> Lanes {
+        Lanes::ONE
+    }
+
+    /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
+    /// slope, and by its narrowing; 1 where there is none. Steps are made to end there: across a kink their error estimates are
+    /// blind.
+    #[inline(always)]
+    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _narrowing: Lanes) -> Lanes {
         Lanes::ONE
     }
 }

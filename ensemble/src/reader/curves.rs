@@ -2,7 +2,7 @@
 
 use super::{Job, PRESSURE, Trace, Traces};
 use crate::filter::{Lagged, TERMS, ToPowers, kept};
-use crate::interpolant::{Interpolant, Stencil, Stencils};
+use crate::interpolant::{Interpolant, Stencils};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question, Reading};
 use crate::root::Curve;
@@ -63,11 +63,10 @@ impl Traces<'_> {
 
     /// A quantity in one interval a lane: segments and knots.
     pub(super) fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
-        Stencils::new(|lane| {
+        Stencils::new(quantity, |lane| {
             let (segment, knot) = interval(lane);
             let knots = self.memory.segments[segment as usize].knots.clone();
-            let stencil = Stencil::new(&self.memory.knots[knots], knot as usize, quantity);
-            (&self.of_segment(segment).1.clock, stencil)
+            (&self.of_segment(segment).1.clock, &self.memory.knots[knots], knot as usize)
         })
     }
 

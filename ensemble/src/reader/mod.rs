@@ -6,6 +6,7 @@
 
 mod bends;
 mod curves;
+mod plain;
 mod regressions;
 
 pub use bends::Bends;
@@ -58,6 +59,11 @@ struct Trace<'a> {
 }
 
 impl Trace<'_> {
+    /// 1 where peaks are tops, −1 where they are bottoms: of an expansion.
+    fn sign(&self) -> f64 {
+        if self.plan.expands { -1.0 } else { 1.0 }
+    }
+
     /// Cuts a segment, by its number, stretch and knots, into pieces.
     fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<Piece>) {
         let Sensor { lag, drift, .. } = self.sensor;
@@ -104,6 +110,8 @@ pub struct Memory {
     cut: Vec<Cut>,
     /// In the order of the pieces.
     turns: Vec<Turn>,
+    /// Segments and intervals in which the temperature comes to a peak.
+    warmest: Vec<(u32, u32)>,
     /// Of the pieces behind sensors that lag.
     lags: Vec<Followed<f64>>,
     to_powers: ToPowers,
@@ -145,6 +153,8 @@ struct Cut {
     shown: Range<usize>,
     /// Where it turns round in these.
     turns: Range<usize>,
+    /// The only segment of a plain record, of which these are only the pieces in which it turns: see [`plain`].
+    plain: Option<u32>,
 }
 
 /// Where a record turns round inside a piece.
@@ -231,12 +241,25 @@ impl<'a> Traces<'a> {
 
     /// Cuts all records into pieces.
     fn cut(&mut self) {
-        let Memory { knots, segments, pieces, cut, .. } = &mut *self.memory;
+        let Memory { knots, segments, pieces, cut, warmest, .. } = &mut *self.memory;
         pieces.clear();
         cut.clear();
+        warmest.clear();
         let mut segments = segments.iter().enumerate().peekable();
         for (number, row) in self.rows.iter().enumerate() {
             let begin = pieces.len();
+            if let Some(&(index, segment)) = segments.peek()
+                && segment.row as usize == number
+                && row.is_plain()
+            {
+                let (index, knots) = (index as u32, &knots[segment.knots.clone()]);
+                if row.cut_turns(index, knots, pieces, warmest) {
+                    let (all, reading) = (begin..pieces.len(), knots[0].view.value[PRESSURE]);
+                    cut.push(Cut { all: all.clone(), begin: reading, shown: all, turns: 0..0, plain: Some(index) });
+                    segments.next();
+                    continue;
+                }
+            }
             let mut shown = begin..begin;
             while let Some((index, segment)) = segments.next_if(|(_, segment)| segment.row as usize == number) {
                 let (stretch, from) = (segment.stretch as usize, pieces.len());
@@ -247,7 +270,7 @@ impl<'a> Traces<'a> {
                 }
             }
             let reading = pieces.get(begin).map_or(row.before, |first| first.shown[0]);
-            cut.push(Cut { all: begin..pieces.len(), begin: reading, shown, turns: 0..0 });
+            cut.push(Cut { all: begin..pieces.len(), begin: reading, shown, turns: 0..0, plain: None });
         }
     }
 
@@ -283,12 +306,15 @@ impl<'a> Traces<'a> {
     /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
     fn answer(&mut self, row: usize) -> Option<Answer> {
         let Memory { pieces, cut, turns, .. } = &*self.memory;
-        let Cut { all, shown, turns: of_row, .. } = &cut[row];
+        let Cut { all, shown, turns: of_row, plain, .. } = &cut[row];
+        if let Some(segment) = *plain {
+            return Some(self.answer_plain(row, segment));
+        }
         if all.is_empty() {
             return None;
         }
         let (Trace { plan, bends, sensor, .. }, turns) = (&self.rows[row], &turns[of_row.clone()]);
-        let sign = if plan.expands { -1.0 } else { 1.0 };
+        let sign = self.rows[row].sign();
         // The extreme is where the record begins, or ends a piece, or turns round.
         let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, plan.push_end);
         if plan.push_end < plan.delay {
@@ -338,19 +364,18 @@ impl<'a> Traces<'a> {
             let numbers = [from, later, pressure_final, band];
             self.memory.jobs.push(Job { piece, numbers, answer: [0.0; POINTS] });
         }
-        Some(Answer { pressure_peak, peak_time, pressure_final, ..Answer::default() })
+        let temperature_peak = f64::NEG_INFINITY;
+        Some(Answer { pressure_peak, peak_time, pressure_final, temperature_peak, ..Answer::default() })
     }
 
     /// Final and peak temperatures of the gas.
     fn find_temperatures(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
-        let mut turns: Vec<(u32, u32)> = Vec::new();
-        let sign = |rows: &[Trace], row: u32| if rows[row as usize].plan.expands { -1.0 } else { 1.0 };
-        for answer in answers.iter_mut().flatten() {
-            answer.temperature_peak = f64::NEG_INFINITY;
-        }
+        let mut turns = core::mem::take(&mut self.memory.warmest);
+        let sign = |rows: &[Trace], row: u32| rows[row as usize].sign();
         for (index, segment) in self.memory.segments.iter().enumerate() {
             let Some(answer) = &mut answers[segment.row as usize] else { continue };
-            if (segment.stretch as usize) < self.rows[segment.row as usize].plan.hold {
+            let seen = self.memory.cut[segment.row as usize].plain.is_some();
+            if seen || (segment.stretch as usize) < self.rows[segment.row as usize].plan.hold {
                 continue;
             }
             let sign = sign(&self.rows, segment.row);
@@ -389,6 +414,7 @@ impl<'a> Traces<'a> {
                 answer.temperature_peak *= sign(&self.rows, row as u32);
             }
         }
+        self.memory.warmest = turns;
     }
 
     /// Time of the record, s, at a time of a segment.

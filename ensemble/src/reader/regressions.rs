@@ -35,7 +35,7 @@ impl Traces<'_> {
         self.work(arch, Question::Pressures);
         for pair in self.memory.jobs.chunks_exact(2) {
             let row = self.memory.segments[self.memory.pieces[pair[0].piece].segment as usize].row as usize;
-            let sign = if self.rows[row].plan.expands { -1.0 } else { 1.0 };
+            let sign = self.rows[row].sign();
             if let Some(first) = &mut firsts[row]
                 && sign * pair[0].answer[0] > sign * pair[1].answer[0]
             {
@@ -70,6 +70,7 @@ impl Traces<'_> {
         answers: &[Option<Answer>],
         guess: impl Fn(usize) -> f64,
     ) -> Vec<Option<Regression>> {
+        self.cut_plain();
         let firsts = self.first_samples(arch, answers);
         self.memory.jobs.clear();
         // Per job: the samples its piece holds.

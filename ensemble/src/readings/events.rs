@@ -1,7 +1,7 @@
 //! The extremes of records and the last moment at which they are outside the band around their ends, from the corners of their
 //! pieces: begin, turn and end. Between corners a record is monotone.
 
-use super::hold::Relaxation;
+use super::hold::{BehindLag, HoldRecord, Relaxation};
 use super::pieces::Piece;
 use super::sensors::Sensors;
 use crate::exact_tests::Tests;
@@ -9,7 +9,12 @@ use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
 use crate::reader::ROUNDING;
 use chamber::real::Real;
+use core::hint::black_box;
 use pulp::{Simd, WithSimd};
+
+/// Rounds of Newton's method at most, and the share of a relaxation or a lag that a step of it must be shorter than to be the last.
+const ROUNDS: usize = 6;
+const NEARLY: f64 = 1e-6;
 
 /// Where records turn inside a piece.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +34,41 @@ impl Turn {
     /// That of a lane.
     pub fn put(&mut self, lane: usize, time: f64, value: f64) {
         (self.is[lane], self.time[lane], self.value[lane]) = (1.0, time, value);
+    }
+}
+
+/// Where records turn round inside parts of the hold, `times`, of sensors that lag and do not drift: when, s, and what is shown
+/// there, Pa; and positive where that is found. P' − y' = τ y″ fades as e^(−t/τ) and P' goes slowly, so that Newton's method for
+/// the logarithm of (P' − y')/P' takes few rounds.
+pub struct TurnBehind<'a> {
+    pub gas: &'a Relaxation,
+    pub behind: &'a BehindLag,
+    pub sensors: &'a Sensors,
+    pub times: [Lanes; 2],
+}
+
+impl WithSimd for TurnBehind<'_> {
+    type Output = [Lanes; 3];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 3] {
+        let Self { gas, behind, sensors, times: [begin, end] } = self;
+        let (mut time, mut shown, mut open) = (begin, Lanes::ZERO, Lanes::ONE);
+        let per_rest = gas.at_rest.recip();
+        for _ in 0..ROUNDS {
+            let [reading, slope] = black_box(behind.shown(time - sensors.delay));
+            shown = open.where_positive(reading + sensors.beside(time), shown);
+            let pressure = reading + slope * sensors.lag;
+            let gas_slope = gas.rate * pressure * (Lanes::ONE - pressure * per_rest);
+            let lags = (Lanes::ONE - slope / gas_slope).max(Lanes::from(f64::MIN_POSITIVE)).ln();
+            time = open.where_positive((time + lags * sensors.lag).max(begin).min(end), time);
+            open = (Lanes::from(NEARLY) - lags.abs()).where_positive(Lanes::ZERO, open);
+            if !open.any_positive() {
+                break;
+            }
+        }
+        let inside = (time - begin).min(end - time);
+        [time, shown, open.where_positive(Lanes::ZERO, inside)]
     }
 }
 
@@ -92,22 +132,42 @@ impl WithSimd for Events<'_> {
     }
 }
 
-/// When records come within their bands for good, s, where a sensor that neither lags nor drifts shows the hold.
+/// When records come within their bands for good, s, where sensors that do not drift show the hold: in closed form, and behind a
+/// lag by Newton's method for the logarithm of the distance to the end, which falls nearly evenly. Beside it, positive where that
+/// has come to an end.
 pub struct Enter<'a> {
-    pub gas: &'a Relaxation,
+    pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,
     pub found: &'a Found,
 }
 
 impl WithSimd for Enter<'_> {
-    type Output = Lanes;
+    type Output = [Lanes; 2];
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Lanes {
-        let Self { gas, sensors, found } = self;
-        let edge = found.last + gas.excess.where_positive(found.band, -found.band);
+    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 2] {
+        let Self { hold: HoldRecord { gas, behind }, sensors, found } = self;
+        let side = gas.excess.where_positive(Lanes::ONE, -Lanes::ONE);
+        let edge = found.last + side * found.band;
         let [outside, later] = found.between;
-        (gas.reaches(edge - sensors.offset) + sensors.delay).max(outside).min(later)
+        let mut time = gas.reaches(edge - sensors.offset) + sensors.delay;
+        let Some(behind) = behind else { return [time.max(outside).min(later), Lanes::ONE] };
+        time = (time + sensors.lag).max(outside).min(later);
+        let per_band = (side * found.band).recip();
+        let mut open = Lanes::ONE;
+        for _ in 0..ROUNDS {
+            let [reading, slope] = black_box(behind.shown(time - sensors.delay));
+            let distance = reading + sensors.offset - found.last;
+            let step = (distance * per_band).max(Lanes::from(f64::MIN_POSITIVE)).ln() * distance / slope;
+            time = open.where_positive((time - step).max(outside).min(later), time);
+            // After this step the next one would be its square or less; not where it is no number.
+            open = (Lanes::from(NEARLY) - (step * gas.rate).abs()).where_positive(Lanes::ZERO, open);
+            if !open.any_positive() {
+                break;
+            }
+        }
+        let inside = (time - outside).min(later - time);
+        [time, open.where_positive(Lanes::ZERO, inside)]
     }
 }
 

@@ -27,7 +27,7 @@ use crate::scenario::Scenario;
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::real::Real;
-use events::{Enter, Events, Found, Turn};
+use events::{Enter, Events, Found, Turn, TurnBehind};
 use hold::{HoldRecord, Relaxation};
 use pieces::{Build, Corners, Piece, Polynomial, Shown};
 use pulp::Arch;
@@ -208,10 +208,23 @@ impl<'a> Readings<'a> {
                 return;
             }
             let reading = self.gather(|lane| next[lane].min(count - 1));
-            let [times, values, ..] =
-                self.arch.dispatch(Look { times: reading.times, reading, question: Question::Turn });
+            let Self { arch, sensors, memory, hold: HoldRecord { gas, behind }, .. } = &*self;
+            let mut found = [Lanes::ZERO; 3];
+            if let Some(behind) = behind {
+                found = arch.dispatch(TurnBehind { gas, behind, sensors, times: reading.times });
+            }
+            let in_push = memory.polynomials.len();
+            let quick = |lane: usize| found[2][lane] > 0.0 && sensors.drift[lane] == 0.0 && next[lane] >= in_push;
+            if (0..WIDTH).any(|lane| next[lane] < count && !quick(lane)) {
+                let [times, values, ..] =
+                    arch.dispatch(Look { times: reading.times, reading, question: Question::Turn });
+                let searched: [bool; WIDTH] = core::array::from_fn(|lane| !quick(lane));
+                for lane in (0..WIDTH).filter(|lane| searched[*lane]) {
+                    (found[0][lane], found[1][lane]) = (times[lane], values[lane]);
+                }
+            }
             for lane in (0..WIDTH).filter(|lane| next[*lane] < count) {
-                self.memory.turns[next[lane]].put(lane, times[lane], values[lane]);
+                self.memory.turns[next[lane]].put(lane, found[0][lane], found[1][lane]);
             }
             for next in &mut next {
                 *next = (*next + 1).min(count);
@@ -224,11 +237,12 @@ impl<'a> Readings<'a> {
         let Memory { pieces, turns, .. } = &*self.memory;
         let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
         let Found { last, between, band, .. } = found;
-        // Of the hold there is a closed form, but for sensors that lag or drift.
+        // The hold is searched only of sensors that drift.
         let of_hold = |lane: usize| found.piece[lane] >= self.memory.polynomials.len() as f64;
-        let closed = |lane: usize| !self.sensors.lag() && self.sensors.drift[lane] == 0.0 && of_hold(lane);
+        let enter = Enter { hold: &self.hold, sensors: &self.sensors, found: &found };
+        let [mut settled, good] = self.arch.dispatch(enter);
+        let closed = |lane: usize| good[lane] > 0.0 && self.sensors.drift[lane] == 0.0 && of_hold(lane);
         let closed: [bool; WIDTH] = core::array::from_fn(closed);
-        let mut settled = self.arch.dispatch(Enter { gas: &self.hold.gas, sensors: &self.sensors, found: &found });
         if !closed.iter().all(|closed| *closed) {
             let reading = self.gather(|lane| found.piece[lane] as usize);
             let question = Question::Enter { between, value: last, band };

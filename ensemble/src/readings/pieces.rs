@@ -14,8 +14,9 @@ use pulp::{Simd, WithSimd};
 
 /// Pieces, over which the pressure is a polynomial, of a part of the push.
 const PIECES_OF_A_PART: usize = 6;
-/// Pieces of the hold behind a lag.
+/// Pieces of the hold behind a lag, and of one without a drift, which turns once at most.
 const PIECES_OF_A_HOLD: usize = 12;
+const PIECES_WITHOUT_A_DRIFT: usize = 6;
 /// A length, s, to divide by where there is none.
 const SHORTEST: f64 = 1e-300;
 
@@ -145,7 +146,14 @@ impl WithSimd for Build<'_, '_> {
         if sensors.lag() {
             let behind = black_box(BehindLag::new(hold.gas, sensors.lag, writer.reading));
             let (mut since, mut from) = (Lanes::ZERO, behind.shown(Lanes::ZERO));
-            for to in black_box(&hold_ends::<PIECES_OF_A_HOLD>(hold.gas.rate, sensors.lag, *duration - sensors.delay)) {
+            let pieces = |count: usize| Lanes::from(count as f64);
+            let counts = sensors.drift.abs();
+            let counts = counts.where_positive(pieces(PIECES_OF_A_HOLD), pieces(PIECES_WITHOUT_A_DRIFT));
+            let end = *duration - sensors.delay;
+            for to in black_box(&hold_ends::<PIECES_OF_A_HOLD>(hold.gas.rate, sensors.lag, end, counts)) {
+                if !(end - since).any_positive() {
+                    break;
+                }
                 let shown = black_box(behind.shown(*to));
                 writer.push([since, *to], [from[0], shown[0]], [from[1], shown[1]]);
                 (since, from) = (*to, shown);
@@ -155,16 +163,17 @@ impl WithSimd for Build<'_, '_> {
     }
 }
 
-/// Ends of the hold's pieces behind a lag: in equal ratios from half of the shorter to 13 times the longer one of lag and
-/// relaxation, none after the record's end; the last is that.
+/// Ends of the hold's pieces behind a lag, of which there are `counts`: in equal ratios from half of the shorter to 13 times the
+/// longer one of lag and relaxation, none after the record's end; the last is that.
 #[inline(always)]
-pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes) -> [Lanes; COUNT] {
+pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, counts: Lanes) -> [Lanes; COUNT] {
     let slowness = rate.recip();
     let mut end = slowness.min(lag) * 0.5;
-    let ratio = ((slowness.max(lag) * 13.0 / end).ln() * (1.0 / (COUNT - 2) as f64)).exp();
+    let ratio = ((slowness.max(lag) * 13.0 / end).ln() / (counts - 2.0)).exp();
     let mut ends = [length; COUNT];
-    for to in &mut ends[..COUNT - 1] {
-        *to = black_box(end.min(length));
+    for (index, to) in ends.iter_mut().enumerate() {
+        let before_last = counts - (index as f64 + 1.5);
+        *to = black_box(before_last.where_positive(end.min(length), length));
         end = end * ratio;
     }
     ends
