@@ -5,7 +5,7 @@ use crate::forward::Course;
 use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::block::{Block, blocks};
-use crate::record::noise::Noise;
+use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
 use crate::record::stroke::Phase;
@@ -245,6 +245,11 @@ impl Data {
     /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise.
     pub fn accuracy_pa(&self) -> f64 {
         self.accuracy_pa.unwrap_or(policy::ACCURACY_OF_NOISE * self.noise.total_pa())
+    }
+
+    /// The smallest misfit that anybody could mind, Pa, where the rig states none: nobody knows its pressures better.
+    pub fn best_accuracy_pa(&self) -> f64 {
+        policy::ACCURACY_OF_NOISE * noise::least(self.highest_pressure_pa())
     }
 
     /// Rows left out as outliers.
