@@ -94,6 +94,28 @@ fn a_saturated_sensor_is_told_with_value_and_time() {
 }
 
 #[test]
+fn equal_readings_of_a_rest_without_noise_are_no_saturation_and_those_of_a_push_are() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(7) }.without_noise();
+    let mut rig = recipe.rig();
+    let found = identify::identify(&rig, Method::Exact).unwrap();
+    let (_, lambda0) = &found.parameters[0];
+    assert!((lambda0.value / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 1e-3, "{lambda0:?}");
+    for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
+        let (low, high) = pressures(t).iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        pressures(t).iter_mut().for_each(|p| *p = p.min(low + 0.7 * (high - low)));
+    }
+    let error = refused(&rig);
+    assert!(matches!(error, Error::Saturated { high: true, .. }), "{error}");
+}
+
+#[test]
+fn readings_that_follow_the_piston_late_and_without_noise_are_no_saturation() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(7) }.without_noise().with("record_delay", &[0.1]);
+    let found = identify::diagnose(&recipe.rig(), &|_, _| ()).unwrap();
+    assert_eq!(found.diagnosis.effects, ["record_delay"]);
+}
+
+#[test]
 fn gauge_pressures_are_recognised_by_the_offset_they_ask_for() {
     // The expansions from ambient would be below vacuum: a reader of records refuses those.
     let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();

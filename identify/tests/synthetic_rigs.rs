@@ -49,6 +49,24 @@ fn each_effect_of_the_list_is_named_on_a_rig_of_its_own() {
 }
 
 #[test]
+fn records_without_noise_are_adequate_without_an_effect_and_name_the_one_they_have() {
+    let none = [None; 3];
+    let some = ["leakage", "wall_heating", "sensor_lag"].map(|name| effects::find(name).map(|(e, _)| e));
+    for (k, effect) in none.into_iter().chain(some).enumerate() {
+        // From 100 to 5000 Hz.
+        let rate_hz = [100.0, 1000.0, 5000.0][k % 3];
+        let plain = Recipe { repeats: 1, rate_hz, ..Recipe::from_seed(70 + k as u64) }.without_noise();
+        let recipe = if let Some(e) = effect { plain.with_strength(e, 1.0) } else { plain };
+        let found = traced(&recipe);
+        let verdict = if effect.is_some() { Verdict::Explained } else { Verdict::Adequate };
+        let named: Vec<&str> = effect.map(|e| effects::CARDS[e].name).into_iter().collect();
+        assert_eq!((found.verdict, names(found.chosen.model.effects)), (verdict, named), "{k}");
+        let lambda0 = found.chosen.fit.chamber().heat_transfer.coefficient;
+        assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 1e-3, "{k}: {lambda0}");
+    }
+}
+
+#[test]
 fn two_effects_at_once_are_both_named() {
     let (leak, _) = effects::find("leakage").unwrap();
     let (lag, _) = effects::find("sensor_lag").unwrap();

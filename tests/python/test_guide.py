@@ -190,6 +190,7 @@ POLICY = {
     "BETWEEN_RECORDS: f64 = 0.2": "with a fifth of these standard deviations",
     "KINDS_PROBABILITY: f64 = 1e-4": "a probability below 10⁻⁴",
     "KINDS_DEVIATIONS: f64 = 4.0": "more than four standard deviations apart",
+    "KNOWN_TO: f64 = 1e-5": "never less than 10⁻⁵ of the rig's highest pressure",
     "ACCURACY_OF_NOISE: f64 = 0.25": "by default a quarter of the noise",
     "PREDICTS_BETTER: f64 = 0.5": "the effects at least halve the systematic error",
     "CARRIES_OVER: f64 = 1.3": "not more than 1.3 times the error on the records it is fitted to",

@@ -18,6 +18,9 @@ const SHORT_MOVE: f64 = 0.05;
 const LONGEST_HONEST_RUN: usize = 5;
 /// ...if the noise moves its readings: one of less than so many steps may leave them where they are.
 const STEPS_OF_NOISE: f64 = 0.6;
+/// Share of the changes from reading to reading that turn back from which on noise makes them: white noise turns
+/// two of three back, and a gas none between two moves.
+const TURNED_BACK: f64 = 0.05;
 
 /// Pressures that a pneumatic chamber can have on the whole, Pa.
 const PLAUSIBLE_PRESSURE_PA: std::ops::RangeInclusive<f64> = 1e3..=1e8;
@@ -70,8 +73,9 @@ fn units(trace: &Trace, pressure_pa: &[f64], declared: Declared) -> Result<(), E
     Ok(())
 }
 
-/// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row. Where
-/// readings stick to their steps, and may be late, such a run lasts from the begin of a move for longer than that.
+/// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row. Where noise
+/// does not move the readings, gas in equilibrium gives equal ones too, and those of a late sensor go on into the move: then such
+/// a run lasts from the begin of a move for longer than that.
 fn saturation(
     trace: &Trace,
     pressure_pa: &[f64],
@@ -90,7 +94,8 @@ fn saturation(
     for (extreme, high) in [(most, true), (least, false)] {
         let run = longest_run(&rows, pressure_pa, extreme);
         let (Some(&first), Some(&last)) = (run.first(), run.last()) else { continue };
-        let sticks = readings_stick(&rows, pressure_pa, first..last + 1);
+        let noisy =
+            !readings_stick(&rows, pressure_pa, first..last + 1) && turned_back(&rows, pressure_pa) > TURNED_BACK;
         let moves = motion.segments.iter().any(|s| {
             let inside = first.max(s.first)..(last + 1).min(s.end);
             let stroke = way(s.first..s.end);
@@ -98,10 +103,9 @@ fn saturation(
                 && stroke > SHORT_MOVE * travel
                 && inside.len() >= LONGEST_HONEST_RUN * readout.period
                 && way(inside) > 0.1 * stroke
-                && (!sticks || last + 1 > first.max(s.first) + (s.end - s.first))
+                && (noisy || last + 1 > first.max(s.first) + (s.end - s.first))
         });
-        if run.len() >= LONGEST_HONEST_RUN && (moves || (still < 0.2 && !sticks && run.len() > 2 * LONGEST_HONEST_RUN))
-        {
+        if run.len() >= LONGEST_HONEST_RUN && (moves || (still < 0.2 && noisy && run.len() > 2 * LONGEST_HONEST_RUN)) {
             let from_s = trace.time_s[first];
             return Err(Error::Saturated {
                 trace: trace.path.clone(),
@@ -167,6 +171,14 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     Ok(())
 }
 
+/// Share of the changes from reading to reading that go the other way than the change before.
+fn turned_back(rows: &[usize], pressure_pa: &[f64]) -> f64 {
+    let changes = rows.windows(2).map(|w| pressure_pa[w[1]] - pressure_pa[w[0]]);
+    let changes: Vec<f64> = changes.filter(|change| *change != 0.0).collect();
+    let back = changes.windows(2).filter(|w| (w[0] < 0.0) != (w[1] < 0.0)).count();
+    back as f64 / changes.len().max(1) as f64
+}
+
 /// Whether the noise is too small to move readings, but for those of a run, off the sensor's steps.
 fn readings_stick(rows: &[usize], pressure_pa: &[f64], run: Range<usize>) -> bool {
     let beside: Vec<f64> = rows.iter().filter(|row| !run.contains(row)).map(|&row| pressure_pa[row]).collect();
@@ -189,6 +201,17 @@ fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
 mod tests {
     use super::*;
     use crate::synthetic::Random;
+
+    #[test]
+    fn white_noise_turns_changes_back_and_a_gas_does_not() {
+        let rows: Vec<usize> = (0..400).collect();
+        let mut random = Random::new(33);
+        let relaxing = |i: usize| if i < 100 { 1e5 } else { 1e5 + 2e5 * (-((i - 100) as f64) / 60.0).exp() };
+        let noisy: Vec<f64> = rows.iter().map(|&i| relaxing(i) + 50.0 * random.normal()).collect();
+        assert!(turned_back(&rows, &noisy) > 3.0 * TURNED_BACK);
+        let smooth: Vec<f64> = rows.iter().map(|&i| (relaxing(i) * 1e4).round() * 1e-4).collect();
+        assert!(turned_back(&rows, &smooth) < 0.2 * TURNED_BACK);
+    }
 
     #[test]
     fn readings_stick_where_the_noise_is_small_against_the_steps() {

@@ -12,7 +12,7 @@
 use crate::fit::whiten::{Place, Whitener};
 use crate::policy::DECISIVE;
 use crate::record::data::{Data, Prepared};
-use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
+use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise, least};
 use crate::record::stroke::Phase;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -36,6 +36,9 @@ const FEWEST_POINTS: usize = 120;
 const SHORTEST_HUM: f64 = 0.5;
 /// Periods of a slow hum that the longest hold has at least: fewer may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
+
+/// Most rounds of trials in which a size, a time or a frequency is moved on: far more than a search takes that comes to an end.
+const MOST_ROUNDS: usize = 100;
 
 /// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
@@ -62,7 +65,8 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
         windows = windows.into_iter().step_by(2).collect();
     }
-    let likelihood = Likelihood { windows: &windows, free: if pure { FREE_IN_CONTRAST } else { FREE_ALONE } };
+    let free = if pure { FREE_IN_CONTRAST } else { FREE_ALONE };
+    let likelihood = Likelihood { windows: &windows, free, least_pa: least(data.highest_pressure_pa()) };
     let white_pa = before.white_pa.max(before.rounding_pa());
     let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, ..before.clone() };
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
@@ -99,7 +103,7 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
         rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
     };
     let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
-    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: least(data.highest_pressure_pa()) };
     let longest_s = likelihood.longest_s();
     // A colour stands for what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
@@ -212,6 +216,9 @@ struct Likelihood<'a> {
     windows: &'a [Window],
     /// Coefficients of the polynomial that each window is free of.
     free: usize,
+    /// The white part is no smaller than this, Pa. Without an end the likelihood of windows without noise would rise for ever
+    /// as the white part shrinks beside a coloured one.
+    least_pa: f64,
 }
 
 impl Likelihood<'_> {
@@ -219,7 +226,7 @@ impl Likelihood<'_> {
         self.windows.iter().map(|w| w.values.len()).sum()
     }
 
-    /// −2 ln L with the noise's size at its maximum, and the noise of that size.
+    /// −2 ln L with the noise's size at its maximum, or where its white part is the least, and the noise of that size.
     fn scaled(&self, shape: &Noise) -> (f64, Noise) {
         let (mut squares, mut determinants, mut freedom) = (0.0, 0.0, 0.0);
         let mut known: Option<Ruler> = None;
@@ -246,8 +253,9 @@ impl Likelihood<'_> {
                 freedom -= self.free as f64;
             }
         }
-        let variance = (squares / freedom).max(f64::MIN_POSITIVE);
-        (freedom * (1.0 + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
+        let free = squares / freedom;
+        let variance = free.max((self.least_pa / shape.white_pa).powi(2)).max(f64::MIN_POSITIVE);
+        (freedom * (free / variance + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
     }
 
     /// White noise with the processes that pay: coloured ones of up to `longest_s`, flicker noise of up to `record_s`.
@@ -289,7 +297,10 @@ impl Likelihood<'_> {
         const NARROWEST: f64 = 100.0;
         let mut best = (f64::INFINITY, white.clone());
         let mut from_s = self.shortest_s();
-        while from_s * NARROWEST < record_s || !best.0.is_finite() {
+        for _ in 0..MOST_ROUNDS {
+            if from_s * NARROWEST >= record_s && best.0.is_finite() {
+                break;
+            }
             let found = self.flickering_from(white, [from_s, record_s.max(from_s)]);
             best = if found.0 < best.0 { found } else { best };
             from_s *= FACTOR;
@@ -306,7 +317,10 @@ impl Likelihood<'_> {
         };
         let (mut share, mut factor) = (0.5, 4.0);
         let mut best = of_size(share);
-        while factor > 1.06 {
+        for _ in 0..MOST_ROUNDS {
+            if factor <= 1.06 {
+                break;
+            }
             let tried = [share * factor, share / factor].map(|share| (share, of_size(share)));
             match tried.into_iter().find(|(_, trial)| trial.0 < best.0 - 1e-3) {
                 Some(better) => (share, best) = better,
@@ -332,7 +346,10 @@ impl Likelihood<'_> {
     /// its peak.
     fn tuned(&self, mut best: (f64, Noise)) -> (f64, Noise) {
         let (mut step_hz, mut factor) = (0.25 / self.longest_s(), 1.4);
-        while step_hz > 0.01 / self.longest_s() {
+        for _ in 0..MOST_ROUNDS {
+            if step_hz <= 0.01 / self.longest_s() {
+                break;
+            }
             let mut moved = false;
             for (by_hz, size) in [(step_hz, 1.0), (-step_hz, 1.0), (0.0, factor), (0.0, 1.0 / factor)] {
                 let mut trial = best.1.clone();
@@ -381,7 +398,10 @@ impl Likelihood<'_> {
     /// Every colour's size and time moved, up and down by factors that shrink, as long as that helps.
     fn improved(&self, mut best: (f64, Noise), longest_s: f64) -> (f64, Noise) {
         let mut factor: f64 = 1.8;
-        while factor > 1.06 {
+        for _ in 0..MOST_ROUNDS {
+            if factor <= 1.06 {
+                break;
+            }
             let mut moved = false;
             for k in 0..best.1.colours.len() {
                 for (size, time) in
@@ -482,7 +502,7 @@ mod tests {
     fn white_noise_has_no_colour_and_no_line() {
         let mut random = Random::new(1);
         let windows = windows_of(|_| 80.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: 0 };
+        let likelihood = Likelihood { windows: &windows, free: 0, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         assert!((white.1.white_pa / 80.0 - 1.0).abs() < 0.03);
         assert!(likelihood.with_another_colour(&white.1, 6.0).0 > white.0 - 12.0);
@@ -501,7 +521,7 @@ mod tests {
             };
             state + 40.0 * random.normal()
         });
-        let likelihood = Likelihood { windows: &windows, free: 0 };
+        let likelihood = Likelihood { windows: &windows, free: 0, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let (deviance, found) = likelihood.with_another_colour(&white.1, 6.0);
         assert!(deviance < white.0 - 1000.0);
@@ -522,7 +542,7 @@ mod tests {
                 Window { values, distance_s: ROW_S, averaged: 1 }
             })
             .collect();
-        let likelihood = Likelihood { windows: &windows, free: FREE_IN_CONTRAST };
+        let likelihood = Likelihood { windows: &windows, free: FREE_IN_CONTRAST, least_pa: 0.0 };
         let coloured = likelihood.coloured(likelihood.scaled(&Noise::white(1.0)), 10.0);
         assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
         let found = likelihood.best(&Noise::white(1.0), 10.0, 10.0);
@@ -555,7 +575,7 @@ mod tests {
     fn short_windows_tell_how_flicker_noise_wanders_over_a_record() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let windows = coloured_windows(&times_s, 6);
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 0.0 };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert!(found.flickers(), "{found:?}");
         // 40 Pa in each half of a decade.
@@ -566,17 +586,26 @@ mod tests {
     #[test]
     fn noise_of_one_correlation_time_does_not_flicker() {
         let windows = coloured_windows(&[0.05; 8], 7);
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 0.0 };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert_eq!(found.colours.len(), 1, "{found:?}");
         assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.1, "{found:?}");
     }
 
     #[test]
+    fn what_a_model_leaves_of_records_without_noise_is_no_colour_and_no_less_than_the_least_white() {
+        // A decay of 1 Pa without any noise: the likelihood of a colour alone has no end.
+        let windows = windows_of(|i| (-(i as f64) / 200.0).exp());
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 5.0 };
+        let found = likelihood.best(&Noise::white(5.0), likelihood.longest_s(), 60.0);
+        assert_eq!(found, Noise::white(5.0));
+    }
+
+    #[test]
     fn hum_is_found_by_its_frequency() {
         let mut random = Random::new(3);
         let windows = windows_of(|i| 120.0 * (TAU * 1.3 * ROW_S * i as f64 + 0.4).sin() + 60.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");

@@ -5,7 +5,7 @@ use crate::forward::Course;
 use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::block::{Block, blocks};
-use crate::record::noise::Noise;
+use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
 use crate::record::stroke::Phase;
@@ -242,9 +242,15 @@ impl Data {
         self.traces.iter().flat_map(|t| &t.blocks).map(share).sum()
     }
 
-    /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise.
+    /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise, or as much as nobody knows better.
     pub fn accuracy_pa(&self) -> f64 {
-        self.accuracy_pa.unwrap_or(policy::ACCURACY_OF_NOISE * self.noise.total_pa())
+        let of_noise = policy::ACCURACY_OF_NOISE * self.noise.total_pa();
+        self.accuracy_pa.unwrap_or(of_noise.max(self.best_accuracy_pa()))
+    }
+
+    /// What nobody knows its pressures better than, Pa.
+    pub fn best_accuracy_pa(&self) -> f64 {
+        noise::least(self.highest_pressure_pa())
     }
 
     /// Rows left out as outliers.

@@ -3,8 +3,10 @@
 //! y = Q[h(gas) + coloured + hum + white]. Coloured noise is a sum of at most two Ornstein–Uhlenbeck processes, each with
 //! a standard deviation in Pa and a correlation time in s; two of them stand for 1/f wander over the scales of a record
 //! (M. S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white
-//! part from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals.
+//! part from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals. Of records
+//! without noise, the white part is [`least`]: as much as nobody knows a pressure better than.
 
+use crate::policy::KNOWN_TO;
 use crate::record::lattice::lattice;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Segment};
@@ -51,6 +53,11 @@ pub struct Noise {
 
 /// Processes that together are flicker (1/f) noise: about one in a decade of time.
 pub const FLICKER_COLOURS: usize = 5;
+
+/// The least white noise that counts, Pa, of records with this highest pressure.
+pub fn least(highest_pa: f64) -> f64 {
+    KNOWN_TO * highest_pa
+}
 
 /// Rows of a window.
 const WINDOW: usize = 40;
@@ -154,10 +161,11 @@ impl Noise {
             step if step > 0.0 => step,
             _ => records.iter().map(|q| plateau_lattice(q.pressure_pa)).fold(0.0, f64::max),
         });
-        let sticks = step_pa > 0.0 && neighbours > 0 && equal as f64 > STUCK_SHARE * neighbours as f64;
+        let least_pa = least(records.iter().flat_map(|q| q.pressure_pa).copied().fold(0.0, f64::max));
+        let floor = step_pa / 12.0f64.sqrt();
+        let sticks = floor > least_pa && neighbours > 0 && equal as f64 > STUCK_SHARE * neighbours as f64;
         let freedom: f64 = variances.iter().map(|(_, f)| f).sum();
         let variance = robust_mean(&mut variances) * correlation_rows(&products, freedom, coefficients);
-        let floor = step_pa / 12.0f64.sqrt();
         let mut white_pa = match stated_pa {
             _ if !variances.is_empty() => variance.sqrt(),
             Some(stated) => stated,
@@ -167,7 +175,7 @@ impl Noise {
             white_pa = white_pa.max(floor);
         }
         // Between its steps a sticking sensor hides its noise.
-        white_pa = white_pa.max(1e-3).max(if sticks { 0.25 * floor } else { 0.0 });
+        white_pa = white_pa.max(least_pa).max(if sticks { 0.25 * floor } else { 0.0 });
         if let Some(stated) = stated_pa.filter(|s| *s > 1.2 * white_pa) {
             // Who states more than the scatter shows has reasons: calibration, hysteresis.
             white_pa = stated;

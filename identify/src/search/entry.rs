@@ -73,9 +73,11 @@ impl Search {
         b * b - a * a > least_gain.powi(2)
     }
 
-    /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic.
+    /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic where
+    /// that can be known.
     pub(super) fn least_gain(&self) -> f64 {
-        self.data.accuracy_pa().min(self.chosen_adequacy.systematic_pa * 0.5f64.sqrt())
+        let half = self.chosen_adequacy.systematic_pa * 0.5f64.sqrt();
+        self.data.accuracy_pa().min(half.max(self.data.best_accuracy_pa()))
     }
 
     /// The same set with its secondary parameters free, where that is decisively better.

@@ -217,6 +217,11 @@ impl Recipe {
         Self { outside: Some(outside), ..self }
     }
 
+    /// The same as a simulator writes it: without noise, to 0.1 mPa and 1 nm.
+    pub fn without_noise(self) -> Self {
+        Self { noise_pa: 0.0, quantisation_pa: 1e-4, position_noise_m: 0.0, position_step_m: 1e-9, ..self }
+    }
+
     /// The same with all noise and all steps of its readings so many times as large.
     pub fn with_noise_times(mut self, factor: f64) -> Self {
         self.noise_pa *= factor;
