@@ -85,7 +85,9 @@ impl Search {
             read_off,
         };
         sanity::dead_volume(&self.data, &found.settled().fit)?;
-        sanity::coefficient(&self.data, &found.settled().fit)?;
+        if found.coefficient_stands_for().is_none() {
+            sanity::coefficient(&self.data, &found.settled().fit)?;
+        }
         Ok((self.data, found))
     }
 
