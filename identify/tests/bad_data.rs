@@ -1,7 +1,7 @@
 //! Data that cannot be what it should be is named, with the number that gives it away.
 
-use identify::synthetic::Recipe;
 use identify::synthetic::outside::Outside;
+use identify::synthetic::{Recipe, Shape};
 use identify::{Diagnosed, Error, Method};
 use records::units::{Quantity, Unit};
 use records::{Rig, Trace};
@@ -308,4 +308,21 @@ fn a_short_stop_in_a_bounce_that_a_slow_or_coarse_gauge_sees_at_rest_is_no_open_
     let coarse = read(|p| p.iter_mut().for_each(|p| *p = (*p / 2000.0).round() * 2000.0)).unwrap();
     let truth = recipe.chamber.heat_transfer.coefficient;
     assert!((slow / truth - 1.0).abs() < 0.03 && (coarse / truth - 1.0).abs() < 0.03, "{slow} {coarse} {truth}");
+}
+
+#[test]
+fn a_piston_that_turns_without_a_stop_is_no_open_port() {
+    for relaxes_faster in [1.0, 3.0] {
+        let mut recipe = Recipe { repeats: 1, rate_hz: 2000.0, noise_pa: 60.0, ..Recipe::from_seed(7) };
+        (recipe.position_noise_m, recipe.position_step_m) = (1e-5, 5e-5);
+        recipe.chamber.heat_transfer.coefficient *= relaxes_faster;
+        for test in &mut recipe.tests {
+            let (to, _, _, hold_s) = test.moves[0];
+            let turn = |to: f64, hold_s: f64| (to, 0.35, Shape::Cosine, hold_s);
+            test.moves = vec![turn(to, 0.0), turn(test.from_m, 0.0), turn(to, 0.0), turn(test.from_m, hold_s)];
+        }
+        let found = identify::identify(&recipe.rig(), Method::Exact).map(|found| found.parameters[0].1.value);
+        let (found, truth) = (found.unwrap(), recipe.chamber.heat_transfer.coefficient);
+        assert!((found / truth - 1.0).abs() < 0.03, "{found} {truth}");
+    }
 }

@@ -1,5 +1,8 @@
-//! The error on data that took no part in the fit: repeats left out in turn; without repeats, the last third of each
-//! record, simulated on from its beginning.
+//! The error on data that took no part in the fit: repeats left out in turn; without repeats, records left out in turn; of a
+//! single record the last third, simulated on from its beginning.
+//!
+//! What is left out of several records are whole ones, since the last third of a long hold shows nothing of an effect that acts
+//! in moves only.
 //!
 //! A left-out record brings its own initial pressure (and temperature, where it starts in motion): no row is judged by
 //! what it helped to find, but each half of a record's rows, in alternating runs, with the numbers of its own that the other
@@ -23,12 +26,10 @@ pub struct Fold {
     pub judged_from: Vec<usize>,
 }
 
-/// The folds of a rig: each repeat of all experiments in turn; without repeats each record in turn, if there are enough of
-/// them; else the last third of every record.
+/// The folds of a rig: each repeat of all experiments in turn; without repeats each record in turn; of a single record the last
+/// third.
 pub fn folds(data: &Data) -> Vec<Fold> {
-    /// From so many records on each can be left out in turn …
-    const FEWEST_RECORDS: usize = 4;
-    /// … several of them at a time, so that there are not more folds than this.
+    /// Records are left out several at a time, so that there are not more folds than this.
     const MOST_FOLDS: usize = 4;
     let repeats = data.traces.iter().map(|t| t.repeat).max().unwrap_or(0) + 1;
     if repeats > 1 {
@@ -39,7 +40,7 @@ pub fn folds(data: &Data) -> Vec<Fold> {
             .filter(|f| f.selection.contains(&0) && f.selection.iter().any(|n| *n > 0))
             .collect();
     }
-    if data.traces.len() >= FEWEST_RECORDS {
+    if data.traces.len() > 1 {
         let folds = data.traces.len().min(MOST_FOLDS);
         return (0..folds).map(|fold| without(data, |k, _| k % folds == fold)).collect();
     }
@@ -48,6 +49,14 @@ pub fn folds(data: &Data) -> Vec<Fold> {
         selection: data.traces.iter().map(|t| t.blocks.iter().filter(|b| b.end <= cut(t)).count()).collect(),
         judged_from: data.traces.iter().map(cut).collect(),
     }]
+}
+
+/// Whether the records that are fitted beside those left out tell what these show: repeats of them, or enough others. What one
+/// or two records leave open of an effect is no fault of it where the next one shows it.
+pub fn are_representative(data: &Data) -> bool {
+    /// From so many records on each has enough others.
+    const FEWEST_RECORDS: usize = 4;
+    data.traces.len() >= FEWEST_RECORDS || data.traces.iter().any(|t| t.repeat > 0)
 }
 
 /// Each experiment left out whole, several at a time where there are many: what a term without a name has to predict. With a
@@ -210,6 +219,24 @@ fn from_rest(t: &Prepared, held: &Hypothesis, own: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn records_are_left_out_whole_from_two_on_and_of_a_single_one_the_last_third_is() {
+        let folds_of = |records: usize| {
+            let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+            recipe.tests.truncate(records);
+            let data = Data::prepare(&recipe.rig()).unwrap();
+            (folds(&data), are_representative(&data))
+        };
+        for records in [2, 3, 4] {
+            let (folds, representative) = folds_of(records);
+            let whole = folds.iter().filter(|f| f.selection.iter().filter(|blocks| **blocks == 0).count() == 1).count();
+            assert_eq!((folds.len(), whole, representative), (records, records, records == 4));
+        }
+        let (folds, _) = folds_of(1);
+        assert!(folds.len() == 1 && folds[0].selection[0] > 0 && folds[0].judged_from[0] > 0);
+    }
 
     #[test]
     fn both_halves_see_a_move_of_few_rows_and_rests_are_cut_as_the_noise_remembers() {

@@ -27,13 +27,17 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
 /// Refuses a heat transfer coefficient that no gas in a cylinder has, in the model that is settled on: a lag or a delay that the
 /// model does not have yet can make it anything.
 pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
-    let chamber = fitted.chamber();
-    let coefficient = chamber.heat_transfer.coefficient;
-    if policy::PLAUSIBLE_COEFFICIENT.contains(&coefficient) {
+    if has_plausible_coefficient(fitted) {
         return Ok(());
     }
+    let chamber = fitted.chamber();
     let time_constant_s = Sizes::of(data, &chamber).relaxation;
-    Err(Error::ImplausibleCoefficient { coefficient, time_constant_s })
+    Err(Error::ImplausibleCoefficient { coefficient: chamber.heat_transfer.coefficient, time_constant_s })
+}
+
+/// Whether a gas in a cylinder can have the heat transfer coefficient of a fit.
+pub fn has_plausible_coefficient(fitted: &Fit) -> bool {
+    policy::PLAUSIBLE_COEFFICIENT.contains(&fitted.chamber().heat_transfer.coefficient)
 }
 
 /// Refuses gauge pressure that is declared absolute, absolute pressure that is declared gauge, and gauge pressure in another unit

@@ -247,6 +247,15 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
         out.push("the records differ in how they were recorded (see records), not in physics".to_owned());
     }
+    if let Some(other) = found.coefficient_stands_for() {
+        let of = |fit: &Fit| digits(fit.chamber().heat_transfer.coefficient, 3);
+        out.push(format!(
+            "lambda0 = {} W/(m2 K) is none that a gas in a cylinder has, and stands for what the paper's model lacks: with {} it is {}",
+            of(&found.baseline.fit),
+            other.model.words(),
+            of(&other.fit)
+        ));
+    }
     out.extend(common_start(data, fit));
     out.extend(positions_too_far(&found.settled().fit));
     if found.follows_the_test {

@@ -5,9 +5,10 @@ use crate::record::lattice;
 use crate::record::line::Line;
 use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
-use crate::record::stroke::{Motion, Phase, extent};
+use crate::record::stroke::{Motion, Phase, Segment, extent};
 use crate::record::unit::Declared;
 use records::{Trace, correlation};
+use std::iter;
 use std::ops::Range;
 
 /// Fewest rows of a trace.
@@ -129,12 +130,14 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     /// A change beyond this share, with nothing to be seen in between, is an open port.
     const OPENED: f64 = 0.05;
     let is_same = |a: f64, b: f64| (b / a - 1.0).abs() < SAME_PLACE;
-    // Readings and position of each rest and hold.
-    let still: Vec<(Vec<usize>, f64)> = motion
-        .segments
-        .iter()
-        .filter(|s| s.phase != Phase::Move)
-        .map(|s| ((s.first..s.end).filter(|&row| readout.is_data(row)).collect::<Vec<_>>(), s))
+    // Readings and position of each rest and hold. A stop shorter than the move before it, such as a point where the piston turns,
+    // tells nothing: what the gas exchanged in the move has not settled in it.
+    let lasts = |s: &Segment| s.to_s - s.from_s;
+    let before = iter::once(None).chain(motion.segments.iter().map(Some));
+    let still: Vec<(Vec<usize>, f64)> = before
+        .zip(&motion.segments)
+        .filter(|(before, s)| s.phase != Phase::Move && before.is_none_or(|before| lasts(s) >= lasts(before)))
+        .map(|(_, s)| ((s.first..s.end).filter(|&row| readout.is_data(row)).collect::<Vec<_>>(), s))
         .filter(|(rows, _)| rows.len() >= FEWEST)
         .map(|(rows, s)| (rows, trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64))
         .collect();

@@ -119,7 +119,6 @@ fn second_derivatives(time_s: &[f64], speeds: [f64; 2]) -> (DMatrix<f64>, DVecto
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::record::stroke::Motion;
     use crate::synthetic::Random;
     use std::cell::Cell;

@@ -9,7 +9,7 @@ use super::{Candidate, Found, Search, Verdict, terms};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::evidence::bic_widened;
-use crate::judge::{adequacy, kinds, misfit, sanity};
+use crate::judge::{adequacy, kinds, left_out, misfit, sanity};
 use crate::parameters::Model;
 use crate::policy;
 use crate::record::data::Data;
@@ -85,7 +85,9 @@ impl Search {
             read_off,
         };
         sanity::dead_volume(&self.data, &found.settled().fit)?;
-        sanity::coefficient(&self.data, &found.settled().fit)?;
+        if found.coefficient_stands_for().is_none() {
+            sanity::coefficient(&self.data, &found.settled().fit)?;
+        }
         Ok((self.data, found))
     }
 
@@ -159,10 +161,10 @@ impl Search {
     }
 
     /// Whether the chosen model errs on records left out whole hardly more than on those it was fitted to: a cause is at work in
-    /// all of them. The last third of a record, which nothing like it was fitted to, may be predicted less well.
+    /// all of them. What nothing like it was fitted to may be predicted less well.
     pub(super) fn carries_over(&self) -> bool {
-        let whole_records = self.folds.iter().any(|fold| fold.selection.contains(&0));
-        let Some(left_out) = self.chosen.held_out_pa.filter(|_| whole_records) else { return true };
+        let asked = left_out::are_representative(&self.data);
+        let Some(left_out) = self.chosen.held_out_pa.filter(|_| asked) else { return true };
         self.predicts_as_it_fits(&self.chosen, left_out)
     }
 
@@ -228,11 +230,10 @@ mod tests {
         search.chosen.held_out_pa = search.chosen.held_out_pa.map(|left_out| 1.5 * left_out);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Improved);
 
-        // Of a rig whose records only lose their last thirds, no prediction is asked.
-        search
-            .folds
-            .iter_mut()
-            .for_each(|fold| fold.selection.iter_mut().for_each(|blocks| *blocks = (*blocks).max(1)));
+        // Of a rig of few records, which need not show all of the effect each, it is not asked.
+        search.data.traces.truncate(3);
+        search.data.traces.iter_mut().for_each(|t| t.repeat = 0);
+        search.chosen.fit.own.truncate(3);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
     }
 }

@@ -73,11 +73,11 @@ impl Search {
         b * b - a * a > least_gain.powi(2)
     }
 
-    /// The error that a term has to take off left-out data, Pa: what matters, or half the power of all that is systematic where
-    /// that can be known.
+    /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, half the
+    /// power of it, since no term takes off more than there is.
     pub(super) fn least_gain(&self) -> f64 {
-        let half = self.chosen_adequacy.systematic_pa * 0.5f64.sqrt();
-        self.data.accuracy_pa().min(half.max(self.data.best_accuracy_pa()))
+        let (accuracy_pa, chosen) = (self.data.accuracy_pa(), &self.chosen_adequacy);
+        if chosen.is_good_enough { accuracy_pa } else { accuracy_pa.min(chosen.systematic_pa * 0.5f64.sqrt()) }
     }
 
     /// The same set with its secondary parameters free, where that is decisively better.
@@ -176,6 +176,28 @@ mod tests {
         search.tried = vec![zones];
         search.chosen_adequacy = Adequacy { is_good_enough: true, ..search.chosen_adequacy };
         assert!(search.chosen_adequacy.is_adequate() && !search.describes());
+    }
+
+    #[test]
+    fn an_effect_that_takes_less_than_the_accuracy_off_has_no_name() {
+        let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5).with("leakage", &[1e-13, 0.3]) };
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let found_with = |accuracy_pa: f64| {
+            let data = Data { accuracy_pa: Some(accuracy_pa), ..data.clone() };
+            let adequacy = adequacy::test(&data, &paper);
+            let mut search = Search::new(data, paper.clone(), adequacy);
+            search.first_round();
+            search
+        };
+        let names = |search: &Search| search.chosen.model.terms();
+        let plain = found_with(1.0);
+        let taken_pa = (plain.baseline.held_out_pa.unwrap().powi(2) - plain.chosen.held_out_pa.unwrap().powi(2)).sqrt();
+        assert!(names(&plain) == 1 && plain.chosen.delta_bic > 2.0 * policy::DECISIVE);
+        assert!(names(&found_with(0.5 * taken_pa)) == 1);
+        assert!(names(&found_with(2.0 * taken_pa)) == 0, "{taken_pa} {}", plain.baseline_adequacy.systematic_pa);
+        // Of a little more than what nobody minds all would have to go, and half is enough.
+        let systematic_pa = plain.baseline_adequacy.systematic_pa;
+        assert!(names(&found_with(0.99 * systematic_pa)) == 1, "{taken_pa} {systematic_pa}");
     }
 
     #[test]

@@ -79,6 +79,14 @@ impl Found {
     pub fn settled(&self) -> &Candidate {
         if self.verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen }
     }
+
+    /// Where nothing explains the records and the coefficient of the paper's model is none that a gas can have: the best set, much
+    /// better than that model, with which it is one. Then it stands for what the model lacks and not for a wrong unit.
+    pub fn coefficient_stands_for(&self) -> Option<&Candidate> {
+        let is_open = self.verdict == Verdict::Unexplained && !sanity::has_plausible_coefficient(&self.baseline.fit);
+        let mut better = self.tried.iter().filter(|c| is_open && c.delta_bic > policy::DECISIVE && c.fit.converged);
+        better.find(|c| c.fit.exhausted().is_none() && sanity::has_plausible_coefficient(&c.fit))
+    }
 }
 
 /// Searches. `progress` is told what is being done and how far it is. The data come back with outliers left out and the noise as
@@ -325,6 +333,37 @@ mod tests {
     use super::*;
     use crate::synthetic::Recipe;
     use std::sync::atomic::{AtomicBool, Ordering};
+
+    #[test]
+    fn a_coefficient_that_another_model_makes_plausible_refuses_no_record() {
+        let (data, paper) =
+            baseline::fitted(Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let search = Search::new(data, paper, adequacy.clone());
+        let with = |verdict, far: f64, delta_bic| {
+            let mut baseline = search.baseline.clone();
+            baseline.fit.rig[0] += far;
+            let better = Candidate { delta_bic, ..search.baseline.clone() };
+            let found = Found {
+                verdict,
+                chosen: baseline.clone(),
+                baseline,
+                baseline_adequacy: adequacy.clone(),
+                chosen_adequacy: adequacy.clone(),
+                tried: vec![better],
+                steps: Vec::new(),
+                alike: Vec::new(),
+                follows_the_test: false,
+                carries_over: true,
+                by_geometry: None,
+                read_off: None,
+            };
+            found.coefficient_stands_for().is_some()
+        };
+        assert!(with(Verdict::Unexplained, 5.0, 100.0));
+        assert!(!with(Verdict::Unexplained, 0.0, 100.0) && !with(Verdict::Unexplained, 5.0, 1.0));
+        assert!(!with(Verdict::Improved, 5.0, 100.0));
+    }
 
     #[test]
     fn times_in_ms_declared_as_s_are_refused_before_larger_sets_are_tried() {

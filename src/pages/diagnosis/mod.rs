@@ -68,8 +68,8 @@ fn verdict(d: &Diagnosis) -> Section {
     section.blocks.push(Block::Verdict { kind: d.verdict.name(), text: verdict_text(d) });
     section.table(errors(d));
     section.note(
-        "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; with few records, the last third of each, which is \
-         simulated from the start of the record. The initial pressure of a left-out record is fitted to one half of its rows and the other half is judged, and vice versa.",
+        "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; of a single record the last third, which is \
+         simulated from its start. The initial pressure of a left-out record is fitted to one half of its rows and the other half is judged, and vice versa.",
     );
     if !d.probabilities.is_empty() {
         let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
