@@ -24,6 +24,7 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
         let noise_m = position_noise(&means);
         let (low, high) = extent(&means);
         let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)), shortest_hold);
+        join(&mut moving, &means);
         widen(&mut moving, &means, noise_m);
         let in_pieces = ranges(&moving).into_iter().any(|(first, end, moves)| moves && end - first < FEWEST_ROWS);
         let is_whole = moving.contains(&true) && !in_pieces;
@@ -55,72 +56,96 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     moving
 }
 
-/// Gives moves their gentle begins and ends, which single rows do not show in the position's noise. Between two moves, one of them
-/// longer, a piston that does not come to rest does not stop.
+/// Makes one of moves between which the piston does not stop: one that swings to its stop does not where it turns, nor one that
+/// starts gently. Between a move and one of less than half its way a stop lasts.
+fn join(moving: &mut [bool], position_m: &[f64]) {
+    const PART: f64 = 0.5;
+    /// The time of the longer move over that of the shortest stop beside it.
+    const SHORTEST_STOP: usize = 6;
+    let way = |first: usize, end: usize| {
+        let (low, high) = extent(&position_m[first..end]);
+        high - low
+    };
+    let mut begun = None;
+    for stop in ranges(moving).windows(3) {
+        let [before, (first, end, moves), after] = [stop[0], stop[1], stop[2]];
+        if moves {
+            continue;
+        }
+        // Where the move before began, with what has been added to it.
+        let from = begun.unwrap_or(before.0);
+        let ways = [way(from, first), way(after.0, after.1)];
+        let lasts = SHORTEST_STOP * (end - first) > (first - from).max(after.1 - after.0);
+        let is_one = !lasts && ways[0].min(ways[1]) < PART * ways[0].max(ways[1]);
+        if is_one {
+            moving[first..end].fill(true);
+        }
+        begun = is_one.then_some(from);
+    }
+}
+
+/// Gives moves their gentle begins and ends, which single rows do not show in the position's noise.
 fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
     let parts = ranges(moving);
     let length = |k: usize| parts.get(k).map_or(0, |(first, end, _)| end - first);
-    // Of the move before, with what has been added to it.
-    let mut before = 0;
     for (k, &(first, end, moves)) in parts.iter().enumerate() {
         if moves {
-            before += end - first;
             continue;
         }
-        let backwards: Vec<f64> = position_m[first..end].iter().rev().copied().collect();
-        let after = length(k + 1);
-        let begin = if k > 0 { unsettled(&position_m[first..end], before, noise_m) } else { Some(0) };
-        let rest = if k + 1 < parts.len() { unsettled(&backwards, after, noise_m) } else { Some(0) };
-        if k > 0 && after > 0 && (begin.is_none() || rest.is_none()) && end - first < before.max(after) {
-            moving[first..end].fill(true);
-            before += end - first;
-            continue;
+        if k > 0 {
+            let rows = unsettled(&position_m[first..end], length(k - 1), noise_m);
+            moving[first..first + rows].fill(true);
         }
-        moving[first..first + begin.unwrap_or(0)].fill(true);
-        moving[end - rest.unwrap_or(0)..end].fill(true);
-        before = 0;
+        if k + 1 < parts.len() {
+            let backwards: Vec<f64> = position_m[first..end].iter().rev().copied().collect();
+            let rows = unsettled(&backwards, length(k + 1), noise_m);
+            moving[end - rows..end].fill(true);
+        }
     }
 }
 
 /// How many of a hold's rows, counted from a move of so many rows, still belong to it: those whose means over a window differ from
 /// where the piston is held, and one window more, in which a mean would not show them either. A piston that swings to its stop
-/// passes its place in between. It is held along the straight line of the half of the rows that is farther from the move; none if
+/// passes its place in between. It is held along the straight line of the half of the rows that is farther from the move; no row if
 /// it does not get there.
-fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> Option<usize> {
+fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     const SHORTEST_WINDOW: usize = 8;
-    /// Windows in a move.
-    const WINDOWS: usize = 16;
+    /// Windows in a move, and in a hold at the least.
+    const WINDOWS: [usize; 2] = [16, 8];
     /// Windows for which a swing may stay near the place at which the piston will rest.
     const PASSING: usize = 4;
     /// A mean so far off shows that the move goes on, and after a pause that it has not been over.
     const DEVIATIONS: [f64; 2] = [2.7, 3.5];
     /// A move's end is no longer than so many times what single rows show of it.
     const LONGEST: usize = 8;
-    let window = (length / WINDOWS).max(SHORTEST_WINDOW);
+    let window = (length / WINDOWS[0]).min(rows.len() / WINDOWS[1]).max(SHORTEST_WINDOW);
     let half = rows.len() / 2;
-    let index: Vec<f64> = (0..rows.len()).map(|i| i as f64).collect();
     if half < window {
-        let line = Line::through(&index, rows);
-        let squares: f64 = index.iter().zip(rows).map(|(i, row)| (row - line.at(*i)).powi(2)).sum();
-        return (squares < DEVIATIONS[0] * noise_m * noise_m * rows.len() as f64).then_some(0);
+        return 0;
     }
+    let index: Vec<f64> = (0..rows.len()).map(|i| i as f64).collect();
     let line = Line::through(&index[half..], &rows[half..]);
     let held = (rows.len() - half) as f64;
-    let is_off = |i: usize, deviations: f64| {
-        let middle = i as f64 + 0.5 * (window - 1) as f64;
-        let reach = (middle - line.middle_s) / held;
-        let error_m = noise_m * (1.0 / window as f64 + (1.0 + 12.0 * reach * reach) / held).sqrt();
-        (mean(&rows[i..i + window]) - line.at(middle)).abs() > deviations * error_m
+    let middle = |i: usize| i as f64 + 0.5 * (window - 1) as f64;
+    let off = |i: usize| (mean(&rows[i..i + window]) - line.at(middle(i))).abs();
+    let error = |i: usize| {
+        let reach = (middle(i) - line.middle_s) / held;
+        noise_m * (1.0 / window as f64 + (1.0 + 12.0 * reach * reach) / held).sqrt()
     };
+    // A piston that is held may wander.
+    let means = (half..=rows.len() - window).step_by(window).map(|i| off(i).powi(2));
+    let wander = (means.clone().sum::<f64>() / means.count() as f64).sqrt();
+    let most = half.min(LONGEST * length);
     let mut moved = 0;
-    for i in 0..half.min(LONGEST * length) {
-        if is_off(i, DEVIATIONS[usize::from(i > moved)]) {
+    for i in 0..most {
+        let goes_on = i == moved && off(i) > DEVIATIONS[0] * error(i);
+        if goes_on || off(i) > DEVIATIONS[1] * error(i).max(wander) {
             moved = i + 1;
         } else if i > moved + PASSING * window {
-            return Some(moved + window);
+            break;
         }
     }
-    (moved + window < half.min(LONGEST * length)).then_some(moved + window)
+    if moved < most { moved + window } else { 0 }
 }
 
 /// Takes readings at either end of a move that do not differ from where the piston is held out of it, but for the one next to it: a

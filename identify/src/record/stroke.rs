@@ -372,14 +372,15 @@ mod tests {
     }
 
     #[test]
-    fn a_piston_that_swings_to_its_stop_moves_until_it_rests() {
+    fn a_piston_that_swings_to_its_stop_is_followed_until_it_rests() {
         let stroke = |t: f64| {
             let u = (t - 0.5).max(0.0);
             0.07 + 0.07 * (-u / 0.08).exp() * ((30.0 * u).cos() + (30.0 * u).sin() / (30.0 * 0.08))
         };
         for noise_m in [5e-6, 2e-5] {
             let (motion, worst) = worst_of(stroke, 6000, 0.001, noise_m);
-            assert_eq!(motion.segments.len(), 3);
+            // A last swing of a few times the noise may stand alone.
+            assert!((3..=5).contains(&motion.segments.len()));
             assert!(worst < 4.0 * noise_m, "{noise_m}: {worst}");
         }
     }
