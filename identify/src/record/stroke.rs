@@ -1,8 +1,8 @@
 //! The piston's stroke between the rows of a record.
 //!
 //! A move is a cubic spline near its samples that meets the holds around it, since straight lines between 100 Hz rows
-//! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a short one by [`smoothed`],
-//! a long one by [`thinned`]. A hold is the mean of its samples, so that the position's own noise is averaged away. A move at
+//! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a short one by `smoothed`,
+//! a long one by `thinned`. A hold is the mean of its samples, so that the position's own noise is averaged away. A move at
 //! constant speed keeps its corners ([`crate::record::ramp`]). Position in m, time in s from the record's start.
 
 use crate::record::line::Line;
