@@ -215,11 +215,11 @@ impl<'a> Readings<'a> {
             }
             let in_push = memory.polynomials.len();
             let quick = |lane: usize| found[2][lane] > 0.0 && sensors.drift[lane] == 0.0 && next[lane] >= in_push;
-            if (0..WIDTH).any(|lane| next[lane] < count && !quick(lane)) {
+            let open: [bool; WIDTH] = core::array::from_fn(|lane| next[lane] < count && !quick(lane));
+            if open.contains(&true) {
                 let [times, values, ..] =
                     arch.dispatch(Look { times: reading.times, reading, question: Question::Turn });
-                let searched: [bool; WIDTH] = core::array::from_fn(|lane| !quick(lane));
-                for lane in (0..WIDTH).filter(|lane| searched[*lane]) {
+                for lane in (0..WIDTH).filter(|lane| open[*lane]) {
                     (found[0][lane], found[1][lane]) = (times[lane], values[lane]);
                 }
             }

@@ -245,7 +245,12 @@ impl Data {
     /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise, or as much as nobody knows better.
     pub fn accuracy_pa(&self) -> f64 {
         let of_noise = policy::ACCURACY_OF_NOISE * self.noise.total_pa();
-        self.accuracy_pa.unwrap_or(of_noise.max(noise::least(self.highest_pressure_pa())))
+        self.accuracy_pa.unwrap_or(of_noise.max(self.least_noise_pa()))
+    }
+
+    /// The least white noise that counts, Pa.
+    pub fn least_noise_pa(&self) -> f64 {
+        noise::least(self.highest_pressure_pa())
     }
 
     /// Rows left out as outliers.

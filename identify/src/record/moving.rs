@@ -125,11 +125,16 @@ fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     }
     let index: Vec<f64> = (0..rows.len()).map(|i| i as f64).collect();
     let line = Line::through(&index[half..], &rows[half..]);
+    // Distances from it, summed up to each row.
+    let mut sums = vec![0.0];
+    sums.extend(index.iter().zip(rows).scan(0.0, |sum, (i, row)| {
+        *sum += row - line.at(*i);
+        Some(*sum)
+    }));
     let held = (rows.len() - half) as f64;
-    let middle = |i: usize| i as f64 + 0.5 * (window - 1) as f64;
-    let off = |i: usize| (mean(&rows[i..i + window]) - line.at(middle(i))).abs();
+    let off = |i: usize| (sums[i + window] - sums[i]).abs() / window as f64;
     let error = |i: usize| {
-        let reach = (middle(i) - line.middle_s) / held;
+        let reach = (i as f64 + 0.5 * (window - 1) as f64 - line.middle_s) / held;
         noise_m * (1.0 / window as f64 + (1.0 + 12.0 * reach * reach) / held).sqrt()
     };
     // A piston that is held may wander.

@@ -48,23 +48,29 @@ pub fn between(time_s: &[f64], position_m: &[f64], [before, after]: [Held; 2], n
     if first >= last {
         return None;
     }
-    let move_of = |a: usize, b: usize| {
+    let from_to = |(a, b): (usize, usize)| {
         let outside = (1..=a).map(|i| off(i, &before)).sum::<f64>() + (b..n - 1).map(|i| off(i, &after)).sum::<f64>();
         let ends = [before.at(time_s[a]), after.at(time_s[b])];
         let (inside, risk) =
             smoothed(&time_s[a..=b], &position_m[a + 1..b], ends, [before.speed, after.speed], noise_m)?;
-        Some((inside, risk + outside))
+        Some(Move { rows: [a, b], inside, risk: risk + outside })
     };
-    let best = |moves: &mut dyn Iterator<Item = (usize, usize)>| {
-        let risks = moves.filter_map(|(a, b)| Some(((a, b), move_of(a, b)?.1)));
-        risks.min_by(|p, q| p.1.total_cmp(&q.1)).map(|(ends, _)| ends)
-    };
-    let (a, _) = best(&mut LONGER.iter().filter(|rows| **rows <= first).map(|rows| (first - rows, last)))?;
-    let (a, b) = best(&mut LONGER.iter().filter(|rows| last + **rows < n).map(|rows| (a, last + rows)))?;
-    let mut curve = move_of(a, b)?.0;
-    curve.insert(0, before.at(time_s[a]));
-    curve.push(after.at(time_s[b]));
+    let likelier = |p: &Move, q: &Move| p.risk.total_cmp(&q.risk);
+    let begins = LONGER.iter().filter(|rows| **rows <= first).map(|rows| (first - rows, last));
+    let begun = begins.filter_map(from_to).min_by(likelier)?;
+    let a = begun.rows[0];
+    let ends = LONGER[1..].iter().filter(|rows| last + **rows < n).map(|rows| (a, last + rows));
+    let Move { rows: [a, b], inside, .. } = std::iter::once(begun).chain(ends.filter_map(from_to)).min_by(likelier)?;
+    let curve = std::iter::once(before.at(time_s[a])).chain(inside).chain([after.at(time_s[b])]).collect();
     Some(Spline::through(time_s[a..=b].to_vec(), curve, [Some(before.speed), Some(after.speed)]))
+}
+
+/// A move from the one row to the other, and its risk.
+struct Move {
+    rows: [usize; 2],
+    /// The curve at the rows in between, m.
+    inside: Vec<f64>,
+    risk: f64,
 }
 
 /// The smooth curve at the rows between two ends, m, and its risk.

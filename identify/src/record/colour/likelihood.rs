@@ -1,194 +1,19 @@
-//! The coloured part of a recording's noise, from the residuals of a fit.
+//! The likelihood of a noise in windows, and the processes that raise it most.
 //!
-//! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
-//! they have in common (Helmert contrasts, each with the covariance of one record and free of its mean). Without repeats
-//! short windows in the late parts of rests and holds are used, free of a cubic each (restricted likelihood): what is slower
-//! may be the gas. White noise alone, with one or with two Ornstein–Uhlenbeck processes, with flicker (1/f) noise, and with a
-//! line are compared by BIC; each by maximum likelihood, the innovations from a Kalman filter ([`Whitener`]). Flicker noise has
-//! two numbers, its size and its shortest time: it is a sum of equally large processes whose times are evenly spaced on a
-//! logarithmic scale up to the length of a record, so that short windows tell its wander over all of it. Sources: D. A.
-//! Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood); M. S. Keshner, Proc. IEEE 70 (1982) 212 (1/f noise).
+//! Windows are free of a polynomial each; the innovations are those of a Kalman filter ([`Whitener`]).
 
+use super::windows::Window;
 use crate::fit::whiten::{Place, Whitener};
-use crate::policy::DECISIVE;
-use crate::record::data::{Data, Prepared};
-use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise, least};
-use crate::record::stroke::Phase;
+use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Rows after a move that are left out: there the position's noise and the move's course count.
-const AFTER_MOVE: usize = 10;
-/// Longest window, points; longer ones are averaged down to it.
-const LONGEST: usize = 1500;
-/// Rows of a window where there are no repeats.
-const ALONE: usize = 120;
-/// Coefficients of the polynomial that a window of a single record is free of.
-const FREE_ALONE: usize = 4;
-/// Those that a contrast of repeats is free of: its mean, in which zeros of gauges differ and wander that began earlier shows.
-const FREE_IN_CONTRAST: usize = 1;
-/// Most points looked at in all.
-const MOST_POINTS: usize = 30_000;
-/// Fewest points that say anything about colour.
-const FEWEST_POINTS: usize = 120;
-
 /// Periods of a hum that the longest window has at least.
 const SHORTEST_HUM: f64 = 0.5;
-/// Periods of a slow hum that the longest hold has at least: fewer may be the gas.
-const FEWEST_PERIODS: f64 = 2.0;
-
 /// Most rounds of trials in which a size, a time or a frequency is moved on: far more than a search takes that comes to an end.
 const MOST_ROUNDS: usize = 100;
-
 /// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
-
-/// Noise of a rig in one window, Pa, at equal distances.
-struct Window {
-    values: Vec<f64>,
-    /// Time from one value to the next, s.
-    distance_s: f64,
-    /// Readings in each value.
-    averaged: usize,
-}
-
-/// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
-/// change: step, what the rig states.
-pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
-    let (mut windows, pure) = windows(data, residuals);
-    let points: usize = windows.iter().map(|w| w.values.len()).sum();
-    let sticks = before.sticks && !(pure && exceeds_rounding(&windows, before.rounding_pa()));
-    // What a sticking sensor shows between its steps is rounding, which has a model of its own.
-    if sticks || points < FEWEST_POINTS {
-        return before.clone();
-    }
-    while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
-        windows = windows.into_iter().step_by(2).collect();
-    }
-    let free = if pure { FREE_IN_CONTRAST } else { FREE_ALONE };
-    let likelihood = Likelihood { windows: &windows, free, least_pa: least(data.highest_pressure_pa()) };
-    let white_pa = before.white_pa.max(before.rounding_pa());
-    let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, ..before.clone() };
-    let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
-    let longest_s = if pure { record_s } else { likelihood.longest_s() };
-    let mut noise = likelihood.best(&start, longest_s, record_s);
-    if !pure && noise.hum.is_none() {
-        noise.hum = slow_hum(data, residuals, &start);
-    }
-    let rows = likelihood.points() as f64;
-    noise.variance_error = (2.0 / (rows - 2.0).max(1.0)).sqrt();
-    if let Some(stated) = noise.stated_pa.filter(|s| *s > 1.2 * noise.total_pa()) {
-        let scale = stated / noise.total_pa();
-        noise = scale_by(&noise, scale);
-    }
-    noise
-}
-
-/// Whether repeats differ by more than twice the variance of rounding: coloured noise moves the readings over their steps, though
-/// not from each to the next.
-fn exceeds_rounding(windows: &[Window], rounding_pa: f64) -> bool {
-    let of = |w: &Window| {
-        let mean = w.values.iter().sum::<f64>() / w.values.len() as f64;
-        w.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
-    };
-    let points: usize = windows.iter().map(|w| w.values.len()).sum();
-    windows.iter().map(of).sum::<f64>() > 2.0 * rounding_pa * rounding_pa * points as f64
-}
-
-/// Hum that whole rests and holds of single records show: a short window holds less than a period of it.
-fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
-    let rests_and_holds = |(t, residual): (&Prepared, &Vec<f64>)| -> Vec<Window> {
-        let segments = 0..t.course.motion.segments.len();
-        let rows = segments.map(|s| quiet_rows(t, s, false));
-        rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
-    };
-    let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
-    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: least(data.highest_pressure_pa()) };
-    let longest_s = likelihood.longest_s();
-    // A colour stands for what the model itself leaves.
-    let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
-    let (without, coloured) = colour(&likelihood.scaled(start).1);
-    let hum = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS)?;
-    let (with, humming) = colour(&likelihood.scaled(&Noise { hum: Some(hum), ..start.clone() }).1);
-    (with + DECISIVE < without).then(|| likelihood.tuned((with, humming)).1.hum).flatten()
-}
-
-fn scale_by(noise: &Noise, factor: f64) -> Noise {
-    let mut out = noise.clone();
-    out.white_pa *= factor;
-    out.colours.iter_mut().for_each(|c| c.sd_pa *= factor);
-    out.hum.iter_mut().for_each(|h| h.sd_pa *= factor);
-    out
-}
-
-/// Windows of noise, and whether they are contrasts of repeats.
-fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
-    let mut out = Vec::new();
-    for experiment in 0..data.experiments.len() {
-        let repeats: Vec<usize> = (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect();
-        contrasts(data, residuals, &repeats, &mut out);
-    }
-    if !out.is_empty() {
-        return (out, true);
-    }
-    for (t, residual) in data.traces.iter().zip(residuals) {
-        for s in 0..t.course.motion.segments.len() {
-            for rows in quiet_rows(t, s, true).chunks_exact(ALONE) {
-                out.extend(window(t, rows.iter().map(|&i| residual[i]).collect()));
-            }
-        }
-    }
-    (out, false)
-}
-
-/// Rows of a rest or hold that are data, or of its later half; none of a move.
-fn quiet_rows(t: &Prepared, segment: usize, late: bool) -> Vec<usize> {
-    let s = &t.course.motion.segments[segment];
-    let first = match s.phase {
-        Phase::Move => return Vec::new(),
-        Phase::Rest => s.first,
-        Phase::Hold if late => s.first + (s.end - s.first) / 2,
-        Phase::Hold => s.first + AFTER_MOVE,
-    };
-    (first..s.end).filter(|&i| t.readout.is_data(i)).collect()
-}
-
-fn contrasts(data: &Data, residuals: &[Vec<f64>], repeats: &[usize], out: &mut Vec<Window>) {
-    let traces: Vec<&Prepared> = repeats.iter().map(|&k| &data.traces[k]).collect();
-    let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
-    let Some(first) = traces.first().filter(|_| traces.len() > 1) else { return };
-    if traces.iter().any(|t| phases(t) != phases(first) || t.readout.period != first.readout.period) {
-        return;
-    }
-    for (segment, phase) in phases(first).into_iter().enumerate() {
-        let rows: Vec<Vec<usize>> = traces.iter().map(|t| quiet_rows(t, segment, false)).collect();
-        let length = rows.iter().map(Vec::len).min().unwrap_or(0);
-        // Rests are compared from their ends, holds from their begins.
-        let aligned = |k: usize, i: usize| {
-            let own = &rows[k];
-            let place = if phase == Phase::Rest { own.len() - length + i } else { i };
-            residuals[repeats[k]][own[place]]
-        };
-        for order in 1..repeats.len() {
-            let norm = ((order * (order + 1)) as f64).sqrt();
-            let values: Vec<f64> = (0..length)
-                .map(|i| ((0..order).map(|k| aligned(k, i)).sum::<f64>() - order as f64 * aligned(order, i)) / norm)
-                .collect();
-            out.extend(window(first, values));
-        }
-    }
-}
-
-fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
-    if values.len() < 8 || values.iter().any(|v| !v.is_finite()) {
-        return None;
-    }
-    let averaged = values.len().div_ceil(LONGEST);
-    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-    let values: Vec<f64> = values.chunks_exact(averaged).map(mean).collect();
-    let row_s = t.time_s.last().map_or(0.01, |last| last / (t.time_s.len() - 1) as f64);
-    Some(Window { values, distance_s: row_s * (t.readout.period * averaged) as f64, averaged })
-}
 
 /// A whitener that serves every window of this distance and of no more values, with the powers of time whitened by it.
 struct Ruler {
@@ -212,22 +37,24 @@ impl Ruler {
     }
 }
 
-struct Likelihood<'a> {
-    windows: &'a [Window],
+/// Of noise in these windows.
+pub struct Likelihood<'a> {
+    pub windows: &'a [Window],
     /// Coefficients of the polynomial that each window is free of.
-    free: usize,
+    pub free: usize,
     /// The white part is no smaller than this, Pa. Without an end the likelihood of windows without noise would rise for ever
     /// as the white part shrinks beside a coloured one.
-    least_pa: f64,
+    pub least_pa: f64,
 }
 
 impl Likelihood<'_> {
-    fn points(&self) -> usize {
+    /// Values in all windows.
+    pub fn points(&self) -> usize {
         self.windows.iter().map(|w| w.values.len()).sum()
     }
 
     /// −2 ln L with the noise's size at its maximum, or where its white part is the least, and the noise of that size.
-    fn scaled(&self, shape: &Noise) -> (f64, Noise) {
+    pub fn scaled(&self, shape: &Noise) -> (f64, Noise) {
         let (mut squares, mut determinants, mut freedom) = (0.0, 0.0, 0.0);
         let mut known: Option<Ruler> = None;
         let mut order: Vec<&Window> = self.windows.iter().collect();
@@ -259,7 +86,7 @@ impl Likelihood<'_> {
     }
 
     /// White noise with the processes that pay: coloured ones of up to `longest_s`, flicker noise of up to `record_s`.
-    fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
+    pub fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
         let white = self.scaled(start);
         let coloured = self.better(self.coloured(white.clone(), longest_s), self.flickering(&white.1, record_s));
         let mut best = coloured.clone();
@@ -344,7 +171,7 @@ impl Likelihood<'_> {
     /// The line's frequency and size, where there is one, moved up and down by steps that shrink, as long as that helps: the
     /// periodogram of a slow hum has few frequencies to choose from, and the polynomial that the windows are free of shifts
     /// its peak.
-    fn tuned(&self, mut best: (f64, Noise)) -> (f64, Noise) {
+    pub fn tuned(&self, mut best: (f64, Noise)) -> (f64, Noise) {
         let (mut step_hz, mut factor) = (0.25 / self.longest_s(), 1.4);
         for _ in 0..MOST_ROUNDS {
             if step_hz <= 0.01 / self.longest_s() {
@@ -372,12 +199,12 @@ impl Likelihood<'_> {
     }
 
     /// Duration of the longest window, s.
-    fn longest_s(&self) -> f64 {
+    pub fn longest_s(&self) -> f64 {
         self.windows.iter().map(|w| w.distance_s * w.values.len() as f64).fold(0.0, f64::max)
     }
 
     /// The best noise with one more coloured process.
-    fn with_another_colour(&self, noise: &Noise, longest_s: f64) -> (f64, Noise) {
+    pub fn with_another_colour(&self, noise: &Noise, longest_s: f64) -> (f64, Noise) {
         let shortest_s = self.shortest_s();
         let steps = 7;
         let ratio = (2.0 * longest_s / shortest_s).max(4.0).powf(1.0 / f64::from(steps - 1));
@@ -424,7 +251,7 @@ impl Likelihood<'_> {
     }
 
     /// A line that stands out of the innovations' periodogram.
-    fn line(&self, noise: &Noise) -> Option<Hum> {
+    pub fn line(&self, noise: &Noise) -> Option<Hum> {
         const STANDS_OUT: f64 = 12.0;
         let longest = self.windows.iter().max_by_key(|w| w.values.len())?;
         let span_s = longest.distance_s * longest.values.len() as f64;
@@ -487,8 +314,19 @@ fn power(values: &[f64], angle: f64) -> f64 {
     (s1 * s1 + s2 * s2 - twice * s1 * s2) / values.len() as f64
 }
 
+/// All of a noise so many times as large.
+pub fn scale_by(noise: &Noise, factor: f64) -> Noise {
+    let mut out = noise.clone();
+    out.white_pa *= factor;
+    out.colours.iter_mut().for_each(|c| c.sd_pa *= factor);
+    out.hum.iter_mut().for_each(|h| h.sd_pa *= factor);
+    out
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::windows::ALONE;
+    use super::super::{FREE_ALONE, FREE_IN_CONTRAST};
     use super::*;
     use crate::synthetic::Random;
 

@@ -1,0 +1,91 @@
+//! The coloured part of a recording's noise, from the residuals of a fit.
+//!
+//! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
+//! they have in common (Helmert contrasts, each with the covariance of one record and free of its mean). Without repeats
+//! short windows in the late parts of rests and holds are used, free of a cubic each (restricted likelihood): what is slower
+//! may be the gas. White noise alone, with one or with two Ornstein–Uhlenbeck processes, with flicker (1/f) noise, and with a
+//! line are compared by BIC; each by maximum likelihood, the innovations from a Kalman filter (`likelihood`). Flicker noise has
+//! two numbers, its size and its shortest time: it is a sum of equally large processes whose times are evenly spaced on a
+//! logarithmic scale up to the length of a record, so that short windows tell its wander over all of it. Sources: D. A.
+//! Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood); M. S. Keshner, Proc. IEEE 70 (1982) 212 (1/f noise).
+
+mod likelihood;
+mod windows;
+
+use crate::policy::DECISIVE;
+use crate::record::data::{Data, Prepared};
+use crate::record::noise::{Hum, Noise};
+use likelihood::{Likelihood, scale_by};
+use windows::{Window, quiet_rows, window, windows};
+
+/// Coefficients of the polynomial that a window of a single record is free of.
+const FREE_ALONE: usize = 4;
+/// Those that a contrast of repeats is free of: its mean, in which zeros of gauges differ and wander that began earlier shows.
+const FREE_IN_CONTRAST: usize = 1;
+/// Most points looked at in all.
+const MOST_POINTS: usize = 30_000;
+/// Fewest points that say anything about colour.
+const FEWEST_POINTS: usize = 120;
+/// Periods of a slow hum that the longest hold has at least: fewer may be the gas.
+const FEWEST_PERIODS: f64 = 2.0;
+
+/// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
+/// change: step, what the rig states.
+pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
+    let (mut windows, pure) = windows(data, residuals);
+    let points: usize = windows.iter().map(|w| w.values.len()).sum();
+    let sticks = before.sticks && !(pure && exceeds_rounding(&windows, before.rounding_pa()));
+    // What a sticking sensor shows between its steps is rounding, which has a model of its own.
+    if sticks || points < FEWEST_POINTS {
+        return before.clone();
+    }
+    while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
+        windows = windows.into_iter().step_by(2).collect();
+    }
+    let free = if pure { FREE_IN_CONTRAST } else { FREE_ALONE };
+    let likelihood = Likelihood { windows: &windows, free, least_pa: data.least_noise_pa() };
+    let white_pa = before.white_pa.max(before.rounding_pa());
+    let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, ..before.clone() };
+    let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
+    let longest_s = if pure { record_s } else { likelihood.longest_s() };
+    let mut noise = likelihood.best(&start, longest_s, record_s);
+    if !pure && noise.hum.is_none() {
+        noise.hum = slow_hum(data, residuals, &start);
+    }
+    let rows = likelihood.points() as f64;
+    noise.variance_error = (2.0 / (rows - 2.0).max(1.0)).sqrt();
+    if let Some(stated) = noise.stated_pa.filter(|s| *s > 1.2 * noise.total_pa()) {
+        let scale = stated / noise.total_pa();
+        noise = scale_by(&noise, scale);
+    }
+    noise
+}
+
+/// Whether repeats differ by more than twice the variance of rounding: coloured noise moves the readings over their steps, though
+/// not from each to the next.
+fn exceeds_rounding(windows: &[Window], rounding_pa: f64) -> bool {
+    let of = |w: &Window| {
+        let mean = w.values.iter().sum::<f64>() / w.values.len() as f64;
+        w.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+    };
+    let points: usize = windows.iter().map(|w| w.values.len()).sum();
+    windows.iter().map(of).sum::<f64>() > 2.0 * rounding_pa * rounding_pa * points as f64
+}
+
+/// Hum that whole rests and holds of single records show: a short window holds less than a period of it.
+fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
+    let rests_and_holds = |(t, residual): (&Prepared, &Vec<f64>)| -> Vec<Window> {
+        let segments = 0..t.course.motion.segments.len();
+        let rows = segments.map(|s| quiet_rows(t, s, false));
+        rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
+    };
+    let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
+    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: data.least_noise_pa() };
+    let longest_s = likelihood.longest_s();
+    // A colour stands for what the model itself leaves.
+    let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
+    let (without, coloured) = colour(&likelihood.scaled(start).1);
+    let hum = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS)?;
+    let (with, humming) = colour(&likelihood.scaled(&Noise { hum: Some(hum), ..start.clone() }).1);
+    (with + DECISIVE < without).then(|| likelihood.tuned((with, humming)).1.hum).flatten()
+}

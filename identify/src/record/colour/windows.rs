@@ -1,0 +1,92 @@
+//! Windows of a recording's noise, Pa: contrasts of repeats, or short parts of rests and holds.
+
+use crate::record::data::{Data, Prepared};
+use crate::record::stroke::Phase;
+
+/// Rows after a move that are left out: there the position's noise and the move's course count.
+const AFTER_MOVE: usize = 10;
+/// Longest window, points; longer ones are averaged down to it.
+const LONGEST: usize = 1500;
+/// Rows of a window where there are no repeats.
+pub const ALONE: usize = 120;
+
+/// Noise of a rig in one window, Pa, at equal distances.
+pub struct Window {
+    /// Pa.
+    pub values: Vec<f64>,
+    /// Time from one value to the next, s.
+    pub distance_s: f64,
+    /// Readings in each value.
+    pub averaged: usize,
+}
+
+/// Windows of noise, and whether they are contrasts of repeats.
+pub fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
+    let mut out = Vec::new();
+    for experiment in 0..data.experiments.len() {
+        let repeats: Vec<usize> = (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect();
+        contrasts(data, residuals, &repeats, &mut out);
+    }
+    if !out.is_empty() {
+        return (out, true);
+    }
+    for (t, residual) in data.traces.iter().zip(residuals) {
+        for s in 0..t.course.motion.segments.len() {
+            for rows in quiet_rows(t, s, true).chunks_exact(ALONE) {
+                out.extend(window(t, rows.iter().map(|&i| residual[i]).collect()));
+            }
+        }
+    }
+    (out, false)
+}
+
+/// Rows of a rest or hold that are data, or of its later half; none of a move.
+pub fn quiet_rows(t: &Prepared, segment: usize, late: bool) -> Vec<usize> {
+    let s = &t.course.motion.segments[segment];
+    let first = match s.phase {
+        Phase::Move => return Vec::new(),
+        Phase::Rest => s.first,
+        Phase::Hold if late => s.first + (s.end - s.first) / 2,
+        Phase::Hold => s.first + AFTER_MOVE,
+    };
+    (first..s.end).filter(|&i| t.readout.is_data(i)).collect()
+}
+
+/// Helmert contrasts between the repeats of an experiment, part by part.
+fn contrasts(data: &Data, residuals: &[Vec<f64>], repeats: &[usize], out: &mut Vec<Window>) {
+    let traces: Vec<&Prepared> = repeats.iter().map(|&k| &data.traces[k]).collect();
+    let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
+    let Some(first) = traces.first().filter(|_| traces.len() > 1) else { return };
+    if traces.iter().any(|t| phases(t) != phases(first) || t.readout.period != first.readout.period) {
+        return;
+    }
+    for (segment, phase) in phases(first).into_iter().enumerate() {
+        let rows: Vec<Vec<usize>> = traces.iter().map(|t| quiet_rows(t, segment, false)).collect();
+        let length = rows.iter().map(Vec::len).min().unwrap_or(0);
+        // Rests are compared from their ends, holds from their begins.
+        let aligned = |k: usize, i: usize| {
+            let own = &rows[k];
+            let place = if phase == Phase::Rest { own.len() - length + i } else { i };
+            residuals[repeats[k]][own[place]]
+        };
+        for order in 1..repeats.len() {
+            let norm = ((order * (order + 1)) as f64).sqrt();
+            let values: Vec<f64> = (0..length)
+                .map(|i| ((0..order).map(|k| aligned(k, i)).sum::<f64>() - order as f64 * aligned(order, i)) / norm)
+                .collect();
+            out.extend(window(first, values));
+        }
+    }
+}
+
+/// Values of a record as a window, averaged down to the longest; none where there are too few, or one is no number.
+pub fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
+    if values.len() < 8 || values.iter().any(|v| !v.is_finite()) {
+        return None;
+    }
+    let averaged = values.len().div_ceil(LONGEST);
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let values: Vec<f64> = values.chunks_exact(averaged).map(mean).collect();
+    let row_s = t.time_s.last().map_or(0.01, |last| last / (t.time_s.len() - 1) as f64);
+    Some(Window { values, distance_s: row_s * (t.readout.period * averaged) as f64, averaged })
+}
