@@ -19,6 +19,10 @@ pub const FITTED: usize = 8;
 /// Better sets of each round whose error on left-out data is judged.
 pub const JUDGED: usize = 4;
 
+/// Noise that a better model leaves, of what was taken for noise, from which on the search begins again with it: the rest was what
+/// the model before lacked. Estimates of colour differ by less from one fit to the next.
+pub const FAR_LESS_NOISE: f64 = 0.7;
+
 /// How far λ0 may lie from its first guess, as the logarithm of their ratio: the paper's model is fitted from so far on either
 /// side too. What λ0 ends farther away is that of a model that lacks something, and is no place for a larger one to begin alone.
 /// A set that leaves λ0 a larger standard deviation than this does not determine it, and does not enter.

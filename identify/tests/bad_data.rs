@@ -326,3 +326,37 @@ fn a_piston_that_turns_without_a_stop_is_no_open_port() {
         assert!((found / truth - 1.0).abs() < 0.03, "{found} {truth}");
     }
 }
+
+#[test]
+fn one_wrong_position_leaves_both_methods_their_numbers() {
+    let recipe = Recipe::from_seed(21);
+    let rig = Recipe { chamber: recipe.with("leakage", &[2e-11, 0.3]).chamber, ..Recipe::from_seed(21) }.rig();
+    let mut wrong = rig.clone();
+    let at = wrong.experiments[1].traces[0].position_m.len() / 2;
+    wrong.experiments[1].traces[0].position_m[at] += 0.02;
+    for method in Method::ALL {
+        let [as_it_is, beside_it] = [&rig, &wrong].map(|rig| {
+            let found = identify::identify(rig, method).unwrap();
+            let taus: Vec<f64> = found.experiments.iter().filter_map(|e| e.time_constant_s).collect();
+            (found.parameters[0].1.value, found.noise_pa, taus)
+        });
+        let apart = |a: f64, b: f64| (a / b - 1.0).abs();
+        assert!(apart(as_it_is.0, beside_it.0) < 0.01, "{method:?}: {} {}", as_it_is.0, beside_it.0);
+        assert!(apart(as_it_is.1, beside_it.1) < 0.05, "{method:?}: {} {}", as_it_is.1, beside_it.1);
+        assert_eq!(as_it_is.2.len(), beside_it.2.len());
+        for (a, b) in as_it_is.2.iter().zip(&beside_it.2) {
+            assert!(apart(*a, *b) < 0.01, "{method:?}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn the_papers_model_is_fitted_as_the_diagnosis_fits_it_whatever_it_lacks() {
+    let rig = Recipe::from_seed(5).with("gas_zones", &[0.3, 0.1]).rig();
+    let alone = identify::identify(&rig, Method::Exact).unwrap();
+    let beside = identify::diagnose(&rig, &|_, _| ()).unwrap().diagnosis;
+    assert!(!alone.residual_is_noise);
+    let (a, b) = (alone.parameters[0].1.value, beside.before.parameters[0].1.value);
+    assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
+    assert!((alone.rmse_pa.fit / beside.before.rmse_pa.fit - 1.0).abs() < 1e-3);
+}

@@ -5,8 +5,9 @@ use identify::Method;
 use identify::fit::readings;
 use identify::forward::Correction;
 use identify::parameters::Setting;
-use identify::record::data::Data;
+use identify::record::data::{Data, Prepared};
 use identify::synthetic::Recipe;
+use identify::synthetic::Shape;
 use identify::synthetic::recording;
 use records::{Rig, Verdict};
 
@@ -92,4 +93,23 @@ fn an_effect_is_named_though_hardly_a_reading_of_the_position_falls_into_the_mov
     let recipe = Recipe::wide(12);
     let (wall, _) = chamber::effects::find("wall_heating").unwrap();
     assert_eq!(diagnosed("position-held", recipe.with_strength(wall, 1.0)), (Verdict::Explained, vec!["wall_heating"]));
+}
+
+#[test]
+fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_way_from_row_to_row() {
+    let mut recipe = Recipe { position_noise_m: 0.0, position_step_m: 1e-7, rest_s: 0.3, ..Recipe::from_seed(21) };
+    recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|(_, push_s, shape, _)| {
+        (*push_s, *shape) = (0.04, Shape::Ramp);
+    });
+    let mut rig = recipe.rig();
+    // From a row to a row, in four of them.
+    positions(&mut rig).for_each(|x| {
+        let (from, to) = (x[0], x[x.len() - 1]);
+        let at = |k: usize| from + (to - from) * (k.saturating_sub(30).min(4) as f64) / 4.0;
+        (0..x.len()).for_each(|k| x[k] = (at(k) * 1e7).round() * 1e-7);
+    });
+    let data = Data::prepare(&rig).unwrap();
+    let by_position = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
+    let largest_pa = data.traces.iter().map(by_position).fold(0.0, f64::max);
+    assert!(largest_pa < data.noise.total_pa(), "{largest_pa}");
 }

@@ -178,6 +178,7 @@ POLICY = {
     "PAIRED: usize = 6": "The six best single terms are also tried in pairs",
     "FITTED: usize = 8": "eight with terms of single records and eight without",
     "JUDGED: usize = 4": "for the four best of these that may enter",
+    "FAR_LESS_NOISE: f64 = 0.7": "less than 0.7 of what was taken for noise",
     "FIRST_GUESS_REACH: f64 = 2.0": "more than e² times as large or as small as 30 W/(m² K)",
     "AT_MOVES_PROBABILITY: f64 = 1e-3": "binomial probability below 10⁻³",
     "FAMILY_PROBABILITY: f64 = 2e-5": "the probability limit of 2·10⁻⁵",

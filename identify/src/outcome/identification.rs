@@ -5,17 +5,17 @@
 
 use crate::error::Error;
 use crate::fit::covariance::{Estimate, Undetermined, undetermined};
-use crate::judge::{adequacy, left_out, misfit, sanity};
+use crate::judge::{left_out, misfit, sanity};
 use crate::outcome::estimates::{Estimates, Rmse, as_map, parameters, uncertainty};
 use crate::outcome::recording::{notes, positions_too_far};
 use crate::outcome::rigs;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::record::data::{Data, Prepared};
-use crate::search::baseline;
+use crate::search;
 use chamber::{Chamber, HeatTransfer};
 use paper::time_constant::{self, TimeConstant};
 use paper::{Recording, Setup};
-use records::{Rig, Trace};
+use records::Rig;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -97,39 +97,43 @@ pub struct Identification {
 /// [`Error`]: data that cannot be what it should be, or no trace that the method can evaluate.
 pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
     let data = Data::prepare(rig)?;
-    let steps: Vec<(usize, Result<TimeConstant, paper::Error>)> = rig
-        .experiments
-        .iter()
-        .enumerate()
-        .flat_map(|(e, experiment)| experiment.traces.iter().map(move |t| (e, t)))
-        .zip(&data.traces)
-        .map(|((e, trace), prepared)| (e, seven_steps(&data, trace, prepared.initial_temperature_k)))
-        .collect();
     match method {
-        Method::Exact => exact(data, &steps),
-        Method::TimeConstant => published(&data, &steps),
+        Method::Exact => exact(data),
+        Method::TimeConstant => {
+            // Outliers and noise are those of the exact fit, if there is one.
+            let data = search::paper(data.clone()).map_or(data, |(data, ..)| data);
+            published(&data)
+        }
     }
 }
 
-fn seven_steps(data: &Data, trace: &Trace, ambient_k: f64) -> Result<TimeConstant, paper::Error> {
+/// The paper's steps on each trace, with its experiment.
+fn steps(data: &Data) -> Vec<(usize, Result<TimeConstant, paper::Error>)> {
+    data.traces.iter().map(|t| (t.experiment, seven_steps(data, t))).collect()
+}
+
+fn seven_steps(data: &Data, t: &Prepared) -> Result<TimeConstant, paper::Error> {
     let setup = Setup {
         gas: data.gas,
         geometry: data.cylinder.geometry(0.0),
-        ambient_temperature_k: ambient_k,
+        ambient_temperature_k: t.initial_temperature_k,
         reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
         reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
     };
-    let pressure_pa = trace.pressure_pa.as_deref().unwrap_or_default();
-    let recording = Recording { time_s: &trace.time_s, pressure_pa, position_m: &trace.position_m };
+    let without_outliers = |column: &[f64]| -> Vec<f64> {
+        let kept = (0..column.len()).filter(|row| t.readout.outliers.binary_search(row).is_err());
+        kept.map(|row| column[row]).collect()
+    };
+    let [time_s, pressure_pa, position_m] = [&t.time_s, &t.pressure_pa, &t.position_m].map(|c| without_outliers(c));
+    let recording = Recording { time_s: &time_s, pressure_pa: &pressure_pa, position_m: &position_m };
     time_constant::evaluate(&setup, &recording)
 }
 
 type Steps = [(usize, Result<TimeConstant, paper::Error>)];
 
-fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
-    let (data, fit) = baseline::fitted(data)?;
+fn exact(data: Data) -> Result<Identification, Error> {
+    let (data, fit, adequacy) = search::paper(data)?;
     sanity::coefficient(&data, &fit)?;
-    let adequacy = adequacy::test(&data, &fit);
     if !adequacy.is_adequate() {
         sanity::reference(&data, &fit)?;
     }
@@ -165,7 +169,7 @@ fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
         rmse_pa: Rmse { fit: rms_pa, held_out: left_out::rmse(&data, &fit, &left_out::folds(&data)) },
         noise_pa: data.noise.total_pa(),
         residual_is_noise: adequacy.is_adequate(),
-        experiments: experiments(&data, steps, Some(&masses)),
+        experiments: experiments(&data, &steps(&data), Some(&masses)),
         undetermined: undetermined(&fit),
         assumptions: notes(&data, None).into_iter().chain(positions_too_far(&fit)).chain(of_two_rigs).collect(),
         uncertainty: Some(uncertainty(&fit, adequacy.is_adequate())),
@@ -174,10 +178,11 @@ fn exact(data: Data, steps: &Steps) -> Result<Identification, Error> {
     })
 }
 
-fn published(data: &Data, steps: &Steps) -> Result<Identification, Error> {
+fn published(data: &Data) -> Result<Identification, Error> {
+    let steps = steps(data);
     let found: Vec<&TimeConstant> = steps.iter().filter_map(|(_, s)| s.as_ref().ok()).collect();
     if found.is_empty() {
-        let mut refused = data.traces.iter().zip(steps).filter_map(|(t, (_, s))| Some((t, s.as_ref().err()?)));
+        let mut refused = data.traces.iter().zip(&steps).filter_map(|(t, (_, s))| Some((t, s.as_ref().err()?)));
         let first = refused.next().map_or(String::new(), |(t, why)| format!(" ({}: {why})", t.path.display()));
         return Err(Error::Method(format!(
             "no trace can be evaluated by the published steps{first}; `--method exact` needs no single push and hold"
@@ -209,7 +214,7 @@ fn published(data: &Data, steps: &Steps) -> Result<Identification, Error> {
         rmse_pa: Rmse { fit: misfit::rms(data, &residuals), held_out: None },
         noise_pa: data.noise.total_pa(),
         residual_is_noise: false,
-        experiments: experiments(data, steps, None),
+        experiments: experiments(data, &steps, None),
         undetermined: Vec::new(),
         assumptions: notes(data, None),
         uncertainty: None,

@@ -1,4 +1,6 @@
-//! The steps of an analogue-to-digital converter, from the differences that occur between readings.
+//! The steps of an analogue-to-digital converter or of an encoder, from the differences that occur between readings.
+
+use super::spline::extent;
 
 /// The spacing of the readings' lattice, Pa: the smallest common difference, zero where differences are not its multiples.
 pub fn lattice(differences: &mut [f64]) -> f64 {
@@ -17,4 +19,60 @@ pub fn lattice(differences: &mut [f64]) -> f64 {
 pub fn of_changes(readings: &[f64], nothing: f64) -> f64 {
     let changes = readings.windows(2).map(|w| (w[1] - w[0]).abs());
     lattice(&mut changes.filter(|change| *change > nothing).collect::<Vec<f64>>())
+}
+
+/// The lattice that the bends of the readings' course show, where it bends all along its moves: readings rounded to steps do.
+/// Those of an even move without steps change by as much from each to the next, and bend at its begin and its end only.
+pub fn of_bends(readings: &[f64], nothing: f64) -> f64 {
+    /// Bends of an even move: at its begin and its end, each between two rows.
+    const OF_EVEN_MOVE: usize = 4;
+    let changes: Vec<f64> = readings.windows(2).map(|w| w[1] - w[0]).collect();
+    let bends = changes.windows(2).map(|w| (w[1] - w[0]).abs());
+    let mut bends: Vec<f64> = bends.filter(|bend| *bend > nothing).collect();
+    let (lowest, highest) = extent(readings);
+    let far = 0.1 * (highest - lowest);
+    let moves = changes.windows(5).filter(|w| begins_a_move(w, nothing, far)).count();
+    if bends.len() > OF_EVEN_MOVE * moves.max(1) { lattice(&mut bends) } else { 0.0 }
+}
+
+/// Whether after a rest these changes are of a move: more than one of them, or one that is `far`.
+fn begins_a_move(changes: &[f64], nothing: f64, far: f64) -> bool {
+    let (rest, moved) = changes.split_at(3);
+    rest.iter().all(|c| c.abs() <= nothing) && (moved.iter().all(|c| c.abs() > nothing) || moved[0].abs() > far)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positions at every row of moves to and fro at this speed, in rows, with rests between them.
+    fn to_and_fro(way_per_row: f64, rows: usize) -> Vec<f64> {
+        let there = (0..=rows).map(|k| way_per_row * k as f64);
+        let rest = |x: f64| std::iter::repeat_n(x, 20);
+        let far = way_per_row * rows as f64;
+        let once = || rest(0.0).chain(there.clone()).chain(rest(far)).chain(there.clone().map(move |x| far - x));
+        (0..3).flat_map(|_| once()).collect()
+    }
+
+    #[test]
+    fn an_even_speed_is_no_step_of_an_encoder() {
+        for rows in [1, 2, 4, 40, 400] {
+            let positions = to_and_fro(0.05 / rows as f64, rows);
+            assert_eq!(of_bends(&positions, 1e-12), 0.0, "{rows}");
+            let shifted: Vec<f64> = positions.iter().map(|x| (x - 0.02 / rows as f64).max(0.0)).collect();
+            assert_eq!(of_bends(&shifted, 1e-12), 0.0, "{rows}, with corners between rows");
+        }
+    }
+
+    #[test]
+    fn the_steps_of_an_encoder_show_in_the_bends_of_even_and_of_smooth_moves() {
+        let step = 2e-4;
+        let rounded = |x: f64| (x / step).round() * step;
+        for way_per_row in [0.3 * step, 0.95 * step, 5.3 * step] {
+            let positions: Vec<f64> = to_and_fro(way_per_row, 60).into_iter().map(rounded).collect();
+            assert!((of_bends(&positions, 1e-12) / step - 1.0).abs() < 1e-9, "{way_per_row}");
+        }
+        let smooth = (0..=30).map(|k| rounded(0.05 * (0.1 * f64::from(k)).sin()));
+        assert!((of_bends(&smooth.collect::<Vec<_>>(), 1e-12) / step - 1.0).abs() < 1e-9);
+    }
 }

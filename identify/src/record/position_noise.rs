@@ -1,14 +1,27 @@
 //! The noise of a position's record, m, and the rounding that a mean of its readings keeps.
 
+use super::lattice;
 use super::scatter::scatter;
 use std::f64::consts::PI;
 
-/// Standard deviation of the position as it scatters about the stroke, with the recording's step as the least.
+/// Less is no change of a position, m.
+const NOTHING_M: f64 = 1e-12;
+/// The rounding to a sensor's steps counts as this noise at the most, m.
+const COARSEST_M: f64 = 1e-4;
+/// The same where the readings show no steps, and their smallest change is that of the piston.
+const FINEST_M: f64 = 1e-6;
+
+/// Standard deviation of the position as it scatters about the stroke, with that of the rounding to its steps as the least.
 pub fn position_noise(position_m: &[f64]) -> f64 {
-    let step = position_m.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-12).fold(f64::INFINITY, f64::min);
-    let quantisation = if step.is_finite() { step / 12.0f64.sqrt() } else { 0.0 };
-    // A stroke that never rests has no small second differences; then the step alone is believed.
-    scatter(position_m).max(quantisation.min(1e-4))
+    let rounding = |step_m: f64| step_m / 12.0f64.sqrt();
+    let step_m = lattice::of_bends(position_m, NOTHING_M);
+    let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
+    let smallest = changes.filter(|d| *d > NOTHING_M).fold(f64::INFINITY, f64::min);
+    let least = match step_m {
+        0.0 if smallest.is_finite() => rounding(smallest).min(FINEST_M),
+        _ => rounding(step_m).min(COARSEST_M),
+    };
+    scatter(position_m).max(least)
 }
 
 /// Standard deviation that rounding to a sensor's steps leaves of the mean of so many readings of one place, m, however many they are.

@@ -19,7 +19,8 @@ impl Search {
         true
     }
 
-    /// The data as a fit shows them, with the noise that it leaves where it tells that; `None` where that is as they are taken.
+    /// The data as a fit shows them, with the noise that it leaves where it tells that or far less than was taken for noise; `None`
+    /// where that is as they are taken.
     fn as_shown_by(&self, fit: &Fit, tells_noise: bool) -> Option<Data> {
         let residuals = misfit::residuals(&self.data, fit);
         let found = outliers::in_residuals(&self.data, &residuals);
@@ -27,20 +28,19 @@ impl Search {
         if !self.data.is_without(&found) {
             other = Some(other.unwrap_or_else(|| self.data.clone()).without(&found));
         }
-        if tells_noise {
-            let data = other.as_ref().unwrap_or(&self.data);
-            let noise = colour::estimate(data, &residuals, &data.noise);
-            if !baseline::is_alike(&noise, &data.noise) {
-                other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
-            }
+        let data = other.as_ref().unwrap_or(&self.data);
+        let noise = colour::estimate(data, &residuals, &data.noise);
+        let tells_noise = tells_noise || noise.total_pa() < policy::FAR_LESS_NOISE * data.noise.total_pa();
+        if tells_noise && !baseline::is_alike(&noise, &data.noise) {
+            other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
         }
         other
     }
 
     /// Begins again with the data as the chosen model shows them, in whatever round that was found: without what the moves leave
     /// open where the records are averages, without its outliers, and with the noise that it leaves where it has found when each
-    /// record was read. Before, repeats that are read at different times differ by more than noise. All that was tried is fitted
-    /// anew.
+    /// record was read, or leaves far less of it. Before, repeats that are read at different times, or that moved differently,
+    /// differ by more than noise. All that was tried is fitted anew.
     pub(super) fn settle(&mut self) {
         let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
         let Some(data) = self.as_shown_by(&self.chosen.fit, has_own_times) else { return };

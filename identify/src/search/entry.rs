@@ -73,11 +73,12 @@ impl Search {
         b * b - a * a > least_gain.powi(2)
     }
 
-    /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, half the
-    /// power of it, since no term takes off more than there is.
+    /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, or less
+    /// beside names, half the power of it, since no term takes off more than there is.
     pub(super) fn least_gain(&self) -> f64 {
         let (accuracy_pa, chosen) = (self.data.accuracy_pa(), &self.chosen_adequacy);
-        if chosen.is_good_enough { accuracy_pa } else { accuracy_pa.min(chosen.systematic_pa * 0.5f64.sqrt()) }
+        let nobody_minds = chosen.is_good_enough && self.needs_no_more_names();
+        if nobody_minds { accuracy_pa } else { accuracy_pa.min(chosen.systematic_pa * 0.5f64.sqrt()) }
     }
 
     /// The same set with its secondary parameters free, where that is decisively better.

@@ -123,6 +123,22 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     Ok(found)
 }
 
+/// The paper's model fitted, and what it leaves, with the outliers and the noise as the best single term shows them where it
+/// leaves more than noise: what it lacks is no noise of the recording.
+///
+/// # Errors
+/// Where its simulation fails at the very begin.
+pub fn paper(data: Data) -> Result<(Data, Fit, Adequacy), Error> {
+    let (data, baseline) = baseline::fitted(data)?;
+    let adequacy = adequacy::test(&data, &baseline);
+    if adequacy.is_noise {
+        return Ok((data, baseline, adequacy));
+    }
+    let mut search = Search::new(data, baseline, adequacy);
+    search.singles();
+    Ok((search.data, search.baseline.fit, search.baseline_adequacy))
+}
+
 struct Search {
     data: Data,
     sizes: Sizes,
@@ -154,14 +170,17 @@ impl Search {
         }
     }
 
-    /// Every term alone.
-    fn first_round(&mut self) {
+    /// Every term alone, with the data weighed as the best of them shows.
+    fn singles(&mut self) -> Vec<Candidate> {
         let models = terms::added_to(&self.data, &Model::PAPER);
-        let mut singles = self.fit_all(&models);
+        let singles = self.fit_all(&models);
         let best = singles.first().filter(|c| c.delta_bic > policy::DECISIVE).map(|c| c.fit.clone());
-        if best.is_some_and(|best| self.weighs_anew(&best)) {
-            singles = self.refitted(&singles);
-        }
+        if best.is_some_and(|best| self.weighs_anew(&best)) { self.refitted(&singles) } else { singles }
+    }
+
+    /// Takes the best single term.
+    fn first_round(&mut self) {
+        let mut singles = self.singles();
         let strongest = singles.len().min(policy::PAIRED);
         singles[..strongest].par_iter_mut().for_each(|single| {
             if let Some(freed) = self.freed(single) {
@@ -192,7 +211,7 @@ impl Search {
         if level > policy::MOST_IN_ALL {
             return false;
         }
-        if self.chosen_adequacy.is_adequate() {
+        if self.needs_no_more_names() {
             // One more round where a term has entered, as another one may be hidden behind it; and while what single records
             // have for themselves may stand for effects of the rig.
             return (level == 1 && model.terms() == 1) || model.has_terms_of_records();
@@ -204,11 +223,19 @@ impl Search {
         !(terms::takes_back_the_stroke(model) && is_next_to_nothing)
     }
 
+    /// Whether what the chosen model leaves is noise, or nobody minds it: without any name, or where it is next to nothing beside
+    /// what the names took off. Otherwise they may imitate what leaves it, however little that is.
+    pub(super) fn needs_no_more_names(&self) -> bool {
+        let left = &self.chosen_adequacy;
+        let explains = self.chosen.model.of_rig().is_empty() || left.explains(&self.baseline_adequacy);
+        left.is_noise || left.is_good_enough && explains
+    }
+
     /// The better sets of so many terms, each with every further term; whether that led on: a set entered, or those without
     /// terms of single records became so much better that they may enter yet.
     fn round(&mut self, level: usize) -> bool {
         let chosen = self.chosen.model;
-        let enough = self.chosen_adequacy.is_adequate() && !chosen.has_terms_of_records();
+        let enough = self.needs_no_more_names() && !chosen.has_terms_of_records();
         let parts = if enough { vec![chosen] } else { self.beam(level) };
         let mut models: Vec<Model> = parts.iter().flat_map(|part| terms::added_to(&self.data, part)).collect();
         if level == 1 && !enough {

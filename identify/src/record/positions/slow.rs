@@ -20,9 +20,12 @@ const ROUNDING: f64 = 1e-9;
 /// How a sensor was read: what stands between two readings, and in which rows they are, ascending.
 pub type Slow = (Between, Vec<usize>);
 
-/// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common.
+/// Less is no change of a position, m.
+const NOTHING_M: f64 = 1e-12;
+
+/// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common, or it is a speed.
 pub fn step(position_m: &[f64]) -> f64 {
-    lattice::of_changes(position_m, 1e-12)
+    lattice::of_bends(position_m, NOTHING_M)
 }
 
 /// The readings, where the rows show that there are fewer of them than rows.
@@ -67,7 +70,7 @@ fn held(position_m: &[f64]) -> Option<Vec<usize>> {
 /// Rows from one reading to the next where the piston goes many steps at a time. A fine encoder's changes while it hardly moves
 /// are of single steps.
 fn period_of_jumps(position_m: &[f64], changes: &[usize]) -> Option<usize> {
-    let far = STEPS * step(position_m);
+    let far = STEPS * lattice::of_changes(position_m, NOTHING_M);
     let is_far = |row: &usize| (position_m[*row] - position_m[row - 1]).abs() >= far;
     let mut periods: Vec<usize> = changes.windows(2).filter(|w| w.iter().all(is_far)).map(|w| w[1] - w[0]).collect();
     if periods.len() < FEWEST_JUMPS {
