@@ -1,7 +1,7 @@
 //! `pneutherm sweep`: a parameter study of the push-and-hold test as partitioned Parquet.
 
 use super::progress::{Progress, Telling};
-use crate::{output, stores, study_pictures};
+use crate::{interrupt, output, stores, study_pictures};
 use anyhow::{Context, bail};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -87,6 +87,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         bail!("-: a study is a folder of files, which standard output cannot take; name a folder");
     }
     let mut study = Study::read(path)?;
+    study.notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
     if let Some(name) = &args.solver {
         study.solver = SOLVERS.iter().find(|(n, _)| n == name).map(|(_, solver)| *solver).context("unknown solver")?;
     }
@@ -105,7 +106,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let store = stores::open(folder)?;
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
     let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
-    on_interrupt();
+    interrupt::ends_the_program(Some("interrupted: finished parts are kept; run the same command again to continue"));
     let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
     let begun = Instant::now();
@@ -121,27 +122,19 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     output::print(text.as_bytes())
 }
 
-/// Lets an interrupt (Ctrl-C) end the program with a word on how to go on.
-#[cfg(unix)]
-fn on_interrupt() {
-    use signal_hook::{consts::SIGINT, iterator::Signals};
-    let Ok(mut signals) = Signals::new([SIGINT]) else { return };
-    std::thread::spawn(move || {
-        if signals.forever().next().is_some() {
-            eprintln!("interrupted: finished parts are kept; run the same command again to continue");
-            std::process::exit(130);
-        }
-    });
-}
-
-#[cfg(not(unix))]
-fn on_interrupt() {}
-
 /// Parts that are told by name when a folder does not hold what its manifest says.
 const NAMED: usize = 5;
 
 fn verify(folder: &Path) -> anyhow::Result<()> {
     let report = sweep::verify(&*stores::open(folder)?)?;
+    if let Some(first) = report.foreign.first() {
+        let others =
+            if report.foreign.len() > 1 { format!(" and {} more", report.foreign.len() - 1) } else { String::new() };
+        bail!(
+            "{}: {first}{others}: not named in manifest.json; readers take that folder whole, so move it elsewhere",
+            folder.display()
+        );
+    }
     if report.wrong.is_empty() {
         let (parts, bytes) = (counted(report.parts as u64), indicatif::BinaryBytes(report.bytes));
         let text = format!("{}: {} rows, {parts}, {bytes}: agree with manifest.json\n", folder.display(), report.rows);
