@@ -87,7 +87,6 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         bail!("-: a study is a folder of files, which standard output cannot take; name a folder");
     }
     let mut study = Study::read(path)?;
-    study.notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
     if let Some(name) = &args.solver {
         study.solver = SOLVERS.iter().find(|(n, _)| n == name).map(|(_, solver)| *solver).context("unknown solver")?;
     }
@@ -101,11 +100,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     if args.dry_run {
         let estimate = pool.install(|| calibrate(&study, folder))?;
+        tell(&study.notes, path);
         return output::print(estimate_summary(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
     }
     let store = stores::open(folder)?;
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
     let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
+    tell(&study.notes, path);
     interrupt::ends_the_program(Some("interrupted: finished parts are kept; run the same command again to continue"));
     let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
@@ -120,6 +121,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         text += &traces_summary(&pool.install(|| traces::write(&study, &*store, rows, args.trace_rate))?);
     }
     output::print(text.as_bytes())
+}
+
+/// Tells what in the study's file has no effect.
+fn tell(notes: &[String], path: &Path) {
+    notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
 }
 
 /// Parts that are told by name when a folder does not hold what its manifest says.
