@@ -44,7 +44,7 @@ fn differences(model: &Model, rig: &Rig) -> Vec<String> {
     let mut out = Vec::new();
     let mut differ = |what: &str, theirs: String, ours: String| {
         out.push(format!(
-            "{what}: {theirs} in the rig file, {ours} in the model, which keeps its own: is it of this rig?"
+            "{what}: {theirs} in the rig file, {ours} in the model, which is used: is it the model of this rig?"
         ));
     };
     if differs(theirs.bore_m, ours.bore, ALIKE) {
