@@ -177,13 +177,14 @@ fn positions(data: &Data) -> Vec<String> {
     let disturbed: Vec<&Prepared> = data.traces.iter().filter(|t| !t.positions.outliers.is_empty()).collect();
     if let Some(first) = disturbed.first() {
         let count: usize = disturbed.iter().map(|t| t.positions.outliers.len()).sum();
-        out.push(format!(
-            "{count} positions in {} of {} records stand out of those around them and are left out (the first: {}, {} from its first row)",
-            disturbed.len(),
-            data.traces.len(),
-            first.path.display(),
-            far_off::named(&first.positions.outliers[..1], &first.lines, &first.time_s)
-        ));
+        let what = match (count, disturbed.len(), data.traces.len()) {
+            (1, ..) => "one position stands out of those around it and is left out".to_owned(),
+            (count, records, all) => format!(
+                "{count} positions in {records} of {all} records stand out of those around them and are left out"
+            ),
+        };
+        let named = far_off::named(&first.positions.outliers, &first.lines, &first.time_s);
+        out.push(format!("{what} ({}: {named} from its first row)", first.path.display()));
     }
     let slow: Vec<&Prepared> = data.traces.iter().filter(|t| t.positions.between != Between::Nothing).collect();
     if let Some(t) = slow.first() {
