@@ -1,7 +1,7 @@
 //! What `pneutherm identify`, `diagnose` and `validate` do before they print, for other callers: Python.
 
-use crate::output;
 use crate::pages::diagnosis;
+use crate::{other_rig, output};
 use anyhow::{Context, bail};
 use chamber::Chamber;
 use identify::outcome::estimates;
@@ -54,7 +54,11 @@ pub fn diagnose(rig: &Rig, report: Option<&Path>, progress: &(dyn Fn(&str, f64) 
 pub fn validate(model: &Model, rig: &Rig, whole_record: bool) -> anyhow::Result<Validated> {
     // What it left of data that took no part in its fit; a model without any is taken at its word.
     let error_pa = model.provenance.rmse_after_pa.map_or(0.0, |rmse| rmse.held_out.unwrap_or(rmse.fit));
-    identify::validate(&model.chamber, error_pa, rig, whole_record).with_context(|| rig.path.display().to_string())
+    let mut found = identify::validate(&model.chamber, error_pa, rig, whole_record)
+        .with_context(|| rig.path.display().to_string())?;
+    found.validation.notes.extend(rig.notes());
+    found.validation.notes.extend(other_rig::notes(model, rig));
+    Ok(found)
 }
 
 fn identified_model(rig: &Rig, found: &Identification) -> Model {

@@ -8,7 +8,9 @@ mod bucket;
 mod commands;
 pub mod evaluation;
 mod failure;
+pub mod interrupt;
 mod measured;
+mod other_rig;
 pub mod output;
 mod pages;
 #[cfg(test)]

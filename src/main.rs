@@ -3,5 +3,6 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    pneutherm::interrupt::ends_the_program(None);
     ExitCode::from(pneutherm::run(std::env::args_os()))
 }

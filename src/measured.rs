@@ -5,6 +5,8 @@ use crate::simulation::course::along_record;
 use anyhow::Context;
 use chamber::signals::Signals;
 use fmu::package::validation::Validation;
+use identify::record::checks;
+use identify::record::unit::Declared;
 use records::{Model, Rig, Trace};
 
 /// Each record of the rig, with the error of the model on it.
@@ -12,20 +14,21 @@ use records::{Model, Rig, Trace};
 /// # Errors
 /// A record without pressure, or one that the model cannot follow.
 pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<Vec<Validation>> {
-    rig.traces().map(|record| validation(model, record)).collect()
+    rig.traces().map(|record| validation(model, rig, record)).collect()
 }
 
-fn validation(model: &Model, record: &Trace) -> anyhow::Result<Validation> {
-    let (signals, start, samples) = along_record(model, record)?;
+fn validation(model: &Model, rig: &Rig, record: &Trace) -> anyhow::Result<Validation> {
     let pressure_pa =
         record.pressure_pa.clone().with_context(|| format!("{}: no pressure column", record.path.display()))?;
+    checks::level(&record.path, &pressure_pa, Declared::of(rig))?;
+    let (signals, start, samples) = along_record(model, record)?;
     let squares: f64 =
         samples.iter().zip(&pressure_pa).map(|(sample, measured)| (measured - sample.measured_pressure).powi(2)).sum();
     let begin = record.time_s[0];
     let name = record.path.file_name().unwrap_or(record.path.as_os_str());
     Ok(Validation {
         record: name.to_string_lossy().into_owned(),
-        took_part: model.provenance.traces.iter().any(|trace| trace.sha256 == record.sha256),
+        took_part: model.provenance.is_of(record),
         error_pa: (squares / samples.len() as f64).sqrt(),
         start: vec![("initialPressure", start.pressure), ("initialTemperature", start.temperature)],
         input_time_s: signals.knots.iter().map(|knot| knot.time - begin).collect(),

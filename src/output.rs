@@ -31,6 +31,10 @@ pub fn check<'a>(
     results: impl IntoIterator<Item = &'a PathBuf>,
     inputs: impl IntoIterator<Item = &'a Path>,
 ) -> anyhow::Result<()> {
+    let inputs: Vec<&Path> = inputs.into_iter().collect();
+    if inputs.iter().any(|input| is_stdout(input)) {
+        bail!("-: standard input is not read under this name; name a file, or /dev/stdin where the system has it");
+    }
     // A device, as /dev/null, takes any number of results.
     let is_device = |path: &Path| path.exists() && !path.is_file() && !path.is_dir();
     let results = results.into_iter().filter(|path| !is_device(path));

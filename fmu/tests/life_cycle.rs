@@ -39,6 +39,15 @@ fn a_refused_value_is_named_and_the_whole_batch_is_left_out() {
 }
 
 #[test]
+fn a_refused_number_without_a_unit_is_named_without_one() {
+    let host = Host::started(&[]);
+    let reference = reference("supplyPortCriticalRatio");
+    assert_eq!(unsafe { fmi2SetReal(host.c, &reference, 1, &2.0) }, DISCARD);
+    let says = "fmi2SetReal refused: supplyPortCriticalRatio = 2 lies outside 0 to 0.9; nothing was set";
+    assert_eq!(host.message(), says);
+}
+
+#[test]
 fn unknown_references_and_wrong_types_are_refused_by_name() {
     let host = Host::started(&[]);
     let mut value = 0.0;

@@ -40,6 +40,19 @@ pub enum Error {
         /// Units that would make one of compressed air of it.
         units: Vec<&'static str>,
     },
+    /// Positions that no cylinder of that bore has.
+    #[error("{}: positions reach {} m, {:.0} times the bore of {} mm, and a cylinder's stroke ends at a hundred bores; check the unit of the position column{} and the bore; for a rodless cylinder as long as that say stroke_m in [cylinder]",
+        trace.display(), report::digits(*reach_m, 3), reach_m / bore_m, report::digits(1e3 * bore_m, 3), likely(units).unwrap_or_else(|| " (m, mm, cm, in)".to_owned()))]
+    ImplausibleStroke {
+        /// File of the trace.
+        trace: PathBuf,
+        /// The farthest position from the chamber's end, m.
+        reach_m: f64,
+        /// Bore of the cylinder, m.
+        bore_m: f64,
+        /// Units that would make a usual stroke of it.
+        units: Vec<&'static str>,
+    },
     /// Absolute pressures in another unit than declared.
     #[error("{}; if the unit is right, say scale = 1.0 in that column, and its values are taken as they are", doubt.sentence())]
     OtherPressureUnit {

@@ -37,6 +37,22 @@ fn too_few_rows_are_counted() {
 }
 
 #[test]
+fn strokes_of_a_hundred_bores_are_in_another_unit_unless_the_rig_states_so_long_a_stroke() {
+    for (per_metre, unit) in [(100.0, "cm"), (1.0 / 0.0254, "in")] {
+        let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
+        rig.cylinder.bore_m = 0.02;
+        for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
+            t.position_m.iter_mut().for_each(|x| *x *= per_metre);
+        }
+        let error = refused(&rig);
+        assert!(matches!(&error, Error::ImplausibleStroke { units, .. } if units.contains(&unit)), "{error}");
+        rig.cylinder.stroke_m = Some(50.0);
+        let stated = identify::identify(&rig, Method::Exact);
+        assert!(!matches!(stated, Err(Error::ImplausibleStroke { .. })));
+    }
+}
+
+#[test]
 fn a_piston_at_rest_is_no_test() {
     let error = spoilt(|t| {
         let first = t.position_m[0];

@@ -68,3 +68,20 @@ fn records_that_end_with_their_first_move_are_refused_and_one_among_others_has_n
     let refused = identify::validate(&recipe.chamber, 0.0, &rig, false).map(|_| ()).unwrap_err();
     assert!(refused.to_string().contains("ends with its first move"), "{refused}");
 }
+
+#[test]
+fn a_first_reading_far_off_is_left_out_and_named_and_changes_nothing() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
+    let mut rig = recipe.rig();
+    let of = |rig: &records::Rig| identify::validate(&recipe.chamber, 0.0, rig, false).unwrap().validation;
+    let without = of(&rig);
+    assert!(without.notes.is_empty(), "{:?}", without.notes);
+    rig.experiments[0].traces[0].pressure_pa.as_mut().unwrap()[0] += 2e5;
+    let with = of(&rig);
+    assert!((with.rmse_pa / without.rmse_pa - 1.0).abs() < 0.02, "{} {}", with.rmse_pa, without.rmse_pa);
+    assert!(
+        with.notes[0].ends_with("one reading far off is left out (at 0.000 s from its first row)"),
+        "{:?}",
+        with.notes
+    );
+}

@@ -1,9 +1,18 @@
 //! Files that appear whole or not at all.
 
 use crate::error::Error;
+use crate::unfinished::Unfinished;
 use std::fs::{File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+/// Temporary files that are being written.
+static UNFINISHED: Unfinished = Unfinished::new();
+
+/// Removes what is half written: for a program that is interrupted, and ends.
+pub fn remove_unfinished() {
+    UNFINISHED.remove();
+}
 
 /// Writes `bytes` to `path`: to a temporary name in the same folder, synced, then renamed. A reader sees the old file
 /// or the new one, never a part; on failure the old file stays and nothing is left behind.
@@ -59,6 +68,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
     let path = followed(path)?;
     let temporary = temporary_beside(&path)?;
+    let _unfinished = UNFINISHED.begin(&temporary);
     // Locked until it has its name: one that nobody has locked was left by a process that was killed.
     let result = fill(&temporary, bytes).and_then(|_locked| {
         if let Some(old) = old {

@@ -64,8 +64,13 @@ fn offer(near: &Option<String>, known: &[String]) -> String {
     match near {
         Some(near) => format!("did you mean `{near}`?"),
         None if known.is_empty() => "nothing is allowed here".to_owned(),
-        None => format!("expected one of: {}", known.join(", ")),
+        None => format!("expected one of: {}", known.iter().map(|word| shown(word)).collect::<Vec<_>>().join(", ")),
     }
+}
+
+/// A word of a list, in quotes where it is no plain word: a comma would look like part of the list.
+fn shown(word: &str) -> String {
+    if word.contains(|c: char| c.is_ascii_alphanumeric()) { word.to_owned() } else { format!("{word:?}") }
 }
 
 /// The kind of file whose outermost table has that key; where two kinds have it, both.

@@ -37,6 +37,7 @@ pub mod table;
 mod toml_text;
 pub mod trace;
 pub mod uncertainty;
+mod unfinished;
 pub mod units;
 mod value;
 
@@ -54,5 +55,5 @@ pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use statistics::{bends, correlation, noise_of_bends};
 pub use table::Table;
-pub use trace::{LeftOut, Need, Reading, Trace, Window, fields_of_line};
+pub use trace::{LeftOut, LineNumbers, Need, Reading, Trace, Window, fields_of_line, near_column};
 pub use uncertainty::Uncertainty;

@@ -94,6 +94,11 @@ impl Provenance {
         Self { traces, ..Self::today() }
     }
 
+    /// Whether a record is one of the traces, by content.
+    pub fn is_of(&self, record: &Trace) -> bool {
+        self.traces.iter().any(|trace| trace.sha256 == record.sha256)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()
     }

@@ -5,13 +5,25 @@
 
 use crate::error::Error;
 use crate::key::{Bounds, KeyProblem};
-use crate::names::repeated;
+use crate::names::{nearest, repeated};
 use crate::table::Table;
 use crate::toml_text::quoted;
+use chamber::effects;
 use std::fmt::Write;
 
 /// Rounding that a covariance matrix may carry, as a correlation.
 const ROUNDING: f64 = 1e-6;
+
+/// Names of what a fit may free beside the effects' parameters.
+const OF_RIG: [&str; 7] = [
+    "lambda0_w_per_m2_k",
+    "dead_volume_m3",
+    "bore_m",
+    "ambient_temperature_k",
+    "position_scale",
+    "position_offset_m",
+    "rest_temperature_k",
+];
 
 /// Intervals and covariance of a model's parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +55,9 @@ impl Uncertainty {
         if let Some(twice) = repeated(&parameters) {
             return Err(contradiction("parameters", format!("`{twice}` is named twice")));
         }
+        if let Some(problem) = parameters.iter().find_map(|name| unknown(name)) {
+            return Err(table.refuse("parameters", problem));
+        }
         let ci95 = rows("ci95", "an interval [low, high] for each parameter")?;
         let covariance = rows("covariance", "a square matrix, a row for each parameter,")?;
         let interval = |(row, name): (&Vec<f64>, &&str)| match row[..] {
@@ -64,6 +79,23 @@ impl Uncertainty {
         self.covariance.iter().try_for_each(|row| writeln!(out, "    {row:?},"))?;
         writeln!(out, "]")
     }
+}
+
+/// What is wrong with the name of a parameter that no fit frees.
+fn unknown(name: &str) -> Option<KeyProblem> {
+    let of_card =
+        |card: &'static chamber::card::Card| card.parameters.iter().map(|p| format!("{}.{}", card.name, p.key()));
+    let of_effects: Vec<String> = effects::all().flat_map(|(_, card)| of_card(card)).collect();
+    let all = || OF_RIG.into_iter().chain(of_effects.iter().map(String::as_str));
+    if all().any(|known| known == name) {
+        return None;
+    }
+    let an_effect = "<effect>.<parameter> such as leakage.conductance_m3_per_s_pa";
+    Some(KeyProblem::UnknownName {
+        value: name.to_owned(),
+        near: nearest(name, all()).map(str::to_owned),
+        known: OF_RIG.into_iter().chain([an_effect]).map(str::to_owned).collect(),
+    })
 }
 
 /// Refuses what is no covariance matrix: another shape, a negative variance, asymmetry, a correlation beyond one.

@@ -98,6 +98,38 @@ fn a_header_without_rows_is_refused() {
 }
 
 #[test]
+fn numbers_in_quotes_with_decimal_commas_are_told_from_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.csv");
+    let row = |k: i32| format!("\"0,{k:02}\",\"101325,5\",\"0,1\"\n");
+    std::fs::write(&path, "t,p,x\n".to_owned() + &(0..50).map(row).collect::<String>()).unwrap();
+    let message = Look::at(&path, &Names::default()).unwrap_err().to_string();
+    assert!(
+        message.ends_with("line 2: the numbers have decimal commas; say decimal = \",\" in the rig's [format]"),
+        "{message}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn what_can_be_read_only_once_is_looked_at_like_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let text = table("time_s,pressure_pa,position_m", |t, p, x| format!("{t},{p},{x}"));
+    let file = folder.path().join("run.csv");
+    std::fs::write(&file, &text).unwrap();
+    let writer = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || std::fs::write(pipe, text).unwrap()
+    });
+    let [once, again] = [&pipe, &file].map(|path| Look::at(path, &Names::default()).unwrap().found.unwrap().trace);
+    writer.join().unwrap();
+    assert_eq!((once.time_s, once.sha256), (again.time_s, again.sha256));
+}
+
+#[test]
 fn a_workbook_is_refused_with_what_to_do() {
     let folder = TempDir::new().unwrap();
     let begins: [(&str, &[u8]); 2] =

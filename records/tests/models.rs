@@ -150,22 +150,34 @@ fn a_model_that_would_not_read_back_is_not_written() {
 fn faulty_uncertainties_are_refused_by_key() {
     let table = |rest: &str| format!("{FEW}[uncertainty]\n{rest}");
     refusal(&table(""), &["line 5: uncertainty.parameters: missing"]);
-    refusal(&table("parameters = [\"a\"]\n"), &["line 5: uncertainty.ci95: missing", "interval"]);
+    refusal(&table("parameters = [\"bore_m\"]\n"), &["line 5: uncertainty.ci95: missing", "interval"]);
+    let unknown =
+        "line 6: uncertainty.parameters: unknown value `lambda1`; expected one of: lambda0_w_per_m2_k, dead_volume_m3";
+    refusal(&table("parameters = [\"lambda1\"]\nci95 = [[1, 2]]\ncovariance = [[1]]\n"), &[unknown]);
     let full = |names: &str, ci95: &str, covariance: &str| {
         table(&format!("parameters = {names}\nci95 = {ci95}\ncovariance = {covariance}\n"))
     };
-    let (two, intervals) = ("[\"a\", \"b\"]", "[[0, 1], [2, 3]]");
+    let (two, intervals) = ("[\"bore_m\", \"dead_volume_m3\"]", "[[0, 1], [2, 3]]");
     assert!(parse(&full(two, intervals, "[[4, 1], [1, 1]]")).unwrap().uncertainty.is_some());
-    refusal(&full("[\"a\", \"a\"]", intervals, "[]"), &["line 6: uncertainty.parameters", "`a` is named twice"]);
+    refusal(
+        &full("[\"bore_m\", \"bore_m\"]", intervals, "[]"),
+        &["line 6: uncertainty.parameters", "`bore_m` is named twice"],
+    );
     refusal(&full(two, "[[0, 1]]", "[]"), &["line 7: uncertainty.ci95", "1 rows for 2 parameters"]);
-    refusal(&full(two, "[[0, 1], [3, 2]]", "[[1, 0], [0, 1]]"), &["line 7", "[3.0, 2.0] is no interval", "`b`"]);
+    refusal(
+        &full(two, "[[0, 1], [3, 2]]", "[[1, 0], [0, 1]]"),
+        &["line 7", "[3.0, 2.0] is no interval", "`dead_volume_m3`"],
+    );
     refusal(&full(two, "[[0, 1], [3]]", "[[1, 0], [0, 1]]"), &["line 7", "[3.0] is no interval"]);
     refusal(&full(two, "[[0, 1], [0, inf]]", "[]"), &["line 7: uncertainty.ci95: inf is out of range", "finite"]);
     refusal(&full(two, "[0, 1]", "[]"), &["line 7: uncertainty.ci95", "expected a list of lists of numbers"]);
-    refusal(&full(two, intervals, "[[1, 0], [0]]"), &["line 8", "the row of `b` has 1 numbers"]);
-    refusal(&full(two, intervals, "[[1, 0], [0, -1]]"), &["line 8", "variance of `b`, -1.0, is negative"]);
-    refusal(&full(two, intervals, "[[1, 0.1], [0.2, 1]]"), &["line 8", "`a` and `b`", "different values"]);
-    refusal(&full(two, intervals, "[[4, 3], [3, 1]]"), &["line 8", "`a` and `b`, 3.0, is beyond"]);
+    refusal(&full(two, intervals, "[[1, 0], [0]]"), &["line 8", "the row of `dead_volume_m3` has 1 numbers"]);
+    refusal(&full(two, intervals, "[[1, 0], [0, -1]]"), &["line 8", "variance of `dead_volume_m3`, -1.0, is negative"]);
+    refusal(
+        &full(two, intervals, "[[1, 0.1], [0.2, 1]]"),
+        &["line 8", "`bore_m` and `dead_volume_m3`", "different values"],
+    );
+    refusal(&full(two, intervals, "[[4, 3], [3, 1]]"), &["line 8", "`bore_m` and `dead_volume_m3`, 3.0, is beyond"]);
     refusal(&format!("{FEW}[provenance]\nverdict = \"adequat\"\n"), &["provenance.verdict", "`adequate`"]);
 }
 
@@ -198,7 +210,14 @@ fn any_effects() -> impl Strategy<Value = EffectValues> {
 
 /// Any parameters with intervals, correlated over many orders of magnitude.
 fn any_uncertainty() -> impl Strategy<Value = Uncertainty> {
-    let parameter = ("[a-z_.\"\n]{1,20}", -1e3..1e3_f64, 1e-12..1e3_f64);
+    let name = prop::sample::select(vec![
+        "lambda0_w_per_m2_k",
+        "dead_volume_m3",
+        "bore_m",
+        "leakage.conductance_m3_per_s_pa",
+        "empirical.values[2]",
+    ]);
+    let parameter = (name.prop_map(str::to_owned), -1e3..1e3_f64, 1e-12..1e3_f64);
     (prop::collection::btree_map(parameter.0, (parameter.1, parameter.2), 0..5), -1.0..1.0_f64).prop_map(
         |(all, tilt)| {
             let sizes: Vec<f64> = all.values().map(|(_, size)| *size).collect();

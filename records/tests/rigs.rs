@@ -186,7 +186,8 @@ fn words_that_are_not_known_are_refused_with_those_that_are() {
         "[cylinder]\nbore_m = 0.02\n[columns]\npressure = { name = \"p\", unit = \"PSI\" }\n",
         &["columns.pressure.unit", "`psi`"],
     );
-    refusal("[cylinder]\nbore_m = 0.02\n[format]\nseparator = \"|\"\n", &["line 4: format.separator", "whitespace"]);
+    let separators = "expected one of: tab, \";\", \",\", whitespace";
+    refusal("[cylinder]\nbore_m = 0.02\n[format]\nseparator = \"|\"\n", &["line 4: format.separator", separators]);
 }
 
 #[test]

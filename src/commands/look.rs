@@ -78,7 +78,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if output::is_stdout_taken([&args.output, &args.json]) {
         return Ok(());
     }
-    let mut out = summary(&look, &cycles, open);
+    let tests = Tests { cycles: &cycles, open, split: args.split };
+    let mut out = summary(&look, &tests);
     if args.output.is_none() {
         let _ = write!(out, "\nproposed rig file (write it with -o rig.toml):\n\n{rig}");
     }
@@ -107,7 +108,16 @@ fn named_from(trace: &Path, rig: Option<&Path>) -> String {
     path.to_string_lossy().into_owned()
 }
 
-fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
+/// Push-and-hold tests in a file.
+struct Tests<'a> {
+    cycles: &'a [Cycle],
+    /// Moves with the port open.
+    open: usize,
+    /// Whether each becomes an experiment of its own.
+    split: bool,
+}
+
+fn summary(look: &Look, tests: &Tests<'_>) -> String {
     let mut out = String::new();
     let dialect = &look.dialect;
     let decimal = if dialect.decimal.name() == "," { "decimal commas" } else { "decimal points" };
@@ -130,7 +140,7 @@ fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
         let _ = writeln!(out, "{:<4} {name:<36} {holds:<22} {unit}", place + 1);
     }
     match &look.found {
-        Some(found) => record(&mut out, found, cycles, open),
+        Some(found) => record(&mut out, found, tests),
         None => {
             let options: Vec<String> = look.guess.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
             let name = if dialect.header.is_none() { ", by its number: \"column 1\"" } else { "" };
@@ -143,7 +153,7 @@ fn summary(look: &Look, cycles: &[Cycle], open: usize) -> String {
 /// Digits of a time: microseconds of a day's seconds, milliseconds of those since 1970.
 const TIME_DIGITS: usize = 12;
 
-fn record(out: &mut String, found: &Found, cycles: &[Cycle], open: usize) {
+fn record(out: &mut String, found: &Found, tests: &Tests<'_>) {
     let (trace, readings) = (&found.trace, &found.readings);
     let (first, last) = (trace.time_s[0], trace.time_s[trace.len() - 1]);
     let gaps = if readings.gaps > 0 { format!(", {} gaps", readings.gaps) } else { String::new() };
@@ -182,10 +192,12 @@ fn record(out: &mut String, found: &Found, cycles: &[Cycle], open: usize) {
             pair(1e-5 * pressure[a], 1e-5 * pressure[b], 4),
         );
     }
-    if cycles.len() > 1 {
-        let _ = writeln!(out, "\n{} push-and-hold tests; --split makes one experiment of each", cycles.len());
+    if tests.cycles.len() > 1 {
+        let how = if tests.split { "each is an experiment of its own" } else { "--split makes one experiment of each" };
+        let _ = writeln!(out, "\n{} push-and-hold tests; {how}", tests.cycles.len());
     }
-    if open > 0 {
+    if tests.open > 0 {
+        let open = tests.open;
         let _ = writeln!(out, "{open} moves without a response of the pressure: the port was open");
     }
 }

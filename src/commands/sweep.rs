@@ -1,7 +1,7 @@
 //! `pneutherm sweep`: a parameter study of the push-and-hold test as partitioned Parquet.
 
 use super::progress::{Progress, Telling};
-use crate::{output, stores, study_pictures};
+use crate::{interrupt, output, stores, study_pictures};
 use anyhow::{Context, bail};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -100,12 +100,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     if args.dry_run {
         let estimate = pool.install(|| calibrate(&study, folder))?;
+        tell(&study.notes, path);
         return output::print(estimate_summary(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
     }
     let store = stores::open(folder)?;
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
     let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
-    on_interrupt();
+    tell(&study.notes, path);
+    interrupt::ends_the_program(Some("interrupted: finished parts are kept; run the same command again to continue"));
     let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
     let begun = Instant::now();
@@ -121,27 +123,24 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     output::print(text.as_bytes())
 }
 
-/// Lets an interrupt (Ctrl-C) end the program with a word on how to go on.
-#[cfg(unix)]
-fn on_interrupt() {
-    use signal_hook::{consts::SIGINT, iterator::Signals};
-    let Ok(mut signals) = Signals::new([SIGINT]) else { return };
-    std::thread::spawn(move || {
-        if signals.forever().next().is_some() {
-            eprintln!("interrupted: finished parts are kept; run the same command again to continue");
-            std::process::exit(130);
-        }
-    });
+/// Tells what in the study's file has no effect.
+fn tell(notes: &[String], path: &Path) {
+    notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
 }
-
-#[cfg(not(unix))]
-fn on_interrupt() {}
 
 /// Parts that are told by name when a folder does not hold what its manifest says.
 const NAMED: usize = 5;
 
 fn verify(folder: &Path) -> anyhow::Result<()> {
     let report = sweep::verify(&*stores::open(folder)?)?;
+    if let Some(first) = report.foreign.first() {
+        let others =
+            if report.foreign.len() > 1 { format!(" and {} more", report.foreign.len() - 1) } else { String::new() };
+        bail!(
+            "{}: {first}{others}: not named in manifest.json; readers take that folder whole, so move it elsewhere",
+            folder.display()
+        );
+    }
     if report.wrong.is_empty() {
         let (parts, bytes) = (counted(report.parts as u64), indicatif::BinaryBytes(report.bytes));
         let text = format!("{}: {} rows, {parts}, {bytes}: agree with manifest.json\n", folder.display(), report.rows);

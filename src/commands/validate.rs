@@ -1,6 +1,6 @@
 //! `pneutherm validate`: a model against records that took no part in finding it.
 
-use crate::commands::progress;
+use crate::commands::{estimates, progress};
 use crate::pages::validation;
 use crate::{evaluation, output};
 use identify::Validation;
@@ -70,5 +70,6 @@ fn table(v: &Validation) -> String {
     if let Some(systematic) = v.systematic_pa {
         let _ = writeln!(out, "systematic part {:.1} Pa rms", systematic);
     }
+    estimates::notes(&mut out, &[], &v.notes);
     out
 }

@@ -30,6 +30,9 @@ pub fn html(model: &Path, rig: &Path, found: &Validated) -> Result<String, Error
         "the rest and first move of each record; the error is that of the rest of the record"
     };
     result.text(format!("The records' own parameters are fitted to {to}. Everything else is taken from the model."));
+    if !v.notes.is_empty() {
+        result.blocks.push(Block::List(v.notes.iter().map(|note| format!("{note}.")).collect()));
+    }
     result.table(records(found));
     let mut drawn = Section::new("Records and residuals");
     drawn.note("The residual is measured minus model; the grey band is ± two standard deviations of the noise.");

@@ -22,6 +22,7 @@ use studies::Law;
 /// A file that cannot be written, named.
 pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+    FILES.iter().try_for_each(|name| records::check_writable(&folder.join(name)))?;
     let mut out = Output { folder, written: Vec::new() };
     let section31 = paper::section31::reproduce(&Timing::default())?;
     let measured = paper::measured::reproduce()?;
@@ -74,6 +75,29 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
 const MODEL: &str = "model.toml";
 /// The same with one λ0.
 const MODEL_ONE_LAMBDA0: &str = "model_one_lambda0.toml";
+/// All files that are written: what cannot be is said before any work.
+const FILES: [&str; 20] = [
+    MODEL,
+    MODEL_ONE_LAMBDA0,
+    "table5_sweep.toml",
+    "table5_sweep_points.csv",
+    "table5_sweep.parquet",
+    "table5_sweep_one_lambda0.toml",
+    "table5_sweep_one_lambda0_points.csv",
+    "table5_sweep_one_lambda0.parquet",
+    "Chamber.fmu",
+    "section31.json",
+    "section31.md",
+    "table4.csv",
+    "table5.csv",
+    "geometry_effect.json",
+    "geometry_effect.md",
+    "geometry_forms.svg",
+    "lambda0_trend.svg",
+    "pressure_response.svg",
+    "time_constants.svg",
+    "report.html",
+];
 const TITLE: &str = "Heat transfer in pneumatic cylinders: the paper's numbers, reproduced";
 const LEAD: &str = "From the tables of J. F. Carneiro and F. Gomes de Almeida, Heat transfer evaluation of industrial pneumatic \
      cylinders, Proc. IMechE Part I (2006), DOI 10.1243/09596518JSCE188. Everything on this page was computed and written by \

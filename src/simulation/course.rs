@@ -4,6 +4,7 @@ use super::stroke::Stroke;
 use anyhow::{Context, bail};
 use chamber::signals::{Knot, Signals};
 use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
+use identify::record::{far_off, outliers};
 use records::limits::PRESSURE_PA;
 use records::{Model, Trace};
 
@@ -18,9 +19,33 @@ pub struct Course<'a> {
     pub stroke: Stroke,
     /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,
+    /// Rows before the piston moves or gas flows.
+    rest: usize,
+    /// Those among them whose pressure is far off.
+    far_off: Vec<usize>,
 }
 
-impl Course<'_> {
+impl<'a> Course<'a> {
+    /// A motion with the stroke behind it, and the pressure at the start where that is asked for.
+    pub fn new(motion: &'a Trace, stroke: Stroke, initial_pressure_pa: Option<f64>) -> Self {
+        let rest = rows_at_rest(motion);
+        let measured = motion.pressure_pa.as_deref().filter(|_| initial_pressure_pa.is_none());
+        let far_off = measured.map_or_else(Vec::new, |pressure_pa| outliers::of_rest(pressure_pa, rest));
+        Self { motion, stroke, initial_pressure_pa, rest, far_off }
+    }
+
+    /// Which readings before the first movement are far off and do not count, if any.
+    pub fn left_out_of_rest(&self) -> Option<String> {
+        let Trace { path, lines, time_s, .. } = self.motion;
+        far_off::sentence(path, &self.far_off, lines, time_s)
+    }
+
+    /// Mean of what the rows at rest have, those left out that are far off.
+    fn mean_at_rest(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let rows = || (0..self.rest).filter(|row| self.far_off.binary_search(row).is_err());
+        rows().map(of).sum::<f64>() / rows().count() as f64
+    }
+
     /// A model along the motion, its mean pressure at rest that of the motion plus `shift`, Pa.
     ///
     /// # Errors
@@ -32,7 +57,7 @@ impl Course<'_> {
 
     /// How many rows the pressure at the start is the mean of; none where it was asked for.
     pub fn rows_at_rest(&self) -> Option<usize> {
-        self.initial_pressure_pa.is_none().then(|| rows_at_rest(self.motion))
+        self.initial_pressure_pa.is_none().then(|| self.rest - self.far_off.len())
     }
 
     /// As [`Course::samples`], with what is imposed on the chamber and the state it begins from.
@@ -63,8 +88,7 @@ impl Course<'_> {
     /// one plus `shift`.
     fn start(&self, model: &Model, signals: &Signals, shift: f64) -> anyhow::Result<Start> {
         let motion = self.motion;
-        let rest = rows_at_rest(motion);
-        let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| mean(ambient[..rest].iter().copied()));
+        let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| self.mean_at_rest(|row| ambient[row]));
         let ambient = ambient.unwrap_or(model.ambient_temperature_k);
         let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
         if let Some(pressure) = self.initial_pressure_pa {
@@ -79,7 +103,7 @@ impl Course<'_> {
                 motion.path.display()
             );
         };
-        let measured = mean(measured[..rest].iter().copied()) + shift;
+        let measured = self.mean_at_rest(|row| measured[row]) + shift;
         Ok(at(self.pressure_of_mean(model, signals, at, measured)?))
     }
 
@@ -94,8 +118,8 @@ impl Course<'_> {
     ) -> anyhow::Result<f64> {
         let mut pressure = measured;
         for _ in 0..MEAN_ITERATIONS {
-            let samples = along(model, at(pressure), signals, self.motion, rows_at_rest(self.motion))?;
-            let next = pressure + measured - mean(samples.iter().map(|sample| sample.measured_pressure));
+            let samples = along(model, at(pressure), signals, self.motion, self.rest)?;
+            let next = pressure + measured - self.mean_at_rest(|row| samples[row].measured_pressure);
             if !(0.5 * measured..2.0 * measured).contains(&next) {
                 return Ok(measured);
             }
@@ -116,7 +140,7 @@ impl Course<'_> {
 /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
 pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
     let stroke = Stroke::behind(&record.time_s, &record.position_m).at_rows(&record.time_s);
-    Course { motion: record, stroke, initial_pressure_pa: None }.followed(model, 0.0)
+    Course::new(record, stroke, None).followed(model, 0.0)
 }
 
 /// The first rows of the motion, simulated.
@@ -148,9 +172,4 @@ fn check_volume(model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Res
         }
     }
     Ok(())
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len() as f64;
-    values.sum::<f64>() / count
 }

@@ -5,11 +5,14 @@ pub mod columns;
 pub mod course;
 pub mod stroke;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use band::{Band, Wanted};
 use chamber::simulate::Sample;
 use columns::{COLUMNS, Values};
 use course::Course;
+use identify::record::checks;
+use identify::record::unit::Declared;
+use records::layout::Quantity;
 use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
 use std::path::{Path, PathBuf};
 use stroke::Stroke;
@@ -60,7 +63,16 @@ impl Simulated {
 /// A file that is refused, a motion that leaves no gas, no pressure to begin from; a band that the model cannot give.
 pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     let model = Model::from_document(&request.model)?;
-    let motion = read_motion(&request.motion, request.rig.as_ref())?;
+    let (motion, declared) = read_motion(&request.motion, request.rig.as_ref())?;
+    match &motion.pressure_pa {
+        _ if request.initial_pressure_pa.is_some() => (),
+        Some(pressure_pa) => checks::level(&motion.path, pressure_pa, declared)?,
+        None => bail!(
+            "{}: no pressure column to take the initial pressure from{}; give it with --initial-pressure",
+            motion.path.display(),
+            near_pressure_column(request)
+        ),
+    }
     let stroke_of = if request.raw_positions { Stroke::through } else { Stroke::behind };
     let stroke = stroke_of(&motion.time_s, &motion.position_m);
     let mut notes = motion.notes();
@@ -71,7 +83,8 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
             stroke.faults.join(" and ")
         ));
     }
-    let course = Course { motion: &motion, stroke, initial_pressure_pa: request.initial_pressure_pa };
+    let course = Course::new(&motion, stroke, request.initial_pressure_pa);
+    notes.extend(course.left_out_of_rest());
     let samples = course.samples(&model, 0.0)?;
     let band = match &request.band {
         None => None,
@@ -85,8 +98,18 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     Ok(Simulated { samples, band, notes })
 }
 
-fn read_motion(path: &Path, rig: Option<&Document>) -> anyhow::Result<Trace> {
+/// The column that may be meant to be that of the pressure, in words; nothing where none is like it.
+fn near_pressure_column(request: &Request) -> String {
+    let near = || {
+        let (layout, _) = request.rig.as_ref().map(RigFile::layout).transpose().ok()?.unwrap_or_default();
+        records::near_column(&request.motion, &layout, Quantity::Pressure)
+    };
+    near().map_or(String::new(), |(near, wanted)| format!(" (it has `{near}`: did you mean `{wanted}`?)"))
+}
+
+/// The motion, and what is declared of its pressures.
+fn read_motion(path: &Path, rig: Option<&Document>) -> anyhow::Result<(Trace, Declared)> {
     let (layout, stroke_m) = rig.map_or_else(|| Ok((Layout::default(), None)), RigFile::layout)?;
     let reading = Reading { layout: &layout, stroke_m, window: Window::ALL, need: Need::Motion };
-    Ok(Trace::read(path, &reading)?)
+    Ok((Trace::read(path, &reading)?, Declared::of_layout(&layout)))
 }

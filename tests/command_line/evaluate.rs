@@ -148,3 +148,27 @@ fn the_guide_documents_every_key_of_every_json() {
         assert_eq!(json.keys().cloned().collect::<BTreeSet<_>>(), documented(call[0]), "{call:?}");
     }
 }
+
+#[test]
+fn validate_notes_records_that_the_model_was_identified_from_and_a_rig_that_is_not_the_model_s() {
+    let bench = bench();
+    bench.call(0, &["identify", "rig.toml", "--method", "time-constant", "-o", "identified.toml"]);
+    let notes = |rig: &str| {
+        let json = bench.call(0, &["validate", "identified.toml", rig, "--json", "-"]).stdout;
+        let json: Value = serde_json::from_slice(&json).unwrap();
+        let notes = json["notes"].as_array().unwrap().iter().map(|note| note.as_str().unwrap().to_owned());
+        notes.collect::<Vec<_>>()
+    };
+    assert_eq!(notes("validation.toml"), Vec::<String>::new());
+    let of_own =
+        "the model was identified from all 15 records; the error there is that of the fit, not of a prediction";
+    assert_eq!(notes("rig.toml"), [of_own]);
+    let rig = std::fs::read_to_string(bench.path("validation.toml")).unwrap();
+    let rig = rig.replace("bore_m = 0.032", "bore_m = 0.02").replace("\"air\"", "\"helium\"");
+    bench.file("other.toml", rig);
+    let found = notes("other.toml");
+    assert!(found[0].starts_with("bore: 20.00 mm in the rig file, 32.00 mm in the model"), "{found:?}");
+    assert!(found[1].starts_with("gas: helium, R = 2077"), "{found:?}");
+    let table = text(&bench.call(0, &["validate", "identified.toml", "rig.toml"]).stdout);
+    assert!(table.contains(&format!("note: {of_own}")), "{table}");
+}

@@ -132,3 +132,46 @@ fn a_motion_into_the_chamber_s_end_is_refused() {
     bench.file("motion.csv", motion().replace("0.05\n", "0.0\n"));
     assert!(bench.refusal(&CALL).contains("motion.csv: at 0.24 s the position 0 m leaves no gas"));
 }
+
+#[test]
+fn pressures_that_no_chamber_has_are_refused_as_identify_refuses_them_unless_they_are_not_used() {
+    let bench = Bench::new();
+    bench.file("motion.csv", motion().replace("101300.0", "1.013"));
+    let refusal = bench.refusal(&CALL);
+    assert!(refusal.contains("no pneumatic chamber has; check the unit of the pressure column"), "{refusal}");
+    assert!(refusal.contains("bar"), "{refusal}");
+    bench.call(0, &[&CALL[..], &["--initial-pressure", "2e5"]].concat());
+}
+
+#[test]
+fn a_motion_of_few_rows_begins_at_its_first_reading() {
+    let bench = Bench::new();
+    bench.file("motion.csv", "time_s,position_m,pressure_pa\n0,0.1,1e5\n1,0.08,1.1e5\n2,0.05,1.2e5\n");
+    let start = rows(&bench.call(0, &CALL).stdout)[0][1];
+    assert!((start / 1e5 - 1.0).abs() < 1e-9, "{start}");
+}
+
+#[test]
+fn a_reading_far_off_before_the_movement_is_left_out_of_the_start_and_named() {
+    let bench = Bench::new();
+    let plain = rows(&bench.call(0, &CALL).stdout)[0][1];
+    bench.file("motion.csv", motion().replacen("101300.0", "301300.0", 1));
+    let output = bench.call(0, &CALL);
+    assert!((rows(&output.stdout)[0][1] / plain - 1.0).abs() < 1e-9);
+    let says = "motion.csv: one reading far off is left out (line 2, at 0.000 s from its first row)";
+    assert!(text(&output.stderr).contains(says), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_misspelt_pressure_column_is_named() {
+    let bench = Bench::new();
+    bench.file("motion.csv", motion().replace("pressure_pa", "presure_pa"));
+    let refusal = bench.refusal(&CALL);
+    assert!(refusal.contains("(it has `presure_pa`: did you mean `pressure_pa`?)"), "{refusal}");
+}
+
+#[test]
+fn standard_input_is_not_read_under_the_name_of_standard_output() {
+    let refusal = Bench::new().refusal(&["simulate", "model.toml", "--motion", "-"]);
+    assert!(refusal.contains("-: standard input is not read under this name"), "{refusal}");
+}

@@ -158,3 +158,11 @@ def test_a_folder_that_cannot_be_made_is_named(pneutherm, tmp_path):
     (tmp_path / "file").write_text("in the way")
     process = pneutherm("reproduce", "-o", tmp_path / "file", code=1)
     assert "file" in process.stderr and len(process.stderr.strip().splitlines()) == 1
+
+
+def test_a_folder_in_the_place_of_any_file_is_told_before_anything_is_written(results, pneutherm, tmp_path):
+    for name in sorted(path.name for path in results.iterdir()):
+        (tmp_path / name / name).mkdir(parents=True)
+        error = pneutherm("reproduce", "-o", tmp_path / name, code=1).stderr
+        assert f"{name}: cannot be written: a folder of that name exists" in error
+        assert [path.name for path in (tmp_path / name).iterdir()] == [name]

@@ -13,6 +13,7 @@ use crate::fmi2;
 use crate::fmi3;
 use crate::plant::values::Starts;
 use crate::start_values::{self, Block, BlockError};
+use crate::table::units::behind;
 use crate::table::{settable, table};
 use documentation::About;
 use identity::Identity;
@@ -90,7 +91,7 @@ pub struct Contents<'a> {
 #[derive(Debug, Error)]
 pub enum PackageError {
     /// A start value that the FMU itself would refuse.
-    #[error("{name} = {value} {unit} cannot be a start value: it must lie within {min} to {max} {unit}")]
+    #[error("{name} = {value}{of} cannot be a start value: it must lie within {min} to {max}{of}", of = behind(unit))]
     StartValue {
         /// Name of the FMU's variable.
         name: &'static str,

@@ -5,6 +5,7 @@
 
 use super::message::{Category, Status};
 use crate::plant::fault::Fault;
+use crate::table::units::behind;
 use thiserror::Error;
 
 /// Why a call was refused.
@@ -91,7 +92,7 @@ pub enum Refusal {
         name: &'static str,
     },
     /// NaN or infinite.
-    #[error("{name} = {value} {unit} is not a finite number; nothing was set")]
+    #[error("{name} = {value}{} is not a finite number; nothing was set", behind(unit))]
     NotFinite {
         /// Name of the variable in the model description.
         name: &'static str,
@@ -101,7 +102,7 @@ pub enum Refusal {
         unit: &'static str,
     },
     /// Outside the variable's bounds.
-    #[error("{name} = {value} {unit} lies outside {min} to {max} {unit}; nothing was set")]
+    #[error("{name} = {value}{of} lies outside {min} to {max}{of}; nothing was set", of = behind(unit))]
     OutOfRange {
         /// Name of the variable in the model description.
         name: &'static str,

@@ -35,7 +35,7 @@ pub(super) fn inputs(table: &mut Vec<Variable>) {
 pub(super) fn outputs(table: &mut Vec<Variable>) {
     let rows: [Row; OUTPUTS] = [
         Row("pressure", &units::PRESSURE, Some(0.0), None, 1e5, "Absolute pressure of the gas"),
-        Row("measuredPressure", &units::PRESSURE, None, None, 1e5, "Reading of the pressure sensor, with lag, delay, offset and drift"),
+        Row("measuredPressure", &units::PRESSURE_READING, None, None, 1e5, "Reading of the pressure sensor, with lag, delay, offset and drift"),
         Row("temperature", &units::TEMPERATURE, Some(0.0), None, 300.0, "Mean temperature of the gas"),
         Row("mass", &units::MASS, Some(0.0), None, 1e-4, "Mass of the gas"),
         Row("volume", &units::VOLUME, Some(0.0), None, 1e-5, "Volume of the gas, dead volume included"),

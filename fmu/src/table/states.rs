@@ -41,7 +41,7 @@ pub(super) fn variables(table: &mut Vec<Variable>) {
     for (_, card) in effects::all() {
         for s in card.states {
             let name = format!("{}.{}", camel(card.name), camel(s.name));
-            own.push((name, s.doc.into(), units::of_card(s.unit), s.nominal));
+            own.push((name, s.doc.into(), units::of_state(s.unit), s.nominal));
         }
     }
     let travel = "Travel of the piston since the start: the integral of its velocity";

@@ -123,6 +123,7 @@ quantities! {
     AREA = "Area", "m2", Some("cm2"), 1e-2, None;
     VOLUME = "Volume", "m3", Some("cm3"), 1e-5, Some(0.0);
     PRESSURE = "AbsolutePressure", "Pa", Some("bar"), 1e5, Some(0.0);
+    PRESSURE_READING = "PressureReading", "Pa", Some("bar"), 1e5, None;
     PRESSURE_DIFFERENCE = "PressureDifference", "Pa", Some("bar"), 1e3, None;
     PRESSURE_RATE = "PressureRate", "Pa/s", Some("bar/s"), 1e5, None;
     TEMPERATURE = "ThermodynamicTemperature", "K", Some("degC"), 300.0, Some(0.0);
@@ -155,6 +156,11 @@ impl Quantity {
     }
 }
 
+/// A unit as it stands behind a number: nothing of a number that has none.
+pub fn behind(unit: &str) -> String {
+    if ["", "1"].contains(&unit) { String::new() } else { format!(" {unit}") }
+}
+
 /// The quantity of an effect's parameter or state.
 pub fn of_card(unit: card::Unit) -> &'static Quantity {
     match unit {
@@ -176,6 +182,14 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
         card::Unit::SpeedPower => &SPEED_POWER,
         card::Unit::InverseEffusivity => &INVERSE_EFFUSIVITY,
         card::Unit::OfTable => &TABLE_VALUE,
+    }
+}
+
+/// The quantity of a state: the pressure that a sensor's lag keeps is a reading, which an offset can take below zero.
+pub fn of_state(unit: card::Unit) -> &'static Quantity {
+    match unit {
+        card::Unit::Pascal => &PRESSURE_READING,
+        other => of_card(other),
     }
 }
 
@@ -207,7 +221,7 @@ mod tests {
     fn every_state_s_rate_has_a_quantity_of_its_own() {
         for (_, card) in chamber::effects::all() {
             for state in card.states {
-                assert_ne!(rate_of(of_card(state.unit)), &DIMENSIONLESS, "{}.{}", card.name, state.name);
+                assert_ne!(rate_of(of_state(state.unit)), &DIMENSIONLESS, "{}.{}", card.name, state.name);
             }
         }
     }

@@ -9,6 +9,7 @@ use crate::parameters::{Own, Slot};
 use crate::policy::TOLERANCES;
 use crate::record::between_rows::Look;
 use crate::record::data::{Data, Prepared};
+use crate::record::far_off;
 use crate::record::readout::Between;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
@@ -122,18 +123,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             digits(noise.step_pa, 3)
         ));
     }
-    for t in data.traces.iter().filter(|t| !t.readout.outliers.is_empty()) {
-        let times: Vec<String> = t.readout.outliers.iter().take(3).map(|&i| format!("{:.3} s", t.time_s[i])).collect();
-        let more = if t.readout.outliers.len() > 3 { ", …" } else { "" };
-        let readings = match t.readout.outliers.len() {
-            1 => "one reading far off is left out".to_owned(),
-            count => format!("{count} readings far off are left out"),
-        };
-        out.push(format!("{}: {readings} (at {}{more} from its first row)", t.path.display(), times.join(", ")));
-    }
-    for t in data.traces.iter().filter(|t| t.backward_rows > 0) {
-        out.push(format!("{}: {} rows are left out, as their time does not go on", t.path.display(), t.backward_rows));
-    }
+    out.extend(left_out(data));
     let slow: Vec<_> = data.traces.iter().filter(|t| t.readout.period > 1).collect();
     if let Some(t) = slow.first() {
         out.push(format!(
@@ -171,19 +161,30 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     out
 }
 
+/// Which rows of each record are left out.
+pub fn left_out(data: &Data) -> Vec<String> {
+    let readings = |t: &Prepared| far_off::sentence(&t.path, &t.readout.outliers, &t.lines, &t.time_s);
+    let mut out: Vec<String> = data.traces.iter().filter_map(readings).collect();
+    for t in data.traces.iter().filter(|t| t.backward_rows > 0) {
+        out.push(format!("{}: {} rows are left out, as their time does not go on", t.path.display(), t.backward_rows));
+    }
+    out
+}
+
 /// What is no reading among the positions.
 fn positions(data: &Data) -> Vec<String> {
     let mut out = Vec::new();
     let disturbed: Vec<&Prepared> = data.traces.iter().filter(|t| !t.positions.outliers.is_empty()).collect();
     if let Some(first) = disturbed.first() {
         let count: usize = disturbed.iter().map(|t| t.positions.outliers.len()).sum();
-        out.push(format!(
-            "{count} positions in {} of {} records stand out of those around them and are left out (the first: {}, at {:.3} s from its first row)",
-            disturbed.len(),
-            data.traces.len(),
-            first.path.display(),
-            first.time_s[first.positions.outliers[0]]
-        ));
+        let what = match (count, disturbed.len(), data.traces.len()) {
+            (1, ..) => "one position stands out of those around it and is left out".to_owned(),
+            (count, records, all) => format!(
+                "{count} positions in {records} of {all} records stand out of those around them and are left out"
+            ),
+        };
+        let named = far_off::named(&first.positions.outliers, &first.lines, &first.time_s);
+        out.push(format!("{what} ({}: {named} from its first row)", first.path.display()));
     }
     let slow: Vec<&Prepared> = data.traces.iter().filter(|t| t.positions.between != Between::Nothing).collect();
     if let Some(t) = slow.first() {

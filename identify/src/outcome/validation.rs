@@ -5,12 +5,14 @@
 //! the rest of it is predicted, with the model's drift; or, with the whole record, to all of it.
 
 use super::estimates::{Estimates, as_map};
+use super::recording;
 use crate::error::Error;
 use crate::fit::covariance;
 use crate::judge::{left_out, misfit};
 use crate::parameters::{Hypothesis, Model, Own, Sizes, delays_position};
 use crate::policy;
 use crate::record::data::{Data, Prepared};
+use crate::record::outliers;
 use crate::record::stroke::Phase;
 use crate::search::terms;
 use chamber::Chamber;
@@ -18,6 +20,9 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use records::Rig;
 use serde::Serialize;
+
+/// How often readings are looked at for those far off: what a fit with them leaves can hide others.
+const ROUNDS: usize = 3;
 
 /// One record against the model.
 #[derive(Clone, Debug, Serialize)]
@@ -48,6 +53,8 @@ pub struct Validation {
     pub systematic_pa: Option<f64>,
     /// Each record.
     pub records: Vec<RecordError>,
+    /// What was left out, and what makes the error another than that of a prediction.
+    pub notes: Vec<String>,
 }
 
 /// A validation with what a report draws.
@@ -67,54 +74,23 @@ pub struct Validated {
 /// [`Error`]: data that cannot be what it should be, a record that the model cannot follow, records that end with their first
 /// move.
 pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
-    let data = Data::prepare(rig)?;
-    // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
-    // a record's own only where the model has it, and the former only with the whole record.
-    let growing = terms::growing_with_time();
-    let only_of_model = growing.union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
-    let own = terms::of_record().without(only_of_model.without(chamber.active()));
-    let own = if whole_record { own } else { own.without(growing) };
-    let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
-    let mut hypothesis = Hypothesis::new(&data, model, chamber, &Sizes::of(&data, chamber));
-    hypothesis.axes.clear();
-    hypothesis.stated.clear();
-    // The records of a rig scatter about what the model has found of its logger and gauges, less than those scatter.
-    for axis in &mut hypothesis.own {
-        if let (Own::Effect(e, p), Some([_, sd])) = (axis.slot, axis.prior) {
-            let mean = axis.coordinate(chamber.effects.of(e)[p]);
-            axis.prior = Some([mean, policy::BETWEEN_RECORDS * sd]);
+    let mut data = Data::prepare(rig)?;
+    let mut compared = Compared::of(&data, chamber, error_pa, whole_record)?;
+    for _ in 0..ROUNDS {
+        let found = outliers::in_residuals(&data, &compared.residuals);
+        if data.is_without(&found) {
+            break;
         }
+        data = data.without(&found);
+        compared = Compared::of(&data, chamber, error_pa, whole_record)?;
     }
-    let weighed = if whole_record { None } else { weighed(&data, error_pa) };
-    let weighed = weighed.as_ref().unwrap_or(&data);
-    let judged_from: Vec<usize> = data.traces.iter().map(|t| if whole_record { 0 } else { begin_of(t) }).collect();
-    let until = |k: usize| if whole_record { usize::MAX } else { judged_from[k] };
-    let found: Vec<_> = (0..data.traces.len())
-        .into_par_iter()
-        .map(|k| {
-            let t = &data.traces[k];
-            let fit = left_out::own_fit(weighed, &hypothesis, k, until(k))
-                .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
-            let residual = misfit::of_record(t, &fit.setting(t, &fit.own[k]), model.effects)
-                .map_err(|source| Error::Simulation { trace: t.path.clone(), source })?;
-            let variance = covariance::of_record(&fit, k, &DMatrix::zeros(0, 0));
-            let parameters = hypothesis
-                .own_of(t)
-                .iter()
-                .enumerate()
-                .map(|(i, axis)| {
-                    let variance = variance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
-                    (axis.slot.name(), covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit()))
-                })
-                .collect();
-            Ok((parameters, residual))
-        })
-        .collect::<Result<_, Error>>()?;
+    let Compared { parameters, residuals, judged_from } = compared;
     let (mut squares, mut count) = (0.0, 0usize);
-    let mut records = Vec::with_capacity(found.len());
-    let mut residuals = Vec::with_capacity(found.len());
-    for ((parameters, residual), (t, &from)) in found.into_iter().zip(data.traces.iter().zip(&judged_from)) {
-        let (sum, rows) = misfit::squares(t, &residual, from);
+    let mut records = Vec::with_capacity(parameters.len());
+    for ((parameters, residual), (t, &from)) in
+        parameters.into_iter().zip(&residuals).zip(data.traces.iter().zip(&judged_from))
+    {
+        let (sum, rows) = misfit::squares(t, residual, from);
         squares += sum;
         count += rows;
         records.push(RecordError {
@@ -124,7 +100,6 @@ pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool)
             judged_from_s: t.time_s.get(from).copied().unwrap_or(0.0),
             rows,
         });
-        residuals.push(residual);
     }
     if count == 0 {
         return Err(Error::NothingToCompare { rig: rig.path.clone() });
@@ -135,8 +110,70 @@ pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool)
         noise_pa: data.noise.total_pa(),
         systematic_pa: whole_record.then(|| misfit::systematic(&data, &residuals)),
         records,
+        notes: recording::left_out(&data),
     };
     Ok(Validated { validation, data, residuals })
+}
+
+/// Each record against the model, with its own numbers.
+struct Compared {
+    parameters: Vec<Estimates>,
+    /// Measured less model, row by row, Pa.
+    residuals: Vec<Vec<f64>>,
+    /// The first row that is judged.
+    judged_from: Vec<usize>,
+}
+
+impl Compared {
+    fn of(data: &Data, chamber: &Chamber, error_pa: f64, whole_record: bool) -> Result<Self, Error> {
+        let hypothesis = hypothesis(data, chamber, whole_record);
+        let weighed = if whole_record { None } else { weighed(data, error_pa) };
+        let weighed = weighed.as_ref().unwrap_or(data);
+        let judged_from: Vec<usize> = data.traces.iter().map(|t| if whole_record { 0 } else { begin_of(t) }).collect();
+        let until = |k: usize| if whole_record { usize::MAX } else { judged_from[k] };
+        let found: Vec<(Estimates, Vec<f64>)> = (0..data.traces.len())
+            .into_par_iter()
+            .map(|k| of_record(weighed, &hypothesis, k, until(k)))
+            .collect::<Result<_, _>>()?;
+        let (parameters, residuals) = found.into_iter().unzip();
+        Ok(Self { parameters, residuals, judged_from })
+    }
+}
+
+/// What is free of a record: its own numbers.
+fn hypothesis(data: &Data, chamber: &Chamber, whole_record: bool) -> Hypothesis {
+    // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
+    // a record's own only where the model has it, and the former only with the whole record.
+    let growing = terms::growing_with_time();
+    let only_of_model = growing.union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
+    let own = terms::of_record().without(only_of_model.without(chamber.active()));
+    let own = if whole_record { own } else { own.without(growing) };
+    let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
+    let mut hypothesis = Hypothesis::new(data, model, chamber, &Sizes::of(data, chamber));
+    hypothesis.axes.clear();
+    hypothesis.stated.clear();
+    // The records of a rig scatter about what the model has found of its logger and gauges, less than those scatter.
+    for axis in &mut hypothesis.own {
+        if let (Own::Effect(e, p), Some([_, sd])) = (axis.slot, axis.prior) {
+            let mean = axis.coordinate(chamber.effects.of(e)[p]);
+            axis.prior = Some([mean, policy::BETWEEN_RECORDS * sd]);
+        }
+    }
+    hypothesis
+}
+
+/// A record's own numbers, fitted to its rows before `until`, and what they leave.
+fn of_record(data: &Data, hypothesis: &Hypothesis, k: usize, until: usize) -> Result<(Estimates, Vec<f64>), Error> {
+    let t = &data.traces[k];
+    let failed = |source| Error::Simulation { trace: t.path.clone(), source };
+    let fit = left_out::own_fit(data, hypothesis, k, until).map_err(failed)?;
+    let residual = misfit::of_record(t, &fit.setting(t, &fit.own[k]), hypothesis.model.effects).map_err(failed)?;
+    let variance = covariance::of_record(&fit, k, &DMatrix::zeros(0, 0));
+    let estimate = |(i, axis): (usize, &crate::parameters::Axis<Own>)| {
+        let variance = variance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
+        (axis.slot.name(), covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit()))
+    };
+    Ok((hypothesis.own_of(t).iter().enumerate().map(estimate).collect(), residual))
 }
 
 /// The data beside what a model with that error leaves of them, Pa rms: where it errs, a begin tells a record's own numbers only

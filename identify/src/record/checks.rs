@@ -7,9 +7,10 @@ use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
 use crate::record::stroke::{Motion, Phase, Segment, extent};
 use crate::record::unit::Declared;
-use records::{Trace, correlation};
+use records::{Cylinder, Trace, correlation};
 use std::iter;
 use std::ops::Range;
+use std::path::Path;
 
 /// Fewest rows of a trace.
 pub const FEWEST_ROWS: usize = 20;
@@ -25,6 +26,13 @@ const TURNED_BACK: f64 = 0.05;
 
 /// Pressures that a pneumatic chamber can have on the whole, Pa.
 const PLAUSIBLE_PRESSURE_PA: std::ops::RangeInclusive<f64> = 1e3..=1e8;
+/// A piston that goes so many bores away from the chamber's end is that of a rodless cylinder, whose stroke a rig states, or its
+/// positions are in another unit.
+const LONGEST_STROKE_IN_BORES: f64 = 100.0;
+/// Units that positions are recorded in beside metres, m, ...
+const POSITION_UNITS_M: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254)];
+/// ...and how far the piston of a usual cylinder goes, in bores.
+const USUAL_STROKE_IN_BORES: std::ops::RangeInclusive<f64> = 0.3..=30.0;
 
 /// Enough rows?
 pub fn rows(trace: &Trace) -> Result<(), Error> {
@@ -41,9 +49,11 @@ pub fn trace(
     motion: &Motion,
     readout: &Readout,
     declared: Declared,
+    cylinder: &Cylinder,
 ) -> Result<(), Error> {
     let path = || trace.path.clone();
-    units(trace, pressure_pa, declared)?;
+    level(&trace.path, pressure_pa, declared)?;
+    stroke(trace, cylinder)?;
     let (low, high) = extent(&trace.position_m);
     if !motion.segments.iter().any(|s| s.phase == Phase::Move) || high - low < 20.0 * motion.noise_m {
         return Err(Error::NoMove { trace: path(), range_m: high - low, noise_m: motion.noise_m });
@@ -62,16 +72,34 @@ pub fn trace(
     Ok(())
 }
 
-/// Pressures and times that no cylinder on a bench has: the unit of their column is wrong.
-fn units(trace: &Trace, pressure_pa: &[f64], declared: Declared) -> Result<(), Error> {
+/// Pressures of a trace that no cylinder on a bench has: the unit of their column is wrong.
+///
+/// # Errors
+/// [`Error::ImplausiblePressure`] with the units that would make compressed air of them.
+pub fn level(trace: &Path, pressure_pa: &[f64], declared: Declared) -> Result<(), Error> {
     let mut sorted = pressure_pa.to_vec();
     let middle = sorted.len() / 2;
+    if sorted.is_empty() {
+        return Ok(());
+    }
     let median_pa = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
     if !PLAUSIBLE_PRESSURE_PA.contains(&median_pa) {
         let units = declared.of_level(median_pa);
-        return Err(Error::ImplausiblePressure { trace: trace.path.clone(), median_pa, units });
+        return Err(Error::ImplausiblePressure { trace: trace.to_owned(), median_pa, units });
     }
     Ok(())
+}
+
+/// Positions that no cylinder of that bore has, where the rig does not state so long a stroke: their unit is wrong, or the bore's.
+fn stroke(trace: &Trace, cylinder: &Cylinder) -> Result<(), Error> {
+    let (low, high) = extent(&trace.position_m);
+    let (reach_m, bore_m) = (high.max(-low), cylinder.bore_m);
+    if cylinder.stroke_m.is_some() || reach_m <= LONGEST_STROKE_IN_BORES * bore_m {
+        return Ok(());
+    }
+    let is_usual = |unit_m: f64| USUAL_STROKE_IN_BORES.contains(&(reach_m * unit_m / bore_m));
+    let units = POSITION_UNITS_M.iter().filter(|(_, unit_m)| is_usual(*unit_m)).map(|(unit, _)| *unit).collect();
+    Err(Error::ImplausibleStroke { trace: trace.path.clone(), reach_m, bore_m, units })
 }
 
 /// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row. Where noise

@@ -27,6 +27,7 @@ pub fn forward_only(trace: &Trace) -> (Cow<'_, Trace>, usize) {
     out.ambient_temperature_k = trace.ambient_temperature_k.as_ref().map(kept);
     out.gas_temperature_k = trace.gas_temperature_k.as_ref().map(kept);
     out.mass_flow_kg_per_s = trace.mass_flow_kg_per_s.as_ref().map(kept);
+    out.lines.retain(&goes_on);
     (Cow::Owned(out), left_out)
 }
 

@@ -13,7 +13,7 @@ use crate::record::unit::Doubt;
 use crate::record::unresolved;
 use chamber::Gas;
 use records::units::Unit;
-use records::{Cylinder, Tolerance};
+use records::{Cylinder, LineNumbers, Tolerance};
 use std::path::PathBuf;
 
 /// One trace, ready to be fitted. Times count from its first row.
@@ -27,6 +27,8 @@ pub struct Prepared {
     pub repeat: usize,
     /// Rows left out since their time did not go on.
     pub backward_rows: usize,
+    /// Lines of all rows in the file.
+    pub lines: LineNumbers,
     /// Times of all rows, s.
     pub time_s: Vec<f64>,
     /// Pressures of all rows, Pa.

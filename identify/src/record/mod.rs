@@ -7,6 +7,7 @@ pub mod checks;
 pub mod clock;
 pub mod colour;
 pub mod data;
+pub mod far_off;
 mod first_volume;
 mod hampel;
 mod lattice;

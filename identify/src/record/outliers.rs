@@ -8,6 +8,7 @@ use crate::policy;
 use crate::record::data::{Data, Prepared};
 use crate::record::hampel::{accidental, middle_and_scatter};
 use crate::record::readout::Readout;
+use crate::record::scatter::scatter;
 use crate::record::stroke::{Motion, Phase};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -15,6 +16,8 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 const FROM_NEIGHBOURS: f64 = 9.0;
 /// A residual this many standard deviations from the median around it is an outlier.
 const FROM_MEDIAN: f64 = 6.5;
+/// Steps of a sensor are smaller than this share of what it shows.
+const COARSEST_STEP: f64 = 0.02;
 /// Rows on each side that a residual is compared with.
 const REACH: usize = 8;
 
@@ -27,6 +30,18 @@ pub fn spikes(pressure_pa: &[f64], readout: &Readout, noise_pa: f64) -> Vec<usiz
         .map(|w| w[1])
         .collect();
     accidental(found, rows.len())
+}
+
+/// Rows of a rest, the first so many of a record, whose pressure is far from the median of those around it, as measured by their
+/// own scatter or the smallest change between readings, which may be the sensor's step.
+pub fn of_rest(pressure_pa: &[f64], rest: usize) -> Vec<usize> {
+    let changes = pressure_pa.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 0.0);
+    let smallest_pa = changes.fold(f64::INFINITY, f64::min);
+    let own = &pressure_pa[..rest];
+    let level_pa = own.iter().sum::<f64>() / rest.max(1) as f64;
+    let step_pa = if smallest_pa < COARSEST_STEP * level_pa { smallest_pa } else { 0.0 };
+    let rows: Vec<usize> = (0..rest).collect();
+    accidental(far_from_median(&rows, own, scatter(own).max(step_pa)), rest)
 }
 
 /// Rows of each record whose residual (measured − model, Pa) is far from those around it.
@@ -182,6 +197,22 @@ mod tests {
             residual[first + 4] += 40.0 * data.noise.white_pa;
         }
         assert!(in_residuals(&data, &residuals).iter().all(Vec::is_empty));
+    }
+
+    #[test]
+    fn a_reading_far_off_in_a_rest_is_found_also_where_it_is_the_first() {
+        let mut random = Random::new(8);
+        let mut p: Vec<f64> = (0..60).map(|_| 3e5 + 150.0 * random.normal()).collect();
+        assert!(of_rest(&p, 50).is_empty());
+        (p[0], p[20]) = (p[0] + 2e5, p[20] - 5e3);
+        assert_eq!(of_rest(&p, 50), [0, 20]);
+        // Steps of a sensor that noise reaches now and then are no more than steps.
+        let mut steps = vec![3e5; 60];
+        (steps[7], steps[30]) = (3.004e5, 3.004e5);
+        assert!(of_rest(&steps, 50).is_empty());
+        assert!(of_rest(&[3e5, 5e5], 1).is_empty());
+        let planned = [&[5e5][..], &[3e5; 30]].concat();
+        assert_eq!(of_rest(&planned, 31), [0]);
     }
 
     #[test]

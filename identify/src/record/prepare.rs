@@ -36,7 +36,7 @@ impl Data {
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
         let declared = Declared::of(rig);
         for (c, readout) in columns.iter_mut().zip(readouts) {
-            checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared)?;
+            checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?;
             c.readout = Readout { unfollowed: c.motion.unfollowed(), ..readout };
         }
         if columns.is_empty() {
@@ -158,6 +158,7 @@ impl<'a> Columns<'a> {
             experiment,
             repeat,
             backward_rows,
+            lines: trace.lines.clone(),
             blocks: Vec::new(),
             whitener: Whitener::default(),
             relative_tolerance: RELATIVE_TOLERANCES[0],

@@ -1,8 +1,8 @@
 //! Units that pressures may really be in, where the declared one is not theirs, and what speaks for another one.
 
 use crate::policy::COMPRESSED_AIR_PA;
-use records::Rig;
 use records::units::{Quantity, Unit};
+use records::{Layout, Rig};
 use report::digits;
 
 /// Units that pressures are recorded in. A rig's `atm` is nearly `bar`, its `hPa` is `mbar`.
@@ -29,6 +29,16 @@ impl Declared {
     pub fn of(rig: &Rig) -> Self {
         let zero_pa = if rig.gauge_pressures { rig.ambient.pressure_pa } else { 0.0 };
         Self { unit: rig.pressure_unit, zero_pa }
+    }
+
+    /// Of a layout without its rig.
+    pub fn of_layout(layout: &Layout) -> Self {
+        let column = layout.column(Quantity::Pressure);
+        Self {
+            unit: column.plain_unit(Quantity::Pressure),
+            // Without a scale or offset of its own, what is added to a gauge column is the pressure of the surroundings.
+            zero_pa: if column.gauge { column.offset } else { 0.0 },
+        }
     }
 
     /// Units that make pressures of which `is_plausible` holds; `pressure` gives one as read in a unit.

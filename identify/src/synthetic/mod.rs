@@ -20,7 +20,7 @@ pub use stroke::{Move, Shape, Stroke};
 use chamber::effects::{self, CARDS, PARAMETER_OFFSETS};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use rayon::prelude::*;
-use records::{Ambient, Cylinder, Experiment, NamedGas, Rig, Sensor, Tolerance, Trace};
+use records::{Ambient, Cylinder, Experiment, LineNumbers, NamedGas, Rig, Sensor, Tolerance, Trace};
 use truth::{STEP_S, Truth};
 
 /// Effects that a [`Recipe`] does not simulate as effects: they belong to the recording, or are none of their own.
@@ -415,6 +415,7 @@ impl Recipe {
             ambient_temperature_k,
             gas_temperature_k: None,
             mass_flow_kg_per_s: None,
+            lines: LineNumbers::default(),
             left_out: Vec::new(),
             sorted: false,
             time_s,

@@ -14,9 +14,9 @@ pub mod proposal;
 pub mod readings;
 
 use crate::error::Error;
-use crate::format::Encoding;
+use crate::format::{Decimal, Encoding, Format};
 use crate::layout::Layout;
-use crate::trace::{self, Need, Reading, Trace, TraceProblem, Window};
+use crate::trace::{self, Content, Need, Reading, Trace, TraceProblem, Window};
 use columns::{Guess, Names};
 use motion::Phase;
 use readings::Readings;
@@ -33,6 +33,13 @@ fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// Whether there are rows of numbers where these have decimal commas.
+fn has_decimal_commas(path: &Path, content: &Content) -> bool {
+    let format = Format { decimal: Some(Decimal::Comma), ..Format::default() };
+    let layout = Layout { format, ..Layout::default() };
+    trace::sample(path, content, &layout).is_ok_and(|(_, _, sample)| !sample.is_empty())
 }
 
 /// What was found in a trace file.
@@ -65,13 +72,18 @@ impl Look {
     /// # Errors
     /// A file that cannot be read or is no table, a column that is not there, more bad rows than one in fifty.
     pub fn at(path: &Path, names: &Names) -> Result<Self, Error> {
-        let (dialect, encoding, sample) = trace::sample(path, &Layout::default())?;
+        let content = Content::lasting(path)?;
+        let (dialect, encoding, sample) = trace::sample(path, &content, &Layout::default())?;
         check(path, &dialect, names)?;
         if dialect.names.len() < 2 {
             return Err(Error::Trace { path: path.to_owned(), problem: Box::new(TraceProblem::OneColumn) });
         }
         if sample.is_empty() {
-            let problem = Box::new(TraceProblem::NoRows { line: dialect.header.unwrap_or(1) });
+            let problem = match has_decimal_commas(path, &content) {
+                true => TraceProblem::DecimalCommas { line: dialect.first_row },
+                false => TraceProblem::NoRows { line: dialect.header.unwrap_or(1) },
+            };
+            let problem = Box::new(problem);
             return Err(Error::Trace { path: path.to_owned(), problem });
         }
         let mut guess = Guess::from_names(&dialect, &sample, names);
@@ -81,7 +93,7 @@ impl Look {
         let read = |guess: &Guess| {
             let layout = guess.layout();
             let reading = Reading { layout: &layout, stroke_m: None, window: Window::ALL, need: Need::Measurement };
-            Trace::read(path, &reading)
+            Trace::read_content(path, &content, &reading)
         };
         // Gauge pressures fall below what absolute ones can be, positions may count from anywhere, either way.
         let trace = loop {

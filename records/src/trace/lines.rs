@@ -176,6 +176,11 @@ impl<'a> Lines<'a> {
         Ok(std::str::from_utf8(&self.buffer).unwrap_or_default())
     }
 
+    /// How many lines have been read.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
     /// The encoding, as far as the lines given so far tell.
     pub fn encoding(&self) -> Encoding {
         self.encoding

@@ -3,12 +3,14 @@
 //! Single rows that cannot be used are left out and named in [`Trace::left_out`]; more than one in fifty are refused.
 
 mod clock;
+mod content;
 mod dialect;
 pub(crate) mod excel;
 mod fields;
 mod header;
 mod header_line;
 mod left_out;
+mod line_numbers;
 mod lines;
 mod order;
 pub(crate) mod problem;
@@ -19,14 +21,16 @@ mod rows;
 mod sample;
 mod slow_column;
 
+pub use content::Content;
 pub use dialect::Dialect;
 pub use fields::texts as fields_of_line;
 pub(crate) use header::missing_column;
 pub use left_out::LeftOut;
+pub use line_numbers::LineNumbers;
 pub use problem::{RowProblem, TraceProblem};
 pub use reading::{Need, Reading, Window};
 pub(crate) use rest::movement_threshold;
-pub use sample::{Sample, sample};
+pub use sample::{Sample, near_column, sample};
 
 use crate::error::Error;
 use std::path::{Path, PathBuf};
@@ -50,6 +54,8 @@ pub struct Trace {
     pub gas_temperature_k: Option<Vec<f64>>,
     /// Mass flow into the chamber, kg/s, negative out of it.
     pub mass_flow_kg_per_s: Option<Vec<f64>>,
+    /// Lines of the rows in the file.
+    pub lines: LineNumbers,
     /// Rows of the file that could not be used, by line; at most one in fifty.
     pub left_out: Vec<LeftOut>,
     /// Whether the file's rows came in another order than that of time.
@@ -62,7 +68,12 @@ impl Trace {
     /// # Errors
     /// [`Error`] names the file, the line, the column and the value.
     pub fn read(path: &Path, reading: &Reading<'_>) -> Result<Self, Error> {
-        read::read(path, reading)
+        read::read(path, &Content::File, reading)
+    }
+
+    /// Reads a trace of which there may be a copy only.
+    pub(crate) fn read_content(path: &Path, content: &Content, reading: &Reading<'_>) -> Result<Self, Error> {
+        read::read(path, content, reading)
     }
 
     /// What was done to the file's rows to make them a record, in sentences; none where they are as the file has them.

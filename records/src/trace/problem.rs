@@ -7,6 +7,14 @@ pub enum TraceProblem {
     /// No bytes, or blank lines only.
     #[error("the file is empty; a header line and rows of numbers are expected")]
     Empty,
+    /// Nothing but blank lines after those that are passed over.
+    #[error("skip_lines = {skipped} in the rig's [format] leaves no line to read; the file has {lines}")]
+    AllSkipped {
+        /// How many lines are to be passed over.
+        skipped: usize,
+        /// How many the file has.
+        lines: usize,
+    },
     /// More than a trace may have.
     #[error("the file has {found}; the limit is {limit}; cut the record, or keep every second row only")]
     TooLarge {
@@ -119,6 +127,12 @@ pub enum TraceProblem {
         /// The header's line.
         line: usize,
     },
+    /// Rows whose numbers are in quotes with decimal commas, between commas.
+    #[error("line {line}: the numbers have decimal commas; say decimal = \",\" in the rig's [format]")]
+    DecimalCommas {
+        /// The first row's line.
+        line: usize,
+    },
     /// A text that is no table.
     #[error(
         "one column only; a table with time, pressure and position is expected, with commas, semicolons, tabs or blanks between \
@@ -178,8 +192,8 @@ pub enum TraceProblem {
     },
     /// A clock that starts again.
     #[error(
-        "line {line}, column `{column}`: the time restarts at {value:?} s after {before:?} s; put each record into a file of \
-         its own"
+        "line {line}, column `{column}`: the time restarts at {} s after {} s; put each record into a file of its own",
+        seconds(*value), seconds(*before)
     )]
     TimeRestarts {
         /// Number of the line, counted from 1.
@@ -191,6 +205,11 @@ pub enum TraceProblem {
         /// That of the row before, s.
         before: f64,
     },
+}
+
+/// A time in as many digits as tell it, with an exponent where zeros would lead or follow.
+fn seconds(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e9).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
 }
 
 fn how_many(bad: usize, rows: usize, lines: &[usize]) -> String {
@@ -243,15 +262,25 @@ pub enum RowProblem {
         value: String,
     },
     /// A time that another row has already.
-    #[error("column `{column}`: time does not increase, {value:?} s occurs twice")]
+    #[error("column `{column}`: time does not increase, {} s occurs twice", seconds(*value))]
     TimeRepeats {
         /// Name of the column, as the header has it.
         column: String,
         /// The time, s.
         value: f64,
     },
+    /// A time that is after those of the rows that follow.
+    #[error("column `{column}`: the time jumps to {} s, and the next row has {} s", seconds(*value), seconds(*after))]
+    TimeJumps {
+        /// Name of the column, as the header has it.
+        column: String,
+        /// The time, s.
+        value: f64,
+        /// That of the row after, s.
+        after: f64,
+    },
     /// A time that is not after that of the row before.
-    #[error("column `{column}`: time does not increase, {value:?} s after {before:?} s")]
+    #[error("column `{column}`: time does not increase, {} s after {} s", seconds(*value), seconds(*before))]
     TimeOutOfOrder {
         /// Name of the column, as the header has it.
         column: String,

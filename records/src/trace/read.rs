@@ -1,24 +1,23 @@
 //! Reading a trace: the file's first lines tell how it is written, then each row is read where it stands.
 
 use super::Trace;
+use super::content::Content;
 use super::dialect::Dialect;
 use super::excel;
 use super::header::Header;
-use super::lines::{self, Lines, Stop};
+use super::lines::{Lines, Stop};
 use super::problem::TraceProblem;
 use super::reading::Reading;
 use super::rows::{ReadRows, Rows};
 use crate::error::Error;
 use crate::layout::{Layout, Quantity};
-use std::fs::File;
-use std::io;
 use std::path::Path;
 
 /// The least rows that are a record.
 const MIN_ROWS: usize = 3;
 
-pub(super) fn read(path: &Path, reading: &Reading<'_>) -> Result<Trace, Error> {
-    with_lines(path, reading.layout, |lines| {
+pub(super) fn read(path: &Path, content: &Content, reading: &Reading<'_>) -> Result<Trace, Error> {
+    with_lines(path, content, reading.layout, |lines| {
         let dialect = dialect(lines, reading.layout)?;
         let header = Header::read(&dialect, reading)?;
         let table = read_rows(lines, &dialect, &header, reading)?;
@@ -34,6 +33,7 @@ pub(super) fn read(path: &Path, reading: &Reading<'_>) -> Result<Trace, Error> {
             ambient_temperature_k: next(Quantity::AmbientTemperature),
             gas_temperature_k: next(Quantity::GasTemperature),
             mass_flow_kg_per_s: next(Quantity::MassFlow),
+            lines: table.lines,
             left_out: table.left_out,
             sorted: table.sorted,
         })
@@ -43,38 +43,32 @@ pub(super) fn read(path: &Path, reading: &Reading<'_>) -> Result<Trace, Error> {
 /// Opens the file and works on its lines; whatever stops that names the file.
 pub(super) fn with_lines<T>(
     path: &Path,
+    content: &Content,
     layout: &Layout,
     work: impl FnOnce(&mut Lines<'_>) -> Result<T, Stop>,
 ) -> Result<T, Error> {
-    let unreadable = |source| Error::Read { path: path.to_owned(), source };
-    let facts = std::fs::metadata(path).map_err(unreadable)?;
-    if facts.is_dir() {
-        let reason = "it is a folder, a trace file is expected";
-        return Err(unreadable(io::Error::new(io::ErrorKind::IsADirectory, reason)));
-    }
-    let refused = |problem| Error::Trace { path: path.to_owned(), problem: Box::new(problem) };
-    if facts.len() > lines::MAX_BYTES {
-        return Err(refused(lines::too_large(&format!("{} MB", facts.len() >> 20))));
-    }
-    let file = File::open(path).map_err(unreadable)?;
-    let done = Lines::new(file, layout.format.encoding).and_then(|mut lines| {
+    let source = content.open(path)?;
+    let done = Lines::new(source, layout.format.encoding).and_then(|mut lines| {
         lines.skip(layout.format.skip_lines.unwrap_or(0))?;
         work(&mut lines)
     });
     done.map_err(|stop| match stop {
-        Stop::Io(source) => unreadable(source),
-        Stop::Problem(problem) => refused(problem),
+        Stop::Io(source) => Error::Read { path: path.to_owned(), source },
+        Stop::Problem(problem) => Error::Trace { path: path.to_owned(), problem: Box::new(problem) },
     })
 }
 
 /// How the file is written, from its first lines.
 pub(super) fn dialect(lines: &mut Lines<'_>, layout: &Layout) -> Result<Dialect, Stop> {
     let wanted: Vec<&str> = layout.columns.iter().map(|column| column.name.as_str()).collect();
-    let head = lines.head()?;
-    if head.is_empty() {
-        return Err(TraceProblem::Empty.into());
+    if lines.head()?.is_empty() {
+        let lines = lines.number();
+        return Err(match layout.format.skip_lines {
+            Some(skipped) if lines > 0 && skipped > 0 => TraceProblem::AllSkipped { skipped, lines }.into(),
+            _ => TraceProblem::Empty.into(),
+        });
     }
-    Ok(Dialect::find(head, &layout.format, &wanted))
+    Ok(Dialect::find(lines.head()?, &layout.format, &wanted))
 }
 
 fn read_rows(

@@ -6,6 +6,10 @@ use crate::statistics::{extremes, median, white_noise};
 const SHARE_OF_TRAVEL: f64 = 1e-3;
 /// So many standard deviations of the position's noise are movement.
 const DEVIATIONS: f64 = 6.0;
+/// What seems to be noise beyond this share of the travel may be the bends of a motion with few rows: it is, ...
+const MOST_NOISE: f64 = 0.005;
+/// ...where no more than this share of the changes take back the one before. Noise does so with two of three.
+const TURNED_BACK: f64 = 0.35;
 
 /// Number of rows from the first on before the piston moves, at least 1.
 ///
@@ -25,7 +29,17 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
 
 /// What is a movement rather than a position's noise, m.
 pub fn movement_threshold(position_m: &[f64]) -> f64 {
-    (DEVIATIONS * white_noise(position_m)).max(SHARE_OF_TRAVEL * travel(position_m))
+    let travel = travel(position_m);
+    let noise = white_noise(position_m);
+    let is_motion = noise > MOST_NOISE * travel && turned_back(position_m) <= TURNED_BACK;
+    let noise = if is_motion { 0.0 } else { noise };
+    (DEVIATIONS * noise).max(SHARE_OF_TRAVEL * travel)
+}
+
+/// Share of the changes from row to row that go the other way than the one before.
+fn turned_back(position_m: &[f64]) -> f64 {
+    let pairs = position_m.windows(3).map(|x| (x[1] - x[0]) * (x[2] - x[1]));
+    pairs.clone().filter(|product| *product < 0.0).count() as f64 / pairs.len().max(1) as f64
 }
 
 fn travel(position_m: &[f64]) -> f64 {
@@ -55,6 +69,17 @@ mod tests {
         assert_eq!(rows_at_rest(&[0.1; 40]), 40);
         let shaking: Vec<f64> = push(3e-6)[..50].to_vec();
         assert_eq!(rows_at_rest(&shaking), 50);
+    }
+
+    #[test]
+    fn a_motion_of_few_rows_is_no_noise_of_a_piston_at_rest() {
+        assert_eq!(rows_at_rest(&[0.1, 0.08, 0.05]), 1);
+        for rows_of_a_period in [8, 15, 30] {
+            let angle = |k: i32| std::f64::consts::TAU * f64::from(k) / f64::from(rows_of_a_period);
+            let sine: Vec<f64> = (0..=2 * rows_of_a_period).map(|k| 0.09 - 0.02 * angle(k).sin()).collect();
+            assert_eq!(rows_at_rest(&sine), 1, "{rows_of_a_period}");
+        }
+        assert_eq!(rows_at_rest(&[0.1, 0.1, 0.1, 0.08, 0.05]), 2);
     }
 
     #[test]

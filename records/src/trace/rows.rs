@@ -5,6 +5,7 @@ use super::dialect::Dialect;
 use super::fields::{self, number};
 use super::header::Header;
 use super::left_out::{BadRows, LeftOut, ONE_IN};
+use super::line_numbers::LineNumbers;
 use super::order::{self, Order};
 use super::problem::{RowProblem, TraceProblem};
 use super::reading::{MAX_ROWS, Reading};
@@ -43,6 +44,8 @@ pub struct Rows<'a> {
 pub struct ReadRows {
     /// One for each column found, time first, in the order of time.
     pub columns: Vec<Vec<f64>>,
+    /// The lines of its rows in the file.
+    pub lines: LineNumbers,
     /// The rows that are no part of it.
     pub left_out: Vec<LeftOut>,
     /// Whether the rows came in another order.
@@ -117,6 +120,11 @@ impl<'a> Rows<'a> {
         Ok(Some(values))
     }
 
+    /// The line of a row.
+    fn line(&self, row: usize) -> usize {
+        self.lines.of(row).unwrap_or(0)
+    }
+
     /// How many rows were looked at.
     pub fn seen(&self) -> usize {
         self.seen
@@ -142,17 +150,13 @@ impl<'a> Rows<'a> {
                 self.leave_out(problems);
             }
             Order::Restarts(row) => {
-                let (line, column) = (self.lines.of(row), column.name.clone());
+                let (line, column) = (self.line(row), column.name.clone());
                 let (value, before) = (times[row], times[row - 1]);
                 return Err(TraceProblem::TimeRestarts { line, column, value, before });
             }
             Order::Sorted(rows) => {
                 sorted = true;
-                let lines = rows.iter().map(|row| self.lines.of(*row));
-                self.lines = lines.enumerate().fold(LineNumbers::default(), |mut lines, (row, line)| {
-                    lines.push(row, line);
-                    lines
-                });
+                self.lines = rows.iter().map(|row| self.line(*row)).collect();
                 for column in &mut self.columns {
                     *column = rows.iter().map(|row| column[*row]).collect();
                 }
@@ -165,7 +169,7 @@ impl<'a> Rows<'a> {
                 self.leave_out(problems);
             }
         }
-        Ok(ReadRows { left_out: self.bad.few_among(all)?, columns: self.columns, sorted })
+        Ok(ReadRows { left_out: self.bad.few_among(all)?, columns: self.columns, lines: self.lines, sorted })
     }
 
     /// Fills the columns that have a value at every k-th row only; other rows with an empty cell are left out.
@@ -199,7 +203,7 @@ impl<'a> Rows<'a> {
         let mut keep = vec![true; self.columns[0].len()];
         for (row, problem) in problems {
             keep[row] = false;
-            self.bad.push(self.lines.of(row), problem);
+            self.bad.push(self.line(row), problem);
         }
         for column in &mut self.columns {
             let mut kept = keep.iter();
@@ -218,8 +222,12 @@ fn coarse(column: &Column, sorted_times: &[f64], repeats: usize) -> TraceProblem
 
 fn out_of_order(column: &Column, times: &[f64], row: usize) -> RowProblem {
     let (column, value) = (column.name.clone(), times[row]);
-    match row.checked_sub(1).map(|before| times[before]) {
-        Some(before) if before != value => RowProblem::TimeOutOfOrder { column, value, before },
+    let before = row.checked_sub(1).map(|before| times[before]);
+    match (before, times.get(row + 1)) {
+        (before, Some(&after)) if before.is_none_or(|before| before < value) && after < value => {
+            RowProblem::TimeJumps { column, value, after }
+        }
+        (Some(before), _) if before != value => RowProblem::TimeOutOfOrder { column, value, before },
         _ => RowProblem::TimeRepeats { column, value },
     }
 }
@@ -295,29 +303,4 @@ fn temperature(value: f64, column: &Column) -> Result<(), RowProblem> {
     let celsius = column.unit == "K" && (-100.0..150.0).contains(&value);
     let hint = if celsius { "; for degrees Celsius say unit = \"degC\" in the rig's [columns]" } else { "" };
     Err(RowProblem::Temperature { column: column.name.clone(), value, hint })
-}
-
-/// The line of each row, by the rows at which lines do not simply go on.
-#[derive(Default)]
-struct LineNumbers(Vec<(usize, usize)>);
-
-impl LineNumbers {
-    #[inline]
-    fn push(&mut self, row: usize, line: usize) {
-        if self.0.last().is_none_or(|(r, l)| l + (row - r) != line) {
-            self.0.push((row, line));
-        }
-    }
-
-    fn of(&self, row: usize) -> usize {
-        let at = self.0.partition_point(|(first, _)| *first <= row);
-        self.0.get(at.wrapping_sub(1)).map_or(0, |(first, line)| line + (row - first))
-    }
-
-    fn retain(&mut self, keep: &[bool]) {
-        let kept = (0..keep.len()).filter(|row| keep[*row]).map(|row| self.of(row));
-        let mut lines = Self::default();
-        kept.enumerate().for_each(|(row, line)| lines.push(row, line));
-        *self = lines;
-    }
 }

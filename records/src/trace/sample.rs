@@ -1,13 +1,15 @@
 //! The first rows of a trace file, before it is known what its columns hold.
 
 use super::clock;
+use super::content::Content;
 use super::dialect::Dialect;
 use super::fields::{number, texts};
 use super::lines::Line;
 use super::read::{dialect, with_lines};
 use crate::error::Error;
 use crate::format::Encoding;
-use crate::layout::Layout;
+use crate::layout::{Layout, Quantity};
+use crate::names::nearest;
 use std::path::Path;
 
 /// What the columns of a file's first rows hold.
@@ -43,12 +45,21 @@ impl Sample {
     }
 }
 
+/// The column whose name is most like that of a quantity, which is not there, and the name that was wanted.
+pub fn near_column(path: &Path, layout: &Layout, quantity: Quantity) -> Option<(String, String)> {
+    let (dialect, _, _) = sample(path, &Content::File, layout).ok()?;
+    let wanted = &layout.column(quantity).name;
+    let others = layout.columns.iter().map(|column| column.name.as_str());
+    let free = dialect.names.iter().map(String::as_str).filter(|name| others.clone().all(|other| other != *name));
+    Some((nearest(wanted, free)?.to_owned(), wanted.clone()))
+}
+
 /// How a file is written, and its first rows.
 ///
 /// # Errors
 /// A file that cannot be read or is no text.
-pub fn sample(path: &Path, layout: &Layout) -> Result<(Dialect, Encoding, Sample), Error> {
-    with_lines(path, layout, |lines| {
+pub fn sample(path: &Path, content: &Content, layout: &Layout) -> Result<(Dialect, Encoding, Sample), Error> {
+    with_lines(path, content, layout, |lines| {
         let dialect = dialect(lines, layout)?;
         let sample = Sample::of(&dialect, lines.head()?);
         Ok((dialect, lines.encoding(), sample))

@@ -14,6 +14,13 @@ fn files_without_a_record_are_refused() {
 }
 
 #[test]
+fn skipping_more_lines_than_there_are_is_told() {
+    let bench = Bench::with_rig("[format]\nskip_lines = 9\n");
+    assert_says(&bench.refusal(table(&GOOD[..2])), &["skip_lines = 9", "leaves no line to read; the file has 3"]);
+    assert_says(&bench.refusal(""), &["the file is empty"]);
+}
+
+#[test]
 fn what_is_no_text_is_refused() {
     let bench = Bench::new();
     assert_says(&bench.refusal(b"\x7fELF\x02\x01\x01\0\0\0\0"), &["line 1", "binary data"]);

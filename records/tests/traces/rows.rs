@@ -46,7 +46,7 @@ fn single_bad_rows_are_left_out_and_named() {
         ("0.50,101350", "2 fields where the header names 3 columns"),
         ("0.49,101350,0.1", "column `time_s`: time does not increase, 0.49 s occurs twice"),
         ("0.20,101350,0.1", "time does not increase, 0.2 s after 0.49 s"),
-        ("1e9,101350,0.1", "time does not increase, 1000000000.0 s after 0.49 s"),
+        ("1e9,101350,0.1", "the time jumps to 1e9 s, and the next row has 0.51 s"),
         ("0.50,101350,-0.3", "position -0.3 m is below zero"),
         ("\"0.50,101350,0.1", "a quote is opened but not closed"),
         ("end of block", "1 fields where the header names 3 columns"),
@@ -130,10 +130,7 @@ fn unsorted_rows_are_sorted_and_records_one_after_the_other_refused() {
         assert!(trace.sorted && trace.left_out.is_empty());
     }
     let two = at_last(|rows| rows.extend(rows.clone()));
-    assert_says(
-        &Bench::new().refusal(two),
-        &["line 202, column `time_s`", "restarts at 0.0 s after 1.99 s", "file of"],
-    );
+    assert_says(&Bench::new().refusal(two), &["line 202, column `time_s`", "restarts at 0 s after 1.99 s", "file of"]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
-use super::file_names::MANIFEST;
+use super::file_names::{MANIFEST, ROWS};
 use super::store::Store;
 use crate::error::Error;
 use crate::part::new_file::Digest;
@@ -19,6 +19,8 @@ pub struct Report {
     pub rows: u64,
     /// Files that are missing or not what the manifest says, with the difference.
     pub wrong: Vec<String>,
+    /// Files beside the parts that the manifest does not name and readers of the folder would take for parts.
+    pub foreign: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -62,7 +64,15 @@ pub fn verify(store: &dyn Store) -> Result<Report, Error> {
         bytes: manifest.parts.iter().map(|part| part.digest.bytes).sum(),
         rows: manifest.rows,
         wrong,
+        foreign: foreign(store, &manifest.parts)?,
     })
+}
+
+/// Files among the parts that are none. Readers pass over names that begin with a dot or an underscore.
+fn foreign(store: &dyn Store, parts: &[Part]) -> Result<Vec<String>, Error> {
+    let names = store.names(ROWS).map_err(|source| Error::Read { path: store.place().join(ROWS), source })?;
+    let seen = names.into_iter().filter(|name| !name.starts_with(['.', '_'])).map(|name| format!("{ROWS}/{name}"));
+    Ok(seen.filter(|name| parts.iter().all(|part| part.file != *name)).collect())
 }
 
 /// How a part differs from what the manifest says.

@@ -132,7 +132,7 @@ pub const OUTPUTS: [Output; 15] = [
     Output { name: "pressure_final_pa", unit: "Pa", when: Always, doc: "Pressure at the end of the test", append: each!(o => o.pressure_final) },
     Output { name: "temperature_final_k", unit: "K", when: Always, doc: "Gas temperature at the end of the test", append: each!(o => o.temperature_final) },
     Output { name: "temperature_peak_k", unit: "K", when: Always, doc: "Largest gas temperature from the end of the push on; for an expansion the smallest", append: each!(o => o.temperature_peak) },
-    Output { name: "time_constant_s", unit: "s", when: Fit, doc: "Time constant of P = Pf + dP exp(-t/tau) fitted from the end of the push on", append: each!(o => o.time_constant) },
+    Output { name: "time_constant_s", unit: "s", when: Fit, doc: "Time constant of P = Pf + dP exp(-t/tau) fitted from the peak of the pressure on: the end of the push, or later with a lag or delay of the sensor", append: each!(o => o.time_constant) },
     Output { name: "lambda_av_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Average heat transfer coefficient by the paper's steps", append: each!(o => o.lambda_av) },
     Output { name: "lambda0_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Heat transfer coefficient at the reference state by the paper's steps", append: each!(o => o.lambda0) },
     Output { name: "settling_time_s", unit: "s", when: Always, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance", append: each!(o => o.settling_time) },

@@ -86,6 +86,8 @@ pub struct Study {
     pub parts: u64,
     /// Statistics of the results, where they are asked for. They are no part of what makes a row.
     pub statistics: Option<Plan>,
+    /// What stands in the study file without effect, in sentences.
+    pub notes: Vec<String>,
     /// Number of base samples of a sampled design.
     samples: Option<u64>,
     /// SHA-256 of the table's file, for a study on a table.

@@ -14,6 +14,12 @@ use ensemble::{Options, Solver};
 use records::{Document, Field, Model};
 use std::path::Path;
 
+/// What `[study]` may hold. Which of it a study of that design may hold is told when all of it is read.
+#[rustfmt::skip]
+const KEYS: [&str; 12] = [
+    "model", "name", "design", "samples", "second_order", "table", "columns", "seed", "fit", "solver", "tolerance", "parts",
+];
+
 /// Rows that are all looked at before the first is solved, whether the constraints leave any.
 const ROWS_LOOKED_AT: u64 = 1 << 14;
 
@@ -56,6 +62,7 @@ impl Study {
         let (study, test, vary) = (top.section("study")?, top.section("test")?, top.section("vary")?);
         let asked = top.get("statistics").map(|entry| entry.section()).transpose()?;
         top.finish()?;
+        study.allow(&KEYS)?;
 
         let mut model = match model {
             Some(model) => model.clone(),
@@ -88,12 +95,13 @@ impl Study {
             None => Study::default_parts(rows),
         };
         let constraints = constraints::read(&vary, &design, &base, &varied)?;
-        let samples = samples.filter(|_| !matches!(design, Design::Factorial(_) | Design::Table(_)));
+        let notes = without_effect(&study, &vary, &design);
+        let samples = samples.filter(|_| is_sampled(&design));
         let path = path.to_owned();
         #[rustfmt::skip]
         let study = Study {
             name, path, model, left_out, base, varied, design, constraints, seed, rows, fit, solver, tolerance, parts, statistics: None,
-            samples, table_sha256,
+            samples, table_sha256, notes,
         };
         if let Some(entry) = vary.get(constraints::KEY)
             && study.rows <= ROWS_LOOKED_AT
@@ -104,6 +112,23 @@ impl Study {
         let plan = asked.map(|section| statistics::read(&study, &section)).transpose()?;
         Ok(Study { statistics: plan, ..study })
     }
+}
+
+fn is_sampled(design: &Design) -> bool {
+    !matches!(design, Design::Factorial(_) | Design::Table(_))
+}
+
+/// Keys that a study of that design does not need, in sentences.
+fn without_effect(study: &Section<'_>, vary: &Section<'_>, design: &Design) -> Vec<String> {
+    let name = design.name();
+    let samples = study.get("samples").filter(|_| !is_sampled(design));
+    let samples = samples.map(|_| format!("study.samples has no effect: a \"{name}\" design has the rows that it has"));
+    let has_count = |entry: &Field<'_>| entry.table().is_ok_and(|table| table.has("count"));
+    let counts = vary.entries().filter(|entry| is_sampled(design) && has_count(entry));
+    let counts = counts.map(|entry| {
+        format!("vary.{}: count has no effect: a \"{name}\" design draws study.samples values", entry.key())
+    });
+    samples.into_iter().chain(counts).collect()
 }
 
 fn stem(path: &Path) -> String {

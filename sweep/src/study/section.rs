@@ -50,6 +50,11 @@ impl<'a> Section<'a> {
         Ok(Section::new(self.table.table_or_empty(key)?))
     }
 
+    /// Refuses keys that are none of `known`, before any of them is asked for.
+    pub fn allow(&self, known: &[&str]) -> Result<(), Error> {
+        Ok(self.table.allow(known)?)
+    }
+
     /// Refuses the first key that nobody asked for.
     pub fn finish(&self) -> Result<(), Error> {
         let known = self.known.borrow();

@@ -87,6 +87,18 @@ fn a_flipped_bit_anywhere_in_a_part_is_found_by_verify_and_by_a_second_run() {
     assert!(wrong.len() == 1 && wrong[0].starts_with("rows/part-00002-of-00003.parquet: "), "{wrong:?}");
 }
 
+#[test]
+fn a_foreign_file_among_the_rows_is_found_by_verify_but_for_one_that_readers_pass_over() {
+    let study = study("design = \"factorial\"", BORES);
+    let folder = tempfile::tempdir().unwrap();
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
+    std::fs::write(folder.path().join("rows/.listed"), "").unwrap();
+    assert_eq!(verify(&at(&folder)).unwrap().foreign, Vec::<String>::new());
+    std::fs::write(folder.path().join("rows/other.parquet"), "").unwrap();
+    let report = verify(&at(&folder)).unwrap();
+    assert_eq!((report.wrong, report.foreign), (Vec::new(), vec!["rows/other.parquet".to_owned()]));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_finished_study_is_found_finished_in_a_folder_that_cannot_be_written() {

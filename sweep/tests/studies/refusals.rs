@@ -12,13 +12,23 @@ const BORE: &str = "bore_m = { values = [0.02, 0.03] }";
 #[test]
 fn an_unknown_key_is_offered_the_nearest_one() {
     let message = refusal(&text("desing = \"factorial\"", BORE));
-    assert!(message.contains("study.design: missing") || message.contains("did you mean `design`?"), "{message}");
+    assert!(message.contains("study.desing: unknown key; did you mean `design`?"), "{message}");
     let message = refusal(&text("design = \"factorial\"\nseeed = 1", BORE));
     assert!(message.contains("line 3: study.seeed: unknown key; did you mean `seed`?"), "{message}");
     let message = refusal(&text("design = \"factorial\"", BORE).replace("push_time_s", "push_tme_s"));
     assert!(message.contains("push_time_s") || message.contains("push_tme_s"), "{message}");
     let message = refusal(&text("design = \"factorial\"", "bore_m = { vlues = [1] }"));
     assert!(message.contains("vary.bore_m.vlues: unknown key; did you mean `values`?"), "{message}");
+}
+
+#[test]
+fn samples_and_counts_without_effect_are_noted() {
+    let notes = |head: &str, vary: &str| Study::about(&model(), &text(head, vary)).unwrap().notes;
+    assert!(notes("design = \"factorial\"", BORE).is_empty());
+    let of_factorial = notes("design = \"factorial\"\nsamples = 16", BORE);
+    assert_eq!(of_factorial, ["study.samples has no effect: a \"factorial\" design has the rows that it has"]);
+    let of_sobol = notes("design = \"sobol\"\nsamples = 16", "bore_m = { from = 0.02, to = 0.03, count = 4 }");
+    assert_eq!(of_sobol, ["vary.bore_m: count has no effect: a \"sobol\" design draws study.samples values"]);
 }
 
 #[test]

@@ -1,0 +1,49 @@
+//! Readings that are left out as far off, in a sentence that names their lines and times.
+
+use records::LineNumbers;
+use std::path::Path;
+
+/// How many readings are named.
+const NAMED: usize = 5;
+
+/// What of a record is left out, if anything: `rows`, with the lines of its rows where it is of a file, and their times, s.
+pub fn sentence(path: &Path, rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> Option<String> {
+    let readings = match rows.len() {
+        0 => return None,
+        1 => "one reading far off is left out".to_owned(),
+        count => format!("{count} readings far off are left out"),
+    };
+    Some(format!("{}: {readings} ({} from its first row)", path.display(), named(rows, lines, time_s)))
+}
+
+/// The first of some rows: their lines, where the record is of a file, and their times from the first row, s.
+pub fn named(rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> String {
+    let more = if rows.len() > NAMED { ", …" } else { "" };
+    let named = &rows[..rows.len().min(NAMED)];
+    let times: Vec<String> = named.iter().map(|&row| format!("{:.3} s", time_s[row] - time_s[0])).collect();
+    let times = format!("at {}{more}", times.join(", "));
+    let lines: Vec<String> = named.iter().filter_map(|&row| Some(lines.of(row)?.to_string())).collect();
+    match lines.len() {
+        0 => times,
+        1 => format!("line {}, {times}", lines[0]),
+        _ => format!("lines {}{more}, {times}", lines.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_left_out_are_named_by_their_lines_and_times() {
+        let time_s = [5.0, 5.1, 5.2, 5.3];
+        let lines: LineNumbers = [2, 3, 7, 8].into_iter().collect();
+        let said = |rows: &[usize], lines: &LineNumbers| sentence(Path::new("a.csv"), rows, lines, &time_s);
+        assert_eq!(said(&[], &lines), None);
+        let one = "a.csv: one reading far off is left out (line 2, at 0.000 s from its first row)";
+        assert_eq!(said(&[0], &lines).as_deref(), Some(one));
+        let two = "a.csv: 2 readings far off are left out (lines 3, 7, at 0.100 s, 0.200 s from its first row)";
+        assert_eq!(said(&[1, 2], &lines).as_deref(), Some(two));
+        assert!(said(&[1], &LineNumbers::default()).unwrap().ends_with("left out (at 0.100 s from its first row)"));
+    }
+}
