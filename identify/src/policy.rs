@@ -19,8 +19,8 @@ pub const FITTED: usize = 8;
 /// Better sets of each round whose error on left-out data is judged.
 pub const JUDGED: usize = 4;
 
-/// Noise that a better model leaves, of what was taken for noise, from which on the search begins again with it: the rest was what
-/// the model before lacked. Estimates of colour differ by less from one fit to the next.
+/// What a better model leaves of what was taken for noise, from which on the search begins again with the noise that it shows: the
+/// rest was what the model before lacked.
 pub const FAR_LESS_NOISE: f64 = 0.7;
 
 /// How far λ0 may lie from its first guess, as the logarithm of their ratio: the paper's model is fitted from so far on either

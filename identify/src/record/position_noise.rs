@@ -13,14 +13,11 @@ const FINEST_M: f64 = 1e-6;
 
 /// Standard deviation of the position as it scatters about the stroke, with that of the rounding to its steps as the least.
 pub fn position_noise(position_m: &[f64]) -> f64 {
-    let rounding = |step_m: f64| step_m / 12.0f64.sqrt();
-    let step_m = lattice::of_bends(position_m, NOTHING_M);
     let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
-    let smallest = changes.filter(|d| *d > NOTHING_M).fold(f64::INFINITY, f64::min);
-    let least = match step_m {
-        0.0 if smallest.is_finite() => rounding(smallest).min(FINEST_M),
-        _ => rounding(step_m).min(COARSEST_M),
-    };
+    let smallest_m = changes.filter(|d| *d > NOTHING_M).fold(f64::INFINITY, f64::min);
+    let has_steps = lattice::of_bends(position_m, NOTHING_M) > 0.0;
+    let most_m = if has_steps { COARSEST_M } else { FINEST_M };
+    let least = if smallest_m.is_finite() { (smallest_m / 12.0f64.sqrt()).min(most_m) } else { 0.0 };
     scatter(position_m).max(least)
 }
 

@@ -19,8 +19,8 @@ impl Search {
         true
     }
 
-    /// The data as a fit shows them, with the noise that it leaves where it tells that or far less than was taken for noise; `None`
-    /// where that is as they are taken.
+    /// The data as a fit shows them, with the noise that it leaves where it tells that or leaves far less than was taken for noise;
+    /// `None` where that is as they are taken.
     fn as_shown_by(&self, fit: &Fit, tells_noise: bool) -> Option<Data> {
         let residuals = misfit::residuals(&self.data, fit);
         let found = outliers::in_residuals(&self.data, &residuals);
@@ -29,10 +29,12 @@ impl Search {
             other = Some(other.unwrap_or_else(|| self.data.clone()).without(&found));
         }
         let data = other.as_ref().unwrap_or(&self.data);
-        let noise = colour::estimate(data, &residuals, &data.noise);
-        let tells_noise = tells_noise || noise.total_pa() < policy::FAR_LESS_NOISE * data.noise.total_pa();
-        if tells_noise && !baseline::is_alike(&noise, &data.noise) {
-            other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
+        let leaves_far_less = misfit::rms(data, &residuals) < policy::FAR_LESS_NOISE * data.noise.total_pa();
+        if tells_noise || leaves_far_less {
+            let noise = colour::estimate(data, &residuals, &data.noise);
+            if !baseline::is_alike(&noise, &data.noise) {
+                other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
+            }
         }
         other
     }
