@@ -376,3 +376,11 @@ fn the_papers_model_is_fitted_as_the_diagnosis_fits_it_whatever_it_lacks() {
     assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
     assert!((alone.rmse_pa.fit / beside.before.rmse_pa.fit - 1.0).abs() < 1e-3);
 }
+
+#[test]
+fn a_leak_that_shows_in_a_stop_shorter_than_its_move_is_no_open_port() {
+    let laminar = chamber::effects::find("laminar_leakage").unwrap().0;
+    let recipe = Recipe::wide(2_000_252).with_strength(laminar, 1.0).varied();
+    assert!(recipe.tests.iter().any(|test| test.moves.len() > 1));
+    assert!(identify::diagnose(&recipe.rig(), &|_, _| ()).is_ok());
+}

@@ -159,17 +159,19 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     const OPENED: f64 = 0.05;
     let is_same = |a: f64, b: f64| (b / a - 1.0).abs() < SAME_PLACE;
     // Readings and position of each rest and hold. A stop shorter than the move before it, such as a point where the piston turns,
-    // tells nothing: what the gas exchanged in the move has not settled in it.
+    // has no place: what the gas exchanged in the move has not settled in it. How fast it loses gas may show there all the same.
     let lasts = |s: &Segment| s.to_s - s.from_s;
     let before = iter::once(None).chain(motion.segments.iter().map(Some));
-    let still: Vec<(Vec<usize>, f64)> = before
+    let place = |s: &Segment| trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64;
+    let still: Vec<(Vec<usize>, Option<f64>)> = before
         .zip(&motion.segments)
-        .filter(|(before, s)| s.phase != Phase::Move && before.is_none_or(|before| lasts(s) >= lasts(before)))
-        .map(|(_, s)| ((s.first..s.end).filter(|&row| readout.is_data(row)).collect::<Vec<_>>(), s))
-        .filter(|(rows, _)| rows.len() >= FEWEST)
-        .map(|(rows, s)| (rows, trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64))
+        .filter(|(_, s)| s.phase != Phase::Move)
+        .map(|(before, s)| (s, before.is_none_or(|before| lasts(s) >= lasts(before))))
+        .map(|(s, settles)| ((s.first..s.end).filter(|&row| readout.is_data(row)).collect(), settles.then(|| place(s))))
+        .filter(|(rows, _): &(Vec<usize>, _)| rows.len() >= FEWEST)
         .collect();
-    if !still.iter().enumerate().any(|(i, (_, place))| still[i + 1..].iter().any(|(_, other)| is_same(*place, *other)))
+    let are_same = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| is_same(a, b));
+    if !still.iter().enumerate().any(|(i, (_, place))| still[i + 1..].iter().any(|(_, other)| are_same(*place, *other)))
     {
         return Ok(());
     }
@@ -177,7 +179,7 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     let changes = pressure_pa.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 0.0);
     let step_pa = changes.fold(f64::INFINITY, f64::min);
     // End, position, and the line that the pressure tends to.
-    let ends: Vec<(f64, f64, Line)> = still
+    let ends: Vec<(f64, Option<f64>, Line)> = still
         .into_iter()
         .map(|(rows, place)| {
             let of = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
@@ -194,7 +196,7 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
         for (to_s, other, after) in &ends[i + 1..] {
             drift = drift.max(relative(after));
             let change = after.at(*to_s) / before.at(*from_s) - 1.0;
-            if is_same(*place, *other) && change.abs() > OPENED.max(drift * (to_s - from_s)) {
+            if are_same(*place, *other) && change.abs() > OPENED.max(drift * (to_s - from_s)) {
                 return Err(Error::PortOpened { trace: trace.path.clone(), from_s: *from_s, to_s: *to_s, change });
             }
         }
