@@ -4,8 +4,7 @@
 //! its mean is that of two Gauss points of the model; it stands for its rows at a fraction of their cost.
 
 use crate::record::between_rows::{BetweenRows, Look};
-use crate::record::position_noise::rounding_of_mean;
-use crate::record::positions;
+use crate::record::position_noise::{self, rounding_of_mean};
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Segment, extent};
 use crate::record::unresolved::Unresolved;
@@ -154,7 +153,7 @@ pub fn blocks(
 /// Standard deviations of the mean position of each part of the stroke, m: by the noise of its readings, and where it is held by
 /// their rounding.
 fn held_sd_m(position_m: &[f64], motion: &Motion) -> Vec<[f64; 2]> {
-    let step_m = positions::step(position_m);
+    let step_m = position_noise::step(position_m);
     let of = |s: &Segment| {
         let readings = (s.end - s.first) as f64 / motion.rows_per_reading as f64;
         let rounding_m = match s.phase {

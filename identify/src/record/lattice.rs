@@ -1,6 +1,7 @@
 //! The steps of an analogue-to-digital converter or of an encoder, from the differences that occur between readings.
 
 use super::spline::extent;
+use records::bends;
 
 /// The spacing of the readings' lattice, Pa: the smallest common difference, zero where differences are not its multiples.
 pub fn lattice(differences: &mut [f64]) -> f64 {
@@ -26,9 +27,8 @@ pub fn of_changes(readings: &[f64], nothing: f64) -> f64 {
 pub fn of_bends(readings: &[f64], nothing: f64) -> f64 {
     /// Bends of an even move: at its begin and its end, each between two rows.
     const OF_EVEN_MOVE: usize = 4;
+    let mut bends: Vec<f64> = bends(readings).filter(|bend| *bend > nothing).collect();
     let changes: Vec<f64> = readings.windows(2).map(|w| w[1] - w[0]).collect();
-    let bends = changes.windows(2).map(|w| (w[1] - w[0]).abs());
-    let mut bends: Vec<f64> = bends.filter(|bend| *bend > nothing).collect();
     let (lowest, highest) = extent(readings);
     let far = 0.1 * (highest - lowest);
     let moves = changes.windows(5).filter(|w| begins_a_move(w, nothing, far)).count();

@@ -231,19 +231,13 @@ fn windows<'q, 'a>(records: &'q [Quiet<'a>], least: usize) -> Vec<(&'q Quiet<'a>
 /// relaxation hardly enters. Where the piston never stands, from fourth ones, which its motion hardly enters either; their variance
 /// is 1 + 16 + 36 + 16 + 1 times that of the readings.
 fn from_bends(records: &[Quiet<'_>]) -> f64 {
-    let quiet: Vec<f64> =
-        records.iter().flat_map(|q| q.parts(false)).flat_map(|part| bends(&part).collect::<Vec<f64>>()).collect();
+    let parts = |moves: bool| records.iter().flat_map(move |quiet| quiet.parts(moves));
+    let quiet: Vec<f64> = parts(false).flat_map(|part| bends(&part).collect::<Vec<f64>>()).collect();
     if !quiet.is_empty() {
         return noise_of_bends(quiet);
     }
     let fourth = |x: &[f64]| (x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4]).abs() * (6.0f64 / 70.0).sqrt();
-    noise_of_bends(
-        records
-            .iter()
-            .flat_map(|q| q.parts(true))
-            .flat_map(|part| part.windows(5).map(fourth).collect::<Vec<f64>>())
-            .collect(),
-    )
+    noise_of_bends(parts(true).flat_map(|part| part.windows(5).map(fourth).collect::<Vec<f64>>()).collect())
 }
 
 /// Degrees of freedom of all windows, each about a polynomial of so many coefficients.

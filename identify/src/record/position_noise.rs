@@ -5,18 +5,22 @@ use super::scatter::scatter;
 use std::f64::consts::PI;
 
 /// Less is no change of a position, m.
-const NOTHING_M: f64 = 1e-12;
+pub const NOTHING_M: f64 = 1e-12;
 /// The rounding to a sensor's steps counts as this noise at the most, m.
 const COARSEST_M: f64 = 1e-4;
 /// The same where the readings show no steps, and their smallest change is that of the piston.
 const FINEST_M: f64 = 1e-6;
 
+/// Steps of the sensor, m; zero where the positions show none.
+pub fn step(position_m: &[f64]) -> f64 {
+    lattice::of_bends(position_m, NOTHING_M)
+}
+
 /// Standard deviation of the position as it scatters about the stroke, with that of the rounding to its steps as the least.
 pub fn position_noise(position_m: &[f64]) -> f64 {
     let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
     let smallest_m = changes.filter(|d| *d > NOTHING_M).fold(f64::INFINITY, f64::min);
-    let has_steps = lattice::of_bends(position_m, NOTHING_M) > 0.0;
-    let most_m = if has_steps { COARSEST_M } else { FINEST_M };
+    let most_m = if step(position_m) > 0.0 { COARSEST_M } else { FINEST_M };
     let least = if smallest_m.is_finite() { (smallest_m / 12.0f64.sqrt()).min(most_m) } else { 0.0 };
     scatter(position_m).max(least)
 }

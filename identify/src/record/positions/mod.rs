@@ -11,7 +11,6 @@ use super::readout::Between;
 use disturbed::stand_out;
 use records::fill_between;
 use slow::Slow;
-pub use slow::step;
 
 /// Fewer readings show no stroke.
 const FEWEST_READINGS: usize = 12;

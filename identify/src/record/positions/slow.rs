@@ -5,6 +5,7 @@
 //! where it bends by many steps.
 
 use super::super::lattice;
+use super::super::position_noise::{NOTHING_M, step};
 use super::super::readout::{Between, interpolated};
 use super::super::spline::extent;
 
@@ -19,14 +20,6 @@ const ROUNDING: f64 = 1e-9;
 
 /// How a sensor was read: what stands between two readings, and in which rows they are, ascending.
 pub type Slow = (Between, Vec<usize>);
-
-/// Less is no change of a position, m.
-const NOTHING_M: f64 = 1e-12;
-
-/// Steps of the sensor, m, as the changes from row to row show them; zero where these have none in common, or it is a speed.
-pub fn step(position_m: &[f64]) -> f64 {
-    lattice::of_bends(position_m, NOTHING_M)
-}
 
 /// The readings, where the rows show that there are fewer of them than rows.
 pub fn readings(position_m: &[f64]) -> Option<Slow> {
