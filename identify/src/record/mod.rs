@@ -27,6 +27,7 @@ pub mod spline;
 pub mod stroke;
 mod thinned;
 pub mod true_stroke;
+mod turn;
 mod unfollowed;
 pub mod unit;
 pub mod unresolved;

@@ -3,6 +3,7 @@
 use crate::record::line::Line;
 use crate::record::position_noise::position_noise;
 use crate::record::spline::extent;
+use crate::record::turn::is_turn;
 
 /// Mean of some values.
 pub fn mean(rows: &[f64]) -> f64 {
@@ -11,23 +12,29 @@ pub fn mean(rows: &[f64]) -> f64 {
 
 /// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one.
 ///
-/// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows, or none: then means of rows
-/// are looked at instead, of twice as many until the moves are whole.
+/// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows, or none, or moves where the piston
+/// seems to be held: then means of rows are looked at instead, of twice as many until the moves are whole.
 pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     /// No move is shorter, once it has its gentle begin and end.
     const FEWEST_ROWS: usize = 10;
     /// A record is not looked at in fewer means.
     const FEWEST_MEANS: usize = 2000;
+    /// A held piston wanders by no more of the record's way.
+    const MOST_OF_WAY: f64 = 0.02;
     let mut averaged = 1;
     loop {
         let means: Vec<f64> = position_m.chunks(averaged).map(mean).collect();
         let noise_m = position_noise(&means);
         let (low, high) = extent(&means);
         let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)), shortest_hold);
+        without_turns(&mut moving, &means, noise_m);
         join(&mut moving, &means);
         widen(&mut moving, &means, noise_m);
-        let in_pieces = ranges(&moving).into_iter().any(|(first, end, moves)| moves && end - first < FEWEST_ROWS);
-        let is_whole = moving.contains(&true) && !in_pieces;
+        let whole = |(first, end, moves): (usize, usize, bool)| match moves {
+            true => end - first >= FEWEST_ROWS,
+            false => way_off_line(&means[first..end]) < MOST_OF_WAY * (high - low),
+        };
+        let is_whole = moving.contains(&true) && ranges(&moving).into_iter().all(whole);
         if is_whole || means.len() < 2 * FEWEST_MEANS {
             return moving.iter().flat_map(|moves| [*moves].repeat(averaged)).take(position_m.len()).collect();
         }
@@ -54,6 +61,31 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
         start = end;
     }
     moving
+}
+
+/// The farthest that means of a stop's rows lie from their straight line, m.
+fn way_off_line(position_m: &[f64]) -> f64 {
+    const PARTS: usize = 20;
+    if position_m.len() < 2 * PARTS {
+        return 0.0;
+    }
+    let means: Vec<f64> = position_m.chunks_exact(position_m.len() / PARTS).map(mean).collect();
+    let index: Vec<f64> = (0..means.len()).map(|i| i as f64).collect();
+    let line = Line::through(&index, &means);
+    index.iter().zip(&means).map(|(i, x)| (x - line.at(*i)).abs()).fold(0.0, f64::max)
+}
+
+/// Makes one of moves between which the piston turns without a stop, and gives those at the record's ends the turns that they begin
+/// or end with.
+fn without_turns(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
+    let parts = ranges(moving);
+    for (k, &(first, end, moves)) in parts.iter().enumerate() {
+        let before = k.checked_sub(1).map_or(first, |k| parts[k].0);
+        let after = parts.get(k + 1).map_or(end, |part| part.1);
+        if !moves && parts.len() > 1 && is_turn(position_m, first..end, before..after, noise_m) {
+            moving[first..end].fill(true);
+        }
+    }
 }
 
 /// Makes one of moves between which the piston does not stop: one that swings to its stop does not where it turns, nor one that

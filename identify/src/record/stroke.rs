@@ -398,6 +398,18 @@ mod tests {
     }
 
     #[test]
+    fn a_piston_that_goes_to_and_fro_never_stops_though_its_turns_are_lost_in_the_noise() {
+        for (rows, row_s, frequency_hz) in [(2000, 0.005, 0.4), (8000, 4e-4, 1.3), (16_000, 4e-4, 0.25)] {
+            let stroke = |t: f64| 0.04 - 0.015 * (2.0 * std::f64::consts::PI * frequency_hz * t).cos();
+            let (motion, worst) = worst_of(stroke, rows, row_s, 1e-5);
+            let phases: Vec<Phase> = motion.segments.iter().map(|s| s.phase).collect();
+            assert_eq!(phases, [Phase::Move], "{frequency_hz} Hz");
+            // At the record's ends the curve goes through single rows.
+            assert!(worst < 3e-5, "{frequency_hz} Hz: {worst}");
+        }
+    }
+
+    #[test]
     fn a_piston_that_creeps_after_a_push_is_held_along_its_line() {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         let stroke = |t: f64| 0.1 - 0.05 * smooth(((t - 0.5) / 0.2).clamp(0.0, 1.0)) - 1e-4 * (t - 0.7).max(0.0);

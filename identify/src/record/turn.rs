@@ -1,0 +1,90 @@
+//! Whether a piston that seems to stop between two moves only turns: a sine's turning point passes so slowly that its way from row
+//! to row is lost in the noise, for many rows where they follow each other fast.
+//!
+//! It turns where one smooth curve, a polynomial of degree four, goes through the rows of the stop and half as many of each move
+//! beside it as closely as the noise lets it. The corners of a stop do not lie on such a curve, nor does a stop that lasts. At an
+//! end of the record, where one move lies beside it, the stop's own rows have to show a way. Positions in m.
+
+use crate::record::moving::mean;
+use crate::record::spline::extent;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Parts of the rows of which means are looked at.
+const PARTS: usize = 24;
+/// Coefficients of the curve.
+const COEFFICIENTS: usize = 5;
+/// A part's mean is as far from the curve as noise puts one in fifteen thousand.
+const DEVIATIONS: f64 = 4.0;
+
+/// Way of a turn at an end of the record, over the noise.
+const LEAST_WAY: f64 = 8.0;
+
+/// Whether the piston turns in a stop of these rows, where it and the moves beside it take the rows `around`.
+pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noise_m: f64) -> bool {
+    let at_an_end = stop.start == around.start || stop.end == around.end;
+    if at_an_end && way(&position_m[stop.clone()]) < LEAST_WAY * noise_m {
+        return false;
+    }
+    let beside = stop.len().div_ceil(2);
+    let first = stop.start.saturating_sub(beside).max(around.start);
+    let end = (stop.end + beside).min(around.end);
+    let size = ((end - first) / PARTS).max(1);
+    let means: Vec<f64> = position_m[first..end].chunks_exact(size).map(mean).collect();
+    if means.len() <= COEFFICIENTS {
+        return false;
+    }
+    let last = (means.len() - 1) as f64;
+    let power = |row: usize, power: usize| (2.0 * row as f64 / last - 1.0).powi(power as i32);
+    let powers = DMatrix::from_fn(means.len(), COEFFICIENTS, power);
+    let means = DVector::from_vec(means);
+    let curve = powers.clone().svd(true, true).solve(&means, f64::EPSILON);
+    let limit = DEVIATIONS * noise_m / (size as f64).sqrt();
+    curve.is_ok_and(|curve| (powers * curve - means).amax() < limit)
+}
+
+/// How far means of a twelfth of some rows lie apart.
+fn way(position_m: &[f64]) -> f64 {
+    const PARTS: usize = 12;
+    let means: Vec<f64> = position_m.chunks((position_m.len() / PARTS).max(1)).map(mean).collect();
+    let (low, high) = extent(&means);
+    high - low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    const NOISE_M: f64 = 1e-5;
+
+    fn rows(n: u32, stroke: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut random = Random::new(11);
+        (0..n).map(|i| stroke(f64::from(i) / f64::from(n)) + NOISE_M * random.normal()).collect()
+    }
+
+    #[test]
+    fn a_sine_turns_however_fast_its_rows_follow_each_other() {
+        for n in [200, 2000, 20_000] {
+            let half = (n as f64 * 0.1) as usize;
+            let sine = rows(n, |u| 0.05 - 0.02 * (2.0 * std::f64::consts::PI * u).cos());
+            let middle = n as usize / 2;
+            assert!(is_turn(&sine, middle - half / 2..middle + half / 2, 0..n as usize, NOISE_M), "{n}");
+        }
+    }
+
+    #[test]
+    fn a_piston_that_stops_between_two_moves_does_not_turn() {
+        let back = |u: f64| 0.05 + 0.3 * ((u - 0.5).abs() - 0.1).max(0.0);
+        let on = |u: f64| 0.05 + 0.3 * (u - 0.6).max(0.0) + 0.3 * (u - 0.4).min(0.0);
+        let gentle = |u: f64| 0.05 + 3.0 * ((u - 0.5).abs() - 0.1).max(0.0).powi(3);
+        let strokes: [&dyn Fn(f64) -> f64; 3] = [&back, &on, &gentle];
+        for stroke in strokes {
+            for n in [200, 2000, 20_000] {
+                let middle = n as usize / 2;
+                let stop = middle - n as usize / 10..middle + n as usize / 10;
+                assert!(!is_turn(&rows(n, stroke), stop, 0..n as usize, NOISE_M), "{n}");
+            }
+        }
+    }
+}
