@@ -21,6 +21,19 @@ pub struct Colour {
     pub time_s: f64,
 }
 
+impl Colour {
+    /// Its variance about the mean of so many seconds, Pa².
+    pub fn power_within(&self, record_s: f64) -> f64 {
+        let times = record_s / self.time_s;
+        let of_the_mean = match times {
+            _ if times < 1e-3 => 1.0 - times / 3.0,
+            _ if times.is_infinite() => 0.0,
+            _ => 2.0 * (times + (-times).exp_m1()) / (times * times),
+        };
+        self.sd_pa * self.sd_pa * (1.0 - of_the_mean)
+    }
+}
+
 /// A line in the spectrum, such as mains hum that the sampling has moved to a low frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hum {
@@ -49,6 +62,8 @@ pub struct Noise {
     pub variance_error: f64,
     /// What the rig states, Pa.
     pub stated_pa: Option<f64>,
+    /// How long its records are, s.
+    pub record_s: f64,
 }
 
 /// Processes that together are flicker (1/f) noise: about one in a decade of time.
@@ -81,10 +96,11 @@ impl Noise {
             sticks: false,
             variance_error: 0.0,
             stated_pa: None,
+            record_s: f64::INFINITY,
         }
     }
 
-    /// Standard deviation of one reading, all kinds of noise together, Pa.
+    /// Standard deviation of one reading about the mean of its record, all kinds of noise together, Pa.
     pub fn total_pa(&self) -> f64 {
         let coloured = self.coloured_pa();
         (self.white_pa.powi(2) + coloured.powi(2) + self.rounding_pa().powi(2)).sqrt()
@@ -95,10 +111,11 @@ impl Noise {
         self.colours.len() == FLICKER_COLOURS
     }
 
-    /// Standard deviation of coloured noise and hum, Pa.
+    /// Standard deviation of coloured noise and hum about the mean of a record, Pa: of what changes more slowly than a record lasts,
+    /// the record shows only a part.
     pub fn coloured_pa(&self) -> f64 {
         let hum = self.hum.map_or(0.0, |h| h.sd_pa);
-        (self.colours.iter().map(|c| c.sd_pa * c.sd_pa).sum::<f64>() + hum * hum).sqrt()
+        (self.colours.iter().map(|c| c.power_within(self.record_s)).sum::<f64>() + hum * hum).sqrt()
     }
 
     /// Correlation time of the coloured noise, s, by variance; zero where there is none.
@@ -326,6 +343,32 @@ mod tests {
         let cubic: Vec<f64> = t.iter().map(|t| 1e6 * (t - 5.2).powi(3)).collect();
         assert!(polynomial_residual(&t, &parabola, 3).iter().all(|r| r.abs() < 1e-6));
         assert!(polynomial_residual(&t, &cubic, 3).iter().any(|r| r.abs() > 100.0));
+    }
+
+    #[test]
+    fn a_record_shows_of_slow_noise_what_it_varies_about_its_mean() {
+        let mut random = Random::new(21);
+        let rows = 2000;
+        for time_s in [0.05, 1.0, 30.0] {
+            let colour = Colour { sd_pa: 2.0, time_s };
+            let kept = (-1.0 / f64::from(rows) / time_s).exp();
+            let mut power = || {
+                let mut x = 2.0 * random.normal();
+                let record: Vec<f64> = (0..rows)
+                    .map(|_| {
+                        x = kept * x + 2.0 * (1.0 - kept * kept).sqrt() * random.normal();
+                        x
+                    })
+                    .collect();
+                let mean = record.iter().sum::<f64>() / f64::from(rows);
+                record.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / f64::from(rows)
+            };
+            let mean = (0..400).map(|_| power()).sum::<f64>() / 400.0;
+            assert!((mean / colour.power_within(1.0) - 1.0).abs() < 0.15, "{time_s} s: {mean}");
+        }
+        let slow = Colour { sd_pa: 2.0, time_s: 1e6 };
+        assert!((slow.power_within(1.0) / (4.0 / 3.0 * 1e-6) - 1.0).abs() < 1e-3);
+        assert_eq!(Colour { sd_pa: 2.0, time_s: 1.0 }.power_within(f64::INFINITY), 4.0);
     }
 
     #[test]

@@ -18,7 +18,7 @@ const COEFFICIENTS: usize = 5;
 const DEVIATIONS: f64 = 4.0;
 
 /// Way of a turn at an end of the record, over the noise.
-const LEAST_WAY: f64 = 8.0;
+const LEAST_WAY: f64 = 5.0;
 
 /// Whether the piston turns in a stop of these rows, where it and the moves beside it take the rows `around`.
 pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noise_m: f64) -> bool {

@@ -45,8 +45,8 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     let free = if pure { FREE_IN_CONTRAST } else { FREE_ALONE };
     let likelihood = Likelihood { windows: &windows, free, least_pa: data.least_noise_pa() };
     let white_pa = before.white_pa.max(before.rounding_pa());
-    let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, ..before.clone() };
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
+    let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, record_s, ..before.clone() };
     let longest_s = if pure { record_s } else { likelihood.longest_s() };
     let mut noise = likelihood.best(&start, longest_s, record_s);
     if !pure && noise.hum.is_none() {
