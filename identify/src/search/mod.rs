@@ -270,9 +270,10 @@ impl Search {
         distinct(parts)
     }
 
-    /// The best sets of so many terms.
+    /// The best sets of so many terms, of those whose numbers can be a rig's: what another term imitates would crowd them out.
     fn best_of(&self, terms: usize, most: usize, suits: impl Fn(&Model) -> bool) -> Vec<Model> {
-        let leads_on = |c: &&Candidate| c.delta_bic > 0.0 && c.fit.exhausted().is_none();
+        let is_a_rigs = |fit: &Fit| fit.exhausted().is_none() && !fit.is_beyond_belief();
+        let leads_on = |c: &&Candidate| c.delta_bic > 0.0 && is_a_rigs(&c.fit);
         let sets = self.tried.iter().filter(|c| c.model.terms() == terms).filter(leads_on).map(|c| c.model);
         distinct(sets.filter(suits).collect()).into_iter().take(most).collect()
     }
@@ -359,6 +360,7 @@ fn sort(candidates: &mut [Candidate]) {
 mod tests {
     use super::*;
     use crate::synthetic::Recipe;
+    use chamber::effects::find;
     use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]
@@ -390,6 +392,27 @@ mod tests {
         assert!(with(Verdict::Unexplained, 5.0, 100.0));
         assert!(!with(Verdict::Unexplained, 0.0, 100.0) && !with(Verdict::Unexplained, 5.0, 1.0));
         assert!(!with(Verdict::Improved, 5.0, 100.0));
+    }
+
+    #[test]
+    fn a_fault_of_the_recording_beyond_belief_leads_to_no_larger_set_however_well_it_fits() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let (data, paper) = baseline::fitted(data).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        let single = |name: &str| {
+            let model = Model::with(EffectSet::one(find(name).unwrap().0));
+            let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+            Candidate { delta_bic: 50.0, ..search.candidate(fit) }
+        };
+        let (leak, mut offset) = (single("leakage"), single("sensor_offset"));
+        offset.delta_bic = 100.0;
+        search.tried = vec![offset.clone(), leak.clone()];
+        assert_eq!(search.best_of(1, 2, |_| true), [offset.model, leak.model]);
+        let last = offset.fit.rig.len() - 1;
+        offset.fit.rig[last] = offset.fit.hypothesis.axes[last].bounds[1];
+        search.tried[0] = offset;
+        assert_eq!(search.best_of(1, 2, |_| true), [leak.model]);
     }
 
     #[test]
