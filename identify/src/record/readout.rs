@@ -6,7 +6,6 @@
 //! as outliers are no data either, nor are those of a move that the position does not show.
 
 use crate::record::bends::{Bends, MOST_OF_USUAL};
-use records::fill_between;
 use std::ops::Range;
 
 /// How the rows between two readings came to be.
@@ -70,12 +69,9 @@ impl Readout {
     pub fn of_logger(records: &[(&[f64], &[f64])], stated_hz: Option<f64>) -> Vec<Self> {
         let records: Vec<Rows> = records.iter().map(|(time_s, pressure_pa)| Rows::of(time_s, pressure_pa)).collect();
         if let Some(hz) = stated_hz {
-            return records
-                .iter()
-                .map(|rows| rows.readout(Rows::repeated, &|p| Self::stated(p, rows.row_s, hz)))
-                .collect();
+            return records.iter().map(|rows| rows.readout(&|p| Self::stated(p, rows.row_s, hz))).collect();
         }
-        let shown: Vec<Self> = records.iter().map(|rows| rows.readout(Rows::joined, &Self::detect)).collect();
+        let shown: Vec<Self> = records.iter().map(|rows| rows.readout(&Self::detect)).collect();
         let readings = |(r, rows): &(&Self, &Rows)| rows.pressure_pa.len() / r.period;
         let rates = shown.iter().zip(&records).filter(|(r, _)| r.period > 1);
         let Some(rate_hz) = rates.max_by_key(readings).and_then(|(r, rows)| r.rate_hz(rows.row_s)) else {
@@ -84,17 +80,15 @@ impl Readout {
         let of_record = |(r, rows): (Self, &Rows)| {
             let is_short = rows.pressure_pa.len() as f64 * rate_hz * rows.row_s < FEWEST_READINGS as f64;
             match r.period {
-                1 if is_short => rows.readout(Rows::repeated, &|p| Self::stated(p, rows.row_s, rate_hz)),
-                1 => {
-                    rows.readout(Rows::joined, &|p| Self::on_lines(p, (1.0 / (rate_hz * rows.row_s)).round() as usize))
-                }
+                1 if is_short => rows.readout(&|p| Self::stated(p, rows.row_s, rate_hz)),
+                1 => rows.readout(&|p| Self::on_lines(p, (1.0 / (rate_hz * rows.row_s)).round() as usize)),
                 _ => r,
             }
         };
         shown.into_iter().zip(&records).map(of_record).collect()
     }
 
-    /// Looks for a slower readout in a pressure's rows.
+    /// Looks for a slower readout in a pressure's rows, those that are missing not a number.
     pub fn detect(pressure_pa: &[f64]) -> Self {
         held(pressure_pa).or_else(|| interpolated(pressure_pa)).unwrap_or_else(Self::every_row)
     }
@@ -126,7 +120,7 @@ impl Readout {
     fn of_period(pressure_pa: &[f64], period: usize) -> Self {
         let sums = |squares: &mut dyn Iterator<Item = (usize, f64)>| {
             let mut sums = vec![0.0; period];
-            squares.for_each(|(row, square)| sums[row % period] += square);
+            squares.filter(|(_, square)| !square.is_nan()).for_each(|(row, square)| sums[row % period] += square);
             let first = (0..period).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0);
             (first, sums[first], sums.iter().sum::<f64>())
         };
@@ -182,40 +176,27 @@ impl Rows {
         Self { row_s, pressure_pa: pressure_pa.to_vec(), missing }
     }
 
-    /// What `find` finds in these rows, those that are missing in `all` too; in the rows alone where that is nothing.
-    fn readout(&self, all: fn(&Self) -> Vec<f64>, find: &dyn Fn(&[f64]) -> Readout) -> Readout {
-        let found = (!self.missing.is_empty()).then(|| find(&all(self))).filter(|found| found.period > 1);
+    /// What `find` finds in these rows, with those that are missing; in the rows alone where that is nothing.
+    fn readout(&self, find: &dyn Fn(&[f64]) -> Readout) -> Readout {
+        let found = (!self.missing.is_empty()).then(|| find(&self.all())).filter(|found| found.period > 1);
         let found = found.map(|found| Readout { missing: self.missing.clone(), ..found });
         found.unwrap_or_else(|| find(&self.pressure_pa))
     }
 
-    /// All rows, those that are missing as the row before them.
-    fn repeated(&self) -> Vec<f64> {
-        let mut all: Vec<f64> = Vec::with_capacity(self.pressure_pa.len() + self.missing.len());
-        for (place, p) in self.places().into_iter().zip(&self.pressure_pa) {
-            all.resize(place, all.last().copied().unwrap_or(*p));
-            all.push(*p);
+    /// All rows, those that are missing not a number: what they were shows neither a change nor a bend.
+    fn all(&self) -> Vec<f64> {
+        let mut all = vec![f64::NAN; self.pressure_pa.len() + self.missing.len()];
+        for (row, p) in self.pressure_pa.iter().enumerate() {
+            all[row + self.missing.partition_point(|missing| *missing <= row)] = *p;
         }
         all
-    }
-
-    /// All rows, those that are missing on straight lines: they bend neither a line nor a reading that is held.
-    fn joined(&self) -> Vec<f64> {
-        let mut all = self.repeated();
-        fill_between(&self.places(), &mut all);
-        all
-    }
-
-    /// Where each row is among all rows.
-    fn places(&self) -> Vec<usize> {
-        let before = |row: usize| self.missing.partition_point(|missing| *missing <= row);
-        (0..self.pressure_pa.len()).map(|row| row + before(row)).collect()
     }
 }
 
 /// Changes fall on every k-th row only, but for few, although nearly every reading differs from the one before it.
 fn held(pressure_pa: &[f64]) -> Option<Readout> {
-    let changes: Vec<usize> = (1..pressure_pa.len()).filter(|&i| pressure_pa[i] != pressure_pa[i - 1]).collect();
+    let changes: Vec<usize> =
+        (1..pressure_pa.len()).filter(|&i| (pressure_pa[i] - pressure_pa[i - 1]).abs() > 0.0).collect();
     if 2 * changes.len() > pressure_pa.len() {
         return None;
     }
@@ -391,6 +372,24 @@ mod tests {
         }
         let every_row: Vec<f64> = readings(1000)[..times.len()].to_vec();
         assert_eq!(Readout::of_logger(&[(&times, &every_row)], None)[0], Readout::every_row());
+    }
+
+    #[test]
+    fn a_slow_readout_is_found_though_a_reading_of_a_push_is_missing_and_many_rows_in_a_row() {
+        let mut slow = readings(102);
+        slow.iter_mut().skip(30).for_each(|p| *p += 1e5);
+        slow[30] -= 3e4;
+        // The reading at row 303, by which the push is over, and a long stretch while the gas relaxes.
+        let kept: Vec<usize> = (0..1000).filter(|i| *i != 303 && !(400..480).contains(i)).collect();
+        let times: Vec<f64> = kept.iter().map(|i| *i as f64 * 0.01).collect();
+        let held: Vec<f64> = kept.iter().map(|i| slow[(i + 7) / 10]).collect();
+        let between = |i: usize| slow[i / 10] + (slow[i / 10 + 1] - slow[i / 10]) * (i % 10) as f64 / 10.0;
+        let joined: Vec<f64> = kept.iter().map(|i| between(i + 7)).collect();
+        for (rows, between) in [(held, Between::Held), (joined, Between::Interpolated)] {
+            let found = &Readout::of_logger(&[(&times, &rows)], None)[0];
+            assert_eq!((found.between, found.period, found.first), (between, 10, 3));
+            assert!(kept.iter().enumerate().all(|(row, i)| found.is_reading(row) == (i % 10 == 3)));
+        }
     }
 
     #[test]
