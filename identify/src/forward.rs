@@ -320,12 +320,14 @@ struct Sensor<'a, R> {
     set: EffectSet,
     inputs: Passing<'a, R>,
     lag: Option<R>,
-    lagged: R,
+    /// What the lag shows; not known yet of a record that begins in motion.
+    lagged: Option<R>,
     readings: Readings<'a, R>,
 }
 
 impl<'a, R: Scalar> Sensor<'a, R> {
-    /// Before the record the chamber is at rest at its first pressure.
+    /// Before the record the chamber is at rest at its first pressure, or goes on as it moves at the record's begin, so that a lag
+    /// has followed it since long.
     fn new(
         balance: &'a Balance<R>,
         isentrope: &'a Isentrope,
@@ -340,8 +342,11 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         let behind_lag = set.without(sensor_lag.into_iter().collect());
         let lead = effects::stroke_delay(set, &chamber.effects);
         let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
-        readings.take(inputs.begin(), |_| shown(pressure));
-        Self { balance, isentrope, set, inputs, lag, lagged: pressure, readings }
+        let lagged = (lag.is_none() || inputs.course.motion.starts_at_rest()).then_some(pressure);
+        if lagged.is_some() {
+            readings.take(inputs.begin(), |_| shown(pressure));
+        }
+        Self { balance, isentrope, set, inputs, lag, lagged, readings }
     }
 
     /// Takes every reading due in a step that ends at `until`, s.
@@ -377,9 +382,11 @@ impl<'a, R: Scalar> Sensor<'a, R> {
             let rise = at_end - at_begin;
             let bow = middle - at_begin;
             let parabola = [at_begin, (bow * 4.0 - rise) * (1.0 / h), (rise - bow * 2.0) * (2.0 / (h * h))];
-            let after = |elapsed: R| sensor_lag::follow(constant, self.lagged, parabola, elapsed);
+            // Behind a pressure that has always gone on so fast.
+            let lagged = self.lagged.unwrap_or_else(|| at_begin - constant * parabola[1]);
+            let after = |elapsed: R| sensor_lag::follow(constant, lagged, parabola, elapsed);
             self.readings.take(if piece + 1 == PIECES { reach } else { end }, |t| shown(after(t - begin)));
-            self.lagged = after(R::from(h));
+            self.lagged = Some(after(R::from(h)));
             at_begin = at_end;
         }
     }
@@ -467,6 +474,33 @@ mod tests {
                 assert!(off < 3e-5, "{duration} {window} {filter}: {off:e}");
             }
         }
+    }
+
+    #[test]
+    fn a_lag_has_followed_a_record_that_begins_in_motion_since_long() {
+        let swing = |t: f64| 0.1 - 0.02 * (1.0 - (std::f64::consts::TAU * 0.5 * t).cos());
+        let lag = effects::find("sensor_lag").unwrap().0;
+        let along = |chamber: &Chamber, set: EffectSet, start: Start<f64>, times: &[f64], course: &Course| {
+            let correction = Correction::NONE;
+            Run { chamber, set, start, correction, course, relative_tolerance: 1e-10 }.pressures(times).unwrap()
+        };
+        let mut chamber = chamber();
+        chamber.effects.of_mut(lag)[0] = 0.02;
+        let start = Start { pressure: 2e5, temperature: 293.0 };
+        let (times, course) = recorded(600, swing);
+        let gas = along(&chamber, EffectSet::NONE, start, &times, &course);
+        let whole = along(&chamber, EffectSet::one(lag), start, &times, &course);
+        // The same from its 130th row on.
+        const LATER: usize = 130;
+        let (times, course) = recorded(470, |t| swing(t + 0.01 * LATER as f64));
+        assert!(!course.motion.starts_at_rest());
+        let volume = |x: f64| chamber.geometry.volume(x);
+        let temperature = 293.0 * gas[LATER] * volume(swing(0.01 * LATER as f64)) / (2e5 * volume(swing(0.0)));
+        let start = Start { pressure: gas[LATER], temperature };
+        let part = along(&chamber, EffectSet::one(lag), start, &times, &course);
+        let off = part.iter().zip(&whole[LATER..]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let behind = (gas[LATER] - whole[LATER]).abs();
+        assert!(behind > 3e3 && off < 0.06 * behind, "{behind} {off}");
     }
 
     #[test]
