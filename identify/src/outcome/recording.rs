@@ -10,6 +10,7 @@ use crate::policy::TOLERANCES;
 use crate::record::between_rows::Look;
 use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
+use crate::record::gaps;
 use crate::record::readout::Between;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
@@ -168,6 +169,7 @@ pub fn left_out(data: &Data) -> Vec<String> {
     for t in data.traces.iter().filter(|t| t.backward_rows > 0) {
         out.push(format!("{}: {} rows are left out, as their time does not go on", t.path.display(), t.backward_rows));
     }
+    out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
     out
 }
 

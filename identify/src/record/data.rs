@@ -5,6 +5,7 @@ use crate::forward::Course;
 use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::block::{Block, blocks};
+use crate::record::gaps;
 use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
@@ -68,6 +69,13 @@ impl Prepared {
     /// Time from row to row, s.
     pub fn row_s(&self) -> f64 {
         mean_row_s(&self.time_s)
+    }
+
+    /// Leaves out what is behind its first gap, if it has one: nothing before tells how warm the gas comes out of it.
+    pub fn leave_out_behind_gap(&mut self) {
+        if let Some(first) = gaps::of(&self.course.motion).next().map(|gap| gap.first) {
+            self.readout.at_gaps.push(first..self.time_s.len());
+        }
     }
 
     /// These rows and those of the spikes, in order.
