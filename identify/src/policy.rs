@@ -54,6 +54,9 @@ pub const NOISE_MODEL_SHARE: f64 = 0.05;
 pub const GEOMETRY_WIDENED: f64 = 5.0;
 /// So many tolerances a stated number may move before that counts as a contradiction rather than as uncertainty.
 pub const TOLERANCES: f64 = 3.0;
+/// Share of the squares beyond noise that moves of the stated numbers take away, from which on the records ask for them: a wrong bore or
+/// temperature accounts for most of what it makes.
+pub const EASED: f64 = 0.5;
 /// So many standard deviations a fault of the recording may lie from what instruments have: an offset of 25 kPa may be the
 /// altitude, half a bar has another cause, which it imitates.
 pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;

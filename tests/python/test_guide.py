@@ -189,6 +189,7 @@ POLICY = {
     "NOISE_MODEL_SHARE: f64 = 0.05": "an uncertainty of 5 % in the noise variance",
     "GEOMETRY_WIDENED: f64 = 5.0": "with the stated numbers five times as uncertain as stated",
     "TOLERANCES: f64 = 3.0": "more than three tolerances",
+    "EASED: f64 = 0.5": "takes away more than half of the squares beyond noise",
     "DEVIATIONS_BEFOREHAND: f64 = 5.0": "A fit goes no farther than five of them",
     "NEARLY_EXHAUSTED: f64 = 0.95": "more than 95 % of the most that its card allows",
     "BETWEEN_RECORDS: f64 = 0.2": "with a fifth of these standard deviations",
