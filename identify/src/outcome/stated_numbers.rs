@@ -40,6 +40,21 @@ fn words(slot: Slot, by: f64, bore_mm: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn a_stated_number_is_doubted_where_another_one_takes_away_most_of_the_misfit() {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.faults.stated.bore_times = 1.1;
+        let (data, mut fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let said = sentence(&data, &fit).unwrap();
+        let both = said.contains("a bore of") && said.contains("larger than recorded");
+        assert!(both && said.ends_with("check them"), "{said}");
+        // The same moves, which leave nearly all of a misfit that has another cause.
+        (fit.chi2, fit.marginal) = (100.0 * fit.blocks as f64, 90.0 * fit.blocks as f64);
+        assert_eq!(sentence(&data, &fit), None);
+    }
 
     #[test]
     fn what_is_less_is_called_less() {
