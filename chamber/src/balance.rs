@@ -279,8 +279,7 @@ impl<R: Real> Balance<R> {
         surroundings.conditions(&mut at);
 
         let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-        let of_law = chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
-        let area = effects::heat_transfer_area(set, &chamber.effects, of_law);
+        let area = self.area(set, &at);
         let from_wall = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
         let heat_flow = effects::heat_flow(set, &chamber.effects, &at, from_wall);
 
@@ -327,6 +326,24 @@ impl<R: Real> Balance<R> {
         };
         let own_rates = effects::own_rates(set, &chamber.effects, own, &at, &flows, &rates);
         (at, rates, own_rates)
+    }
+
+    /// The heat transfer area, m².
+    #[inline(always)]
+    fn area(&self, set: EffectSet, at: &Conditions<R>) -> R {
+        let of_law = self.chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
+        effects::heat_transfer_area(set, &self.chamber.effects, of_law)
+    }
+
+    /// Takes so much heat, J, out of the wall into the gas at once; `state` are the first `N` states.
+    pub fn heat<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &mut [R; N], heat: R) {
+        let values = &self.chamber.effects;
+        let mut own = own_states(state);
+        let mut at = self.conditions(set, boundary, &self.contents(boundary, state));
+        effects::conditions(set, values, &own, &mut at);
+        effects::heated(set, values, &at, self.area(set, &at), heat, &mut own);
+        state[ENERGY] += heat;
+        state[OWN..].copy_from_slice(&own[..N - OWN]);
     }
 
     /// Enthalpy that flows bring, W: as the energy's rate and as that of V P/(γ − 1) have it.
@@ -385,4 +402,43 @@ pub fn pressure_temperature_rates<R: Real>(
         + inflow * r * t / (volume * p) * (g * boundary.temperature_in - t)
         + (g - 1.0) * t / (p * volume) * heat_flow;
     [pressure_rate, temperature_rate]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AreaLaw, Geometry, HeatTransfer};
+
+    #[test]
+    fn heat_that_comes_out_of_the_wall_at_once_is_missing_there() {
+        let set = |name: &str| effects::find(name).map(|(e, _)| EffectSet::one(e)).unwrap();
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let (wall, zones) = (effects::find("wall_heating").unwrap().0, effects::find("gas_zones").unwrap().0);
+        chamber.effects.of_mut(wall).copy_from_slice(&[2.0, 0.0]);
+        chamber.effects.of_mut(zones).copy_from_slice(&[0.3, 0.1]);
+        let set = set("wall_heating").union(set("gas_zones"));
+        let at = Boundary {
+            position: 0.05,
+            velocity: 0.0,
+            mass_flow_in: 0.0,
+            temperature_in: 293.0,
+            mass_flow_out: 0.0,
+            ambient_temperature: 293.0,
+            ambient_pressure: 1.013e5,
+        };
+        let balance = Balance::of(chamber);
+        let before = balance.state_at(set, &at, 3e5, 293.0);
+        let mut after = before;
+        balance.heat(set, &at, &mut after, 0.1);
+        let change = |i: usize| after[i] - before[i];
+        assert!((change(ENERGY) - 0.1).abs() < 1e-12 && change(MASS) == 0.0);
+        let own = |e: usize| OWN + effects::STATE_OFFSETS[e];
+        assert!((change(own(wall)) + 0.05).abs() < 1e-12);
+        // The core has no other heat than the work that compresses it.
+        let [p, q] = [before, after].map(|state| balance.pressure(set, &balance.contents(&at, &state)));
+        let core = before[own(zones)];
+        let isentropic = core * (q / p).powf(1.0 - 1.0 / chamber.gas.heat_capacity_ratio);
+        assert!((after[own(zones)] / isentropic - 1.0).abs() < 1e-3);
+    }
 }

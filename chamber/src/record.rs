@@ -24,6 +24,9 @@ pub trait Inputs<R> {
     /// The boundary at `time`, s, on a stretch.
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R>;
 
+    /// Changes the state as soon as a stretch has ended, if something happened until then that the balances do not know.
+    fn behind<const N: usize>(&self, _stretch: usize, _state: &mut [R; N]) {}
+
     /// The longest first step on a stretch and the longest one at all, s, whose stages pass over nothing that happens there.
     fn longest_steps(&self, _stretch: usize) -> [f64; 2] {
         [f64::INFINITY; 2]
@@ -94,6 +97,7 @@ pub fn follow<R: Scalar, const N: usize>(
             on_step(stretch, until, step);
         })?;
         taken.ends.last_mut().into_iter().for_each(|share| *share = 1.0);
+        inputs.behind(stretch, &mut integrator.state);
     }
     Ok(taken)
 }

@@ -6,6 +6,7 @@
 //! numbers give exact sensitivities.
 
 use crate::isentrope::Isentrope;
+use crate::record::gaps;
 use crate::record::stroke::{Motion, Spline};
 use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
@@ -38,11 +39,13 @@ pub struct Correction<R> {
     pub warmer: R,
     /// Positions, and speeds, over the recorded ones.
     pub position_times: R,
+    /// Temperature of the gas behind each gap of the record, over that which the stroke taken for it leads to.
+    pub behind_gaps: [R; gaps::MOST],
 }
 
 impl<R: Real> Correction<R> {
     /// All is as recorded.
-    pub const NONE: Self = Self { warmer: R::ZERO, position_times: R::ONE };
+    pub const NONE: Self = Self { warmer: R::ZERO, position_times: R::ONE, behind_gaps: [R::ONE; gaps::MOST] };
 }
 
 /// Rows of a recorded mass flow that a step may cover: it changes from row to row.
@@ -51,6 +54,8 @@ const ROWS_OF_FLOW: f64 = 8.0;
 /// A course on the way, its stroke the true one: with the places of its splines that were asked last.
 struct Passing<'a, R> {
     course: &'a Course,
+    chamber: &'a Chamber<R>,
+    set: EffectSet,
     stroke: TrueStroke<'a>,
     /// The window that the stroke was recorded over, s.
     window: R,
@@ -62,16 +67,21 @@ struct Passing<'a, R> {
     last: Cell<Option<(usize, f64, Moment)>>,
     /// The longest step along the recorded mass flow, s.
     longest_of_flow: f64,
+    /// Stretches that end a gap.
+    gaps: Vec<usize>,
 }
 
 impl<'a, R: Scalar> Passing<'a, R> {
-    fn new(course: &'a Course, chamber: &Chamber<R>, set: EffectSet, correction: Correction<R>) -> Self {
+    fn new(course: &'a Course, chamber: &'a Chamber<R>, set: EffectSet, correction: Correction<R>) -> Self {
         let window = effects::stroke_window(set, &chamber.effects);
         let filter = effects::stroke_filter(set, &chamber.effects);
         let stroke = TrueStroke::new(&course.motion, window.value().max(0.0), filter.value().max(0.0));
+        let gaps = gaps::of(&course.motion).map(|gap| stroke.stretch_that_ends_at(gap.to_s)).collect();
         let longest_of_flow = course.mass_flow.as_ref().map_or(f64::INFINITY, |_| ROWS_OF_FLOW * course.motion.row_s());
         Self {
             course,
+            chamber,
+            set,
             stroke,
             window,
             filter,
@@ -79,6 +89,7 @@ impl<'a, R: Scalar> Passing<'a, R> {
             near_flow: Cell::new(0),
             last: Cell::new(None),
             longest_of_flow,
+            gaps,
         }
     }
 
@@ -121,7 +132,7 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
             velocity += change * by[1];
         }
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
-        let Correction { warmer, position_times } = self.correction;
+        let Correction { warmer, position_times, .. } = self.correction;
         let ambient_temperature = warmer + ambient_temperature;
         let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
         Boundary {
@@ -133,6 +144,19 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
             ambient_temperature,
             ambient_pressure: R::from(course.ambient_pressure),
         }
+    }
+
+    /// Behind a gap the gas is as warm as its record asks for, by heat out of the wall.
+    fn behind<const N: usize>(&self, stretch: usize, state: &mut [R; N]) {
+        let Some(gap) = self.gaps.iter().position(|gap| *gap == stretch) else { return };
+        let balance = Balance::of(*self.chamber);
+        let isentrope = Isentrope::through(&balance, &self.boundary(0, self.begin()));
+        let boundary = self.boundary(stretch, self.end(stretch));
+        let referred = isentrope.at(&balance, &boundary);
+        state[ENERGY] = referred.energy(state[ENERGY]);
+        let heat = state[ENERGY] * (self.correction.behind_gaps[gap] - R::ONE);
+        balance.heat(self.set.without(effects::of_sensor()), &boundary, state, heat);
+        state[ENERGY] = referred.referred(state[ENERGY]);
     }
 
     #[inline]

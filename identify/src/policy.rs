@@ -28,6 +28,15 @@ pub const FAR_LESS_NOISE: f64 = 0.7;
 /// A set that leaves λ0 a larger standard deviation than this does not determine it, and does not enter.
 pub const FIRST_GUESS_REACH: f64 = 2.0;
 
+/// A step of time so many times as long as those around it hides what the piston did: through fewer lost rows of a move the stroke
+/// is followed to the noise of the pressures.
+pub const GAP_STEPS: f64 = 5.0;
+/// So little of its travel a piston may have gone in a gap that the way does not matter.
+pub const GAP_WAY: f64 = 0.01;
+/// How far the gas behind a gap may be from what the stroke taken for it leads to, of its temperature: an adiabatic push to half the volume
+/// warms air by a third, and a pull cools it by a quarter.
+pub const BEHIND_GAP: f64 = 0.3;
+
 /// Probability below which outliers lie at moves no longer by chance: one rig in a thousand keeps its spikes there, which
 /// costs little beside leaving out the rows that show a delay.
 pub const AT_MOVES_PROBABILITY: f64 = 1e-3;
@@ -45,6 +54,9 @@ pub const NOISE_MODEL_SHARE: f64 = 0.05;
 pub const GEOMETRY_WIDENED: f64 = 5.0;
 /// So many tolerances a stated number may move before that counts as a contradiction rather than as uncertainty.
 pub const TOLERANCES: f64 = 3.0;
+/// Share of the squares beyond noise that moves of the stated numbers take away, from which on the records ask for them: a wrong bore or
+/// temperature accounts for most of what it makes.
+pub const EASED: f64 = 0.5;
 /// So many standard deviations a fault of the recording may lie from what instruments have: an offset of 25 kPa may be the
 /// altitude, half a bar has another cause, which it imitates.
 pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;

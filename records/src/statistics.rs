@@ -30,6 +30,15 @@ pub fn noise_of_bends(bends: Vec<f64>) -> f64 {
     1.4826 * median(bends) / 6.0_f64.sqrt()
 }
 
+/// Share of the changes from value to value that go the other way than the change before: noise turns two of three back, what goes
+/// on in one direction none. A value that repeats the one before is no change.
+pub fn turned_back(values: impl IntoIterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.into_iter().collect();
+    let changes: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).filter(|change| *change != 0.0).collect();
+    let pairs = changes.windows(2);
+    pairs.clone().filter(|w| (w[0] < 0.0) != (w[1] < 0.0)).count() as f64 / pairs.len().max(1) as f64
+}
+
 /// The value in the middle; 0 of none.
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     if values.is_empty() {
@@ -46,7 +55,7 @@ pub(crate) fn extremes(values: &[f64]) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::correlation;
+    use super::{correlation, turned_back};
 
     #[test]
     fn series_on_one_line_correlate_fully_and_a_constant_with_nothing() {
@@ -54,5 +63,14 @@ mod tests {
         assert!((correlation(&a, &a.map(|x| 3.0 - 2.0 * x)) + 1.0).abs() < 1e-15);
         assert_eq!(correlation(&a, &[5.0; 3]), 0.0);
         assert_eq!(correlation(&[], &[]), 0.0);
+    }
+
+    #[test]
+    fn what_goes_on_turns_nothing_back_and_what_goes_to_and_fro_all_of_it() {
+        assert_eq!(turned_back([1.0, 2.0, 2.0, 3.0, 5.0]), 0.0);
+        assert_eq!(turned_back([1.0, 2.0, 2.0, 1.0, 2.0]), 1.0);
+        assert_eq!(turned_back([1.0, 2.0, 1.0, 0.0]), 0.5);
+        assert_eq!(turned_back([1.0; 5]), 0.0);
+        assert_eq!(turned_back([]), 0.0);
     }
 }

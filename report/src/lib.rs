@@ -17,7 +17,7 @@ pub mod series;
 pub use axis::Axis;
 pub use chart::Chart;
 pub use document::{Block, Section, Table};
-pub use number::{digits, percent, signed_percent};
+pub use number::{digits, percent, seconds, signed_percent};
 pub use series::{Colour, Mark, Series};
 
 /// A figure that could not be drawn.

@@ -12,6 +12,15 @@ pub fn digits(value: f64, significant: usize) -> String {
     format!("{value:.*}", (significant as i32 - 1 - exponent).max(0) as usize)
 }
 
+/// A time, in the unit that suits it.
+pub fn seconds(value: f64, significant: usize) -> String {
+    match value.abs() {
+        size if size == 0.0 || size >= 0.1 => format!("{} s", digits(value, significant)),
+        size if size >= 1e-4 => format!("{} ms", digits(1e3 * value, significant)),
+        _ => format!("{} µs", digits(1e6 * value, significant)),
+    }
+}
+
 /// The number nearest to the value that has so many significant digits.
 pub fn rounded(value: f64, significant: usize) -> f64 {
     format!("{value:.*e}", significant.saturating_sub(1)).parse().unwrap_or(value)
@@ -46,5 +55,11 @@ mod tests {
         assert_eq!(rounded(-0.012_345_67, 4), -0.012_35);
         assert_eq!([3e-12, 0.25, 1e4, 0.0].map(shortest), ["3e-12", "0.25", "1e4", "0"]);
         assert_eq!(signed_percent(0.0667, 1), "+6.7\u{a0}%");
+    }
+
+    #[test]
+    fn a_time_has_the_unit_that_suits_it() {
+        let told = [0.0, 55.0, 0.7, 0.0234, 3.2e-3, 12e-6].map(|value| seconds(value, 2));
+        assert_eq!(told, ["0 s", "55 s", "0.70 s", "23 ms", "3.2 ms", "12 µs"]);
     }
 }

@@ -7,7 +7,7 @@ use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::unnamed::Unnamed;
 use records::{Rig, Verdict};
-use report::digits;
+use report::{digits, seconds};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -85,20 +85,18 @@ fn meaning(d: &Diagnosis) -> String {
         ),
         Verdict::Explained => format!("the residual is explained by {}", d.effects.join(" and ")),
         Verdict::Improved if d.has_curve() => format!(
-            "with {} the model predicts left-out experiments decisively better; the curve describes the records and names no cause (a systematic misfit of {} Pa rms remains)",
+            "with {} the model predicts left-out experiments decisively better; the curve describes the records and names no cause ({})",
             d.effects_of_model().join(" and "),
-            digits(d.remaining_pa, 3)
+            d.remainder
         ),
         Verdict::Improved => format!(
-            "with {} the model predicts left-out data decisively better, but a systematic misfit of {} Pa rms remains: it describes the records, and its effects need not be the cause",
+            "with {} the model predicts left-out data decisively better, but {}: it describes the records, and its effects need not be the cause",
             d.effects_of_model().join(" and "),
-            digits(d.remaining_pa, 3)
+            d.remainder
         ),
-        Verdict::Unexplained => format!(
-            "no known effect predicts left-out data decisively better; a systematic misfit of {} Pa rms remains, and the evidence points to the {} balance",
-            digits(d.remaining_pa, 3),
-            d.balance
-        ),
+        Verdict::Unexplained => {
+            format!("no known effect predicts left-out data decisively better; {}, and {}", d.remainder, d.pointed_at())
+        }
     }
 }
 
@@ -154,19 +152,22 @@ fn candidates(out: &mut String, d: &Diagnosis) {
 fn recording(out: &mut String, d: &Diagnosis) {
     let n = &d.noise;
     let mut parts = vec![format!("white {} Pa", digits(n.white_pa, 3))];
-    if n.coloured_pa > 0.0 {
-        parts.push(format!(
-            "coloured {} Pa with a correlation time of {} s",
-            digits(n.coloured_pa, 3),
-            digits(n.correlation_s, 2)
-        ));
+    let coloured = digits(n.coloured_pa, 3);
+    let hum = n.hum_hz.map(|hz| digits(hz, 3));
+    match hum {
+        Some(hz) if n.correlation_s == 0.0 => parts.push(format!("hum of {coloured} Pa at {hz} Hz")),
+        _ if n.coloured_pa > 0.0 => {
+            let time = seconds(n.correlation_s, 2);
+            parts.push(format!("coloured {coloured} Pa with a correlation time of {time}"));
+            parts.extend(hum.map(|hz| format!("in it a hum at {hz} Hz")));
+        }
+        _ => {}
     }
-    parts.extend(n.hum_hz.map(|hz| format!("hum at {} Hz", digits(hz, 3))));
     if n.step_pa > 0.0 {
         parts.push(format!("steps of {} Pa", digits(n.step_pa, 3)));
     }
     parts.extend(n.readout_hz.map(|hz| format!("read at {} Hz", digits(hz, 3))));
-    parts.push(format!("{} outliers left out", n.outliers));
+    parts.push(format!("{} outlier{} left out", n.outliers, if n.outliers == 1 { "" } else { "s" }));
     let _ = writeln!(out, "\nnoise: {}", parts.join(", "));
     let shares: Vec<String> = d
         .lambda0_budget
@@ -223,5 +224,57 @@ fn missing(out: &mut String, m: &Unnamed) {
             digits(*sd, 2),
             m.unit
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use identify::synthetic::Recipe;
+
+    fn diagnosis() -> Diagnosis {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.tests.truncate(2);
+        identify::diagnose(&recipe.rig(), &|_, _| ()).unwrap().diagnosis
+    }
+
+    #[test]
+    fn noise_is_told_with_the_time_that_it_has() {
+        let mut d = diagnosis();
+        let mut told = |coloured_pa, correlation_s, hum_hz| {
+            (d.noise.coloured_pa, d.noise.correlation_s, d.noise.hum_hz) = (coloured_pa, correlation_s, hum_hz);
+            let mut out = String::new();
+            recording(&mut out, &d);
+            out
+        };
+        assert!(!told(0.0, 0.0, None).contains("coloured"));
+        assert!(told(80.0, 0.0032, None).contains("coloured 80.0 Pa with a correlation time of 3.2 ms"));
+        // A line alone has no correlation time.
+        let hum = told(80.0, 0.0, Some(52.5));
+        assert!(hum.contains("hum of 80.0 Pa at 52.5 Hz") && !hum.contains("correlation time"), "{hum}");
+        assert!(told(80.0, 0.7, Some(52.5)).contains("correlation time of 0.70 s, in it a hum at 52.5 Hz"));
+    }
+
+    #[test]
+    fn odds_beside_a_model_that_needs_no_effect_are_called_hints() {
+        let mut d = diagnosis();
+        assert_eq!(d.verdict, Verdict::Adequate);
+        d.probabilities = vec![("tube_volume".to_owned(), 0.78)];
+        let mut out = String::new();
+        recording(&mut out, &d);
+        assert!(out.contains("hints of effects, none of which is needed") && out.contains("tube_volume 78 %"), "{out}");
+        assert!(!out.contains("probable effects"));
+    }
+
+    #[test]
+    fn a_verdict_says_what_remains_and_no_number_where_there_is_none() {
+        let mut d = diagnosis();
+        (d.verdict, d.effects, d.balance) = (Verdict::Unexplained, Vec::new(), "none");
+        d.remainder = "a systematic misfit of 12.0 Pa rms remains".to_owned();
+        assert!(meaning(&d).ends_with("12.0 Pa rms remains, and nothing points to one of the balances"));
+        (d.verdict, d.remaining_pa) = (Verdict::Improved, 0.0);
+        d.remainder =
+            "what remains is smaller than the accuracy of 30 Pa, but has a shape that noise has not".to_owned();
+        assert!(!meaning(&d).contains("misfit of 0 Pa"), "{}", meaning(&d));
     }
 }

@@ -68,8 +68,14 @@ fn name(path: &str) -> String {
         "bore_m" => "bore".to_owned(),
         "position_scale" => "scale of the position".to_owned(),
         "position_offset_m" => "zero of the position".to_owned(),
-        _ => of_effect(path).unwrap_or_else(|| spaced(path)),
+        _ => behind_gap(path).or_else(|| of_effect(path)).unwrap_or_else(|| spaced(path)),
     }
+}
+
+/// What a record has for a gap of it, by its number.
+fn behind_gap(path: &str) -> Option<String> {
+    let (gap, key) = path.strip_prefix("behind_gap_")?.split_once('.')?;
+    Some(format!("{} of the gas behind gap {gap}", spaced(key)))
 }
 
 /// A parameter of an effect: the first words of its card.

@@ -8,120 +8,137 @@ mod studies;
 mod tables;
 mod trend;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use fmu::package::Version;
 use fmu::package::identity::Identity;
-use paper::section31::Timing;
-use report::Block;
+use paper::geometry_effect::GeometryEffect;
+use paper::measured::Measured;
+use paper::section31::{Section31, Timing};
+use records::Model;
+use report::{Block, Section};
 use std::path::{Path, PathBuf};
 use studies::Law;
 
 /// Writes everything into the folder, which is made when absent, and returns the files in the order they were written.
 ///
 /// # Errors
-/// A file that cannot be written, named.
+/// A file that cannot be written, named, before any work.
 pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
-    FILES.iter().try_for_each(|name| records::check_writable(&folder.join(name)))?;
-    let mut out = Output { folder, written: Vec::new() };
-    let section31 = paper::section31::reproduce(&Timing::default())?;
-    let measured = paper::measured::reproduce()?;
-    let effect = paper::geometry_effect::examine(&measured);
-
-    let models = [studies::model(&measured, Law::Column)?, studies::model(&measured, Law::Flat)?];
-    for (law, model, file) in [(Law::Column, &models[0], MODEL), (Law::Flat, &models[1], MODEL_ONE_LAMBDA0)] {
-        out.text(file, &model.to_toml()?)?;
-        for (name, text) in studies::files(model, file, law) {
-            out.text(&name, &text)?;
-        }
-        studies::run(folder, law)?;
-        out.written.push(folder.join(format!("{}.parquet", law.study())));
-    }
-    let [studied, flat] = [studies::read(folder, Law::Column)?, studies::read(folder, Law::Flat)?];
-
-    let sections = [
-        section31::section(&section31)?,
-        tables::section(&measured)?,
-        geometry_effect::section(&effect)?,
-        reference_pressure::section(),
-        trend::section(&measured, [&models[0], &models[1]], &studied, &flat)?,
-    ];
-    out.bytes(
-        "Chamber.fmu",
-        &crate::commands::fmu::package(
-            Version::Two,
-            &Identity::reference(),
-            &models[0],
-            models[0].to_toml()?.as_bytes(),
-            &[],
-        )?,
-    )?;
-    out.json("section31.json", &section31.lines)?;
-    out.text("section31.md", &sections[0].markdown())?;
-    out.text("table4.csv", &tables::table4(&measured)?)?;
-    out.text("table5.csv", &tables::table5(&measured)?)?;
-    out.json("geometry_effect.json", &geometry_effect::entries(&effect))?;
-    out.text("geometry_effect.md", &sections[2].markdown())?;
-    for block in sections.iter().flat_map(|s| &s.blocks) {
-        if let Block::Figure { file, svg, .. } = block {
-            out.text(file, svg)?;
+    let paths = FILES.map(|(name, _)| folder.join(name));
+    paths.iter().try_for_each(|path| records::check_writable(path))?;
+    let mut work = Work::begin(folder)?;
+    for ((name, content), path) in FILES.iter().zip(&paths) {
+        if let Some(bytes) = content(&mut work, name)? {
+            records::write_atomically(path, &bytes)?;
         }
     }
-    out.text("report.html", &report::page::page(TITLE, LEAD, &sections))?;
-    Ok(out.written)
+    Ok(paths.into())
 }
 
 /// The identified chamber: actuator A with the coefficient of all six tests and the column's length in λ.
 const MODEL: &str = "model.toml";
 /// The same with one λ0.
 const MODEL_ONE_LAMBDA0: &str = "model_one_lambda0.toml";
-/// All files that are written: what cannot be is said before any work.
-const FILES: [&str; 20] = [
-    MODEL,
-    MODEL_ONE_LAMBDA0,
-    "table5_sweep.toml",
-    "table5_sweep_points.csv",
-    "table5_sweep.parquet",
-    "table5_sweep_one_lambda0.toml",
-    "table5_sweep_one_lambda0_points.csv",
-    "table5_sweep_one_lambda0.parquet",
-    "Chamber.fmu",
-    "section31.json",
-    "section31.md",
-    "table4.csv",
-    "table5.csv",
-    "geometry_effect.json",
-    "geometry_effect.md",
-    "geometry_forms.svg",
-    "lambda0_trend.svg",
-    "pressure_response.svg",
-    "time_constants.svg",
-    "report.html",
+
+/// What a file of that name holds; nothing where that wrote the file itself.
+type Content = fn(&mut Work<'_>, &str) -> Result<Option<Vec<u8>>>;
+
+/// All files, each with what it holds, in the order in which they are written.
+const FILES: [(&str, Content); 20] = [
+    (MODEL, |w, _| text(&w.model(Law::Column).to_toml()?)),
+    (MODEL_ONE_LAMBDA0, |w, _| text(&w.model(Law::Flat).to_toml()?)),
+    ("table5_sweep_points.csv", |w, _| text(&studies::points(w.model(Law::Column), Law::Column))),
+    ("table5_sweep.toml", |_, _| text(&studies::study(MODEL, Law::Column))),
+    ("table5_sweep.parquet", |w, _| studies::run(w.folder, Law::Column).map(|()| None)),
+    ("table5_sweep_one_lambda0_points.csv", |w, _| text(&studies::points(w.model(Law::Flat), Law::Flat))),
+    ("table5_sweep_one_lambda0.toml", |_, _| text(&studies::study(MODEL_ONE_LAMBDA0, Law::Flat))),
+    ("table5_sweep_one_lambda0.parquet", |w, _| studies::run(w.folder, Law::Flat).map(|()| None)),
+    ("Chamber.fmu", |w, _| w.fmu().map(Some)),
+    ("section31.json", |w, _| json(&w.section31.lines)),
+    ("section31.md", |w, _| text(&w.sections()?[0].markdown())),
+    ("table4.csv", |w, _| text(&tables::table4(&w.measured)?)),
+    ("table5.csv", |w, _| text(&tables::table5(&w.measured)?)),
+    ("geometry_effect.json", |w, _| json(&geometry_effect::entries(&w.effect))),
+    ("geometry_effect.md", |w, _| text(&w.sections()?[2].markdown())),
+    ("geometry_forms.svg", figure),
+    ("lambda0_trend.svg", figure),
+    ("pressure_response.svg", figure),
+    ("time_constants.svg", figure),
+    ("report.html", |w, _| text(&report::page::page(TITLE, LEAD, w.sections()?))),
 ];
+
+fn text(text: &str) -> Result<Option<Vec<u8>>> {
+    Ok(Some(text.as_bytes().to_vec()))
+}
+
+fn json<T: serde::Serialize + ?Sized>(value: &T) -> Result<Option<Vec<u8>>> {
+    text(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
 const TITLE: &str = "Heat transfer in pneumatic cylinders: the paper's numbers, reproduced";
 const LEAD: &str = "From the tables of J. F. Carneiro and F. Gomes de Almeida, Heat transfer evaluation of industrial pneumatic \
      cylinders, Proc. IMechE Part I (2006), DOI 10.1243/09596518JSCE188. Everything on this page was computed and written by \
      `pneutherm reproduce`; beside it lie the same results as data.";
 
-/// The folder that is being filled.
-struct Output<'a> {
+/// What the files are made of.
+struct Work<'a> {
     folder: &'a Path,
-    written: Vec<PathBuf>,
+    section31: Section31,
+    measured: Measured,
+    effect: GeometryEffect,
+    models: [Model; 2],
+    /// The report's; there once the studies are.
+    sections: Vec<Section>,
 }
 
-impl Output<'_> {
-    fn bytes(&mut self, name: &str, bytes: &[u8]) -> Result<()> {
-        let path = self.folder.join(name);
-        records::write_atomically(&path, bytes)?;
-        self.written.push(path);
-        Ok(())
+impl<'a> Work<'a> {
+    fn begin(folder: &'a Path) -> Result<Self> {
+        let measured = paper::measured::reproduce()?;
+        Ok(Self {
+            folder,
+            section31: paper::section31::reproduce(&Timing::default())?,
+            effect: paper::geometry_effect::examine(&measured),
+            models: [studies::model(&measured, Law::Column)?, studies::model(&measured, Law::Flat)?],
+            measured,
+            sections: Vec::new(),
+        })
     }
 
-    fn text(&mut self, name: &str, text: &str) -> Result<()> {
-        self.bytes(name, text.as_bytes())
+    fn model(&self, law: Law) -> &Model {
+        &self.models[usize::from(law == Law::Flat)]
     }
 
-    fn json<T: serde::Serialize + ?Sized>(&mut self, name: &str, value: &T) -> Result<()> {
-        self.text(name, &(serde_json::to_string_pretty(value)? + "\n"))
+    fn fmu(&self) -> Result<Vec<u8>> {
+        let model = self.model(Law::Column);
+        crate::commands::fmu::package(Version::Two, &Identity::reference(), model, model.to_toml()?.as_bytes(), &[])
     }
+
+    /// The report's sections, made of the studies in the folder when they are first asked for.
+    fn sections(&mut self) -> Result<&[Section]> {
+        if self.sections.is_empty() {
+            let [studied, flat] = [studies::read(self.folder, Law::Column)?, studies::read(self.folder, Law::Flat)?];
+            let models = [self.model(Law::Column), self.model(Law::Flat)];
+            self.sections = vec![
+                section31::section(&self.section31)?,
+                tables::section(&self.measured)?,
+                geometry_effect::section(&self.effect)?,
+                reference_pressure::section(),
+                trend::section(&self.measured, models, &studied, &flat)?,
+            ];
+        }
+        Ok(&self.sections)
+    }
+}
+
+/// A drawing of the report, each of which is a file too.
+fn figure(work: &mut Work<'_>, name: &str) -> Result<Option<Vec<u8>>> {
+    let mut found = None;
+    for block in work.sections()?.iter().flat_map(|section| &section.blocks) {
+        if let Block::Figure { file, svg, .. } = block {
+            ensure!(FILES.iter().any(|(name, _)| *name == *file), "{file}: a figure of the report is no file");
+            found = found.or_else(|| (*file == name).then(|| svg.as_bytes().to_vec()));
+        }
+    }
+    found.with_context(|| format!("{name}: the report has no such figure")).map(Some)
 }

@@ -117,7 +117,7 @@ const PROGRAM: &str = concat!("pneutherm ", env!("CARGO_PKG_VERSION"));
 const DIGITS: usize = 5;
 
 /// The study's points as CSV: one row for each bore, stroke and pressure.
-fn points(model: &Model, law: Law) -> String {
+pub fn points(model: &Model, law: Law) -> String {
     let mut out =
         String::from("bore_m,initial_stroke_m,final_stroke_m,chamber.dead_volume_m3,initial_pressure_pa,push_time_s\n");
     let (shortest, longest, count) = STROKES_M;
@@ -148,16 +148,14 @@ fn time_constant(model: &Model, law: Law, bore: f64, dead_volume: f64, strokes: 
     1.0 / Closed::filled(&chamber, pressure, ambient, initial, ambient).rate(last)
 }
 
-/// Texts of a study's own files: (name, text) of its points and of the study.
-pub fn files(model: &Model, model_file: &str, law: Law) -> [(String, String); 2] {
+/// Text of a study's own file.
+pub fn study(model_file: &str, law: Law) -> String {
     let name = law.study();
-    let points_file = format!("{name}_points.csv");
-    let study = format!(
+    format!(
         "# Written by `pneutherm reproduce`; `pneutherm sweep {name}.toml -o DIR` gives the rows of {name}.parquet.\n\
-         [study]\nname = \"{name}\"\nmodel = \"{model_file}\"\ndesign = \"table\"\ntable = \"{points_file}\"\nfit = true\n\n\
+         [study]\nname = \"{name}\"\nmodel = \"{model_file}\"\ndesign = \"table\"\ntable = \"{name}_points.csv\"\nfit = true\n\n\
          [test]\nhold_time_constants = {HOLD_TIME_CONSTANTS:.1}\n"
-    );
-    [(points_file, points(model, law)), (format!("{name}.toml"), study)]
+    )
 }
 
 /// Carries the study in that folder out, into a Parquet file beside it.

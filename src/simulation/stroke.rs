@@ -4,6 +4,7 @@
 //! Noise of some µm from row to row is a speed of some mm/s, by which an effect of the piston's speed heats a gas at rest; and a
 //! chord between two rows of a fast move misses the stroke by up to x″h²/8.
 
+use identify::record::gaps;
 use identify::record::positions::Positions;
 use identify::record::readout::Between;
 use identify::record::stroke::{Motion, Phase, Segment, extent};
@@ -40,7 +41,7 @@ impl Stroke {
     /// through them.
     pub fn behind(time_s: &[f64], position_m: &[f64]) -> Self {
         let positions = Positions::of(position_m);
-        let motion = Motion::through(time_s, position_m, &positions);
+        let motion = gaps::motion(time_s, position_m, &positions);
         let faults = faults(&positions, &motion, position_m);
         if faults.is_empty() {
             return Self::through(time_s, position_m);

@@ -139,6 +139,10 @@ pub trait Effect {
     ) {
     }
 
+    /// Changes its own states where so much heat, J, comes out of the wall, through its area, m², into the gas at once.
+    #[inline(always)]
+    fn heated<R: Real>(_p: &[R], _at: &Conditions<R>, _area: R, _heat: R, _own: &mut [R]) {}
+
     /// What the sensor shows where the chain before it shows `reading`, Pa, `time` seconds after the record began.
     #[inline(always)]
     fn reading<R: Real>(_p: &[R], _own: &[R], reading: R, _time: R) -> R {

@@ -77,4 +77,10 @@ impl Effect for GasZones {
         let mixing = at.cp * (flows.inflow_kelvin - flows.inflow * core) / at.mass;
         out[0] = (compression + fraction.where_positive(exchange, R::ZERO) + mixing) / at.cp;
     }
+
+    /// The core is compressed by the pressure that the heat makes at the same volume.
+    fn heated<R: Real>(_: &[R], at: &Conditions<R>, _: R, heat: R, own: &mut [R]) {
+        let rise = at.expansion * heat * at.per_volume;
+        own[0] += at.gas_constant * own[0] / at.pressure * rise / at.cp;
+    }
 }

@@ -232,6 +232,16 @@ macro_rules! effects {
             out
         }
 
+        /// [`Effect::heated`] of the effects in `set` whose own states are among the first `M`.
+        pub fn heated<R: Real, const M: usize>(
+            set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, area: R, heat: R, own: &mut [R; M],
+        ) {
+            $(if $module::$name::lies_within(M) && set.has($module::$name::INDEX) {
+                let own = $module::$name::own_mut(own);
+                $module::$name::heated($module::$name::values(values), at, area, heat, own);
+            })*
+        }
+
         /// What the sensor shows of `pressure`, Pa: [`Effect::reading`] of the effects in `set`, in order.
         #[inline(always)]
         pub fn reading<R: Real>(set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], pressure: R, time: R) -> R {

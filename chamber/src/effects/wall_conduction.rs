@@ -115,6 +115,13 @@ impl Effect for WallConduction {
             *out = drive * mode.weight - *warming * mode.rate;
         }
     }
+
+    fn heated<R: Real>(p: &[R], _: &Conditions<R>, area: R, heat: R, own: &mut [R]) {
+        let drive = p[0] * heat / area;
+        for (warming, mode) in own.iter_mut().zip(&KERNEL) {
+            *warming -= drive * mode.weight;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -68,4 +68,10 @@ impl Effect for WallHeating {
         let safe_capacity = capacity.where_positive(capacity, R::ONE);
         out[0] = capacity.where_positive(heating / safe_capacity, R::ZERO);
     }
+
+    fn heated<R: Real>(p: &[R], _: &Conditions<R>, _: R, heat: R, own: &mut [R]) {
+        let capacity = p[0];
+        let safe_capacity = capacity.where_positive(capacity, R::ONE);
+        own[0] -= capacity.where_positive(heat / safe_capacity, R::ZERO);
+    }
 }

@@ -68,6 +68,12 @@ impl Fit {
         self.rig.iter().zip(&self.hypothesis.axes).find(is_exhausted).map(|(_, axis)| axis.slot)
     }
 
+    /// Whether the moves of the stated numbers take away a good part of what they leave beyond noise:
+    /// [`policy::EASED`].
+    pub fn is_eased_by_moves(&self) -> bool {
+        self.chi2 - self.marginal > policy::EASED * (self.chi2 - self.blocks as f64)
+    }
+
     /// The fitted chamber.
     pub fn chamber(&self) -> Chamber {
         self.hypothesis.chamber(&self.rig)

@@ -113,7 +113,8 @@ fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<(f64, usize)> {
     let own = own_numbers(data, fitted, k)?;
     match own.len() {
         ..=4 => halves::<4>(data, fitted, k, &own),
-        _ => halves::<8>(data, fitted, k, &own),
+        5..=8 => halves::<8>(data, fitted, k, &own),
+        _ => halves::<12>(data, fitted, k, &own),
     }
 }
 

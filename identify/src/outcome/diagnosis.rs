@@ -11,6 +11,7 @@ use crate::outcome::over_sets;
 use crate::outcome::probability;
 use crate::outcome::read_off::Empirical;
 use crate::outcome::recording::{self, NoiseFound, RecordFound};
+use crate::outcome::remainder;
 use crate::outcome::rigs;
 use crate::outcome::unnamed::{Unnamed, unnamed};
 use crate::parameters::{Model, names};
@@ -111,6 +112,9 @@ pub struct Diagnosis {
     pub next_experiments: Vec<NextExperiment>,
     /// What was assumed, left out or noticed.
     pub assumptions: Vec<String>,
+    /// What remains of the residual, in a clause for people.
+    #[serde(skip)]
+    pub remainder: String,
 }
 
 fn by_name<S: Serializer>(verdict: &Verdict, serializer: S) -> Result<S::Ok, S::Error> {
@@ -131,6 +135,14 @@ impl Diagnosis {
     /// What the probabilities of the effects say beside this verdict.
     pub fn meaning_of_probabilities(&self) -> &'static str {
         probability::meaning(self.verdict)
+    }
+
+    /// Where the evidence points, in a clause.
+    pub fn pointed_at(&self) -> String {
+        match self.balance {
+            "none" => "nothing points to one of the balances".to_owned(),
+            balance => format!("the evidence points to the {balance} balance"),
+        }
     }
 
     /// Whether a curve is among them.
@@ -230,13 +242,14 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         noise_pa: data.noise.total_pa(),
         before,
         after: after_side,
-        candidates: found.tried.iter().map(|c| tried(&data, c)).collect(),
+        candidates: each_set_once(&found.tried).map(|c| tried(&data, c)).collect(),
         lambda0_budget,
         empirical: found.read_off.as_ref().and_then(|r| Empirical::of(r, r.accepted && adequacy.is_adequate())),
         missing,
         undetermined: covariance::undetermined(&after.fit),
         next_experiments: next_experiment::next(&data, &found),
         assumptions: recording::notes(&data, Some(&found)).into_iter().chain(of_two_rigs).collect(),
+        remainder: remainder::of(&data, &found, adequacy),
     };
     let paths = Search::new(&data, &found.baseline.fit).map(|s| s.paths().to_vec()).unwrap_or_default();
     Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, found }
@@ -272,6 +285,12 @@ fn steps(data: &Data, found: &Found) -> Vec<Step> {
         .collect()
 }
 
+/// The best fit of each set of terms: a set may have been fitted with more of its effects' parameters free too, or from elsewhere.
+fn each_set_once(tried: &[Candidate]) -> impl Iterator<Item = &Candidate> {
+    let of = |i: usize| tried[i].model.with_nothing_freed();
+    (0..tried.len()).filter(move |&i| (0..i).all(|before| of(before) != of(i))).map(|i| &tried[i])
+}
+
 fn tried(data: &Data, c: &Candidate) -> Tried {
     Tried {
         effect: c.model.words(),
@@ -305,5 +324,35 @@ fn groups(chosen: &Model, alike: &[Model]) -> Vec<Vec<String>> {
             out.entry(chosen.words()).or_default().push(other.words());
         }
     }
-    out.into_iter().map(|(first, rest)| [vec![first], rest].concat()).collect()
+    out.into_iter().map(|(first, rest)| group(first, rest)).collect()
+}
+
+/// A group, each of its names once.
+fn group(first: String, rest: Vec<String>) -> Vec<String> {
+    rest.into_iter().fold(vec![first], |mut names, name| {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+        names
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chamber::effects::find;
+
+    fn set(names: &[&str]) -> EffectSet {
+        names.iter().map(|name| find(name).unwrap().0).collect()
+    }
+
+    #[test]
+    fn a_name_stands_once_in_a_group_of_those_that_cannot_be_told_apart() {
+        let chosen = Model { own: set(&["record_delay"]), ..Model::with(set(&["wall_conduction", "record_delay"])) };
+        let common = Model::with(set(&["wall_heating", "record_delay"]));
+        let own = Model { own: set(&["record_delay"]), ..common };
+        assert_eq!(groups(&chosen, &[common, own]), [["wall_conduction", "wall_heating"]]);
+        let folded = Model::with(chosen.effects);
+        assert_eq!(groups(&chosen, &[folded, folded])[0].len(), 2);
+    }
 }

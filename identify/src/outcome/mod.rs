@@ -8,6 +8,8 @@ pub mod over_sets;
 pub mod probability;
 pub mod read_off;
 pub mod recording;
+pub mod remainder;
 pub mod rigs;
+mod stated_numbers;
 pub mod unnamed;
 pub mod validation;

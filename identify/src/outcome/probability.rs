@@ -20,13 +20,16 @@ pub fn odds(gain: f64) -> f64 {
     (gain / (2.0 * TEMPER)).exp()
 }
 
-/// What these probabilities say with a verdict: of the cause only where a set of effects leaves no more than noise. Elsewhere
-/// they compare sets none of which will do, and the best of them may have 100 %.
+/// What these probabilities say with a verdict: of the cause only where a set of effects is needed and leaves no more than noise. Beside
+/// a model that will do without any, they are hints. Elsewhere they compare sets none of which will do, and the best of them may have
+/// 100 %.
 pub fn meaning(verdict: Verdict) -> &'static str {
-    if matches!(verdict, Verdict::Adequate | Verdict::Explained) {
-        "probable effects"
-    } else {
-        "best of the effects tried, none of which explains the records"
+    match verdict {
+        Verdict::Adequate => {
+            "hints of effects, none of which is needed (without them the residual is noise, or below the accuracy)"
+        }
+        Verdict::Explained => "probable effects",
+        Verdict::Improved | Verdict::Unexplained => "best of the effects tried, none of which explains the records",
     }
 }
 
@@ -60,7 +63,8 @@ mod tests {
     #[test]
     fn effects_are_called_probable_only_where_they_leave_no_more_than_noise() {
         let probable = |verdict: Verdict| meaning(verdict).contains("probable");
-        assert!(probable(Verdict::Adequate) && probable(Verdict::Explained));
-        assert!(!probable(Verdict::Improved) && !probable(Verdict::Unexplained));
+        assert!(probable(Verdict::Explained) && !probable(Verdict::Improved) && !probable(Verdict::Unexplained));
+        // What the paper's model does without is a hint, however large its odds.
+        assert!(!probable(Verdict::Adequate) && meaning(Verdict::Adequate).contains("none of which is needed"));
     }
 }

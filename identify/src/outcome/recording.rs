@@ -1,15 +1,16 @@
 //! What a diagnosis says of the recording: its noise, what each record has for itself, what was assumed and left out.
 
 use super::estimates::{Estimates, as_map};
+use super::stated_numbers;
 use crate::discrepancy;
 use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::judge::misfit;
-use crate::parameters::{Own, Slot};
-use crate::policy::TOLERANCES;
+use crate::parameters::Own;
 use crate::record::between_rows::Look;
 use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
+use crate::record::gaps;
 use crate::record::readout::Between;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
@@ -168,6 +169,7 @@ pub fn left_out(data: &Data) -> Vec<String> {
     for t in data.traces.iter().filter(|t| t.backward_rows > 0) {
         out.push(format!("{}: {} rows are left out, as their time does not go on", t.path.display(), t.backward_rows));
     }
+    out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
     out
 }
 
@@ -209,26 +211,7 @@ fn positions(data: &Data) -> Vec<String> {
 fn of_search(data: &Data, found: &Found) -> Vec<String> {
     let mut out = Vec::new();
     let fit = &found.chosen.fit;
-    let shown = |slot: Slot, moved: f64, scale: f64| match slot {
-        Slot::Bore => {
-            format!(
-                "a bore of {:.2} mm for {:.2} mm",
-                1e3 * data.cylinder.bore_m * (1.0 + moved * scale),
-                1e3 * data.cylinder.bore_m
-            )
-        }
-        Slot::PositionScale => format!("positions {:+.2} % larger than recorded", 100.0 * moved * scale),
-        Slot::PositionZero => format!("a position zero moved by {:+.2} mm", 1e3 * moved * scale),
-        Slot::RestTemperature => format!("gas {:+.1} K warmer than its surroundings at rest", moved * scale),
-        _ => format!("surroundings {:+.1} K warmer than stated", moved * scale),
-    };
-    for (axis, moved) in fit.hypothesis.stated.iter().zip(&fit.moved).filter(|(_, moved)| moved.abs() > TOLERANCES) {
-        out.push(format!(
-            "the records ask for {}, {:.1} times the tolerance: check it",
-            shown(axis.slot, *moved, axis.scale),
-            moved.abs()
-        ));
-    }
+    out.extend(stated_numbers::sentence(data, fit));
     if let Some(effects) = found.by_geometry {
         let names: Vec<&str> = effects.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(

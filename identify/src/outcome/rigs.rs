@@ -120,7 +120,13 @@ const NEARLY: f64 = 0.05;
 /// Logarithms of what a test is made of: the pressure at its begin, the first move's positions as a ratio, and the latter of them.
 fn test(t: &Prepared) -> Option<[f64; 3]> {
     let first = t.course.motion.segments.iter().find(|s| s.phase == Phase::Move)?;
-    let [from, to] = [first.first, first.end - 1].map(|row| t.position_m[row]);
+    // Of a move whose rows were lost those on either side are left.
+    let rows = if first.lost {
+        [first.first - 1, first.end.min(t.position_m.len() - 1)]
+    } else {
+        [first.first, first.end - 1]
+    };
+    let [from, to] = rows.map(|row| t.position_m[row]);
     let test = [t.initial_pressure_pa, to / from, to].map(f64::ln);
     test.iter().all(|x| x.is_finite()).then_some(test)
 }

@@ -27,6 +27,9 @@ pub struct Unnamed {
     pub share: f64,
 }
 
+/// A family that takes away less than this share of what a model leaves explains nothing of it.
+const LEAST_SHARE: f64 = 0.01;
+
 /// The families that take away most of what a model leaves, best first.
 pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
     // What takes away most for its number of coefficients comes first.
@@ -45,5 +48,6 @@ pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
             sd: m.sd.clone(),
             share: m.share(&c.fit),
         })
+        .filter(|unnamed| unnamed.share >= LEAST_SHARE)
         .collect()
 }

@@ -12,6 +12,7 @@ use crate::judge::{left_out, misfit};
 use crate::parameters::{Hypothesis, Model, Own, Sizes, delays_position};
 use crate::policy;
 use crate::record::data::{Data, Prepared};
+use crate::record::gaps;
 use crate::record::outliers;
 use crate::record::stroke::Phase;
 use crate::search::terms;
@@ -75,6 +76,9 @@ pub struct Validated {
 /// move.
 pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let mut data = Data::prepare(rig)?;
+    if !whole_record {
+        data.traces.iter_mut().for_each(Prepared::leave_out_behind_gap);
+    }
     let mut compared = Compared::of(&data, chamber, error_pa, whole_record)?;
     for _ in 0..ROUNDS {
         let found = outliers::in_residuals(&data, &compared.residuals);
@@ -110,9 +114,17 @@ pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool)
         noise_pa: data.noise.total_pa(),
         systematic_pa: whole_record.then(|| misfit::systematic(&data, &residuals)),
         records,
-        notes: recording::left_out(&data),
+        notes: recording::left_out(&data).into_iter().chain(uncompared(&data, whole_record)).collect(),
     };
     Ok(Validated { validation, data, residuals })
+}
+
+/// What is not compared of records with gaps, if anything.
+fn uncompared(data: &Data, whole_record: bool) -> Option<String> {
+    let has_gap = |t: &Prepared| gaps::of(&t.course.motion).next().is_some();
+    (!whole_record && data.traces.iter().any(has_gap)).then(|| {
+        "what is behind a record's first gap is not compared: how warm the gas comes out of it cannot be predicted (`--whole-record` fits that too)".to_owned()
+    })
 }
 
 /// Each record against the model, with its own numbers.

@@ -8,6 +8,7 @@ use super::stated::{REST_DEVIATION_K, stated};
 use crate::forward::Correction;
 use crate::policy;
 use crate::record::data::{Data, Prepared};
+use crate::record::gaps;
 use chamber::card::{Kind, Parameter, Prior, Unit};
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use chamber::real::Real;
@@ -143,6 +144,10 @@ impl Hypothesis {
             axis.prior = trace.starts_at_rest.then_some([1.0, REST_DEVIATION_K / trace.initial_temperature_k]);
             out.push(axis);
         }
+        let gaps = 0..gaps::of(&trace.course.motion).count();
+        out.extend(
+            gaps.map(|gap| Axis { prior: Some([1.0, policy::BEHIND_GAP]), ..initial(Own::BehindGap(gap), 1.0) }),
+        );
         out.extend(self.own.iter().copied());
         out
     }
@@ -150,7 +155,7 @@ impl Hypothesis {
     /// Where a record's own numbers begin: its first guesses, what `base` has of the effects.
     pub fn first_own(&self, trace: &Prepared) -> Vec<f64> {
         let begin = |axis: &Axis<Own>| match axis.slot {
-            Own::Pressure | Own::Temperature => 1.0,
+            Own::Pressure | Own::Temperature | Own::BehindGap(_) => 1.0,
             Own::Effect(e, p) => axis.coordinate(self.base.effects.of(e)[p]),
         };
         self.own_of(trace).iter().map(begin).collect()
@@ -189,6 +194,7 @@ impl Hypothesis {
             match axis.slot {
                 Own::Pressure => start.pressure = axis.value(*x),
                 Own::Temperature => start.temperature = axis.value(*x) + correction.warmer + at_rest,
+                Own::BehindGap(gap) => correction.behind_gaps[gap] = axis.value(*x),
                 Own::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = axis.value(*x),
             }
         }

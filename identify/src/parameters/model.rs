@@ -30,6 +30,11 @@ impl Model {
         Self { effects, ..Self::PAPER }
     }
 
+    /// The same terms, none with secondary parameters free.
+    pub fn with_nothing_freed(&self) -> Self {
+        Self { secondary: EffectSet::NONE, ..*self }
+    }
+
     /// Effects that hold for the rig: what a diagnosis names.
     pub fn of_rig(&self) -> EffectSet {
         self.effects.without(self.own)

@@ -7,7 +7,7 @@ use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
 use crate::record::stroke::{Motion, Phase, Segment, extent};
 use crate::record::unit::Declared;
-use records::{Cylinder, Trace, correlation};
+use records::{Cylinder, Trace, correlation, turned_back};
 use std::iter;
 use std::ops::Range;
 use std::path::Path;
@@ -123,8 +123,8 @@ fn saturation(
     for (extreme, high) in [(most, true), (least, false)] {
         let run = longest_run(&rows, pressure_pa, extreme);
         let (Some(&first), Some(&last)) = (run.first(), run.last()) else { continue };
-        let noisy =
-            !readings_stick(&rows, pressure_pa, first..last + 1) && turned_back(&rows, pressure_pa) > TURNED_BACK;
+        let noisy = !readings_stick(&rows, pressure_pa, first..last + 1)
+            && turned_back(rows.iter().map(|&row| pressure_pa[row])) > TURNED_BACK;
         let moves = motion.segments.iter().any(|s| {
             let inside = first.max(s.first)..(last + 1).min(s.end);
             let stroke = way(s.first..s.end);
@@ -204,14 +204,6 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     Ok(())
 }
 
-/// Share of the changes from reading to reading that go the other way than the change before.
-fn turned_back(rows: &[usize], pressure_pa: &[f64]) -> f64 {
-    let changes = rows.windows(2).map(|w| pressure_pa[w[1]] - pressure_pa[w[0]]);
-    let changes: Vec<f64> = changes.filter(|change| *change != 0.0).collect();
-    let back = changes.windows(2).filter(|w| (w[0] < 0.0) != (w[1] < 0.0)).count();
-    back as f64 / changes.len().max(1) as f64
-}
-
 /// Whether the noise is too small to move readings, but for those of a run, off the sensor's steps.
 fn readings_stick(rows: &[usize], pressure_pa: &[f64], run: Range<usize>) -> bool {
     let beside: Vec<f64> = rows.iter().filter(|row| !run.contains(row)).map(|&row| pressure_pa[row]).collect();
@@ -241,9 +233,9 @@ mod tests {
         let mut random = Random::new(33);
         let relaxing = |i: usize| if i < 100 { 1e5 } else { 1e5 + 2e5 * (-((i - 100) as f64) / 60.0).exp() };
         let noisy: Vec<f64> = rows.iter().map(|&i| relaxing(i) + 50.0 * random.normal()).collect();
-        assert!(turned_back(&rows, &noisy) > 3.0 * TURNED_BACK);
+        assert!(turned_back(noisy) > 3.0 * TURNED_BACK);
         let smooth: Vec<f64> = rows.iter().map(|&i| (relaxing(i) * 1e4).round() * 1e-4).collect();
-        assert!(turned_back(&rows, &smooth) < 0.2 * TURNED_BACK);
+        assert!(turned_back(smooth) < 0.2 * TURNED_BACK);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::forward::Course;
 use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::block::{Block, blocks};
+use crate::record::gaps;
 use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
@@ -65,9 +66,16 @@ const INTEGRATION_ERROR: f64 = 1e-3;
 pub(super) const RELATIVE_TOLERANCES: [f64; 2] = [3e-8, 3e-7];
 
 impl Prepared {
-    /// Time from row to row, s.
+    /// Time from row to row, s, where no row was lost.
     pub fn row_s(&self) -> f64 {
-        mean_row_s(&self.time_s)
+        usual_row_s(&self.time_s)
+    }
+
+    /// Leaves out what is behind its first gap, if it has one: nothing before tells how warm the gas comes out of it.
+    pub fn leave_out_behind_gap(&mut self) {
+        if let Some(first) = gaps::of(&self.course.motion).next().map(|gap| gap.first) {
+            self.readout.at_gaps.push(first..self.time_s.len());
+        }
     }
 
     /// These rows and those of the spikes, in order.
@@ -266,12 +274,36 @@ impl Data {
     }
 }
 
-/// Time from row to row, s, of times that count from zero.
-pub(super) fn mean_row_s(time_s: &[f64]) -> f64 {
-    time_s.last().map_or(1.0, |last| last / (time_s.len() - 1) as f64)
+/// Time from row to row, s, where no row was lost.
+fn usual_row_s(time_s: &[f64]) -> f64 {
+    /// A step so many times as long as the median one has lost a row, and one that only the clock makes longer has not.
+    const LOST: f64 = 1.5;
+    let mut steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() {
+        return 1.0;
+    }
+    let longest = LOST * *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let whole: Vec<f64> = steps.into_iter().filter(|step| *step < longest).collect();
+    whole.iter().sum::<f64>() / whole.len() as f64
 }
 
 pub(super) fn smallest_position(traces: &[Prepared]) -> f64 {
     let segments = traces.iter().flat_map(|t| &t.course.motion.segments);
     segments.map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lost_rows_do_not_lengthen_the_time_from_row_to_row() {
+        let rows = (0..300).filter(|i| i % 50 != 7 && !(100..140).contains(i));
+        let time_s: Vec<f64> = rows.map(|i| 0.01 * f64::from(i)).collect();
+        assert!((usual_row_s(&time_s) - 0.01).abs() < 1e-12);
+        // A clock of whole milliseconds at 150 rows a second.
+        let time_s: Vec<f64> = (0..300).map(|i| (1e3 * f64::from(i) / 150.0).round() * 1e-3).collect();
+        assert!((usual_row_s(&time_s) * 150.0 - 1.0).abs() < 1e-3);
+    }
 }

@@ -9,6 +9,7 @@ pub mod colour;
 pub mod data;
 pub mod far_off;
 mod first_volume;
+pub mod gaps;
 mod hampel;
 mod lattice;
 mod level;

@@ -14,7 +14,7 @@ use crate::record::positions::Positions;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
-use crate::record::{checks, clock};
+use crate::record::{checks, clock, gaps};
 use records::{Rig, Trace};
 use std::borrow::Cow;
 
@@ -37,7 +37,7 @@ impl Data {
         let declared = Declared::of(rig);
         for (c, readout) in columns.iter_mut().zip(readouts) {
             checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?;
-            c.readout = Readout { unfollowed: c.motion.unfollowed(), ..readout };
+            c.readout = Readout { unfollowed: c.motion.unfollowed(), at_gaps: gaps::rows(&c.motion), ..readout };
         }
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
@@ -132,7 +132,7 @@ impl<'a> Columns<'a> {
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
-        let motion = Motion::through(&time_s, &trace.position_m, positions);
+        let motion = gaps::motion(&time_s, &trace.position_m, positions);
         let readout = Readout::every_row();
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout })
     }

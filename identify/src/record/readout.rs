@@ -45,6 +45,8 @@ pub struct Readout {
     pub outliers: Vec<usize>,
     /// Rows that are no data since nothing tells where the piston is.
     pub unfollowed: Vec<Range<usize>>,
+    /// Rows that are no data since others beside them were lost while the piston moved.
+    pub at_gaps: Vec<Range<usize>>,
 }
 
 /// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz...
@@ -61,7 +63,15 @@ impl Readout {
     }
 
     fn new(between: Between, period: usize, first: usize) -> Self {
-        Self { between, period, first, missing: Vec::new(), outliers: Vec::new(), unfollowed: Vec::new() }
+        Self {
+            between,
+            period,
+            first,
+            missing: Vec::new(),
+            outliers: Vec::new(),
+            unfollowed: Vec::new(),
+            at_gaps: Vec::new(),
+        }
     }
 
     /// Readouts of the records of one logger, of which each has its times, s, and pressures: at the stated rate, Hz, or as each
@@ -140,7 +150,7 @@ impl Readout {
     pub fn is_data(&self, row: usize) -> bool {
         self.is_reading(row)
             && self.outliers.binary_search(&row).is_err()
-            && !self.unfollowed.iter().any(|rows| rows.contains(&row))
+            && !self.unfollowed.iter().chain(&self.at_gaps).any(|rows| rows.contains(&row))
     }
 
     /// Whether a row was really read, be it an outlier or not.

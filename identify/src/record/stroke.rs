@@ -32,6 +32,8 @@ pub enum Phase {
 pub struct Segment {
     /// What the piston does.
     pub phase: Phase,
+    /// Whether its rows were lost, so that nothing tells how the piston moved.
+    pub lost: bool,
     /// First row.
     pub first: usize,
     /// One past the last row.
@@ -48,7 +50,7 @@ pub struct Segment {
 
 impl Segment {
     fn is_unfollowed(&self) -> bool {
-        self.phase == Phase::Move && unfollowed::is_unfollowed(&self.stroke)
+        self.phase == Phase::Move && !self.lost && unfollowed::is_unfollowed(&self.stroke)
     }
 }
 
@@ -91,7 +93,7 @@ impl Motion {
             };
             let stroke =
                 if moves { Spline::default() } else { held(&time_s[first..end], &position_m[first..end], noise_m) };
-            segments.push(Segment { phase, first, end, from_s, to_s, stroke, shift_s: 0.0 });
+            segments.push(Segment { phase, lost: false, first, end, from_s, to_s, stroke, shift_s: 0.0 });
         }
         for k in 0..segments.len() {
             if segments[k].phase == Phase::Move {

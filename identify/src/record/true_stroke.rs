@@ -76,6 +76,13 @@ impl<'a> TrueStroke<'a> {
         self.ends[stretch]
     }
 
+    /// The stretch that ends nearest to a time, s.
+    pub fn stretch_that_ends_at(&self, time: f64) -> usize {
+        let behind = self.ends.partition_point(|end| *end < time).min(self.ends.len() - 1);
+        let is_nearer = |before: &usize| time - self.ends[*before] < (self.ends[behind] - time).abs();
+        behind.checked_sub(1).filter(is_nearer).unwrap_or(behind)
+    }
+
     /// The longest first step on a stretch and the longest one at all, s: a fiftieth of the shortest part of the record in it, as
     /// the step before means nothing there, and a tenth of the shortest move. What counts as a move begins and ends with rows of
     /// rest, and the stages of a longer step may all fall on these.

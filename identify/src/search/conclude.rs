@@ -5,7 +5,7 @@
 //! bore could imitate is not named.
 
 use super::starts::{as_stated, fit_model};
-use super::{Candidate, Found, Search, Verdict, terms};
+use super::{Candidate, Found, Search, Verdict, distinct, terms};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::evidence::bic_widened;
@@ -174,14 +174,13 @@ impl Search {
     }
 
     fn alike(&self) -> Vec<Model> {
-        let size = self.chosen.model.terms();
-        self.tried
+        let chosen = self.chosen.model.with_nothing_freed();
+        let is_other = |m: &Model| m.terms() == chosen.terms() && m.with_nothing_freed() != chosen;
+        let alike = self
+            .tried
             .iter()
-            .filter(|c| size > 0 && c.model != self.chosen.model && c.model.terms() == size)
-            .filter(|c| Model { secondary: EffectSet::NONE, ..self.chosen.model } != c.model)
-            .filter(|c| self.chosen.delta_bic - c.delta_bic < policy::INDISTINGUISHABLE)
-            .map(|c| c.model)
-            .collect()
+            .filter(|c| is_other(&c.model) && self.chosen.delta_bic - c.delta_bic < policy::INDISTINGUISHABLE);
+        distinct(alike.map(|c| c.model).collect())
     }
 }
 

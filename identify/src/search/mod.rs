@@ -344,8 +344,7 @@ impl Search {
 fn distinct(models: Vec<Model>) -> Vec<Model> {
     let mut out: Vec<Model> = Vec::new();
     for model in models {
-        let terms = |m: &Model| Model { secondary: EffectSet::NONE, ..*m };
-        if out.iter().all(|other| terms(other) != terms(&model)) {
+        if out.iter().all(|other| other.with_nothing_freed() != model.with_nothing_freed()) {
             out.push(model);
         }
     }

@@ -1,6 +1,6 @@
 //! The rest before the first movement, told from a measured position's own noise.
 
-use crate::statistics::{extremes, median, white_noise};
+use crate::statistics::{extremes, median, turned_back, white_noise};
 
 /// Movements below this share of the whole travel are not told from rest.
 const SHARE_OF_TRAVEL: f64 = 1e-3;
@@ -31,15 +31,9 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
 pub fn movement_threshold(position_m: &[f64]) -> f64 {
     let travel = travel(position_m);
     let noise = white_noise(position_m);
-    let is_motion = noise > MOST_NOISE * travel && turned_back(position_m) <= TURNED_BACK;
+    let is_motion = noise > MOST_NOISE * travel && turned_back(position_m.iter().copied()) <= TURNED_BACK;
     let noise = if is_motion { 0.0 } else { noise };
     (DEVIATIONS * noise).max(SHARE_OF_TRAVEL * travel)
-}
-
-/// Share of the changes from row to row that go the other way than the one before.
-fn turned_back(position_m: &[f64]) -> f64 {
-    let pairs = position_m.windows(3).map(|x| (x[1] - x[0]) * (x[2] - x[1]));
-    pairs.clone().filter(|product| *product < 0.0).count() as f64 / pairs.len().max(1) as f64
 }
 
 fn travel(position_m: &[f64]) -> f64 {

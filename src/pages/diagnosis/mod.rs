@@ -85,11 +85,15 @@ fn verdict(d: &Diagnosis) -> Section {
 
 /// The verdict and what it means here.
 fn verdict_text(d: &Diagnosis) -> String {
-    let remaining = pressure(d.remaining_pa, 2);
     match d.verdict {
         Verdict::Adequate => format!(
-            "**Adequate.** The paper's chamber model{} describes these records. Its systematic misfit of {remaining} is noise, or below the accuracy of {}.",
+            "**Adequate.** The paper's chamber model{} describes these records. {} is noise, or below the accuracy of {}.",
             if d.terms().is_empty() { String::new() } else { format!(", with {},", spaced(d.terms())) },
+            if d.remaining_pa > 0.0 {
+                format!("Its systematic misfit of {}", pressure(d.remaining_pa, 2))
+            } else {
+                "What it leaves".to_owned()
+            },
             pressure(d.accuracy_pa, 2)
         ),
         Verdict::Explained => format!(
@@ -99,20 +103,23 @@ fn verdict_text(d: &Diagnosis) -> String {
         ),
         Verdict::Improved if d.has_curve() => format!(
             "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out experiments decisively better. \
-             The curve describes the records and names no cause; a systematic misfit of {remaining} rms remains.",
+             The curve describes the records and names no cause; {}.",
             effect_names(d.effects_of_model()),
-            documented(d.effects_of_model())
+            documented(d.effects_of_model()),
+            d.remainder
         ),
         Verdict::Improved => format!(
-            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better. \
-             A systematic misfit of {remaining} rms remains: the model describes the records, and its effects need not be the cause.",
+            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better, \
+             but {}: the model describes the records, and its effects need not be the cause.",
             effect_names(d.effects_of_model()),
-            documented(d.effects_of_model())
+            documented(d.effects_of_model()),
+            d.remainder
         ),
         Verdict::Unexplained => format!(
-            "**Unexplained.** The paper's chamber model does not describe these records, and no known effect predicts left-out records decisively better. \
-             A systematic misfit of {remaining} rms remains; the evidence points to the {} balance. No effect is added to the model.",
-            d.balance
+            "**Unexplained.** The paper's chamber model does not describe these records, and no known effect predicts left-out records decisively better: \
+             {}, and {}. No effect is added to the model.",
+            d.remainder,
+            d.pointed_at()
         ),
     }
 }
@@ -172,20 +179,25 @@ fn recording(d: &Diagnosis) -> Section {
     let mut section = Section::new("The recording");
     let n = &d.noise;
     let mut parts = vec![format!("white noise of {}", pressure(n.white_pa, 3))];
-    if n.coloured_pa > 0.0 {
-        parts.push(format!(
-            "coloured noise of {} with a correlation time of {}",
-            pressure(n.coloured_pa, 3),
-            Quantity::of("", "s", n.correlation_s).text(n.correlation_s, 2)
-        ));
+    let coloured = pressure(n.coloured_pa, 3);
+    let hum = n.hum_hz.map(|hz| digits(hz, 3));
+    match hum {
+        Some(hz) if n.correlation_s == 0.0 => parts.push(format!("a hum of {coloured} at {hz} Hz")),
+        _ if n.coloured_pa > 0.0 => {
+            let time = Quantity::of("", "s", n.correlation_s).text(n.correlation_s, 2);
+            parts.push(format!("coloured noise of {coloured} with a correlation time of {time}"));
+            parts.extend(hum.map(|hz| format!("in it a hum of {hz} Hz")));
+        }
+        _ => {}
     }
-    parts.extend(n.hum_hz.map(|hz| format!("a hum of {} Hz", digits(hz, 3))));
     if n.step_pa > 0.0 {
         parts.push(format!("steps of {} between readings", pressure(n.step_pa, 3)));
     }
     parts.extend(n.readout_hz.map(|hz| format!("a readout rate of {} Hz", digits(hz, 3))));
-    if n.outliers > 0 {
-        parts.push(format!("{} outliers, which are left out", n.outliers));
+    match n.outliers {
+        0 => (),
+        1 => parts.push("one outlier, which is left out".to_owned()),
+        count => parts.push(format!("{count} outliers, which are left out")),
     }
     section.text(format!("The pressure has {}.", parts.join(", ")));
     let cells = |r: &RecordFound| vec![file(&r.trace).to_owned(), digits(r.rmse_pa, 3)];

@@ -11,6 +11,7 @@ use super::readout::Between;
 use disturbed::stand_out;
 use records::fill_between;
 use slow::Slow;
+use std::ops::Range;
 
 /// Fewer readings show no stroke.
 const FEWEST_READINGS: usize = 12;
@@ -73,6 +74,18 @@ impl Positions {
             (Between::Nothing, _) | (_, [] | [_]) => 1,
             (_, [first, .., last]) => ((last - first) as f64 / (self.rows.len() - 1) as f64).round() as usize,
         }
+    }
+
+    /// Those among some rows of the record.
+    pub fn in_rows(&self, rows: &Range<usize>) -> &[usize] {
+        let [first, end] = [rows.start, rows.end].map(|of| self.rows.partition_point(|row| *row < of));
+        &self.rows[first..end]
+    }
+
+    /// Those of some rows of the record, counted from the first of these.
+    pub fn of_rows(&self, rows: &Range<usize>) -> Self {
+        let counted = |of: &[usize]| of.iter().filter(|row| rows.contains(row)).map(|row| row - rows.start).collect();
+        Self { rows: counted(&self.rows), outliers: counted(&self.outliers), between: self.between }
     }
 
     /// The positions of all rows, linear between readings.

@@ -1,0 +1,60 @@
+//! What remains of the residual beside a verdict, in a clause: its size where it has one, or why the verdict is no better than it is
+//! where the size says nothing.
+
+use crate::judge::adequacy::Adequacy;
+use crate::record::data::Data;
+use crate::search::Found;
+use report::digits;
+
+/// Of what was found, where `left` is what the model leaves that is reported.
+pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
+    if !left.is_adequate() {
+        return format!("a systematic misfit of {} Pa rms remains", digits(left.systematic_pa, 3));
+    }
+    if !left.is_noise {
+        return format!(
+            "what remains is smaller than the accuracy of {} Pa, but has a shape that noise has not",
+            digits(data.accuracy_pa(), 2)
+        );
+    }
+    if !found.carries_over {
+        return "on records left out whole it errs much more than on those it is fitted to".to_owned();
+    }
+    if found.follows_the_test {
+        return "what each record has for itself is another from test to test".to_owned();
+    }
+    match found.settled().fit.exhausted() {
+        Some(number) => format!("{} is next to the most that it can be", number.name()),
+        None => "what remains is noise".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn what_remains_is_told_by_its_size_where_it_has_one_and_else_by_what_is_wrong_with_the_model() {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.tests.truncate(2);
+        let prepared = Data::prepare(&recipe.rig()).unwrap();
+        let (data, mut found) = search::search(prepared, &|_, _| ()).unwrap();
+        let noise = found.chosen_adequacy.clone();
+        let left = |systematic_pa, is_noise, is_good_enough| Adequacy {
+            systematic_pa,
+            is_noise,
+            is_good_enough,
+            ..noise.clone()
+        };
+        assert_eq!(of(&data, &found, &left(123.4, false, false)), "a systematic misfit of 123 Pa rms remains");
+        assert!(of(&data, &found, &left(0.0, false, true)).contains("a shape that noise has not"));
+        assert_eq!(of(&data, &found, &left(0.0, true, true)), "what remains is noise");
+        found.carries_over = false;
+        assert!(of(&data, &found, &left(0.0, true, true)).contains("records left out whole"));
+        found.carries_over = true;
+        found.follows_the_test = true;
+        assert!(of(&data, &found, &left(0.0, true, true)).contains("from test to test"));
+    }
+}
