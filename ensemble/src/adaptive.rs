@@ -1,4 +1,5 @@
-//! Sealed tests by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of them.
+//! Tests with the port closed by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of
+//! them. Their holds go one way: what does not is left to a way that looks for places where a record turns round.
 
 use crate::Batch;
 use crate::advance::{LONGEST_OF_MOVE, Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
@@ -8,47 +9,62 @@ use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::Records;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
-use crate::sealed::{Ending, Held, Moving, Test};
+use crate::sealed::{ClosedTest, Ending, Holding};
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
 /// Working memory of a chunk, kept from one to the next.
-#[derive(Default)]
-pub struct Memory {
-    tests: Vec<Test>,
-    problems: Vec<Problem<1>>,
-    pushed: Vec<Pushed>,
-    log: Vec<Tried<1>>,
+pub struct Memory<const N: usize, T> {
+    tests: Vec<T>,
+    problems: Vec<Problem<N>>,
+    pushed: Vec<Pushed<N>>,
+    log: Vec<Tried<N>>,
     order: Vec<usize>,
-    knots: Vec<Knot>,
+    knots: Vec<Knot<N>>,
     records: Records,
+    /// Tests that were not solved in this way but may be in another, by their places in `rows`.
+    pub left: Vec<usize>,
+}
+
+impl<const N: usize, T> Default for Memory<N, T> {
+    fn default() -> Self {
+        Self {
+            tests: Vec::new(),
+            problems: Vec::new(),
+            pushed: Vec::new(),
+            log: Vec::new(),
+            order: Vec::new(),
+            knots: Vec::new(),
+            records: Records::default(),
+            left: Vec::new(),
+        }
+    }
 }
 
 /// How the push of a test has ended.
 #[derive(Clone, Copy)]
-struct Pushed {
-    /// Temperature, K.
-    temperature: f64,
+struct Pushed<const N: usize> {
+    state: [f64; N],
     /// Energy received as heat, and work, over m cv, K.
     energy: [f64; 2],
 }
 
-/// Ends of steps through the hold, one of each test: time in the hold, s, and temperature, K.
+/// Ends of steps through the hold, one of each test: time in the hold, s, and states.
 #[derive(Clone, Copy)]
-struct Knot {
+struct Knot<const N: usize> {
     time: Lanes,
-    temperature: Lanes,
+    state: [Lanes; N],
 }
 
-impl Knot {
-    const NONE: Self = Self { time: Lanes::ZERO, temperature: Lanes::ZERO };
+impl<const N: usize> Knot<N> {
+    const NONE: Self = Self { time: Lanes::ZERO, state: [Lanes::ZERO; N] };
 }
 
 /// Keeps every step, to look into some of them later.
-impl Watch<1> for Vec<Tried<1>> {
+impl<const N: usize> Watch<N> for Vec<Tried<N>> {
     #[inline(always)]
-    fn see(&mut self, tried: &Tried<1>) {
+    fn see(&mut self, tried: &Tried<N>) {
         self.push(*tried);
     }
     #[inline(always)]
@@ -57,28 +73,37 @@ impl Watch<1> for Vec<Tried<1>> {
     }
 }
 
-/// Runs tests that [`sealed`](crate::sealed) covers and whose numbers are checked; `durations` in s.
-pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Outcome]) {
+/// Runs tests whose numbers are checked; with durations in s.
+pub fn run<const N: usize, T: ClosedTest<N>>(
+    batch: Batch,
+    memory: &mut Memory<N, T>,
+    rows: &[(u32, f64)],
+    out: &mut [Outcome],
+) {
     let Batch { arch, scenarios, options } = batch;
-    let Memory { tests, problems, pushed, log, order, knots, records } = memory;
+    let Memory { tests, problems, pushed, log, order, knots, records, left } = memory;
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
     log.clear();
+    left.clear();
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
-        tests.push(Test::new(s));
-        let mut push = Problem::new(s.push_time_s, [s.initial_temperature_k.sqrt()], [0.0]);
+        tests.push(T::new(s));
+        let mut push = Problem::new(s.push_time_s, T::start(s), [0.0; N]);
         push.longest = LONGEST_OF_MOVE * push.length;
         problems.push(push);
     }
-    advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
+    advance(arch, &T::moving(tests), problems, relative, &mut Nobody);
     pushed.clear();
-    for (problem, (_, duration)) in problems.iter_mut().zip(rows) {
-        pushed.push(Pushed { temperature: problem.state[0] * problem.state[0], energy: problem.energy });
+    for ((problem, test), (_, duration)) in problems.iter_mut().zip(&*tests).zip(rows) {
+        if !test.goes_one_way(&problem.state) {
+            problem.failure = Some(Failure::StepTooSmall);
+        }
+        pushed.push(Pushed { state: problem.state, energy: problem.energy });
         (problem.length, problem.longest, problem.first) = (duration - problem.length, f64::INFINITY, 0.0);
     }
-    advance(arch, &Held::new(tests), problems, relative, log);
+    advance(arch, &T::held(tests), problems, relative, log);
 
     order.clear();
     order.extend(0..rows.len());
@@ -88,22 +113,23 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
     }
     for group in order.chunks(WIDTH) {
         let at = |lane: usize| group[lane.min(group.len() - 1)];
-        let begin = Lanes::from_fn(|lane| pushed[at(lane)].temperature);
+        let state: [Lanes; N] = core::array::from_fn(|i| Lanes::from_fn(|lane| pushed[at(lane)].state[i]));
+        let begin = state[0] * state[0];
         let end = Lanes::from_fn(|lane| problems[at(lane)].state[0]);
         let end = end * end;
         let steps: [Steps; WIDTH] = core::array::from_fn(|lane| problems[at(lane)].steps);
-        let mut system = Held::new(tests);
+        let mut system = T::held(tests);
         for lane in 0..WIDTH {
             system.load(lane, at(lane));
         }
         let settling = finish::settling(arch, &system, log, &steps, begin, end);
         let regression = options.fit.then(|| {
             knots.clear();
-            knots.push(Knot { time: Lanes::ZERO, temperature: begin });
+            knots.push(Knot { time: Lanes::ZERO, state });
             for (lane, steps) in steps.iter().enumerate() {
                 add_knots(knots, lane, log, *steps);
             }
-            let pressure = |lane: usize| tests[at(lane)].pressure_per_temperature();
+            let pressure = |lane: usize| tests[at(lane)].gas().pressure_per_temperature();
             let push = |lane: usize| scenarios[rows[at(lane)].0 as usize].push_time_s;
             let guess = arch.dispatch(Record {
                 system: &system,
@@ -115,8 +141,12 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
             records.fit(arch, guess)
         });
         for (lane, &index) in group.iter().enumerate() {
-            let ((row, duration), test, problem) = (rows[index], &tests[index], &problems[index]);
+            let ((row, duration), test, problem) = (rows[index], tests[index].gas(), &problems[index]);
             let end = end[lane];
+            if T::HAS_ANOTHER_WAY && problem.failure.is_some() {
+                left.push(index);
+                continue;
+            }
             out[row as usize] = match problem.failure {
                 Some(reason) => Outcome::failed(reason),
                 None => {
@@ -147,7 +177,7 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
 }
 
 /// Copies the ends of a problem's accepted steps into a lane, after the first knot.
-fn add_knots(knots: &mut Vec<Knot>, lane: usize, log: &[Tried<1>], steps: Steps) {
+fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Tried<N>], steps: Steps) {
     let column = steps.lane as usize;
     let mut index = 1;
     for step in &log[steps.from as usize..steps.to as usize] {
@@ -156,7 +186,9 @@ fn add_knots(knots: &mut Vec<Knot>, lane: usize, log: &[Tried<1>], steps: Steps)
                 knots.push(Knot::NONE);
             }
             knots[index].time[lane] = step.from[column] + step.length[column];
-            knots[index].temperature[lane] = step.end[0][column] * step.end[0][column];
+            for i in 0..N {
+                knots[index].state[i][lane] = step.end[i][column];
+            }
             index += 1;
         }
     }
@@ -164,16 +196,16 @@ fn add_knots(knots: &mut Vec<Knot>, lane: usize, log: &[Tried<1>], steps: Steps)
 
 /// The records through the hold, a part for each step. Its polynomial comes from the equation at its ends: as good as the
 /// integrator's own of degree 7, at a fraction of its stages. The answer is a guess of τ, s.
-struct Record<'a> {
-    system: &'a Held<'a>,
-    knots: &'a [Knot],
+struct Record<'a, const N: usize, H> {
+    system: &'a H,
+    knots: &'a [Knot<N>],
     /// Begin of the hold, s.
     begin: Lanes,
     pressure_per_temperature: Lanes,
     records: &'a mut Records,
 }
 
-impl WithSimd for Record<'_> {
+impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
     type Output = Lanes;
 
     #[inline(always)]
@@ -187,12 +219,13 @@ impl WithSimd for Record<'_> {
             let to = black_box(to);
             // A lane without further steps stays where it is.
             let time = black_box(to.time.where_positive(to.time, from.time));
-            let temperature = black_box(to.time.where_positive(to.temperature, from.temperature));
+            let state: [Lanes; N] =
+                black_box(core::array::from_fn(|i| to.time.where_positive(to.state[i], from.state[i])));
             let end = black_box(begin + time);
             let next = black_box(each_lane!(i => samples::after(end.0[i])));
             let length = black_box(time - from.time);
-            let before = black_box(system.series(from.temperature, length));
-            let after = black_box(system.series(temperature, length));
+            let before = black_box(system.series(&from.state, length));
+            let after = black_box(system.series(&state, length));
             let within = black_box(Hermite::new(before, after));
             let nodes = black_box(Samples { first, count: next - first }.nodes());
             let since = black_box(begin + from.time);
@@ -204,8 +237,8 @@ impl WithSimd for Record<'_> {
             }
             records.push(first, &nodes, &pressure);
             first = next;
-            from = Knot { time, temperature };
+            from = Knot { time, state };
         }
-        system.time_constant(black_box(knots[0].temperature))
+        system.time_constant(black_box(knots[0].state[0] * knots[0].state[0]))
     }
 }

@@ -5,16 +5,16 @@ use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::SETTLED;
 use crate::root::{Curve, root};
-use crate::sealed::Held;
+use crate::sealed::Holding;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Time from the begin of the hold until the temperature, which goes from `begin` to `end`, K, stays within 1 % of that
 /// distance of its end, s. `system` holds the tests' constants, `log` their steps at the places `steps`.
-pub fn settling(
+pub fn settling<const N: usize, H: Holding<N>>(
     arch: Arch,
-    system: &Held,
-    log: &[Tried<1>],
+    system: &H,
+    log: &[Tried<N>],
     steps: &[Steps; WIDTH],
     begin: Lanes,
     end: Lanes,
@@ -22,7 +22,7 @@ pub fn settling(
     let band = (begin - end).abs() * SETTLED;
     // The last accepted step that begins outside the band leads into it.
     let (mut time, mut length) = (Lanes::ZERO, Lanes::ZERO);
-    let mut ends = [Lanes::ONE; 2];
+    let mut ends = [[Lanes::ONE; N]; 2];
     for lane in 0..WIDTH {
         let Steps { from, to, lane: column } = steps[lane];
         let column = column as usize;
@@ -31,11 +31,13 @@ pub fn settling(
             index -= 1;
             let step = &log[index];
             // States are roots of temperatures.
-            let ends_of_step = [step.begin, step.end].map(|state| state[0][column] * state[0][column]);
-            if step.accepted[column] > 0.0 && (ends_of_step[0] - end[lane]).abs() > band[lane] {
+            let temperature = step.begin[0][column] * step.begin[0][column];
+            if step.accepted[column] > 0.0 && (temperature - end[lane]).abs() > band[lane] {
                 time[lane] = step.from[column];
                 length[lane] = step.length[column];
-                (ends[0][lane], ends[1][lane]) = (ends_of_step[0], ends_of_step[1]);
+                for i in 0..N {
+                    (ends[0][i][lane], ends[1][i][lane]) = (step.begin[i][column], step.end[i][column]);
+                }
                 break;
             }
         }
@@ -43,12 +45,12 @@ pub fn settling(
     time + length * arch.dispatch(Entry { system, length, ends, end, band })
 }
 
-/// Share of a step at which the temperature comes within a band around its end. `ends` are temperatures, K, at its begin
+/// Share of a step at which the temperature comes within a band around its end. `ends` are the states at the step's begin
 /// and at its end.
-struct Entry<'a> {
-    system: &'a Held<'a>,
+struct Entry<'a, const N: usize, H> {
+    system: &'a H,
     length: Lanes,
-    ends: [Lanes; 2],
+    ends: [[Lanes; N]; 2],
     end: Lanes,
     band: Lanes,
 }
@@ -67,13 +69,13 @@ impl Curve for Beyond {
     }
 }
 
-impl WithSimd for Entry<'_> {
+impl<const N: usize, H: Holding<N>> WithSimd for Entry<'_, N, H> {
     type Output = Lanes;
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Lanes {
         let Self { system, length, ends, end, band } = self;
-        let within = Hermite::new(system.series(ends[0], length), system.series(ends[1], length));
+        let within = Hermite::new(system.series(&ends[0], length), system.series(&ends[1], length));
         root(&Beyond { within, end, band }, Lanes::ZERO, Lanes::ONE)
     }
 }

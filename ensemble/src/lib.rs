@@ -8,6 +8,7 @@
 //! | sealed, without effects | the closed form (`exact_rows`), or where the integrator is asked for its one equation (`sealed`) |
 //! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
+//! | with a wall that warms only | its two equations (`walled`) |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
@@ -61,6 +62,7 @@ mod scenario;
 mod sealed;
 mod step;
 mod tableau;
+mod walled;
 
 pub use instructions::InstructionSet;
 pub use outcome::{Failure, Fit, Outcome};
@@ -90,7 +92,8 @@ pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut 
 #[derive(Default)]
 pub struct Kernel {
     instructions: InstructionSet,
-    adaptive: adaptive::Memory,
+    adaptive: adaptive::Memory<1, sealed::Test>,
+    walled: adaptive::Memory<2, walled::WalledTest>,
     course: course::Memory,
     closed: exact_rows::Memory,
     sorted: Sorted,
@@ -109,13 +112,29 @@ impl Kernel {
     /// Where the two slices differ in length.
     pub fn run(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
-        let Self { instructions: InstructionSet(arch), adaptive: memory, course: course_memory, closed, sorted } = self;
+        let Self {
+            instructions: InstructionSet(arch),
+            adaptive: memory,
+            walled,
+            course: course_memory,
+            closed,
+            sorted,
+        } = self;
         let arch = *arch;
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
             let batch = Batch { arch, scenarios, options };
             sorted.fill(set, scenarios, options, out);
             if !sorted.sealed.is_empty() {
                 adaptive::run(batch, memory, &sorted.sealed, out);
+            }
+            if !sorted.walled.is_empty() {
+                adaptive::run(batch, walled, &sorted.walled, out);
+                for &place in &walled.left {
+                    let row = sorted.walled[place].0;
+                    if let Err(reason) = sorted.add(row, Kind::Tight, set, &scenarios[row as usize]) {
+                        out[row as usize] = Outcome::failed(reason);
+                    }
+                }
             }
             for (kind, rows) in sorted.closed.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
                 let ClosedKind { kept, shown } = ClosedKind::of(kind, set);
@@ -193,6 +212,8 @@ impl Kind {
 struct Sorted {
     /// Sealed tests to be integrated, and their durations, s.
     sealed: Vec<(u32, f64)>,
+    /// The same with a wall that warms.
+    walled: Vec<(u32, f64)>,
     /// Tests with closed forms, and their durations, s, by kind.
     closed: [Vec<(u32, f64)>; ClosedKind::COUNT],
     /// Others, by kind and area law: what lanes must have in common.
@@ -236,12 +257,13 @@ impl Sorted {
     /// Sorts a chunk; rows that cannot be solved are answered at once.
     fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         self.sealed.clear();
+        self.walled.clear();
         self.closed.iter_mut().for_each(Vec::clear);
         self.others.iter_mut().for_each(Planned::clear);
         let of_sensor = effects::of_sensor();
         for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
             let row = row as u32;
-            let swept = usize::from(s.chamber.geometry.area_law == AreaLaw::Swept);
+            let swept = s.chamber.geometry.area_law == AreaLaw::Swept;
             let sealed = s.mass_flow_in_kg_per_s == 0.0 && s.mass_flow_out_kg_per_s == 0.0 && s.profile.is_none();
             let active = s.chamber.active();
             let (shown, of_gas) = (active.intersection(of_sensor), on_the_gas(active));
@@ -257,10 +279,17 @@ impl Sorted {
             }
             let is_quick = options.solver == Solver::Exact || behind.is_none_or(|b| b.is_quick(s));
             if has_closed_form && is_quick && (!integrates || set.is_empty()) {
-                let kind = ClosedKind::number(!of_gas.is_empty(), swept == 1, behind);
+                let kind = ClosedKind::number(!of_gas.is_empty(), swept, behind);
                 let list = if integrates { &mut self.sealed } else { &mut self.closed[kind] };
                 match plan::check(set, active, s).and_then(|()| plan::times(s)) {
                     Ok((_, duration)) => list.push((row, duration)),
+                    Err(reason) => *out = Outcome::failed(reason),
+                }
+                continue;
+            }
+            if sealed && behind.is_none() && walled::is_one(of_gas, s) {
+                match plan::check(set, active, s).and_then(|()| plan::times(s)) {
+                    Ok((_, duration)) => self.walled.push((row, duration)),
                     Err(reason) => *out = Outcome::failed(reason),
                 }
                 continue;
@@ -277,10 +306,16 @@ impl Sorted {
             } else {
                 Kind::Tight
             };
-            if let Err(reason) = self.others[swept + 2 * kind as usize].add(row, set, active, s) {
+            if let Err(reason) = self.add(row, kind, set, s) {
                 *out = Outcome::failed(reason);
             }
         }
+    }
+
+    /// Adds a row to those of its kind that are neither sealed nor have closed forms.
+    fn add(&mut self, row: u32, kind: Kind, set: EffectSet, s: &Scenario) -> Result<(), Failure> {
+        let swept = usize::from(s.chamber.geometry.area_law == AreaLaw::Swept);
+        self.others[swept + 2 * kind as usize].add(row, set, s.chamber.active(), s)
     }
 }
 

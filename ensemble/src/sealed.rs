@@ -23,6 +23,41 @@ use crate::step::{LaneSystem, Moment, View};
 use chamber::exact::Closed;
 use chamber::real::Real;
 
+/// Tests with the port closed, of N states: the root of the temperature, and others.
+pub trait ClosedTest<const N: usize>: Sized {
+    /// Whether tests that this way does not solve are solved in another.
+    const HAS_ANOTHER_WAY: bool;
+    /// Tests, one a lane, while their pistons move.
+    type Moving<'a>: LaneSystem<N> + Loadable + Clone
+    where
+        Self: 'a;
+    /// The same while their pistons rest.
+    type Held<'a>: Holding<N> + Clone
+    where
+        Self: 'a;
+
+    /// From a checked scenario.
+    fn new(scenario: &Scenario) -> Self;
+    /// States at the begin of the push.
+    fn start(scenario: &Scenario) -> [f64; N];
+    /// The gas and its clock.
+    fn gas(&self) -> &Test;
+    /// Whether a hold from these states goes one way.
+    fn goes_one_way(&self, states: &[f64; N]) -> bool;
+    /// No test loaded yet.
+    fn moving(tests: &[Self]) -> Self::Moving<'_>;
+    /// No test loaded yet.
+    fn held(tests: &[Self]) -> Self::Held<'_>;
+}
+
+/// Holds, one a lane.
+pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
+    /// τ, s, of the paper's exponential near to a hold that begins at a temperature, K.
+    fn time_constant(&self, peak: Lanes) -> Lanes;
+    /// Taylor coefficients of the temperature, K, at some states, in powers of the time over `length`, s.
+    fn series(&self, state: &[Lanes; N], length: Lanes) -> [Lanes; 4];
+}
+
 /// One test, reduced to the numbers its equation needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Test {
@@ -36,10 +71,13 @@ pub struct Test {
     pub rate: f64,
 }
 
-impl Test {
-    /// From a checked scenario.
+impl ClosedTest<1> for Test {
+    const HAS_ANOTHER_WAY: bool = false;
+    type Moving<'a> = Moving<'a>;
+    type Held<'a> = Held<'a>;
+
     #[inline]
-    pub fn new(s: &Scenario) -> Self {
+    fn new(s: &Scenario) -> Self {
         let geometry = &s.chamber.geometry;
         let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
         let (pressure, start) = (s.initial_pressure_pa, s.initial_temperature_k);
@@ -52,6 +90,31 @@ impl Test {
         }
     }
 
+    #[inline]
+    fn start(s: &Scenario) -> [f64; 1] {
+        [s.initial_temperature_k.sqrt()]
+    }
+
+    #[inline]
+    fn gas(&self) -> &Test {
+        self
+    }
+
+    #[inline]
+    fn goes_one_way(&self, _: &[f64; 1]) -> bool {
+        true
+    }
+
+    fn moving(tests: &[Self]) -> Moving<'_> {
+        Moving { tests, ..Moving::NONE }
+    }
+
+    fn held(tests: &[Self]) -> Held<'_> {
+        Held { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO }
+    }
+}
+
+impl Test {
     /// P/T in the hold, Pa/K.
     #[inline]
     pub fn pressure_per_temperature(&self) -> f64 {
@@ -65,7 +128,7 @@ pub struct Ending<'a> {
     pub scenario: &'a Scenario,
     /// Length of the test, s.
     pub duration: f64,
-    /// Temperature of the wall, K.
+    /// Temperature that the wall has at last, K.
     pub wall: f64,
     /// Temperature at the end of the push, K: from there it goes one way.
     pub pushed: f64,
@@ -108,30 +171,46 @@ impl Ending<'_> {
 #[derive(Clone)]
 pub struct Moving<'a> {
     tests: &'a [Test],
-    clock: Clock<Lanes>,
+    /// Their clocks.
+    pub clock: Clock<Lanes>,
     /// c a1 p and c a0 p.
     exchange: [Lanes; 2],
     expansion_rate: Lanes,
     wall: Lanes,
 }
 
-impl<'a> Moving<'a> {
-    /// For these tests, none loaded yet.
-    pub fn new(tests: &'a [Test]) -> Self {
-        let zero = Lanes::ZERO;
-        Self { tests, clock: Clock::NONE, exchange: [zero; 2], expansion_rate: zero, wall: zero }
-    }
-}
-
 impl Loadable for Moving<'_> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
+        self.load_test(lane, &self.tests[index]);
+    }
+}
+
+impl Moving<'_> {
+    /// For tests that are loaded as they come.
+    pub const NONE: Moving<'static> = Moving {
+        tests: &[],
+        clock: Clock::NONE,
+        exchange: [Lanes::ZERO; 2],
+        expansion_rate: Lanes::ZERO,
+        wall: Lanes::ZERO,
+    };
+
+    /// Puts the constants of a test into a lane.
+    #[inline(always)]
+    pub fn load_test(&mut self, lane: usize, test: &Test) {
         self.clock.load(lane, &test.clock);
         self.exchange[0][lane] = test.closed.exchange[0] * test.clock.pace_factor;
         self.exchange[1][lane] = test.closed.exchange[1] * test.clock.pace_factor;
         self.expansion_rate[lane] = 4.0 * test.closed.expansion * test.clock.root_rate;
         self.wall[lane] = test.closed.ambient_temperature;
+    }
+
+    /// Heat and work over m cv T, per unit of the clock, at w and w², where the wall is so much warmer than the gas.
+    #[inline(always)]
+    pub fn heat_and_work(&self, [root, square]: [Lanes; 2], warmer: Lanes) -> [Lanes; 2] {
+        let exchange = (self.exchange[0] * (square * square) + self.exchange[1]) * root;
+        [exchange * warmer, self.expansion_rate / root]
     }
 }
 
@@ -143,9 +222,8 @@ impl LaneSystem<1> for Moving<'_> {
     fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> Moment<1> {
         let root = self.clock.root(t);
         let square = root * root;
-        let exchange = (self.exchange[0] * (square * square) + self.exchange[1]) * root;
         let temperature = y[0] * y[0];
-        let (heat, work) = (exchange * (self.wall - temperature), self.expansion_rate / root);
+        let [heat, work] = self.heat_and_work([root, square], self.wall - temperature);
         let slope = [y[0] * 0.5 * (heat - work)];
         Moment { slope, view: View::NONE, power: [temperature * heat, temperature * work] }
     }
@@ -159,21 +237,15 @@ pub struct Held<'a> {
     wall: Lanes,
 }
 
-impl<'a> Held<'a> {
-    /// For these tests, none loaded yet.
-    pub fn new(tests: &'a [Test]) -> Self {
-        Self { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO }
-    }
-
-    /// τ, s, of the paper's exponential near to a hold that begins at a temperature, K.
+impl Holding<1> for Held<'_> {
     #[inline(always)]
-    pub fn time_constant(&self, peak: Lanes) -> Lanes {
+    fn time_constant(&self, peak: Lanes) -> Lanes {
         fit::time_constant(self.exchange * self.wall, Lanes::ONE - self.wall / peak)
     }
 
-    /// Taylor coefficients at a temperature, K, in powers of the time over `length`, s.
     #[inline(always)]
-    pub fn series(&self, temperature: Lanes, length: Lanes) -> [Lanes; 4] {
+    fn series(&self, state: &[Lanes; 1], length: Lanes) -> [Lanes; 4] {
+        let temperature = state[0] * state[0];
         let exchange = self.exchange * length;
         let first = temperature * (exchange * (self.wall - temperature));
         let bend = exchange * (self.wall - temperature * 2.0);

@@ -244,3 +244,27 @@ pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
     }
     ([conduction, column, warm, surface, lag, delay].into_iter().collect(), rows)
 }
+
+/// Tight rows in front of a wall that warms, of any capacity and cooling that make a difference, from gases much colder or
+/// warmer than the wall: a third of the holds turn round.
+pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let wall = effects::find("wall_heating").unwrap().0;
+    let mut r = Numbers(91);
+    let mut rows = sealed(count);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let values = s.chamber.effects.of_mut(wall);
+        values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 1e4) };
+        values[1] = if k % 5 == 4 { 0.0 } else { r.log_between(1e-3, 10.0) };
+        if k % 3 == 0 || k % 17 == 0 {
+            s.initial_temperature_k = r.between(200.0, 400.0);
+        }
+        if k % 17 == 0 {
+            s.final_position_m = s.initial_position_m;
+        }
+        if k % 19 == 0 {
+            s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
+        }
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 100.0));
+    }
+    (EffectSet::one(wall), rows)
+}

@@ -1,8 +1,8 @@
 //! A row is its own: its neighbours, its place and the instruction set change nothing but, for the last, rounding.
 
 use crate::common::{
-    assert_independent, assert_same, kept, relaxing, remembering, results, sealed, varied, with_a_curve_of_the_reading,
-    with_instructions,
+    assert_independent, assert_same, kept, relaxing, remembering, results, sealed, varied, walled,
+    with_a_curve_of_the_reading, with_instructions,
 };
 use crate::numbers::Numbers;
 use chamber::{EffectSet, effects};
@@ -10,7 +10,7 @@ use ensemble::{InstructionSet, Options, Solver};
 
 #[test]
 fn a_row_does_not_depend_on_its_neighbours() {
-    let (relaxing, remembering) = (relaxing(300), remembering(300));
+    let (relaxing, remembering, walled) = (relaxing(300), remembering(300), walled(700));
     let (kept, curved) = (kept(300), with_a_curve_of_the_reading(100));
     let (lag, _) = effects::find("sensor_lag").unwrap();
     let (mut r, mut lagging) = (Numbers(5), kept.1.clone());
@@ -24,6 +24,7 @@ fn a_row_does_not_depend_on_its_neighbours() {
         (EffectSet::ALL, varied(100, None), Solver::Auto),
         (relaxing.0, relaxing.1, Solver::Auto),
         (remembering.0, remembering.1, Solver::Auto),
+        (walled.0, walled.1, Solver::Auto),
         (kept.0.union(EffectSet::one(lag)), lagging, Solver::Auto),
         (kept.0, kept.1, Solver::Auto),
         (curved.0, curved.1, Solver::Auto),
@@ -37,8 +38,10 @@ fn a_row_does_not_depend_on_its_neighbours() {
 
 #[test]
 fn every_instruction_set_gives_the_same_but_for_the_last_digits() {
+    let walled = walled(64);
     for (set, rows, solver) in [
         (EffectSet::NONE, sealed(64), Solver::Adaptive),
+        (walled.0, walled.1, Solver::Auto),
         (EffectSet::NONE, sealed(64), Solver::Auto),
         (EffectSet::one(0), varied(32, Some(0)), Solver::Auto),
         (EffectSet::ALL, varied(32, None), Solver::Auto),

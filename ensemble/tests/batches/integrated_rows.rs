@@ -1,6 +1,6 @@
 //! Rows that only the integrator solves: against the plain one.
 
-use crate::common::{assert_close, assert_same, reference, results, sealed, varied};
+use crate::common::{assert_close, assert_same, reference, results, sealed, varied, walled};
 use crate::numbers::Numbers;
 use chamber::{EffectSet, effects};
 use ensemble::{Hold, Options, plain};
@@ -21,6 +21,22 @@ fn all_effects_together_agree_with_the_plain_integrator() {
     let rows = varied(24, None);
     for (k, (s, o)) in rows.iter().zip(results(EffectSet::ALL, &rows, &Options::default())).enumerate() {
         assert_same(&o, &reference(EffectSet::ALL, s), 1e-7, &format!("row {k}"));
+    }
+}
+
+#[test]
+fn a_wall_that_warms_agrees_with_the_plain_integrator_whichever_way_the_hold_goes() {
+    let (set, rows) = walled(200);
+    for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
+        let expected = reference(set, s);
+        assert_same(&o, &expected, 1e-8, &format!("row {k}"));
+        assert!(o.energy_error < 1e-7, "row {k}: {}", o.energy_error);
+    }
+    let options = Options { relative_tolerance: 1e-8, fit: false, ..Options::default() };
+    for (k, (s, o)) in rows.iter().zip(results(set, &rows, &options)).enumerate() {
+        let expected = reference(set, s);
+        assert_close(o.pressure_peak_pa, expected.pressure_peak_pa, 1e-7, &format!("peak {k}"));
+        assert_close(o.pressure_final_pa, expected.pressure_final_pa, 1e-7, &format!("final {k}"));
     }
 }
 

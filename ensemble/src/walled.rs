@@ -1,0 +1,193 @@
+//! The paper's model with the port closed and a wall that the gas warms and the surroundings cool, in lanes: beside the
+//! temperature of the gas, as in [`crate::sealed`], that of the wall is a state. With the same clock,
+//!
+//! dT/ds = T (q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  dTw/ds = −r T q + g p w³ (Tamb − Tw)
+//! r = m cv/C_w,  g = G/C_w
+//!
+//! C_w  J/K  capacity of the wall that takes part; G  W/K  conductance from wall to surroundings. T in K, g in 1/s.
+//!
+//! While the piston rests T goes one way if, when it comes to rest, (T − Tw) (Tw − Tamb) is not negative: where T first met
+//! Tw, the wall would have to be on the other side of Tamb, from which neither the gas nor the surroundings push it there.
+
+use crate::advance::Loadable;
+use crate::fit;
+use crate::lanes::Lanes;
+use crate::scenario::Scenario;
+use crate::sealed::{self, ClosedTest, Holding, Test};
+use crate::step::{LaneSystem, Moment, View};
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
+
+/// The effect on the gas, of those that there are, that such tests have.
+pub const EFFECTS: EffectSet = EffectSet::from_bits(crate::bit(NAME));
+const NAME: &str = "wall_heating";
+
+/// One test.
+#[derive(Clone, Copy, Debug)]
+pub struct WalledTest {
+    gas: Test,
+    /// r.
+    share: f64,
+    /// g, 1/s.
+    cooling: f64,
+}
+
+/// C_w, J/K, and G, W/K.
+fn wall(scenario: &Scenario) -> [f64; 2] {
+    let place = const { crate::bit(NAME).trailing_zeros() as usize };
+    let parameters = scenario.chamber.effects.of(place);
+    [parameters[0], parameters[1]]
+}
+
+/// Whether there is a wall that warms.
+pub fn has_wall(scenario: &Scenario) -> bool {
+    wall(scenario)[0] > 0.0
+}
+
+impl ClosedTest<2> for WalledTest {
+    const HAS_ANOTHER_WAY: bool = true;
+    type Moving<'a> = Moving<'a>;
+    type Held<'a> = Held<'a>;
+
+    #[inline]
+    fn new(s: &Scenario) -> Self {
+        let (gas, [capacity, conductance]) = (Test::new(s), wall(s));
+        let capacity_of_gas = gas.closed.mass_gas_constant / gas.closed.expansion;
+        Self { gas, share: capacity_of_gas / capacity, cooling: conductance / capacity }
+    }
+
+    #[inline]
+    fn start(s: &Scenario) -> [f64; 2] {
+        [s.initial_temperature_k.sqrt(), s.ambient_temperature_k]
+    }
+
+    #[inline]
+    fn gas(&self) -> &Test {
+        &self.gas
+    }
+
+    #[inline]
+    fn goes_one_way(&self, &[root, wall]: &[f64; 2]) -> bool {
+        let (over_wall, over_ambient) = (root * root - wall, wall - self.gas.closed.ambient_temperature);
+        over_wall * over_ambient >= 0.0 && (over_wall != 0.0 || over_ambient == 0.0)
+    }
+
+    fn moving(tests: &[Self]) -> Moving<'_> {
+        let zero = Lanes::ZERO;
+        Moving { tests, gas: sealed::Moving::NONE, share: zero, cooling: zero, ambient: zero }
+    }
+
+    fn held(tests: &[Self]) -> Held<'_> {
+        let zero = Lanes::ZERO;
+        Held { tests, exchange: zero, share: zero, cooling: zero, ambient: zero }
+    }
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a> {
+    tests: &'a [WalledTest],
+    gas: sealed::Moving<'static>,
+    share: Lanes,
+    /// g p.
+    cooling: Lanes,
+    ambient: Lanes,
+}
+
+impl Loadable for Moving<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.share[lane] = test.share;
+        self.cooling[lane] = test.cooling * test.gas.clock.pace_factor;
+        self.ambient[lane] = test.gas.closed.ambient_temperature;
+    }
+}
+
+impl LaneSystem<2> for Moving<'_> {
+    const CHEAP: bool = true;
+    const ANYWHERE: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, t: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {
+        let root = self.gas.clock.root(t);
+        let square = root * root;
+        let temperature = state * state;
+        let [heat, work] = self.gas.heat_and_work([root, square], wall - temperature);
+        let power = [temperature * heat, temperature * work];
+        let warming = self.cooling * (square * root) * (self.ambient - wall) - self.share * power[0];
+        Moment { slope: [state * 0.5 * (heat - work), warming], view: View::NONE, power }
+    }
+}
+
+/// Tests, one a lane, while their pistons rest.
+#[derive(Clone)]
+pub struct Held<'a> {
+    tests: &'a [WalledTest],
+    exchange: Lanes,
+    share: Lanes,
+    cooling: Lanes,
+    ambient: Lanes,
+}
+
+impl Loadable for Held<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.exchange[lane] = test.gas.rate / test.gas.closed.ambient_temperature;
+        self.share[lane] = test.share;
+        self.cooling[lane] = test.cooling;
+        self.ambient[lane] = test.gas.closed.ambient_temperature;
+    }
+}
+
+impl LaneSystem<2> for Held<'_> {
+    const CHEAP: bool = true;
+    const ANYWHERE: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, _: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {
+        let temperature = state * state;
+        let heat = self.exchange * (wall - temperature);
+        let power = [temperature * heat, Lanes::ZERO];
+        let warming = self.cooling * (self.ambient - wall) - self.share * power[0];
+        Moment { slope: [state * 0.5 * heat, warming], view: View::NONE, power }
+    }
+}
+
+impl Holding<2> for Held<'_> {
+    #[inline(always)]
+    fn time_constant(&self, peak: Lanes) -> Lanes {
+        fit::time_constant(self.exchange * self.ambient, Lanes::ONE - self.ambient / peak)
+    }
+
+    /// By the equations' recursion: each coefficient follows from those of lower powers.
+    #[inline(always)]
+    fn series(&self, &[state, wall]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
+        let (exchange, cooling) = (self.exchange * length, self.cooling * length);
+        let (mut gas, mut wall) =
+            ([state * state, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO], [wall, Lanes::ZERO, Lanes::ZERO]);
+        let mut lost = cooling * (self.ambient - wall[0]);
+        for order in 0..3 {
+            let mut heat = Lanes::ZERO;
+            for part in 0..=order {
+                heat += gas[part] * (wall[order - part] - gas[order - part]);
+            }
+            let (heat, per_order) = (exchange * heat, 1.0 / (order + 1) as f64);
+            gas[order + 1] = heat * per_order;
+            if order < 2 {
+                wall[order + 1] = (lost - self.share * heat) * per_order;
+                lost = -cooling * wall[order + 1];
+            }
+        }
+        gas
+    }
+}
+
+/// Whether a row whose effects on the gas are `of_gas` is such a test.
+pub fn is_one(of_gas: EffectSet, scenario: &Scenario) -> bool {
+    of_gas == EFFECTS && has_wall(scenario)
+}
+
+const _: () = assert!(effects::CARDS[crate::bit(NAME).trailing_zeros() as usize].parameters.len() == 2);
