@@ -19,12 +19,12 @@ pub struct Memory<const N: usize, T> {
     tests: Vec<T>,
     problems: Vec<Problem<N>>,
     pushed: Vec<Pushed<N>>,
-    log: Vec<Tried<N>>,
+    log: Vec<Attempted<N>>,
     order: Vec<usize>,
     knots: Vec<Knot<N>>,
     records: Records,
-    /// Tests that were not solved in this way but may be in another, by their places in `rows`.
-    pub left: Vec<usize>,
+    /// Numbers of the tests that were not solved in this way but may be in another.
+    pub left: Vec<u32>,
 }
 
 impl<const N: usize, T> Default for Memory<N, T> {
@@ -61,11 +61,25 @@ impl<const N: usize> Knot<N> {
     const NONE: Self = Self { time: Lanes::ZERO, state: [Lanes::ZERO; N] };
 }
 
+/// An attempted step of all lanes: what is kept of it, as chunks of them are to stay in a cache.
+#[derive(Clone, Copy)]
+pub struct Attempted<const N: usize> {
+    /// Time at which the step begins, s from the stretch's begin.
+    pub from: Lanes,
+    /// Length of the step, s.
+    pub length: Lanes,
+    /// States at its begin and its end.
+    pub states: [[Lanes; N]; 2],
+    /// Positive where the step was accepted.
+    pub accepted: Lanes,
+}
+
 /// Keeps every step, to look into some of them later.
-impl<const N: usize> Watch<N> for Vec<Tried<N>> {
+impl<const N: usize> Watch<N> for Vec<Attempted<N>> {
     #[inline(always)]
     fn see(&mut self, tried: &Tried<N>) {
-        self.push(*tried);
+        let &Tried { from, length, begin, end, accepted, .. } = tried;
+        self.push(Attempted { from, length, states: [begin, end], accepted });
     }
     #[inline(always)]
     fn kept(&self) -> usize {
@@ -89,8 +103,10 @@ pub fn run<const N: usize, T: ClosedTest<N>>(
     left.clear();
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
-        tests.push(T::new(s));
+        let test = T::new(s);
         let mut push = Problem::new(s.push_time_s, T::start(s), [0.0; N]);
+        push.first = test.first_step() * push.length;
+        tests.push(test);
         push.longest = LONGEST_OF_MOVE * push.length;
         problems.push(push);
     }
@@ -144,7 +160,7 @@ pub fn run<const N: usize, T: ClosedTest<N>>(
             let ((row, duration), test, problem) = (rows[index], tests[index].gas(), &problems[index]);
             let end = end[lane];
             if T::HAS_ANOTHER_WAY && problem.failure.is_some() {
-                left.push(index);
+                left.push(row);
                 continue;
             }
             out[row as usize] = match problem.failure {
@@ -177,7 +193,7 @@ pub fn run<const N: usize, T: ClosedTest<N>>(
 }
 
 /// Copies the ends of a problem's accepted steps into a lane, after the first knot.
-fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Tried<N>], steps: Steps) {
+fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Attempted<N>], steps: Steps) {
     let column = steps.lane as usize;
     let mut index = 1;
     for step in &log[steps.from as usize..steps.to as usize] {
@@ -187,7 +203,7 @@ fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Tried
             }
             knots[index].time[lane] = step.from[column] + step.length[column];
             for i in 0..N {
-                knots[index].state[i][lane] = step.end[i][column];
+                knots[index].state[i][lane] = step.states[1][i][column];
             }
             index += 1;
         }

@@ -30,6 +30,9 @@ pub const LONGEST: f64 = 0.26;
 /// Longest step, as a share of the stretch, where the piston moves: over a whole push both error estimates can vanish at
 /// once, and a step that errs by twenty times its tolerance passes. Longer steps are rejected so often that they gain nothing.
 pub const LONGEST_OF_MOVE: f64 = 0.34;
+/// First step of a test, as a share of the stretch, where there is no telling its length by the rates: by a clock that is bent, and
+/// before a wall that remembers, whose modes all start from rest.
+pub const FIRST_OF_BENT: f64 = 0.15;
 /// How many times the length of the last step a kink is foreseen at most.
 const FORESIGHT: f64 = 1.0;
 /// A step of this share of what is left goes to the end.

@@ -1,7 +1,7 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
-use crate::advance::{LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
+use crate::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
 use crate::conduction;
 use crate::filter::Sensor;
 use crate::fit;
@@ -25,9 +25,6 @@ use chamber::simulate::tolerance;
 const EMPTY: f64 = 0.01;
 /// Steps of all lanes that are kept at most, 768 bytes each; the fewest rows together keep as many as they need.
 const HISTORY: usize = 1 << 14;
-/// First step of a test, as a share of the stretch, where there is no telling its length by the rates: by a clock that is bent, and
-/// before a wall that remembers, whose modes all start from rest.
-const FIRST: f64 = 0.15;
 /// The fewest rows that are solved together.
 const FEWEST: usize = 16;
 /// Knots after which traces are read: they and what is made of them stay in a core's nearest cache.
@@ -250,7 +247,7 @@ impl<'a, const N: usize> Course<'a, N> {
         }
         let remembers = !self.plan.active.intersection(effects::REMEMBERING).is_empty();
         if index == 0 && (self.plan.starts_singular || remembers) {
-            problem.first = FIRST * stretch.length;
+            problem.first = FIRST_OF_BENT * stretch.length;
         }
         problem
     }

@@ -1,6 +1,7 @@
 //! When sealed tests settle, one a lane.
 
-use crate::advance::{Steps, Tried};
+use crate::adaptive::Attempted;
+use crate::advance::Steps;
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::SETTLED;
@@ -14,7 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 pub fn settling<const N: usize, H: Holding<N>>(
     arch: Arch,
     system: &H,
-    log: &[Tried<N>],
+    log: &[Attempted<N>],
     steps: &[Steps; WIDTH],
     begin: Lanes,
     end: Lanes,
@@ -31,12 +32,14 @@ pub fn settling<const N: usize, H: Holding<N>>(
             index -= 1;
             let step = &log[index];
             // States are roots of temperatures.
-            let temperature = step.begin[0][column] * step.begin[0][column];
+            let temperature = step.states[0][0][column] * step.states[0][0][column];
             if step.accepted[column] > 0.0 && (temperature - end[lane]).abs() > band[lane] {
                 time[lane] = step.from[column];
                 length[lane] = step.length[column];
-                for i in 0..N {
-                    (ends[0][i][lane], ends[1][i][lane]) = (step.begin[i][column], step.end[i][column]);
+                for side in 0..2 {
+                    for i in 0..N {
+                        ends[side][i][lane] = step.states[side][i][column];
+                    }
                 }
                 break;
             }

@@ -9,6 +9,7 @@
 //! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
 //! | with a wall that warms only | its two equations (`walled`) |
+//! | with natural convection only | the push by one equation (`convective`), the hold as below |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
@@ -27,6 +28,7 @@ mod advance;
 mod chambers;
 mod clock;
 mod conduction;
+mod convective;
 mod corner;
 mod course;
 mod elimination;
@@ -94,6 +96,8 @@ pub struct Kernel {
     instructions: InstructionSet,
     adaptive: adaptive::Memory<1, sealed::Test>,
     walled: adaptive::Memory<2, walled::WalledTest>,
+    convective: convective::Memory,
+    integrated: adaptive::Memory<1, convective::ConvectiveTest>,
     course: course::Memory,
     closed: exact_rows::Memory,
     sorted: Sorted,
@@ -116,6 +120,8 @@ impl Kernel {
             instructions: InstructionSet(arch),
             adaptive: memory,
             walled,
+            convective,
+            integrated,
             course: course_memory,
             closed,
             sorted,
@@ -129,12 +135,17 @@ impl Kernel {
             }
             if !sorted.walled.is_empty() {
                 adaptive::run(batch, walled, &sorted.walled, out);
-                for &place in &walled.left {
-                    let row = sorted.walled[place].0;
-                    if let Err(reason) = sorted.add(row, Kind::Tight, set, &scenarios[row as usize]) {
-                        out[row as usize] = Outcome::failed(reason);
-                    }
+            }
+            if !sorted.integrated.is_empty() {
+                adaptive::run(batch, integrated, &sorted.integrated, out);
+            }
+            for row in walled.left.drain(..).chain(integrated.left.drain(..)) {
+                if let Err(reason) = sorted.add(row, Kind::Tight, set, &scenarios[row as usize]) {
+                    out[row as usize] = Outcome::failed(reason);
                 }
+            }
+            for rows in sorted.convective.iter().filter(|rows| !rows.is_empty()) {
+                convective::run(batch, convective, rows, out);
             }
             for (kind, rows) in sorted.closed.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
                 let ClosedKind { kept, shown } = ClosedKind::of(kind, set);
@@ -214,6 +225,10 @@ struct Sorted {
     sealed: Vec<(u32, f64)>,
     /// The same with a wall that warms.
     walled: Vec<(u32, f64)>,
+    /// The same with natural convection, whose holds are integrated, too.
+    integrated: Vec<(u32, f64)>,
+    /// And whose holds are integrals, by area law.
+    convective: [Vec<(u32, f64)>; 2],
     /// Tests with closed forms, and their durations, s, by kind.
     closed: [Vec<(u32, f64)>; ClosedKind::COUNT],
     /// Others, by kind and area law: what lanes must have in common.
@@ -258,6 +273,8 @@ impl Sorted {
     fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         self.sealed.clear();
         self.walled.clear();
+        self.integrated.clear();
+        self.convective.iter_mut().for_each(Vec::clear);
         self.closed.iter_mut().for_each(Vec::clear);
         self.others.iter_mut().for_each(Planned::clear);
         let of_sensor = effects::of_sensor();
@@ -287,9 +304,16 @@ impl Sorted {
                 }
                 continue;
             }
-            if sealed && behind.is_none() && walled::is_one(of_gas, s) {
+            let alone = sealed && behind.is_none();
+            let own = match of_gas {
+                walled::EFFECTS if alone && walled::has_wall(s) => Some(&mut self.walled),
+                convective::EFFECTS if alone && integrates && convective::is_smooth(s) => Some(&mut self.integrated),
+                convective::EFFECTS if alone && !integrates => Some(&mut self.convective[usize::from(swept)]),
+                _ => None,
+            };
+            if let Some(list) = own {
                 match plan::check(set, active, s).and_then(|()| plan::times(s)) {
-                    Ok((_, duration)) => self.walled.push((row, duration)),
+                    Ok((_, duration)) => list.push((row, duration)),
                     Err(reason) => *out = Outcome::failed(reason),
                 }
                 continue;

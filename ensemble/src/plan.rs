@@ -155,7 +155,7 @@ pub struct Plan {
 const NEAR_EQUILIBRIUM_K: f64 = 1.0;
 
 /// Whether a scenario with these active effects starts where the law of its heat transfer is no power series.
-fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
+pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
     let Scenario { chamber, ambient_temperature_k, initial_temperature_k, .. } = scenario;
     let excess = || initial_temperature_k - effects::rest_temperature(&chamber.effects, *ambient_temperature_k);
     !active.intersection(effects::SINGULAR).is_empty() && excess().abs() < NEAR_EQUILIBRIUM_K

@@ -42,6 +42,10 @@ pub trait ClosedTest<const N: usize>: Sized {
     fn start(scenario: &Scenario) -> [f64; N];
     /// The gas and its clock.
     fn gas(&self) -> &Test;
+    /// Length of the push's first step, as a share of the push; zero where that is to be found out.
+    fn first_step(&self) -> f64 {
+        0.0
+    }
     /// Whether a hold from these states goes one way.
     fn goes_one_way(&self, states: &[f64; N]) -> bool;
     /// No test loaded yet.
@@ -176,7 +180,8 @@ pub struct Moving<'a> {
     /// c a1 p and c a0 p.
     exchange: [Lanes; 2],
     expansion_rate: Lanes,
-    wall: Lanes,
+    /// Temperatures of their walls, K.
+    pub wall: Lanes,
 }
 
 impl Loadable for Moving<'_> {

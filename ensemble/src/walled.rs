@@ -185,9 +185,4 @@ impl Holding<2> for Held<'_> {
     }
 }
 
-/// Whether a row whose effects on the gas are `of_gas` is such a test.
-pub fn is_one(of_gas: EffectSet, scenario: &Scenario) -> bool {
-    of_gas == EFFECTS && has_wall(scenario)
-}
-
 const _: () = assert!(effects::CARDS[crate::bit(NAME).trailing_zeros() as usize].parameters.len() == 2);

@@ -11,7 +11,7 @@ use crate::real::Real;
 /// The temperature difference at which λ0 is meant, K.
 pub const REFERENCE_DIFFERENCE_K: f64 = 20.0;
 /// Keeps the logarithm finite at Tw = T, K: below it the power is that of this difference.
-const SMALLEST_DIFFERENCE_K: f64 = 1e-12;
+pub const SMALLEST_DIFFERENCE_K: f64 = 1e-12;
 
 /// λ as a power of the temperature difference.
 pub struct NaturalConvection;

@@ -1,8 +1,8 @@
 //! Effects that keep a closed form, or whose hold is an integral: against the integrator and against exact solutions.
 
-use crate::common::{assert_close, assert_same, kept, relaxing, remembering, results, sealed};
+use crate::common::{assert_close, assert_same, convective, kept, relaxing, remembering, results, sealed};
 use chamber::effects;
-use ensemble::{Failure, Hold, Options, Solver};
+use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver};
 
 #[test]
 fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
@@ -18,8 +18,25 @@ fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_besid
 fn holds_that_are_integrals_over_the_temperature_agree_with_the_integrator() {
     let (set, rows) = relaxing(1024);
     let with = |solver| results(set, &rows, &Options { solver, relative_tolerance: 1e-12, ..Options::default() });
+    assert_holds_agree(&rows, with(Solver::Auto), with(Solver::Adaptive), 1e-10);
+}
+
+#[test]
+fn natural_convection_alone_agrees_with_the_general_equations() {
+    let (set, [rows, general]) = convective(1024);
+    let with = |rows: &[Scenario], solver| {
+        results(set, rows, &Options { solver, relative_tolerance: 1e-12, ..Options::default() })
+    };
+    let integrated = with(&general, Solver::Adaptive);
+    for solver in [Solver::Auto, Solver::Adaptive] {
+        // A step across the wall's temperature is blind to the corner there, each way to solve the row in its own manner.
+        assert_holds_agree(&rows, with(&rows, solver), integrated.clone(), 3e-8);
+    }
+}
+
+fn assert_holds_agree(rows: &[Scenario], all: Vec<Outcome>, integrated: Vec<Outcome>, tolerance: f64) {
     let mut given_up = 0;
-    for (k, (mut ours, mut integrated)) in with(Solver::Auto).into_iter().zip(with(Solver::Adaptive)).enumerate() {
+    for (k, (mut ours, mut integrated)) in all.into_iter().zip(integrated).enumerate() {
         if integrated.status == Err(Failure::TooManySteps) {
             assert!(ours.status.is_ok(), "row {k}");
             given_up += 1;
@@ -35,7 +52,7 @@ fn holds_that_are_integrals_over_the_temperature_agree_with_the_integrator() {
             (ours.fit, integrated.fit) = (None, None);
             (ours.settling_time_s, integrated.settling_time_s) = (None, None);
         }
-        assert_same(&ours, &integrated, 1e-10, &format!("row {k}"));
+        assert_same(&ours, &integrated, tolerance, &format!("row {k}"));
     }
     // At this tolerance rounding keeps the integrator from a gas that steep laws bring to rest.
     assert!(given_up < 10, "{given_up}");

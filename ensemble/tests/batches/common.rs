@@ -2,6 +2,7 @@
 
 use crate::numbers::Numbers;
 use chamber::card::ClosedForm;
+use chamber::effects::EffectValues;
 use chamber::effects::empirical::{Balance, Curve, Variable};
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
 use ensemble::{Failure, Hold, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
@@ -267,4 +268,19 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
         s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 100.0));
     }
     (EffectSet::one(wall), rows)
+}
+
+/// Rows of [`relaxing`] with natural convection only; and the same with a wall warmer by next to nothing, which the general
+/// equations solve.
+pub fn convective(count: usize) -> (EffectSet, [Vec<Scenario>; 2]) {
+    let [natural, warm] = ["natural_convection", "warm_wall"].map(|name| effects::find(name).unwrap().0);
+    let (_, mut rows) = relaxing(count);
+    let mut r = Numbers(17);
+    for s in &mut rows {
+        s.chamber.effects = EffectValues::NEUTRAL;
+        s.chamber.effects.of_mut(natural)[0] = r.between(-0.2, 1.5);
+    }
+    let mut general = rows.clone();
+    general.iter_mut().for_each(|s| s.chamber.effects.of_mut(warm)[0] = 1e-13);
+    ([natural, warm].into_iter().collect(), [rows, general])
 }
