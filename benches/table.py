@@ -89,6 +89,8 @@ CONTENDERS = [
     heyoka("hold with the logarithm of T − Tw", "natural convection", "NaturalTime", "natural_convection"),
     heyoka("hold with a power of T − Tw", "natural convection, transformed", "NaturalInverse", "natural_convection"),
     *with_effect("wall_heating"),
+    ours("wall heating, as it comes, rtol 5e-10", study="wall_heating", auto=True, tolerance=5e-10, passes=1),
+    ours("wall heating, full equations, rtol 5e-10", study="wall_heating", tolerance=5e-10, passes=1),
     heyoka("plain equations", "wall heating", "WallPlain", "wall_heating"),
     heyoka("root of the volume as independent variable", "wall heating, transformed", "WallRoot", "wall_heating"),
     *with_effect("gas_column"),
