@@ -2,10 +2,11 @@
 //! them. Their holds go one way: what does not is left to a way that looks for places where a record turns round.
 
 use crate::Batch;
-use crate::advance::{LONGEST_OF_MOVE, Loadable, Nobody, Problem, Steps, Tried, Watch, advance};
+use crate::advance::{LONGEST_OF_MOVE, Loadable, Nobody, Problem, Steps, advance};
 use crate::finish;
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::log::Attempted;
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::Records;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
@@ -59,32 +60,6 @@ struct Knot<const N: usize> {
 
 impl<const N: usize> Knot<N> {
     const NONE: Self = Self { time: Lanes::ZERO, state: [Lanes::ZERO; N] };
-}
-
-/// An attempted step of all lanes: what is kept of it, as chunks of them are to stay in a cache.
-#[derive(Clone, Copy)]
-pub struct Attempted<const N: usize> {
-    /// Time at which the step begins, s from the stretch's begin.
-    pub from: Lanes,
-    /// Length of the step, s.
-    pub length: Lanes,
-    /// States at its begin and its end.
-    pub states: [[Lanes; N]; 2],
-    /// Positive where the step was accepted.
-    pub accepted: Lanes,
-}
-
-/// Keeps every step, to look into some of them later.
-impl<const N: usize> Watch<N> for Vec<Attempted<N>> {
-    #[inline(always)]
-    fn see(&mut self, tried: &Tried<N>) {
-        let &Tried { from, length, begin, end, accepted, .. } = tried;
-        self.push(Attempted { from, length, states: [begin, end], accepted });
-    }
-    #[inline(always)]
-    fn kept(&self) -> usize {
-        self.len()
-    }
 }
 
 /// Runs tests whose numbers are checked; with durations in s.

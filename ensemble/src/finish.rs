@@ -1,9 +1,9 @@
 //! When sealed tests settle, one a lane.
 
-use crate::adaptive::Attempted;
 use crate::advance::Steps;
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH};
+use crate::log::Attempted;
 use crate::outcome::SETTLED;
 use crate::root::{Curve, root};
 use crate::sealed::Holding;

@@ -46,6 +46,7 @@ mod interpolant;
 mod kept;
 pub mod lanes;
 mod lanes_real;
+mod log;
 mod look;
 mod math;
 mod outcome;
