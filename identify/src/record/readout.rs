@@ -6,7 +6,6 @@
 //! as outliers are no data either, nor are those of a move that the position does not show.
 
 use crate::record::bends::{Bends, MOST_OF_USUAL};
-use records::fill_between;
 use std::ops::Range;
 
 /// How the rows between two readings came to be.
@@ -85,7 +84,7 @@ impl Readout {
                 .map(|rows| rows.readout(Rows::repeated, &|p| Self::stated(p, rows.row_s, hz)))
                 .collect();
         }
-        let shown: Vec<Self> = records.iter().map(|rows| rows.readout(Rows::joined, &Self::detect)).collect();
+        let shown: Vec<Self> = records.iter().map(|rows| rows.readout(Rows::with_holes, &Self::detect)).collect();
         let readings = |(r, rows): &(&Self, &Rows)| rows.pressure_pa.len() / r.period;
         let rates = shown.iter().zip(&records).filter(|(r, _)| r.period > 1);
         let Some(rate_hz) = rates.max_by_key(readings).and_then(|(r, rows)| r.rate_hz(rows.row_s)) else {
@@ -95,9 +94,8 @@ impl Readout {
             let is_short = rows.pressure_pa.len() as f64 * rate_hz * rows.row_s < FEWEST_READINGS as f64;
             match r.period {
                 1 if is_short => rows.readout(Rows::repeated, &|p| Self::stated(p, rows.row_s, rate_hz)),
-                1 => {
-                    rows.readout(Rows::joined, &|p| Self::on_lines(p, (1.0 / (rate_hz * rows.row_s)).round() as usize))
-                }
+                1 => rows
+                    .readout(Rows::with_holes, &|p| Self::on_lines(p, (1.0 / (rate_hz * rows.row_s)).round() as usize)),
                 _ => r,
             }
         };
@@ -209,10 +207,11 @@ impl Rows {
         all
     }
 
-    /// All rows, those that are missing on straight lines: they bend neither a line nor a reading that is held.
-    fn joined(&self) -> Vec<f64> {
-        let mut all = self.repeated();
-        fill_between(&self.places(), &mut all);
+    /// All rows, those that are missing as no number: where a reading is missing, its neighbours bend in its place.
+    fn with_holes(&self) -> Vec<f64> {
+        let places = self.places();
+        let mut all = vec![f64::NAN; places.last().map_or(0, |last| last + 1)];
+        places.into_iter().zip(&self.pressure_pa).for_each(|(place, p)| all[place] = *p);
         all
     }
 
@@ -225,7 +224,14 @@ impl Rows {
 
 /// Changes fall on every k-th row only, but for few, although nearly every reading differs from the one before it.
 fn held(pressure_pa: &[f64]) -> Option<Readout> {
-    let changes: Vec<usize> = (1..pressure_pa.len()).filter(|&i| pressure_pa[i] != pressure_pa[i - 1]).collect();
+    // A row that is missing shows no change.
+    let mut shown = f64::NAN;
+    let changes = pressure_pa.iter().enumerate().filter(|(_, p)| {
+        let changes = **p != shown && !p.is_nan() && !shown.is_nan();
+        shown = if p.is_nan() { shown } else { **p };
+        changes
+    });
+    let changes: Vec<usize> = changes.map(|(i, _)| i).collect();
     if 2 * changes.len() > pressure_pa.len() {
         return None;
     }
@@ -382,6 +388,22 @@ mod tests {
             both.iter().map(|r| (r.between, r.period, r.first)).collect::<Vec<_>>(),
             [(Between::Interpolated, 10, 0); 2]
         );
+    }
+
+    #[test]
+    fn an_interpolated_readout_is_found_though_readings_are_missing_in_a_push() {
+        let mut random = Random::new(13);
+        let pushed = |t: f64| 3e5 + 2e5 * (1.0 - ((t - 60.0) / 8.0).clamp(0.0, 1.0)) * f64::from(t > 50.0);
+        let slow: Vec<f64> = (0..160).map(|i| pushed(f64::from(i)) + 500.0 * random.normal()).collect();
+        let between = |i: usize| slow[i / 3] + (slow[i / 3 + 1] - slow[i / 3]) * (i % 3) as f64 / 3.0;
+        // Readings where the push begins, in it and where it ends, some more rows, and a gap.
+        let lost = |i: usize| [20, 153, 187, 192, 204, 271, 300].contains(&i) || (380..401).contains(&i);
+        let kept: Vec<usize> = (0..470).filter(|i| !lost(*i)).collect();
+        let (time_s, pressure_pa): (Vec<f64>, Vec<f64>) = kept.iter().map(|&i| (0.01 * i as f64, between(i))).unzip();
+        let [found] = &Readout::of_logger(&[(&time_s, &pressure_pa)], None)[..] else { unreachable!() };
+        assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 3, 0));
+        let is_right = |(row, i): (usize, &usize)| found.is_data(row) == i.is_multiple_of(3);
+        assert!(kept.iter().enumerate().all(is_right));
     }
 
     #[test]
