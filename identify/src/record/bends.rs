@@ -16,7 +16,7 @@ pub struct Bends {
 }
 
 impl Bends {
-    /// Of a column's rows.
+    /// Of a column's rows; one that is no number, and those beside it, show no bend.
     pub fn of(rows: &[f64]) -> Self {
         /// Bends below this are rounding of the arithmetic, Pa.
         const NOTHING: f64 = 1e-6;
