@@ -2,13 +2,8 @@
 
 use crate::record::line::Line;
 use crate::record::position_noise::position_noise;
-use crate::record::spline::extent;
+use crate::record::spline::{extent, mean};
 use crate::record::turn::is_turn;
-
-/// Mean of some values.
-pub fn mean(rows: &[f64]) -> f64 {
-    rows.iter().sum::<f64>() / rows.len() as f64
-}
 
 /// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one.
 ///

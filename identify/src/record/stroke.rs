@@ -6,11 +6,12 @@
 //! constant speed keeps its corners ([`crate::record::ramp`]). Position in m, time in s from the record's start.
 
 use crate::record::line::Line;
-use crate::record::moving::{mean, moving, narrow, ranges};
+use crate::record::moving::{moving, narrow, ranges};
 use crate::record::position_noise::position_noise;
 use crate::record::positions::Positions;
 use crate::record::ramp;
 use crate::record::smoothed::{self, Held};
+use crate::record::spline::mean;
 pub use crate::record::spline::{Spline, extent};
 use crate::record::{thinned, unfollowed};
 use std::cell::Cell;

@@ -5,8 +5,7 @@
 //! beside it as closely as the noise lets it. The corners of a stop do not lie on such a curve, nor does a stop that lasts. At an
 //! end of the record, where one move lies beside it, the stop's own rows have to show a way. Positions in m.
 
-use crate::record::moving::mean;
-use crate::record::spline::extent;
+use crate::record::spline::{extent, mean};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
