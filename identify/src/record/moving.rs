@@ -3,7 +3,7 @@
 use crate::record::line::Line;
 use crate::record::position_noise::position_noise;
 use crate::record::spline::{extent, mean};
-use crate::record::turn::is_turn;
+use crate::record::turn::{REACH, is_turn};
 
 /// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one.
 ///
@@ -39,7 +39,6 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
 
 /// Rows within reach of a change of position larger than `threshold`, and holds of fewer rows than `shortest_hold`.
 fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<bool> {
-    const REACH: usize = 3;
     let n = position_m.len();
     let mut moving: Vec<bool> = (0..n)
         .map(|i| {

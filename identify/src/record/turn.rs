@@ -2,7 +2,7 @@
 //! to row is lost in the noise, for many rows where they follow each other fast.
 //!
 //! It turns where one smooth curve, a polynomial of degree four, goes through the rows of the stop and half as many of each move
-//! beside it as closely as the noise lets it. The corners of a stop do not lie on such a curve, nor does a stop that lasts. At an
+//! beside it, besides those in which that may stand yet, as closely as the noise lets it. The corners of a stop do not lie on such a curve, nor does a stop that lasts. At an
 //! end of the record, where one move lies beside it, the stop's own rows have to show a way. Positions in m.
 
 use crate::record::spline::{extent, mean};
@@ -19,18 +19,22 @@ const DEVIATIONS: f64 = 4.0;
 /// Way of a turn at an end of the record, over the noise.
 const LEAST_WAY: f64 = 5.0;
 
+/// Rows on either side of one that tell whether that moves: so many of a move stand yet.
+pub const REACH: usize = 3;
+
 /// Whether the piston turns in a stop of these rows, where it and the moves beside it take the rows `around`.
 pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noise_m: f64) -> bool {
     let at_an_end = stop.start == around.start || stop.end == around.end;
     if at_an_end && way(&position_m[stop.clone()]) < LEAST_WAY * noise_m {
         return false;
     }
-    let beside = stop.len().div_ceil(2);
+    let beside = REACH + stop.len().div_ceil(2);
     let first = stop.start.saturating_sub(beside).max(around.start);
     let end = (stop.end + beside).min(around.end);
     let size = ((end - first) / PARTS).max(1);
     let means: Vec<f64> = position_m[first..end].chunks_exact(size).map(mean).collect();
-    if means.len() <= COEFFICIENTS {
+    // Through few readings goes a curve whatever the piston did.
+    if means.len() < 2 * COEFFICIENTS {
         return false;
     }
     let last = (means.len() - 1) as f64;
@@ -70,6 +74,13 @@ mod tests {
             let middle = n as usize / 2;
             assert!(is_turn(&sine, middle - half / 2..middle + half / 2, 0..n as usize, NOISE_M), "{n}");
         }
+    }
+
+    #[test]
+    fn a_piston_that_stops_for_few_readings_does_not_turn() {
+        // The moves' first and last rows, in which it stands, are theirs.
+        let readings = rows(21, |u| 0.05 + 0.02 * f64::from(u > 0.8) - 0.02 * f64::from(u < 0.2));
+        assert!(!is_turn(&readings, 8..13, 0..21, NOISE_M));
     }
 
     #[test]
