@@ -46,14 +46,6 @@ pub trait Store: Sync {
     /// It cannot be written; the earlier one is still there.
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()>;
 
-    /// Makes the contents of a whole file of [`Store::staging`] last, where they stay when it gets its name.
-    ///
-    /// # Errors
-    /// They cannot be written.
-    fn settle(&self, _file: &File) -> io::Result<()> {
-        Ok(())
-    }
-
     /// Makes a whole file of [`Store::staging`] last under its name; what stays in the staging folder may be removed.
     ///
     /// # Errors
@@ -172,10 +164,6 @@ impl Store for Local {
             records::Error::Write { source, .. } => source,
             other => io::Error::other(other.to_string()),
         })
-    }
-
-    fn settle(&self, file: &File) -> io::Result<()> {
-        file.sync_all()
     }
 
     /// A system whose folders cannot be synced needs no more than the file's own sync.

@@ -163,14 +163,6 @@ impl Ended {
         &self.digest
     }
 
-    /// Makes the contents last, as far as that goes before the file has its own name in a store. Waits for that.
-    ///
-    /// # Errors
-    /// They cannot be written.
-    pub fn settle(&self, store: &dyn Store) -> Result<(), Error> {
-        store.settle(&self.file).map_err(|source| Error::Write { path: self.path.clone(), source })
-    }
-
     /// Makes the file last under its own name in a store. Waits for that.
     ///
     /// # Errors

@@ -44,12 +44,6 @@ impl Point {
 
     /// Gives a chamber these numbers of its gas, heat transfer and effects; its geometry may have to be solved for.
     pub fn set_gas(&self, chamber: &mut Chamber) {
-        self.set_gas_without_effects(chamber);
-        chamber.effects.0.copy_from_slice(self.effects());
-    }
-
-    /// The same but for the effects, which are most of a chamber's numbers.
-    pub fn set_gas_without_effects(&self, chamber: &mut Chamber) {
         let get = |base| self.get(base);
         chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
         chamber.heat_transfer = HeatTransfer {
@@ -57,6 +51,7 @@ impl Point {
             reference_pressure: get(Base::ReferencePressure),
             reference_temperature: get(Base::ReferenceTemperature),
         };
+        chamber.effects.0.copy_from_slice(self.effects());
     }
 
     /// The value of a base quantity.

@@ -30,14 +30,12 @@ pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Status> {
     Ok(scenario)
 }
 
-/// A scenario that is none, to be set; with the effects of the study's rows but for those that vary.
+/// A scenario that is none, to be set.
 pub fn no_test(study: &Study) -> Scenario {
-    let mut chamber = study.model.chamber;
-    study.base.set_gas(&mut chamber);
-    Scenario::push(chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN))
+    Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN))
 }
 
-/// As [`scenario`], in place of [`no_test`] or another of the study's, which spares copies of it. What is left there is of no use
+/// As [`scenario`], in place of one that is there already, which spares copies of it. What is left there is of no use
 /// where the row ends without a test.
 ///
 /// # Errors
@@ -53,11 +51,7 @@ pub fn set_scenario(study: &Study, point: &Point, scenario: &mut Scenario) -> Re
 fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(), Failure> {
     let get = |base| point.get(base);
     let or_ambient = |value: f64| if value.is_nan() { get(Base::AmbientTemperature) } else { value };
-    if study.varies_effects() {
-        point.set_gas(&mut scenario.chamber);
-    } else {
-        point.set_gas_without_effects(&mut scenario.chamber);
-    }
+    point.set_gas(&mut scenario.chamber);
     scenario.chamber.geometry = geometry::of_point(point, study.model.chamber.geometry.area_law)?;
     scenario.initial_pressure_pa = get(Base::InitialPressure);
     [scenario.initial_position_m, scenario.final_position_m] = geometry::strokes(&scenario.chamber.geometry, point)?;

@@ -1,12 +1,10 @@
-//! Parts put in their places by threads of their own while the next ones are computed: a disk takes its time, and less of it
-//! for two parts at once than for one after the other.
+//! Parts put in their places by a thread of its own while the next ones are computed: a disk takes its time.
 
 use crate::error::Error;
 use crate::folder::Folder;
 use crate::folder::record::Record;
 use crate::part::new_file::Ended;
 use std::sync::mpsc::{SyncSender, sync_channel};
-use std::sync::{Mutex, PoisonError};
 
 /// A part that has all its contents, and what is to be known of it.
 pub struct Finished<'a> {
@@ -21,26 +19,16 @@ pub struct Finished<'a> {
 }
 
 impl Finished<'_> {
-    /// Makes the record last and at the same time the part's contents, then the part under its name: no part is ever there
-    /// without its record.
+    /// Makes the record last, then the part under its name: no part is ever there without its record.
     fn publish(self) -> Result<(), Error> {
-        let Self { folder, part, record, file } = &self;
-        std::thread::scope(|scope| {
-            let settled = file.as_ref().map(|file| scope.spawn(|| file.settle(folder.store())));
-            folder.write_record(*part, record)?;
-            settled.map_or(Ok(()), |thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-        })?;
-        let name = folder.part_file(*part);
-        let store = folder.store();
-        self.file.map_or(Ok(()), |file| file.publish(store, &name))
+        self.folder.write_record(self.part, &self.record)?;
+        let name = self.folder.part_file(self.part);
+        self.file.map_or(Ok(()), |file| file.publish(self.folder.store(), &name))
     }
 }
 
 /// Where parts go that have all their contents.
 pub struct Publisher<'a>(SyncSender<Finished<'a>>);
-
-/// Parts that are put in their places at the same time.
-const TOGETHER: usize = 2;
 
 /// Why no further file is to be made.
 pub enum Stop {
@@ -65,20 +53,13 @@ impl<'a> Publisher<'a> {
 
 /// Lets `make` make files, and returns when all of them are published or something went wrong.
 pub fn publishing<'a>(make: impl FnOnce(&Publisher<'a>) -> Result<(), Stop>) -> Result<(), Error> {
-    let (sender, files) = sync_channel::<Finished<'a>>(1);
-    // None after a failure: what is then sent is refused.
-    let files = Mutex::new(Some(files));
-    let lock = || files.lock().unwrap_or_else(PoisonError::into_inner);
-    let next = || lock().as_ref()?.recv().ok();
-    let publish = || {
-        let published = std::iter::from_fn(next).try_for_each(Finished::publish);
-        published.inspect_err(|_| *lock() = None)
-    };
     std::thread::scope(|scope| {
-        let publishers = [(); TOGETHER].map(|()| scope.spawn(publish));
-        let made = make(&Publisher(sender));
-        let published = publishers.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        published.into_iter().collect::<Result<(), Error>>()?;
+        let (sender, files) = sync_channel::<Finished<'a>>(1);
+        let published = scope.spawn(|| files.into_iter().try_for_each(Finished::publish));
+        let publisher = Publisher(sender);
+        let made = make(&publisher);
+        drop(publisher);
+        published.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         match made {
             Err(Stop::Failed(error)) => Err(error),
             Ok(()) | Err(Stop::Unpublished) => Ok(()),

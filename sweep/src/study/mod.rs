@@ -218,11 +218,6 @@ impl Study {
         }
     }
 
-    /// Whether rows differ in their effects.
-    pub fn varies_effects(&self) -> bool {
-        self.varied.iter().any(|varied| varied.quantity >= quantity::BASE)
-    }
-
     /// SHA-256 of the study and the program's version: rows belong together where this is the same.
     pub fn identity(&self) -> String {
         let text = format!("{} {}", env!("CARGO_PKG_VERSION"), self.json());
