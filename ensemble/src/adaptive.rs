@@ -2,7 +2,7 @@
 //! them. Their holds go one way: what does not is left to a way that looks for places where a record turns round.
 
 use crate::Batch;
-use crate::advance::{LONGEST_OF_MOVE, Loadable, Nobody, Problem, Steps, advance};
+use crate::advance::{Loadable, Nobody, Problem, Steps, advance};
 use crate::finish;
 use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH, each_lane};
@@ -79,11 +79,8 @@ pub fn run<const N: usize, T: ClosedTest<N>>(
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         let test = T::new(s);
-        let mut push = Problem::new(s.push_time_s, T::start(s), [0.0; N]);
-        push.first = test.first_step() * push.length;
+        problems.push(test.push(s));
         tests.push(test);
-        push.longest = LONGEST_OF_MOVE * push.length;
-        problems.push(push);
     }
     advance(arch, &T::moving(tests), problems, relative, &mut Nobody);
     pushed.clear();

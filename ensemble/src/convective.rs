@@ -7,8 +7,7 @@
 //! the integrator, of the same equation with w' = 0.
 
 use crate::Batch;
-use crate::advance::{FIRST_OF_BENT, LONGEST_OF_MOVE, Loadable, Nobody, Problem, advance};
-use crate::fit;
+use crate::advance::{FIRST_OF_BENT, Loadable, Nobody, Problem, advance};
 use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome};
 use crate::plan::starts_singular;
@@ -45,8 +44,7 @@ pub struct ConvectiveTest {
 
 /// n.
 fn exponent(scenario: &Scenario) -> f64 {
-    let place = const { crate::bit(NAME).trailing_zeros() as usize };
-    scenario.chamber.effects.of(place)[0]
+    scenario.chamber.effects.of(const { crate::place(NAME) })[0]
 }
 
 /// Whether the heat flow has a rate of change everywhere: with n below zero the gas comes to the wall's temperature at once.
@@ -93,7 +91,7 @@ impl ClosedTest<1> for ConvectiveTest {
     }
 
     fn held(tests: &[Self]) -> Held<'_> {
-        Held { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO, exponent: Lanes::ZERO }
+        Held { tests, gas: sealed::Held::NONE, exponent: Lanes::ZERO }
     }
 }
 
@@ -106,11 +104,10 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
     for &(row, _) in rows {
         let s = &scenarios[row as usize];
         let test = ConvectiveTest::new(s);
-        let mut push = Problem::new(s.push_time_s, ConvectiveTest::start(s), [0.0]);
-        if test.gas.clock.root_rate != 0.0 {
-            push.longest = LONGEST_OF_MOVE * push.length;
+        let mut push = test.push(s);
+        if test.gas.clock.root_rate == 0.0 {
+            push.longest = f64::INFINITY;
         }
-        push.first = test.first_step() * push.length;
         tests.push(test);
         problems.push(push);
     }
@@ -180,8 +177,7 @@ impl LaneSystem<1> for Moving<'_> {
 #[derive(Clone)]
 pub struct Held<'a> {
     tests: &'a [ConvectiveTest],
-    exchange: Lanes,
-    wall: Lanes,
+    gas: sealed::Held<'static>,
     exponent: Lanes,
 }
 
@@ -189,8 +185,7 @@ impl Loadable for Held<'_> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
         let test = &self.tests[index];
-        self.exchange[lane] = test.gas.rate / test.gas.closed.ambient_temperature;
-        self.wall[lane] = test.gas.closed.ambient_temperature;
+        self.gas.load_test(lane, &test.gas);
         self.exponent[lane] = test.exponent;
     }
 }
@@ -202,8 +197,8 @@ impl LaneSystem<1> for Held<'_> {
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
         let temperature = state * state;
-        let warmer = self.wall - temperature;
-        let heat = self.exchange * warmer * power(warmer, self.exponent);
+        let warmer = self.gas.wall - temperature;
+        let heat = self.gas.exchange * warmer * power(warmer, self.exponent);
         Moment { slope: [state * 0.5 * heat], view: View::NONE, power: [temperature * heat, Lanes::ZERO] }
     }
 }
@@ -211,15 +206,15 @@ impl LaneSystem<1> for Held<'_> {
 impl Holding<1> for Held<'_> {
     #[inline(always)]
     fn time_constant(&self, peak: Lanes) -> Lanes {
-        fit::time_constant(self.exchange * self.wall, Lanes::ONE - self.wall / peak)
+        self.gas.time_constant(peak)
     }
 
     /// By the equation's recursion; that of f = |d|^n is k d f_k = Σ (n j − (k − j)) d_j f_(k−j) over j from 1 to k.
     #[inline(always)]
     fn series(&self, &[state]: &[Lanes; 1], length: Lanes) -> [Lanes; 4] {
         let zero = Lanes::ZERO;
-        let (mut gas, exchange) = ([state * state, zero, zero, zero], self.exchange * length);
-        let mut warmer = [self.wall - gas[0], zero, zero];
+        let (mut gas, exchange) = ([state * state, zero, zero, zero], self.gas.exchange * length);
+        let mut warmer = [self.gas.wall - gas[0], zero, zero];
         let mut factor = [power(warmer[0], self.exponent), zero, zero];
         let least = Lanes::from(SMALLEST_DIFFERENCE_K);
         let per_warmer = (warmer[0].abs() - least).where_positive(warmer[0], least).recip();

@@ -346,6 +346,11 @@ impl Sorted {
 
 /// The bit of the effect of that name in [`EffectSet::bits`].
 const fn bit(name: &str) -> u32 {
+    1 << place(name)
+}
+
+/// The place of the effect of that name among all.
+const fn place(name: &str) -> usize {
     let mut index = 0;
     while index < effects::COUNT {
         let (a, b) = (effects::CARDS[index].name.as_bytes(), name.as_bytes());
@@ -356,7 +361,7 @@ const fn bit(name: &str) -> u32 {
             i += 1;
         }
         if same {
-            return 1 << index;
+            return index;
         }
         index += 1;
     }

@@ -11,7 +11,7 @@
 //! constant. The state is √T: in it the integrals of heat and work over a step are others than that of the state. T in K, V
 //! in m³, energies over m cv.
 
-use crate::advance::Loadable;
+use crate::advance::{LONGEST_OF_MOVE, Loadable, Problem};
 use crate::clock::Clock;
 use crate::fit;
 use crate::lanes::Lanes;
@@ -45,6 +45,14 @@ pub trait ClosedTest<const N: usize>: Sized {
     /// Length of the push's first step, as a share of the push; zero where that is to be found out.
     fn first_step(&self) -> f64 {
         0.0
+    }
+    /// The push of a scenario, to be integrated.
+    #[inline]
+    fn push(&self, scenario: &Scenario) -> Problem<N> {
+        let mut push = Problem::new(scenario.push_time_s, Self::start(scenario), [0.0; N]);
+        push.first = self.first_step() * push.length;
+        push.longest = LONGEST_OF_MOVE * push.length;
+        push
     }
     /// Whether a hold from these states goes one way.
     fn goes_one_way(&self, states: &[f64; N]) -> bool;
@@ -114,7 +122,7 @@ impl ClosedTest<1> for Test {
     }
 
     fn held(tests: &[Self]) -> Held<'_> {
-        Held { tests, exchange: Lanes::ZERO, wall: Lanes::ZERO }
+        Held { tests, ..Held::NONE }
     }
 }
 
@@ -238,8 +246,22 @@ impl LaneSystem<1> for Moving<'_> {
 #[derive(Clone)]
 pub struct Held<'a> {
     tests: &'a [Test],
-    exchange: Lanes,
-    wall: Lanes,
+    /// c Aq/√V, 1/(K s).
+    pub exchange: Lanes,
+    /// Temperatures of their walls, K.
+    pub wall: Lanes,
+}
+
+impl Held<'_> {
+    /// For tests that are loaded as they come.
+    pub const NONE: Held<'static> = Held { tests: &[], exchange: Lanes::ZERO, wall: Lanes::ZERO };
+
+    /// Puts the constants of a test into a lane.
+    #[inline(always)]
+    pub fn load_test(&mut self, lane: usize, test: &Test) {
+        self.exchange[lane] = test.rate / test.closed.ambient_temperature;
+        self.wall[lane] = test.closed.ambient_temperature;
+    }
 }
 
 impl Holding<1> for Held<'_> {
@@ -263,9 +285,7 @@ impl Holding<1> for Held<'_> {
 impl Loadable for Held<'_> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.exchange[lane] = test.rate / test.closed.ambient_temperature;
-        self.wall[lane] = test.closed.ambient_temperature;
+        self.load_test(lane, &self.tests[index]);
     }
 }
 

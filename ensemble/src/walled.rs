@@ -10,7 +10,6 @@
 //! Tw, the wall would have to be on the other side of Tamb, from which neither the gas nor the surroundings push it there.
 
 use crate::advance::Loadable;
-use crate::fit;
 use crate::lanes::Lanes;
 use crate::scenario::Scenario;
 use crate::sealed::{self, ClosedTest, Holding, Test};
@@ -34,8 +33,7 @@ pub struct WalledTest {
 
 /// C_w, J/K, and G, W/K.
 fn wall(scenario: &Scenario) -> [f64; 2] {
-    let place = const { crate::bit(NAME).trailing_zeros() as usize };
-    let parameters = scenario.chamber.effects.of(place);
+    let parameters = scenario.chamber.effects.of(const { crate::place(NAME) });
     [parameters[0], parameters[1]]
 }
 
@@ -73,13 +71,11 @@ impl ClosedTest<2> for WalledTest {
     }
 
     fn moving(tests: &[Self]) -> Moving<'_> {
-        let zero = Lanes::ZERO;
-        Moving { tests, gas: sealed::Moving::NONE, share: zero, cooling: zero, ambient: zero }
+        Moving { tests, gas: sealed::Moving::NONE, share: Lanes::ZERO, cooling: Lanes::ZERO }
     }
 
     fn held(tests: &[Self]) -> Held<'_> {
-        let zero = Lanes::ZERO;
-        Held { tests, exchange: zero, share: zero, cooling: zero, ambient: zero }
+        Held { tests, gas: sealed::Held::NONE, share: Lanes::ZERO, cooling: Lanes::ZERO }
     }
 }
 
@@ -87,11 +83,11 @@ impl ClosedTest<2> for WalledTest {
 #[derive(Clone)]
 pub struct Moving<'a> {
     tests: &'a [WalledTest],
+    /// With the surroundings' temperature in the place of the wall's.
     gas: sealed::Moving<'static>,
     share: Lanes,
     /// g p.
     cooling: Lanes,
-    ambient: Lanes,
 }
 
 impl Loadable for Moving<'_> {
@@ -101,7 +97,6 @@ impl Loadable for Moving<'_> {
         self.gas.load_test(lane, &test.gas);
         self.share[lane] = test.share;
         self.cooling[lane] = test.cooling * test.gas.clock.pace_factor;
-        self.ambient[lane] = test.gas.closed.ambient_temperature;
     }
 }
 
@@ -116,7 +111,7 @@ impl LaneSystem<2> for Moving<'_> {
         let temperature = state * state;
         let [heat, work] = self.gas.heat_and_work([root, square], wall - temperature);
         let power = [temperature * heat, temperature * work];
-        let warming = self.cooling * (square * root) * (self.ambient - wall) - self.share * power[0];
+        let warming = self.cooling * (square * root) * (self.gas.wall - wall) - self.share * power[0];
         Moment { slope: [state * 0.5 * (heat - work), warming], view: View::NONE, power }
     }
 }
@@ -125,20 +120,19 @@ impl LaneSystem<2> for Moving<'_> {
 #[derive(Clone)]
 pub struct Held<'a> {
     tests: &'a [WalledTest],
-    exchange: Lanes,
+    /// With the surroundings' temperature in the place of the wall's.
+    gas: sealed::Held<'static>,
     share: Lanes,
     cooling: Lanes,
-    ambient: Lanes,
 }
 
 impl Loadable for Held<'_> {
     #[inline(always)]
     fn load(&mut self, lane: usize, index: usize) {
         let test = &self.tests[index];
-        self.exchange[lane] = test.gas.rate / test.gas.closed.ambient_temperature;
+        self.gas.load_test(lane, &test.gas);
         self.share[lane] = test.share;
         self.cooling[lane] = test.cooling;
-        self.ambient[lane] = test.gas.closed.ambient_temperature;
     }
 }
 
@@ -149,9 +143,9 @@ impl LaneSystem<2> for Held<'_> {
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {
         let temperature = state * state;
-        let heat = self.exchange * (wall - temperature);
+        let heat = self.gas.exchange * (wall - temperature);
         let power = [temperature * heat, Lanes::ZERO];
-        let warming = self.cooling * (self.ambient - wall) - self.share * power[0];
+        let warming = self.cooling * (self.gas.wall - wall) - self.share * power[0];
         Moment { slope: [state * 0.5 * heat, warming], view: View::NONE, power }
     }
 }
@@ -159,16 +153,16 @@ impl LaneSystem<2> for Held<'_> {
 impl Holding<2> for Held<'_> {
     #[inline(always)]
     fn time_constant(&self, peak: Lanes) -> Lanes {
-        fit::time_constant(self.exchange * self.ambient, Lanes::ONE - self.ambient / peak)
+        self.gas.time_constant(peak)
     }
 
     /// By the equations' recursion: each coefficient follows from those of lower powers.
     #[inline(always)]
     fn series(&self, &[state, wall]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
-        let (exchange, cooling) = (self.exchange * length, self.cooling * length);
+        let (exchange, cooling) = (self.gas.exchange * length, self.cooling * length);
         let (mut gas, mut wall) =
             ([state * state, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO], [wall, Lanes::ZERO, Lanes::ZERO]);
-        let mut lost = cooling * (self.ambient - wall[0]);
+        let mut lost = cooling * (self.gas.wall - wall[0]);
         for order in 0..3 {
             let mut heat = Lanes::ZERO;
             for part in 0..=order {
@@ -185,4 +179,4 @@ impl Holding<2> for Held<'_> {
     }
 }
 
-const _: () = assert!(effects::CARDS[crate::bit(NAME).trailing_zeros() as usize].parameters.len() == 2);
+const _: () = assert!(effects::CARDS[crate::place(NAME)].parameters.len() == 2);

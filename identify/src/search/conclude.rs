@@ -14,7 +14,7 @@ use crate::parameters::Model;
 use crate::policy;
 use crate::record::data::Data;
 use chamber::card::Balance;
-use chamber::effects::{CARDS, EffectSet};
+use chamber::effects::CARDS;
 use rayon::prelude::*;
 
 impl Search {
@@ -101,7 +101,7 @@ impl Search {
                 if model == Model::PAPER {
                     return Some(self.baseline.clone());
                 }
-                let plain = Model { secondary: EffectSet::NONE, ..model };
+                let plain = model.with_nothing_freed();
                 let freed = (model != plain).then(|| self.part_refitted(model)).flatten();
                 freed.into_iter().chain(self.part_refitted(plain)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
             })
@@ -194,7 +194,7 @@ mod tests {
     use super::*;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
-    use chamber::effects::find;
+    use chamber::effects::{EffectSet, find};
 
     #[test]
     fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {
