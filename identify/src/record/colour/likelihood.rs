@@ -4,12 +4,13 @@
 
 use super::windows::Window;
 use crate::fit::whiten::{Place, Whitener};
+use crate::policy::DECISIVE;
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Periods of a hum that the longest window has at least.
-const SHORTEST_HUM: f64 = 0.5;
+/// Distance of the frequencies that are looked at, in periods of the longest window.
+const FINENESS: f64 = 0.5;
 /// Most rounds of trials in which a size, a time or a frequency is moved on: far more than a search takes that comes to an end.
 const MOST_ROUNDS: usize = 100;
 /// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
@@ -42,6 +43,8 @@ pub struct Likelihood<'a> {
     pub windows: &'a [Window],
     /// Coefficients of the polynomial that each window is free of.
     pub free: usize,
+    /// Periods of a hum that the longest window has at least.
+    pub fewest_periods: f64,
     /// The white part is no smaller than this, Pa. Without an end the likelihood of windows without noise would rise for ever
     /// as the white part shrinks beside a coloured one.
     pub least_pa: f64,
@@ -85,10 +88,22 @@ impl Likelihood<'_> {
         (freedom * (free / variance + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
     }
 
-    /// White noise with the processes that pay: coloured ones of up to `longest_s`, flicker noise of up to `record_s`.
+    /// White noise, with hum where that is known, and with the processes that pay: coloured ones of up to `longest_s`, flicker noise
+    /// of up to `record_s`. Where the
+    /// windows do not tell coloured noise from flicker noise, which wanders over all of a record, it is taken for that: an effect
+    /// that is there can be found in more records, one that is not is believed.
     pub fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
         let white = self.scaled(start);
-        let coloured = self.better(self.coloured(white.clone(), longest_s), self.flickering(&white.1, record_s));
+        let coloured = self.coloured(white.clone(), longest_s);
+        let flickering = self.flickering(&white.1, record_s);
+        let coloured = if !coloured.1.colours.is_empty() && self.cost(&flickering) < self.cost(&coloured) + DECISIVE {
+            flickering
+        } else {
+            self.better(coloured, flickering)
+        };
+        if start.hum.is_some() {
+            return coloured.1;
+        }
         let mut best = coloured.clone();
         if let Some(humming) = self.humming(&coloured.1) {
             best = self.better(best, humming);
@@ -102,23 +117,25 @@ impl Likelihood<'_> {
 
     /// The better of two: each process beyond white noise has to pay for its two numbers, as does flicker noise.
     fn better(&self, a: (f64, Noise), b: (f64, Noise)) -> (f64, Noise) {
-        let price = |noise: &Noise| {
-            let two_numbers = 2.0 * (self.points() as f64).ln() + CHOSEN_AMONG_MANY;
-            let colours = if noise.flickers() { 1.0 } else { noise.colours.len() as f64 };
-            (colours + f64::from(u8::from(noise.hum.is_some()))) * two_numbers
-        };
-        if b.0 + price(&b.1) < a.0 + price(&a.1) { b } else { a }
+        if self.cost(&b) < self.cost(&a) { b } else { a }
+    }
+
+    /// −2 ln L of a noise and the price of its numbers.
+    fn cost(&self, (deviance, noise): &(f64, Noise)) -> f64 {
+        let two_numbers = 2.0 * (self.points() as f64).ln() + CHOSEN_AMONG_MANY;
+        let colours = if noise.flickers() { 1.0 } else { noise.colours.len() as f64 };
+        deviance + (colours + f64::from(u8::from(noise.hum.is_some()))) * two_numbers
     }
 
     /// With up to two coloured processes, as many as pay.
-    fn coloured(&self, noise: (f64, Noise), longest_s: f64) -> (f64, Noise) {
+    pub fn coloured(&self, noise: (f64, Noise), longest_s: f64) -> (f64, Noise) {
         let one = self.with_another_colour(&noise.1, longest_s);
         let best = self.better(noise, one.clone());
         if best.1 == one.1 { self.better(best, self.with_another_colour(&one.1, longest_s)) } else { best }
     }
 
     /// With the best flicker noise.
-    fn flickering(&self, white: &Noise, record_s: f64) -> (f64, Noise) {
+    pub fn flickering(&self, white: &Noise, record_s: f64) -> (f64, Noise) {
         const FACTOR: f64 = 3.0;
         /// A band narrower than this is a single process.
         const NARROWEST: f64 = 100.0;
@@ -183,7 +200,7 @@ impl Likelihood<'_> {
                 let Some(hum) = &mut trial.hum else { return best };
                 hum.frequency_hz += by_hz;
                 hum.sd_pa *= size;
-                if hum.frequency_hz * self.longest_s() < SHORTEST_HUM {
+                if hum.frequency_hz * self.longest_s() < self.fewest_periods {
                     continue;
                 }
                 let trial = self.scaled(&trial);
@@ -265,9 +282,11 @@ impl Likelihood<'_> {
             })
             .collect();
         let highest_hz = 0.5 / longest.distance_s;
-        let count = ((span_s * highest_hz / SHORTEST_HUM) as usize).min(600);
+        let count = ((span_s * highest_hz / FINENESS) as usize).min(600);
         let powers: Vec<(f64, f64)> = (1..count)
-            .map(|k| SHORTEST_HUM * k as f64 / span_s)
+            .map(|k| FINENESS * k as f64)
+            .filter(|periods| *periods >= self.fewest_periods)
+            .map(|periods| periods / span_s)
             .map(|f| (f, whitened.iter().map(|(h, values)| power(values, TAU * f * h)).sum::<f64>()))
             .collect();
         let mean = whitened.len() as f64;
@@ -325,7 +344,7 @@ pub fn scale_by(noise: &Noise, factor: f64) -> Noise {
 
 #[cfg(test)]
 mod tests {
-    use super::super::windows::ALONE;
+    const ALONE: usize = 120;
     use super::super::{FREE_ALONE, FREE_IN_CONTRAST};
     use super::*;
     use crate::synthetic::Random;
@@ -340,7 +359,7 @@ mod tests {
     fn white_noise_has_no_colour_and_no_line() {
         let mut random = Random::new(1);
         let windows = windows_of(|_| 80.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: 0, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         assert!((white.1.white_pa / 80.0 - 1.0).abs() < 0.03);
         assert!(likelihood.with_another_colour(&white.1, 6.0).0 > white.0 - 12.0);
@@ -359,7 +378,7 @@ mod tests {
             };
             state + 40.0 * random.normal()
         });
-        let likelihood = Likelihood { windows: &windows, free: 0, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let (deviance, found) = likelihood.with_another_colour(&white.1, 6.0);
         assert!(deviance < white.0 - 1000.0);
@@ -380,7 +399,7 @@ mod tests {
                 Window { values, distance_s: ROW_S, averaged: 1 }
             })
             .collect();
-        let likelihood = Likelihood { windows: &windows, free: FREE_IN_CONTRAST, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: FREE_IN_CONTRAST, fewest_periods: 0.5, least_pa: 0.0 };
         let coloured = likelihood.coloured(likelihood.scaled(&Noise::white(1.0)), 10.0);
         assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
         let found = likelihood.best(&Noise::white(1.0), 10.0, 10.0);
@@ -413,7 +432,7 @@ mod tests {
     fn short_windows_tell_how_flicker_noise_wanders_over_a_record() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let windows = coloured_windows(&times_s, 6);
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 0.0 };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert!(found.flickers(), "{found:?}");
         // 40 Pa in each half of a decade.
@@ -424,17 +443,34 @@ mod tests {
     #[test]
     fn noise_of_one_correlation_time_does_not_flicker() {
         let windows = coloured_windows(&[0.05; 8], 7);
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 0.0 };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert_eq!(found.colours.len(), 1, "{found:?}");
         assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.1, "{found:?}");
     }
 
     #[test]
+    fn of_two_accounts_that_few_windows_do_not_tell_apart_the_one_that_wanders_more_is_taken() {
+        let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
+        let mut coloured = 0;
+        for seed in 0..8 {
+            let windows: Vec<Window> = coloured_windows(&times_s, 100 + seed).into_iter().take(8).collect();
+            let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 2.0, least_pa: 0.0 };
+            let white = likelihood.scaled(&Noise::white(1.0));
+            let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
+            assert!(found.flickers(), "{seed}: {found:?}");
+            let [one, flicker] = [likelihood.coloured(white.clone(), 1.2), likelihood.flickering(&white.1, 60.0)];
+            coloured += usize::from(likelihood.cost(&one) < likelihood.cost(&flicker));
+        }
+        // By the likelihood alone some of them would have passed for noise of one time.
+        assert!(coloured > 0);
+    }
+
+    #[test]
     fn what_a_model_leaves_of_records_without_noise_is_no_colour_and_no_less_than_the_least_white() {
         // A decay of 1 Pa without any noise: the likelihood of a colour alone has no end.
         let windows = windows_of(|i| (-(i as f64) / 200.0).exp());
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 5.0 };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 5.0 };
         let found = likelihood.best(&Noise::white(5.0), likelihood.longest_s(), 60.0);
         assert_eq!(found, Noise::white(5.0));
     }
@@ -443,7 +479,7 @@ mod tests {
     fn hum_is_found_by_its_frequency() {
         let mut random = Random::new(3);
         let windows = windows_of(|i| 120.0 * (TAU * 1.3 * ROW_S * i as f64 + 0.4).sin() + 60.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");

@@ -2,11 +2,11 @@
 //!
 //! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
 //! they have in common (Helmert contrasts, each with the covariance of one record and free of its mean). Without repeats
-//! short windows in the late parts of rests and holds are used, free of a cubic each (restricted likelihood): what is slower
+//! windows in rests and in the later halves of holds are used, free of a cubic each (restricted likelihood): what is slower
 //! may be the gas. White noise alone, with one or with two Ornstein–Uhlenbeck processes, with flicker (1/f) noise, and with a
 //! line are compared by BIC; each by maximum likelihood, the innovations from a Kalman filter (`likelihood`). Flicker noise has
 //! two numbers, its size and its shortest time: it is a sum of equally large processes whose times are evenly spaced on a
-//! logarithmic scale up to the length of a record, so that short windows tell its wander over all of it. Sources: D. A.
+//! logarithmic scale up to the length of a record, so that windows tell its wander over all of it. Sources: D. A.
 //! Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood); M. S. Keshner, Proc. IEEE 70 (1982) 212 (1/f noise).
 
 mod likelihood;
@@ -26,8 +26,10 @@ const FREE_IN_CONTRAST: usize = 1;
 const MOST_POINTS: usize = 30_000;
 /// Fewest points that say anything about colour.
 const FEWEST_POINTS: usize = 120;
-/// Periods of a slow hum that the longest hold has at least: fewer may be the gas.
+/// Periods of a hum that the longest window has at least where there are no repeats: fewer may be the gas...
 const FEWEST_PERIODS: f64 = 2.0;
+/// ...and of a contrast, which is free of its mean.
+const FEWEST_PERIODS_IN_CONTRAST: f64 = 0.5;
 
 /// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
 /// change: step, what the rig states.
@@ -42,16 +44,15 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
         windows = windows.into_iter().step_by(2).collect();
     }
-    let free = if pure { FREE_IN_CONTRAST } else { FREE_ALONE };
-    let likelihood = Likelihood { windows: &windows, free, least_pa: data.least_noise_pa() };
+    let (free, fewest_periods) =
+        if pure { (FREE_IN_CONTRAST, FEWEST_PERIODS_IN_CONTRAST) } else { (FREE_ALONE, FEWEST_PERIODS) };
+    let likelihood = Likelihood { windows: &windows, free, fewest_periods, least_pa: data.least_noise_pa() };
     let white_pa = before.white_pa.max(before.rounding_pa());
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
     let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, record_s, ..before.clone() };
     let longest_s = if pure { record_s } else { likelihood.longest_s() };
-    let mut noise = likelihood.best(&start, longest_s, record_s);
-    if !pure && noise.hum.is_none() {
-        noise.hum = slow_hum(data, residuals, &start);
-    }
+    let hum = if pure { None } else { slow_hum(data, residuals, &start) };
+    let mut noise = likelihood.best(&Noise { hum, ..start }, longest_s, record_s);
     let rows = likelihood.points() as f64;
     noise.variance_error = (2.0 / (rows - 2.0).max(1.0)).sqrt();
     if let Some(stated) = noise.stated_pa.filter(|s| *s > 1.2 * noise.total_pa()) {
@@ -80,7 +81,9 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
         rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
     };
     let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
-    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, least_pa: data.least_noise_pa() };
+    let fewest_periods = FEWEST_PERIODS_IN_CONTRAST;
+    let likelihood =
+        Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, least_pa: data.least_noise_pa() };
     let longest_s = likelihood.longest_s();
     // A colour stands for what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);

@@ -7,8 +7,8 @@ use crate::record::stroke::Phase;
 const AFTER_MOVE: usize = 10;
 /// Longest window, points; longer ones are averaged down to it.
 const LONGEST: usize = 1500;
-/// Rows of a window where there are no repeats.
-pub const ALONE: usize = 120;
+/// Fewest rows of a window where there are no repeats.
+const SHORTEST_ALONE: usize = 40;
 
 /// Noise of a rig in one window, Pa, at equal distances.
 pub struct Window {
@@ -32,7 +32,11 @@ pub fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
     }
     for (t, residual) in data.traces.iter().zip(residuals) {
         for s in 0..t.course.motion.segments.len() {
-            for rows in quiet_rows(t, s, true).chunks_exact(ALONE) {
+            let rows = quiet_rows(t, s, true);
+            if rows.len() < SHORTEST_ALONE {
+                continue;
+            }
+            for rows in rows.chunks_exact(rows.len() / rows.len().div_ceil(LONGEST)) {
                 out.extend(window(t, rows.iter().map(|&i| residual[i]).collect()));
             }
         }
