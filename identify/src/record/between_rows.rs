@@ -12,7 +12,7 @@ use crate::record::stroke::{Motion, Phase};
 /// Share of a row's distance from the cubic through its neighbours that the curve through all rows may miss.
 const MISSED: f64 = 0.25;
 /// Variance that a position's noise gives that distance: weights 1, 4/6, 4/6, 1/6, 1/6.
-const OF_NOISE: f64 = 1.0 + (16.0 + 16.0 + 1.0 + 1.0) / 36.0;
+pub const OF_NOISE: f64 = 1.0 + (16.0 + 16.0 + 1.0 + 1.0) / 36.0;
 /// Rows of a move up to which the way between two of them matters.
 const FEW: usize = 20;
 /// Parts of a gap between two rows that a lag is followed through.
@@ -115,7 +115,7 @@ fn gaps((time, value): (&[f64], &[f64]), noise_m: f64) -> Vec<Gap> {
 }
 
 /// The cubic through four points.
-fn cubic(points: [(f64, f64); 4], at: f64) -> f64 {
+pub fn cubic(points: [(f64, f64); 4], at: f64) -> f64 {
     let weight = |i: usize| -> f64 {
         (0..4).filter(|&j| j != i).map(|j| (at - points[j].0) / (points[i].0 - points[j].0)).product()
     };

@@ -28,8 +28,8 @@ pub struct Block {
     pub range_pa: [f64; 2],
     /// How long the readings around it stay within that range, s.
     pub dwell_s: f64,
-    /// Standard deviation of the mean by the position's noise while the piston moves, and by what its moving average leaves
-    /// open, Pa.
+    /// Standard deviation of the mean by the position's noise while the piston moves, by what its moving average leaves open, and
+    /// by the times of the rows, Pa.
     pub by_position_pa: f64,
     /// The part of that by the positions' noise and by the stroke between their rows, Pa: all but what an average hides.
     pub by_rows_pa: f64,
@@ -53,18 +53,29 @@ impl Block {
     /// Variance of its mean by what the positions leave open, Pa². The model of the mean is that of two points, which have two
     /// positions' noise however many rows there are.
     pub fn variance_by_position(&self) -> f64 {
-        self.by_position_pa.powi(2) / self.positions()
+        self.by_position_pa.powi(2) / positions(self.rows)
     }
 
     /// The part of that by their noise and by the stroke between their rows.
     pub fn variance_by_rows(&self) -> f64 {
-        self.by_rows_pa.powi(2) / self.positions()
+        self.by_rows_pa.powi(2) / positions(self.rows)
     }
+}
 
-    /// Positions that the model of its mean is made of.
-    fn positions(&self) -> f64 {
-        (self.rows as f64).min(2.0)
-    }
+/// Standard deviation of the mean of rows whose times are open by so much, s, Pa: the pressure's rate times that.
+fn by_clock(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], open_s: &[f64]) -> f64 {
+    const BESIDE: usize = 2;
+    let off = |&row: &usize| {
+        let open_s = open_s.get(row)?;
+        let (from, to) = (row.saturating_sub(BESIDE), (row + BESIDE).min(time_s.len() - 1));
+        Some(open_s * (pressure_pa[to] - pressure_pa[from]) / (time_s[to] - time_s[from]))
+    };
+    rows.iter().filter_map(off).map(|off| off * off).sum::<f64>().sqrt() / rows.len() as f64
+}
+
+/// Positions that the model of the mean of so many rows is made of.
+fn positions(rows: usize) -> f64 {
+    (rows as f64).min(2.0)
 }
 
 /// The blocks of a record, in time order; `gamma` is the gas's heat capacity ratio.
@@ -122,8 +133,11 @@ pub fn blocks(
             let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
             let between_m = between_rows.error_m(t);
             let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_m);
-            let noise_sd_m = if moves { motion.noise_m } else { 0.0 };
+            // Of a stroke through few knots the noise is that of the mean of many rows, for all rows between two knots the same.
+            let in_stroke = positions(own.len()) / n.min(s.rows_in_stroke()).max(positions(own.len()));
+            let noise_sd_m = if moves { motion.noise_m * in_stroke.sqrt() } else { 0.0 };
             let by_metre_pa = gamma * per_metre * of_one_reading;
+            let by_clock_pa = by_clock(time_s, pressure_pa, own, &readout.open_s) * positions(own.len()).sqrt();
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
             let range_pa: [f64; 2] = extent(&values).into();
@@ -136,7 +150,7 @@ pub fn blocks(
                 mean_pa: p,
                 range_pa,
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
-                by_position_pa: by_metre_pa * hidden_m.hypot(noise_sd_m),
+                by_position_pa: (by_metre_pa * hidden_m.hypot(noise_sd_m)).hypot(by_clock_pa),
                 by_rows_pa: by_metre_pa * between_m.hypot(noise_sd_m),
                 by_rounding_pa: per_metre * rounding_m,
                 common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },

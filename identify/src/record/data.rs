@@ -151,6 +151,8 @@ pub struct Data {
     pub pressure_unit: Option<&'static Unit>,
     /// What speaks for another one.
     pub unit_doubt: Option<Doubt>,
+    /// Standard deviation of the times at which rows were read about their stamps, s, where that shows; the rows have their times.
+    pub clock_jitter_s: Option<f64>,
     /// Names of the experiments.
     pub experiments: Vec<String>,
     /// The traces, experiment by experiment.

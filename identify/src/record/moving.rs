@@ -12,11 +12,14 @@ use crate::record::turn::{REACH, is_turn};
 pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     /// No move is shorter, once it has its gentle begin and end.
     const FEWEST_ROWS: usize = 10;
-    /// A record is not looked at in fewer means.
-    const FEWEST_MEANS: usize = 2000;
+    /// A record is not looked at in fewer means, ...
+    const FEWEST_MEANS: usize = 500;
+    /// ...nor in fewer than these where no number of them shows its moves whole.
+    const FEWEST_IN_PIECES: usize = 2000;
     /// A held piston wanders by no more of the record's way.
     const MOST_OF_WAY: f64 = 0.02;
     let mut averaged = 1;
+    let mut in_pieces = Vec::new();
     loop {
         let means: Vec<f64> = position_m.chunks(averaged).map(mean).collect();
         let noise_m = position_noise(&means);
@@ -30,8 +33,15 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
             false => way_off_line(&means[first..end]) < MOST_OF_WAY * (high - low),
         };
         let is_whole = moving.contains(&true) && ranges(&moving).into_iter().all(whole);
-        if is_whole || means.len() < 2 * FEWEST_MEANS {
-            return moving.iter().flat_map(|moves| [*moves].repeat(averaged)).take(position_m.len()).collect();
+        let rows = moving.iter().flat_map(|moves| [*moves].repeat(averaged)).take(position_m.len()).collect();
+        if is_whole {
+            return rows;
+        }
+        if averaged == 1 || means.len() >= FEWEST_IN_PIECES {
+            in_pieces = rows;
+        }
+        if means.len() < 2 * FEWEST_MEANS {
+            return in_pieces;
         }
         averaged *= 2;
     }

@@ -47,6 +47,8 @@ pub struct Readout {
     pub unfollowed: Vec<Range<usize>>,
     /// Rows that are no data since others beside them were lost while the piston moved.
     pub at_gaps: Vec<Range<usize>>,
+    /// Standard deviation of the times of the rows, s, where they were read unevenly; else empty.
+    pub open_s: Vec<f64>,
 }
 
 /// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz...
@@ -71,6 +73,7 @@ impl Readout {
             outliers: Vec::new(),
             unfollowed: Vec::new(),
             at_gaps: Vec::new(),
+            open_s: Vec::new(),
         }
     }
 

@@ -4,8 +4,8 @@
 //! tends to its end), knots that lie closer only where the rows ask for it. The positions' noise no longer shakes the speed from row
 //! to row, and a simulation takes longer steps. Position in m, time in s.
 
+use crate::record::local_cubic::local_cubic;
 use crate::record::spline::Spline;
-use nalgebra::{Matrix4, Vector4};
 use std::cell::Cell;
 
 /// Rows of a move that is long.
@@ -19,15 +19,20 @@ pub fn through(time_s: &[f64], position_m: &[f64], ends: [Option<f64>; 2], noise
     let rows = Rows { time_s, position_m, ends, noise_m };
     let even = EVERY.into_iter().filter(|every| 8 * every < time_s.len()).find_map(|every| {
         let curve = rows.curve(&even_knots(time_s.len(), every));
-        (rows.squares(&curve, 0..time_s.len()) < within(every).powi(2) * time_s.len() as f64).then_some(curve)
+        (rows.squares(&curve, 0..time_s.len()) < within(every as f64).powi(2) * time_s.len() as f64).then_some(curve)
     });
     even.unwrap_or_else(|| rows.refined())
 }
 
 /// Root mean square of the rows' distances from the curve, over their noise, at the most: what is systematic in them stays near
 /// the curve's own error, which is smaller the more rows make a knot. The noise itself is known to a few per cent.
-fn within(every: usize) -> f64 {
-    (1.0 + 3.0 / every as f64).sqrt().clamp(1.02, 1.1)
+fn within(every: f64) -> f64 {
+    (1.0 + 3.0 / every).sqrt().clamp(1.02, 1.1)
+}
+
+/// Rows whose mean errs, by the positions' noise and what is systematic, as much as a curve with `every` so many rows to a knot.
+pub fn rows_in_mean(every: f64) -> f64 {
+    (within(every).powi(2) - 1.0 + 1.0 / every).recip().min(every)
 }
 
 /// Rows to put knots at: `every` so many in the middle, half the way to the next end of the move at most.
@@ -55,7 +60,10 @@ impl Rows<'_> {
                     (Some(before), Some(after)) => (i - knots[before]).min(after - i),
                     _ => 1,
                 };
-                (self.time_s[i], if reach > 1 { self.local_cubic(i, reach) } else { self.position_m[i] })
+                (
+                    self.time_s[i],
+                    if reach > 1 { local_cubic(self.time_s, self.position_m, i, reach)[0] } else { self.position_m[i] },
+                )
             })
             .unzip();
         Spline::through(t, x, self.ends)
@@ -86,27 +94,37 @@ impl Rows<'_> {
             knots.sort_unstable();
         }
     }
-
-    /// The value at a row of the cubic that fits the rows around it best.
-    fn local_cubic(&self, at: usize, reach: usize) -> f64 {
-        let rows = at - reach..at + reach + 1;
-        let (time_s, values) = (&self.time_s[rows.clone()], &self.position_m[rows]);
-        let scale = (time_s[time_s.len() - 1] - time_s[0]).max(f64::MIN_POSITIVE);
-        let (mut square, mut right) = (Matrix4::zeros(), Vector4::zeros());
-        for (t, v) in time_s.iter().zip(values) {
-            let u = 2.0 * (t - self.time_s[at]) / scale;
-            let row = Vector4::new(1.0, u, u * u, u * u * u);
-            square += row * row.transpose();
-            right += row * (v - values[0]);
-        }
-        square.cholesky().map_or(values[values.len() / 2], |c| values[0] + c.solve(&right)[0])
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::synthetic::Random;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_curve_errs_no_more_than_is_said_of_it_and_not_much_less() {
+        const NOISE_M: f64 = 1e-5;
+        let near = Cell::new(0);
+        for (rows, turns) in [(1000, 1.0), (3000, 3.0), (3000, 0.25)] {
+            let stroke = |u: f64| 0.05 + 0.02 * (TAU * turns * u).sin();
+            let (mut off, mut said) = (0.0, 0.0);
+            for seed in 0..10 {
+                let mut random = Random::new(seed);
+                let time: Vec<f64> = (0..rows).map(|i| f64::from(i) / f64::from(rows)).collect();
+                let position: Vec<f64> = time.iter().map(|t| stroke(*t) + NOISE_M * random.normal()).collect();
+                let curve = through(&time, &position, [None, None], NOISE_M);
+                let rows_in_mean = rows_in_mean(f64::from(rows) / curve.knots().0.len() as f64);
+                // The rows at the ends of a move are single ones.
+                for t in &time[50..time.len() - 50] {
+                    off += (curve.at(*t, &near).0 - stroke(*t)).powi(2);
+                    said += NOISE_M * NOISE_M / rows_in_mean;
+                }
+            }
+            let ratio = f64::sqrt(off / said);
+            assert!((0.2..1.0).contains(&ratio), "{rows} {turns}: {ratio}");
+        }
+    }
 
     #[test]
     fn a_long_noisy_move_is_followed_closer_than_its_rows_are_known() {

@@ -24,9 +24,13 @@ pub const REACH: usize = 3;
 
 /// Whether the piston turns in a stop of these rows, where it and the moves beside it take the rows `around`.
 pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noise_m: f64) -> bool {
-    let at_an_end = stop.start == around.start || stop.end == around.end;
-    if at_an_end && way(&position_m[stop.clone()]) < LEAST_WAY * noise_m {
-        return false;
+    let [at_begin, at_end] = [stop.start == around.start, stop.end == around.end];
+    if at_begin || at_end {
+        let without = |is_end: bool| if is_end { 0 } else { REACH };
+        let stands = stop.start + without(at_begin)..stop.end - without(at_end);
+        if stands.is_empty() || way(&position_m[stands]) < LEAST_WAY * noise_m {
+            return false;
+        }
     }
     let beside = REACH + stop.len().div_ceil(2);
     let first = stop.start.saturating_sub(beside).max(around.start);
@@ -73,6 +77,17 @@ mod tests {
             let sine = rows(n, |u| 0.05 - 0.02 * (2.0 * std::f64::consts::PI * u).cos());
             let middle = n as usize / 2;
             assert!(is_turn(&sine, middle - half / 2..middle + half / 2, 0..n as usize, NOISE_M), "{n}");
+        }
+    }
+
+    #[test]
+    fn a_short_rest_before_a_steady_move_is_no_turn() {
+        for seed in 0..40 {
+            let mut random = Random::new(seed);
+            let stroke: Vec<f64> =
+                (0..400).map(|i| 3e-5 * f64::from((i - 25).max(0)) + NOISE_M * random.normal()).collect();
+            // Its first two rows are not seen to move.
+            assert!(!is_turn(&stroke, 0..27, 0..400, NOISE_M), "{seed}");
         }
     }
 
