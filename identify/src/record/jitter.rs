@@ -75,13 +75,14 @@ impl Columns<'_> {
         for row in rows.iter().filter(|row| self.reaches(row.at, reach)) {
             let at = row.at;
             let [position, speed] = local_cubic(self.time_s, self.position_m, at, reach);
-            let by_noise = row.noise[0].powi(2) / OF_NOISE / (speed * speed);
-            let told = jitter_s * jitter_s / (jitter_s * jitter_s + by_noise);
-            let late = told * (self.position_m[at] - position) / speed;
-            let [before, after] = [at - 1, at + 1].map(|beside| (self.time_s[beside] - self.time_s[at]).abs());
-            times.time_s[at] += late.clamp(-FARTHEST * before, FARTHEST * after);
-            let open = 1.0 - told + told * told * (1.0 + by_noise / (jitter_s * jitter_s)) * in_cubic(reach);
-            times.open_s[at] *= open.min(1.0).sqrt();
+            let of_jitter = (speed * jitter_s).powi(2);
+            let told = of_jitter / (of_jitter + row.noise[0].powi(2) / OF_NOISE);
+            if told > 0.0 {
+                let late = told * (self.position_m[at] - position) / speed;
+                let [before, after] = [at - 1, at + 1].map(|beside| (self.time_s[beside] - self.time_s[at]).abs());
+                times.time_s[at] += late.clamp(-FARTHEST * before, FARTHEST * after);
+                times.open_s[at] *= (1.0 - told * (1.0 - in_cubic(reach))).sqrt();
+            }
         }
         times
     }
