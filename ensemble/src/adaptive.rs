@@ -90,7 +90,8 @@ pub fn run<const N: usize, T: OwnTest<N>>(
             problem.failure = Some(Failure::StepTooSmall);
         }
         pushed.push(Pushed { state: problem.state, energy: problem.energy });
-        (problem.length, problem.longest, problem.first) = (duration - problem.length, f64::INFINITY, 0.0);
+        let length = duration - problem.length;
+        (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);
     }
     advance(arch, &T::held(tests), problems, relative, log);
 
@@ -113,7 +114,8 @@ pub fn run<const N: usize, T: OwnTest<N>>(
         let turns = T::TURNS.then(|| {
             let expands = |lane: usize| scenarios[rows[at(lane)].0 as usize].expands();
             let sign = Lanes::from_fn(|lane| if expands(lane) { -1.0 } else { 1.0 });
-            turns::find::<N, T>(arch, &system, log, &steps, sign, [&state, &end_state])
+            let falls_on = core::array::from_fn(|lane| tests[at(lane)].falls_on(&problems[at(lane)].state));
+            turns::find::<N, T>(arch, &system, log, &steps, (sign, falls_on), [&state, &end_state])
         });
         let settling = finish::settling(arch, &system, log, &steps, turns.as_ref(), [begin, end]);
         let regression = options.fit.then(|| {
@@ -233,6 +235,6 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             first = next;
             from = Knot { time, state };
         }
-        system.time_constant(black_box(&knots[0].state))
+        system.time_constant([black_box(&knots[0].state), black_box(&from.state)])
     }
 }

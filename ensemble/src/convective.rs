@@ -205,8 +205,8 @@ impl LaneSystem<1> for Held<'_> {
 
 impl Holding<1> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, state: &[Lanes; 1]) -> Lanes {
-        self.gas.time_constant(state)
+    fn time_constant(&self, [state, _]: [&[Lanes; 1]; 2]) -> Lanes {
+        self.gas.time_constant_from(state[0] * state[0])
     }
 
     /// By the equation's recursion; that of f = |d|^n is k d f_k = Σ (n j − (k − j)) d_j f_(k−j) over j from 1 to k.

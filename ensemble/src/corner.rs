@@ -86,16 +86,21 @@ pub fn met(corners: &impl Corners, [[from, slope], [to, end_slope]]: [[Lanes; 2]
     let mut x = (corner - from) / (way + TINY);
     // On the cubic through both ends, w being one at the begin.
     let rise = narrowing - 1.0;
+    let moves = rise.abs().any_positive();
     let fifth = fifth_power(narrowing);
     let slopes = [slope + from * rise * 6.0, (end_slope * narrowing + to * rise * 6.0) * fifth];
     let way = to * fifth * narrowing - from;
     let (bend, twist) = (way * 3.0 - slopes[0] * 2.0 - slopes[1], slopes[0] + slopes[1] - way * 2.0);
     let mut round = 0;
     while round < ROUNDS {
-        let root = rise * x + 1.0;
-        let fifth = corner * fifth_power(root);
-        let value = ((twist * x + bend) * x + slopes[0]) * x + from - fifth * root;
-        let rate = (twist * x * 3.0 + bend * 2.0) * x + slopes[0] - fifth * rise * 6.0;
+        let (mut there, mut rising) = (corner, Lanes::ZERO);
+        if moves {
+            let root = rise * x + 1.0;
+            let fifth = corner * fifth_power(root);
+            (there, rising) = (fifth * root, fifth * rise * 6.0);
+        }
+        let value = ((twist * x + bend) * x + slopes[0]) * x + from - there;
+        let rate = (twist * x * 3.0 + bend * 2.0) * x + slopes[0] - rising;
         x -= value / rate;
         round += 1;
     }

@@ -8,11 +8,16 @@
 //! takes no division, and one division, 1/(ν z w), gives all else. As in [`crate::general`] steps are longer than with √T, and
 //! the integrals of heat, enthalpy and work over a step are others than that of its states.
 //!
-//! The record shows P V of the hold, which may turn round: [`crate::turns`]. T in K, V in m³, M in J/K, energies over 1/(γ − 1).
+//! The record shows P V of the hold, which may turn round: [`crate::turns`]. Where gas only flows out, P does not go from falling
+//! to rising: with q the heat's part of T'/T, P' = 0 where q = γ o; there T'/T = o, and q − γ o falls at the rate q o T/(Tw − T)
+//! for an orifice, whose o goes as √T, and q o (T/(Tw − T) − ½) for a gap, while T > Tw/3. Nor does T while P falls: where T' = 0,
+//! q rises with 1/√M and o falls with P. Gas that falls to the pressure outside is there warmer than the wall, and stays so below
+//! it and does not come back: what ends above has only lost gas.
+//!
+//! T in K, V in m³, M in J/K, energies over 1/(γ − 1).
 
-use crate::advance::Loadable;
+use crate::advance::{LONGEST, Loadable};
 use crate::corner::{self, Corners};
-use crate::fit;
 use crate::hermite::Hermite;
 use crate::lanes::Lanes;
 use crate::scenario::Scenario;
@@ -302,6 +307,7 @@ fn energy<R: Real>(&[per_root_mass, per_root]: &[R; 2]) -> R {
 impl<L: Law> OwnTest<2> for FlowTest<L> {
     const HAS_ANOTHER_WAY: bool = true;
     const TURNS: bool = true;
+    const LONGEST: f64 = LONGEST;
     type Moving<'a>
         = Moving<'a, L>
     where
@@ -351,6 +357,14 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     #[inline]
     fn goes_one_way(&self, states: &[f64; 2]) -> bool {
         states.iter().all(|state| *state > 0.0 && *state < f64::INFINITY)
+    }
+
+    /// Where gas has only flowed out.
+    #[inline]
+    fn falls_on(&self, states: &[f64; 2]) -> bool {
+        let Constants { wall, passage, is_fed, .. } = self.constants;
+        let outward = energy(states) > passage.pressure * self.gas.held_volume;
+        !is_fed && outward && 3.0 * Self::temperature(states) > wall
     }
 
     #[inline]
@@ -484,7 +498,7 @@ impl<L: Law> LaneSystem<2> for Moving<'_, L> {
 
     #[inline(always)]
     fn has_kinks(&self) -> bool {
-        true
+        self.constants.passage.pressure.any_positive()
     }
 
     #[inline(always)]
@@ -592,7 +606,7 @@ impl<L: Law> LaneSystem<2> for Held<'_, L> {
 
     #[inline(always)]
     fn has_kinks(&self) -> bool {
-        true
+        self.constants.passage.pressure.any_positive()
     }
 
     #[inline(always)]
@@ -604,9 +618,9 @@ impl<L: Law> LaneSystem<2> for Held<'_, L> {
 
 impl<L: Law> Holding<2> for Held<'_, L> {
     #[inline(always)]
-    fn time_constant(&self, &[per_root_mass, per_root]: &[Lanes; 2]) -> Lanes {
-        let wall = self.gas.wall;
-        fit::time_constant(self.gas.exchange * 2.0 * per_root_mass * wall, Lanes::ONE - wall * per_root * per_root)
+    fn time_constant(&self, [_, end]: [&[Lanes; 2]; 2]) -> Lanes {
+        // τ of what is left at last: a record that turns round is no exponential, and what fits it depends on the guess.
+        (self.gas.exchange * 2.0 * end[0] * self.gas.wall).recip()
     }
 
     #[inline(always)]

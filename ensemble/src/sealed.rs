@@ -33,6 +33,9 @@ pub trait OwnTest<const N: usize>: Sized {
     const HAS_ANOTHER_WAY: bool;
     /// Whether holds can turn round: see [`crate::turns`].
     const TURNS: bool = false;
+    /// Longest step through a hold, as a share of it. Sums over samples need it where nothing else bounds steps by how far the
+    /// record goes.
+    const LONGEST: f64 = f64::INFINITY;
     /// Tests, one a lane, while their pistons move.
     type Moving<'a>: LaneSystem<N> + Loadable + Clone
     where
@@ -87,6 +90,12 @@ pub trait OwnTest<const N: usize>: Sized {
     }
     /// Whether a hold from these states goes one way, or may turn round as [`OwnTest::TURNS`] has it.
     fn goes_one_way(&self, states: &[f64; N]) -> bool;
+    /// Whether a reading and a temperature that both fall when a hold begins are known to come to no peak behind it, by the states at
+    /// its end.
+    #[inline]
+    fn falls_on(&self, _: &[f64; N]) -> bool {
+        false
+    }
     /// No test loaded yet.
     fn moving(tests: &[Self]) -> Self::Moving<'_>;
     /// No test loaded yet.
@@ -95,8 +104,8 @@ pub trait OwnTest<const N: usize>: Sized {
 
 /// Holds, one a lane.
 pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
-    /// τ, s, of the paper's exponential near to a hold that begins in some states.
-    fn time_constant(&self, state: &[Lanes; N]) -> Lanes;
+    /// τ, s, of the paper's exponential near to a hold from some states to others.
+    fn time_constant(&self, ends: [&[Lanes; N]; 2]) -> Lanes;
     /// The reading.
     #[inline(always)]
     fn reading<R: Real>(states: &[R; N]) -> R {
@@ -344,7 +353,7 @@ impl Held<'_> {
 
 impl Holding<1> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, state: &[Lanes; 1]) -> Lanes {
+    fn time_constant(&self, [state, _]: [&[Lanes; 1]; 2]) -> Lanes {
         self.time_constant_from(state[0] * state[0])
     }
 

@@ -41,13 +41,13 @@ impl Turns {
 }
 
 /// Where holds turn, from states at their begins to others at their ends. `sign` is 1 where peaks are tops, −1 where they are
-/// bottoms; `log` has the tests' steps at the places `steps`.
+/// bottoms; `log` has the tests' steps at the places `steps`. Those that fall on ([`OwnTest::falls_on`]) are not looked into.
 pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
     arch: Arch,
     system: &T::Held<'a>,
     log: &[Attempted<N>],
     steps: &[Steps; WIDTH],
-    sign: Lanes,
+    (sign, falls_on): (Lanes, [bool; WIDTH]),
     [begin, end]: [&[Lanes; N]; 2],
 ) -> Turns {
     let [at_begin, at_end] = [begin, end].map(|state| arch.dispatch(Slopes { system, state }));
@@ -59,6 +59,10 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
     let mut between = [None; WIDTH];
     for lane in 0..WIDTH {
         let (sign, Steps { from, to, lane: column }) = (sign[lane], steps[lane]);
+        told[lane] = sign * at_begin[0][lane] < 0.0 && sign * at_begin[1][lane] <= 0.0;
+        if falls_on[lane] && sign > 0.0 {
+            continue;
+        }
         let place = |state: &[f64; N]| T::order(state).map(|of| sign * of);
         let [mut last, warmest] = place(&of_lane(begin, lane));
         let (mut least, mut at, mut after, mut rises) = (last, None, None, false);
@@ -84,7 +88,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
             last = value;
         }
         let cools = warmest - place(&of_lane(end, lane))[1] > warmest.abs() * APART;
-        told[lane] &= sign * at_begin[0][lane] < 0.0 && sign * at_begin[1][lane] <= 0.0 && cools;
+        told[lane] &= cools;
         match (at, after) {
             (None, Some(first)) => step[lane] = first,
             (Some(last), None) if sign * at_end[0][lane] > 0.0 => step[lane] = last,

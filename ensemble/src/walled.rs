@@ -152,8 +152,8 @@ impl LaneSystem<2> for Held<'_> {
 
 impl Holding<2> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, &[state, _]: &[Lanes; 2]) -> Lanes {
-        self.gas.time_constant_from(state * state)
+    fn time_constant(&self, [state, _]: [&[Lanes; 2]; 2]) -> Lanes {
+        self.gas.time_constant_from(state[0] * state[0])
     }
 
     /// By the equations' recursion: each coefficient follows from those of lower powers.
