@@ -222,7 +222,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let end = black_box(begin + time);
             let next = black_box(each_lane!(i => samples::after(end.0[i])));
             let length = black_box(time - from.time);
-            let within = simd.vectorize(Within { system, ends: [&from.state, &state], length });
+            let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
             let nodes = black_box(Samples { first, count: next - first }.nodes());
             let since = black_box(begin + from.time);
             let per_length = black_box(length.where_positive(length, Lanes::ONE).recip());

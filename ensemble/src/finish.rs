@@ -81,7 +81,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Entry<'_, N, H> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, simd: I) -> Lanes {
         let Self { system, length, ends, low, end, band } = self;
-        let within = simd.vectorize(Within { system, ends: [&ends[0], &ends[1]], length });
+        let within = Within { system, ends: [&ends[0], &ends[1]], length }.polynomial(simd);
         root(&Beyond { within, end, band }, low, Lanes::ONE)
     }
 }

@@ -617,6 +617,8 @@ impl<L: Law> LaneSystem<2> for Held<'_, L> {
 }
 
 impl<L: Law> Holding<2> for Held<'_, L> {
+    const IS_LONG: bool = true;
+
     #[inline(always)]
     fn time_constant(&self, [_, end]: [&[Lanes; 2]; 2]) -> Lanes {
         // τ of what is left at last: a record that turns round is no exponential, and what fits it depends on the guess.

@@ -104,6 +104,8 @@ pub trait OwnTest<const N: usize>: Sized {
 
 /// Holds, one a lane.
 pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
+    /// Whether the code of [`Holding::within`] is so long that there should be one copy.
+    const IS_LONG: bool = false;
     /// τ, s, of the paper's exponential near to a hold from some states to others.
     fn time_constant(&self, ends: [&[Lanes; N]; 2]) -> Lanes;
     /// The reading.
@@ -124,7 +126,7 @@ pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
     }
 }
 
-/// [`Holding::within`], to be called: it is long for some tests.
+/// [`Holding::within`], where that is long as a function of its own.
 pub struct Within<'a, const N: usize, H> {
     /// Constants of the tests.
     pub system: &'a H,
@@ -132,6 +134,14 @@ pub struct Within<'a, const N: usize, H> {
     pub ends: [&'a [Lanes; N]; 2],
     /// Length of the step, s.
     pub length: Lanes,
+}
+
+impl<const N: usize, H: Holding<N>> Within<'_, N, H> {
+    /// That polynomial, with the instructions of the function around.
+    #[inline(always)]
+    pub fn polynomial<I: Simd>(self, simd: I) -> Hermite<Lanes> {
+        if H::IS_LONG { simd.vectorize(self) } else { self.with_simd(simd) }
+    }
 }
 
 impl<const N: usize, H: Holding<N>> WithSimd for Within<'_, N, H> {

@@ -165,7 +165,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Turn<'_, N, H> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, simd: I) -> [Lanes; 2] {
         let Self { system, length, ends: [begin, end], sign } = self;
-        let within = simd.vectorize(Within { system, ends: [begin, end], length });
+        let within = Within { system, ends: [begin, end], length }.polynomial(simd);
         let share = root(&Leaving { within, sign }, Lanes::ZERO, Lanes::ONE);
         [share, within.at(share)]
     }
