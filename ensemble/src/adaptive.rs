@@ -160,10 +160,10 @@ pub fn run<const N: usize, T: OwnTest<N>>(
                         regression: regression.as_ref().and_then(|found| found.lane(lane)),
                     };
                     let outcome = ending.outcome();
-                    let temperature = T::temperature(&problem.state);
+                    let temperatures = T::temperatures([state, &problem.state], [begin[lane], end]);
                     Outcome {
-                        temperature_final_k: temperature,
-                        temperature_peak_k: scenario.peak([T::temperature(state), temperature]),
+                        temperature_final_k: temperatures[1],
+                        temperature_peak_k: scenario.peak(temperatures),
                         energy_error: closure(test.start_reading(scenario), end, received - work, *work),
                         exact: false,
                         status: if end > 0.0 { Ok(()) } else { Err(Failure::Empty) },

@@ -364,12 +364,12 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     fn falls_on(&self, states: &[f64; 2]) -> bool {
         let Constants { wall, passage, is_fed, .. } = self.constants;
         let outward = energy(states) > passage.pressure * self.gas.held_volume;
-        !is_fed && outward && 3.0 * Self::temperature(states) > wall
+        !is_fed && outward && 3.0 > wall * states[1] * states[1]
     }
 
     #[inline]
-    fn temperature([_, per_root]: &[f64; 2]) -> f64 {
-        1.0 / (per_root * per_root)
+    fn temperatures(states: [&[f64; 2]; 2], _: [f64; 2]) -> [f64; 2] {
+        states.map(|[_, per_root]| 1.0 / (per_root * per_root))
     }
 
     #[inline]
