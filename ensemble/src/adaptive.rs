@@ -1,16 +1,17 @@
-//! Tests with the port closed by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked of
-//! them. Their holds go one way: what does not is left to a way that looks for places where a record turns round.
+//! Tests with equations of their own by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked
+//! of them. Their holds go one way, or turn round once on the way from the peak ([`crate::turns`]): what does not is left to a
+//! way that looks for all places where a record turns.
 
 use crate::Batch;
 use crate::advance::{Loadable, Nobody, Problem, Steps, advance};
 use crate::finish;
-use crate::hermite::Hermite;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::log::Attempted;
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::Records;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
-use crate::sealed::{ClosedTest, Ending, Holding};
+use crate::sealed::{Ending, Holding, OwnTest, Within};
+use crate::turns;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
@@ -47,7 +48,7 @@ impl<const N: usize, T> Default for Memory<N, T> {
 #[derive(Clone, Copy)]
 struct Pushed<const N: usize> {
     state: [f64; N],
-    /// Energy received as heat, and work, over m cv, K.
+    /// Energy received as heat and enthalpy, and work, in the reading's unit.
     energy: [f64; 2],
 }
 
@@ -63,7 +64,7 @@ impl<const N: usize> Knot<N> {
 }
 
 /// Runs tests whose numbers are checked; with durations in s.
-pub fn run<const N: usize, T: ClosedTest<N>>(
+pub fn run<const N: usize, T: OwnTest<N>>(
     batch: Batch,
     memory: &mut Memory<N, T>,
     rows: &[(u32, f64)],
@@ -89,7 +90,8 @@ pub fn run<const N: usize, T: ClosedTest<N>>(
             problem.failure = Some(Failure::StepTooSmall);
         }
         pushed.push(Pushed { state: problem.state, energy: problem.energy });
-        (problem.length, problem.longest, problem.first) = (duration - problem.length, f64::INFINITY, 0.0);
+        let length = duration - problem.length;
+        (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);
     }
     advance(arch, &T::held(tests), problems, relative, log);
 
@@ -102,36 +104,42 @@ pub fn run<const N: usize, T: ClosedTest<N>>(
     for group in order.chunks(WIDTH) {
         let at = |lane: usize| group[lane.min(group.len() - 1)];
         let state: [Lanes; N] = core::array::from_fn(|i| Lanes::from_fn(|lane| pushed[at(lane)].state[i]));
-        let begin = state[0] * state[0];
-        let end = Lanes::from_fn(|lane| problems[at(lane)].state[0]);
-        let end = end * end;
+        let end_state: [Lanes; N] = core::array::from_fn(|i| Lanes::from_fn(|lane| problems[at(lane)].state[i]));
+        let [begin, end] = [&state, &end_state].map(T::Held::reading);
         let steps: [Steps; WIDTH] = core::array::from_fn(|lane| problems[at(lane)].steps);
         let mut system = T::held(tests);
         for lane in 0..WIDTH {
             system.load(lane, at(lane));
         }
-        let settling = finish::settling(arch, &system, log, &steps, begin, end);
+        let turns = T::TURNS.then(|| {
+            let expands = |lane: usize| scenarios[rows[at(lane)].0 as usize].expands();
+            let sign = Lanes::from_fn(|lane| if expands(lane) { -1.0 } else { 1.0 });
+            let falls_on = core::array::from_fn(|lane| tests[at(lane)].falls_on(&problems[at(lane)].state));
+            turns::find::<N, T>(arch, &system, log, &steps, (sign, falls_on), [&state, &end_state])
+        });
+        let settling = finish::settling(arch, &system, log, &steps, turns.as_ref(), [begin, end]);
         let regression = options.fit.then(|| {
             knots.clear();
             knots.push(Knot { time: Lanes::ZERO, state });
             for (lane, steps) in steps.iter().enumerate() {
                 add_knots(knots, lane, log, *steps);
             }
-            let pressure = |lane: usize| tests[at(lane)].gas().pressure_per_temperature();
+            let pressure = |lane: usize| tests[at(lane)].pressure_per_reading();
             let push = |lane: usize| scenarios[rows[at(lane)].0 as usize].push_time_s;
             let guess = arch.dispatch(Record {
                 system: &system,
                 knots,
                 begin: Lanes::from_fn(push),
-                pressure_per_temperature: Lanes::from_fn(pressure),
+                pressure_per_reading: Lanes::from_fn(pressure),
                 records,
             });
             records.fit(arch, guess)
         });
         for (lane, &index) in group.iter().enumerate() {
-            let ((row, duration), test, problem) = (rows[index], tests[index].gas(), &problems[index]);
+            let ((row, duration), test, problem) = (rows[index], &tests[index], &problems[index]);
             let end = end[lane];
-            if T::HAS_ANOTHER_WAY && problem.failure.is_some() {
+            let is_told = turns.as_ref().is_none_or(|turns| turns.told[lane]);
+            if T::HAS_ANOTHER_WAY && (problem.failure.is_some() || !is_told) {
                 left.push(row);
                 continue;
             }
@@ -139,24 +147,27 @@ pub fn run<const N: usize, T: ClosedTest<N>>(
                 Some(reason) => Outcome::failed(reason),
                 None => {
                     let scenario = &scenarios[row as usize];
-                    let Pushed { energy: [received, work], .. } = pushed[index];
+                    let Pushed { state, energy: [received, work] } = &pushed[index];
                     let received = received + problem.energy[0];
-                    let start = scenario.initial_temperature_k;
                     let ending = Ending {
                         scenario,
                         duration,
-                        wall: test.closed.ambient_temperature,
+                        wall: test.reading_at_rest(&problem.state),
                         pushed: begin[lane],
                         end,
-                        pressure_per_temperature: test.pressure_per_temperature(),
+                        pressure_per_temperature: test.pressure_per_reading(),
                         settling: settling[lane],
                         regression: regression.as_ref().and_then(|found| found.lane(lane)),
                     };
+                    let outcome = ending.outcome();
+                    let temperatures = T::temperatures([state, &problem.state], [begin[lane], end]);
                     Outcome {
-                        energy_error: closure(start, end, received - work, work),
+                        temperature_final_k: temperatures[1],
+                        temperature_peak_k: scenario.peak(temperatures),
+                        energy_error: closure(test.start_reading(scenario), end, received - work, *work),
                         exact: false,
                         status: if end > 0.0 { Ok(()) } else { Err(Failure::Empty) },
-                        ..ending.outcome()
+                        ..outcome
                     }
                 }
             };
@@ -182,14 +193,13 @@ fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Attem
     }
 }
 
-/// The records through the hold, a part for each step. Its polynomial comes from the equation at its ends: as good as the
-/// integrator's own of degree 7, at a fraction of its stages. The answer is a guess of τ, s.
+/// The records through the hold, a part for each step. The answer is a guess of τ, s.
 struct Record<'a, const N: usize, H> {
     system: &'a H,
     knots: &'a [Knot<N>],
     /// Begin of the hold, s.
     begin: Lanes,
-    pressure_per_temperature: Lanes,
+    pressure_per_reading: Lanes,
     records: &'a mut Records,
 }
 
@@ -197,8 +207,8 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
     type Output = Lanes;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Lanes {
-        let Self { system, knots, begin, pressure_per_temperature, records } = self;
+    fn with_simd<I: Simd>(self, simd: I) -> Lanes {
+        let Self { system, knots, begin, pressure_per_reading, records } = self;
         records.clear();
         let mut from = knots[0];
         let mut first = each_lane!(i => samples::from(begin.0[i]));
@@ -212,21 +222,19 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let end = black_box(begin + time);
             let next = black_box(each_lane!(i => samples::after(end.0[i])));
             let length = black_box(time - from.time);
-            let before = black_box(system.series(&from.state, length));
-            let after = black_box(system.series(&state, length));
-            let within = black_box(Hermite::new(before, after));
+            let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
             let nodes = black_box(Samples { first, count: next - first }.nodes());
             let since = black_box(begin + from.time);
             let per_length = black_box(length.where_positive(length, Lanes::ONE).recip());
             let mut pressure = [Lanes::ZERO; POINTS];
             for k in 0..POINTS {
                 let place = (nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - since) * per_length;
-                pressure[k] = black_box(within.at(place) * pressure_per_temperature);
+                pressure[k] = black_box(within.at(place) * pressure_per_reading);
             }
             records.push(first, &nodes, &pressure);
             first = next;
             from = Knot { time, state };
         }
-        system.time_constant(black_box(knots[0].state[0] * knots[0].state[0]))
+        system.time_constant([black_box(&knots[0].state), black_box(&from.state)])
     }
 }

@@ -13,7 +13,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::plan::starts_singular;
 use crate::relaxing_rows::{self, AfterPush};
 use crate::scenario::Scenario;
-use crate::sealed::{self, ClosedTest, Holding, Test};
+use crate::sealed::{self, Holding, OwnTest, Test};
 use crate::step::{LaneSystem, Moment, View};
 use chamber::effects::EffectSet;
 use chamber::effects::natural_convection::{REFERENCE_DIFFERENCE_K, SMALLEST_DIFFERENCE_K};
@@ -52,7 +52,7 @@ pub fn is_smooth(scenario: &Scenario) -> bool {
     exponent(scenario) > 0.0
 }
 
-impl ClosedTest<1> for ConvectiveTest {
+impl OwnTest<1> for ConvectiveTest {
     const HAS_ANOTHER_WAY: bool = true;
     type Moving<'a> = Moving<'a>;
     type Held<'a> = Held<'a>;
@@ -67,8 +67,8 @@ impl ClosedTest<1> for ConvectiveTest {
     }
 
     #[inline]
-    fn start(s: &Scenario) -> [f64; 1] {
-        Test::start(s)
+    fn start(&self, s: &Scenario) -> [f64; 1] {
+        self.gas.start(s)
     }
 
     #[inline]
@@ -205,8 +205,8 @@ impl LaneSystem<1> for Held<'_> {
 
 impl Holding<1> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, peak: Lanes) -> Lanes {
-        self.gas.time_constant(peak)
+    fn time_constant(&self, [state, _]: [&[Lanes; 1]; 2]) -> Lanes {
+        self.gas.time_constant_from(state[0] * state[0])
     }
 
     /// By the equation's recursion; that of f = |d|^n is k d f_k = Σ (n j − (k − j)) d_j f_(k−j) over j from 1 to k.

@@ -10,6 +10,29 @@ use crate::step::extrapolated;
 use chamber::effects::{self, EffectSet, EffectValues};
 use chamber::real::Real;
 
+/// Rates that have corners.
+pub trait Corners {
+    /// The first pressure after `from` and before `to`, Pa, at which they have one; `to` where there is none.
+    fn corner(&self, from: Lanes, to: Lanes) -> Lanes;
+}
+
+/// Corners of the effects in a set.
+pub struct OfEffects<'a> {
+    /// Which effects.
+    pub set: EffectSet,
+    /// Their parameters.
+    pub values: &'a EffectValues<Lanes>,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pressure: Lanes,
+}
+
+impl Corners for OfEffects<'_> {
+    #[inline(always)]
+    fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
+        effects::corner(self.set, self.values, self.ambient_pressure, from, to)
+    }
+}
+
 /// A corner within this share of the pressure at either end of a step is met by that end.
 const BESIDE: f64 = 2e-4;
 /// Rounds of Newton's method, for a cubic from its secant.
@@ -50,18 +73,12 @@ fn fifth_power(x: Lanes) -> Lanes {
 /// Share of a step at which it meets its first corner, 1 where it meets none, from the pressures at both its ends, Pa, their
 /// slopes there, Pa for the whole step, and its narrowing.
 #[inline(always)]
-pub fn met(
-    set: EffectSet,
-    values: &EffectValues<Lanes>,
-    ambient_pressure: Lanes,
-    [[from, slope], [to, end_slope]]: [[Lanes; 2]; 2],
-    narrowing: Lanes,
-) -> Lanes {
+pub fn met(corners: &impl Corners, [[from, slope], [to, end_slope]]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
     let way = to - from;
     let beside = (from * BESIDE).min(way.abs() * 0.5);
     let inward = way.where_positive(beside, -beside);
     let (begin, end) = (from + inward, to - inward);
-    let corner = effects::corner(set, values, ambient_pressure, begin, end);
+    let corner = corners.corner(begin, end);
     let meets = (end - corner).abs();
     if !meets.any_positive() {
         return Lanes::ONE;
@@ -69,16 +86,21 @@ pub fn met(
     let mut x = (corner - from) / (way + TINY);
     // On the cubic through both ends, w being one at the begin.
     let rise = narrowing - 1.0;
+    let moves = rise.abs().any_positive();
     let fifth = fifth_power(narrowing);
     let slopes = [slope + from * rise * 6.0, (end_slope * narrowing + to * rise * 6.0) * fifth];
     let way = to * fifth * narrowing - from;
     let (bend, twist) = (way * 3.0 - slopes[0] * 2.0 - slopes[1], slopes[0] + slopes[1] - way * 2.0);
     let mut round = 0;
     while round < ROUNDS {
-        let root = rise * x + 1.0;
-        let fifth = corner * fifth_power(root);
-        let value = ((twist * x + bend) * x + slopes[0]) * x + from - fifth * root;
-        let rate = (twist * x * 3.0 + bend * 2.0) * x + slopes[0] - fifth * rise * 6.0;
+        let (mut there, mut rising) = (corner, Lanes::ZERO);
+        if moves {
+            let root = rise * x + 1.0;
+            let fifth = corner * fifth_power(root);
+            (there, rising) = (fifth * root, fifth * rise * 6.0);
+        }
+        let value = ((twist * x + bend) * x + slopes[0]) * x + from - there;
+        let rate = (twist * x * 3.0 + bend * 2.0) * x + slopes[0] - rising;
         x -= value / rate;
         round += 1;
     }
@@ -112,7 +134,8 @@ mod tests {
         let set: EffectSet = effects::find("leakage").into_iter().map(|(effect, _)| effect).collect();
         let values = EffectValues::NEUTRAL.lift::<Lanes>();
         let step = [at(0.1), at(0.5)].map(|[pressure, slope]| [pressure, slope * 0.4]);
-        let share = met(set, &values, Lanes::from(1e5), step, narrowing(0.1, 0.5))[3];
+        let corners = OfEffects { set, values: &values, ambient_pressure: Lanes::from(1e5) };
+        let share = met(&corners, step, narrowing(0.1, 0.5))[3];
         let error = (pressure(0.1 + 0.4 * share) * 0.3 / 1e5 - 1.0).abs();
         assert!(error < 0.5 * BESIDE, "{error:e}");
     }

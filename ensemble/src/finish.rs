@@ -1,4 +1,4 @@
-//! When sealed tests settle, one a lane.
+//! When tests settle, one a lane.
 
 use crate::advance::Steps;
 use crate::hermite::Hermite;
@@ -6,23 +6,24 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::log::Attempted;
 use crate::outcome::SETTLED;
 use crate::root::{Curve, root};
-use crate::sealed::Holding;
+use crate::sealed::{Holding, Within};
+use crate::turns::Turns;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Time from the begin of the hold until the temperature, which goes from `begin` to `end`, K, stays within 1 % of that
-/// distance of its end, s. `system` holds the tests' constants, `log` their steps at the places `steps`.
+/// Time from the begin of the hold until the reading, which goes from `begin` to `end`, stays within 1 % of that distance of its
+/// end, s. `system` holds the tests' constants, `log` their steps at the places `steps`; `turns` are where it turns round.
 pub fn settling<const N: usize, H: Holding<N>>(
     arch: Arch,
     system: &H,
     log: &[Attempted<N>],
     steps: &[Steps; WIDTH],
-    begin: Lanes,
-    end: Lanes,
+    turns: Option<&Turns>,
+    [begin, end]: [Lanes; 2],
 ) -> Lanes {
     let band = (begin - end).abs() * SETTLED;
-    // The last accepted step that begins outside the band leads into it.
-    let (mut time, mut length) = (Lanes::ZERO, Lanes::ZERO);
+    // The last accepted step that begins outside the band, or turns round there, leads into it.
+    let (mut time, mut length, mut low) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
     let mut ends = [[Lanes::ONE; N]; 2];
     for lane in 0..WIDTH {
         let Steps { from, to, lane: column } = steps[lane];
@@ -31,9 +32,10 @@ pub fn settling<const N: usize, H: Holding<N>>(
         while index > from as usize {
             index -= 1;
             let step = &log[index];
-            // States are roots of temperatures.
-            let temperature = step.states[0][0][column] * step.states[0][0][column];
-            if step.accepted[column] > 0.0 && (temperature - end[lane]).abs() > band[lane] {
+            let reading = H::reading(&core::array::from_fn(|i| step.states[0][i][column]));
+            let turn = turns.and_then(|turns| turns.beyond(lane, index, end[lane], band[lane]));
+            if step.accepted[column] > 0.0 && (turn.is_some() || (reading - end[lane]).abs() > band[lane]) {
+                low[lane] = turn.unwrap_or(0.0);
                 time[lane] = step.from[column];
                 length[lane] = step.length[column];
                 for side in 0..2 {
@@ -45,20 +47,21 @@ pub fn settling<const N: usize, H: Holding<N>>(
             }
         }
     }
-    time + length * arch.dispatch(Entry { system, length, ends, end, band })
+    time + length * arch.dispatch(Entry { system, length, ends, low, end, band })
 }
 
-/// Share of a step at which the temperature comes within a band around its end. `ends` are the states at the step's begin
-/// and at its end.
+/// Share of a step, after `low`, at which the reading comes within a band around its end. `ends` are the states at the step's
+/// begin and at its end.
 struct Entry<'a, const N: usize, H> {
     system: &'a H,
     length: Lanes,
     ends: [[Lanes; N]; 2],
+    low: Lanes,
     end: Lanes,
     band: Lanes,
 }
 
-/// How far the temperature is from its end, beyond the band.
+/// How far the reading is from its end, beyond the band.
 struct Beyond {
     within: Hermite<Lanes>,
     end: Lanes,
@@ -76,9 +79,9 @@ impl<const N: usize, H: Holding<N>> WithSimd for Entry<'_, N, H> {
     type Output = Lanes;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Lanes {
-        let Self { system, length, ends, end, band } = self;
-        let within = Hermite::new(system.series(&ends[0], length), system.series(&ends[1], length));
-        root(&Beyond { within, end, band }, Lanes::ZERO, Lanes::ONE)
+    fn with_simd<I: Simd>(self, simd: I) -> Lanes {
+        let Self { system, length, ends, low, end, band } = self;
+        let within = Within { system, ends: [&ends[0], &ends[1]], length }.polynomial(simd);
+        root(&Beyond { within, end, band }, low, Lanes::ONE)
     }
 }

@@ -6,7 +6,7 @@
 
 use crate::advance::Loadable;
 use crate::chambers::load_chamber;
-use crate::corner;
+use crate::corner::{self, OfEffects};
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use crate::step::{LaneSystem, Moment, View};
@@ -287,7 +287,9 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     #[inline(always)]
     fn kink(&self, h: Lanes, [begin, end]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
         let step = [[begin[0], begin[1] * h], [end[0], end[1] * h]];
-        corner::met(self.set(), &self.balance.chamber.effects, self.stretch.ambient_pressure, step, narrowing)
+        let values = &self.balance.chamber.effects;
+        let corners = OfEffects { set: self.set(), values, ambient_pressure: self.stretch.ambient_pressure };
+        corner::met(&corners, step, narrowing)
     }
 }
 

@@ -32,6 +32,19 @@ impl<R: Real> Hermite<R> {
         let y = x - 1.0;
         c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + y * (c5 + y * (c6 + y * c7))))))
     }
+
+    /// Its slope there.
+    #[inline(always)]
+    pub fn slope(&self, x: R) -> R {
+        let [_, c1, c2, c3, c4, c5, c6, c7] = self.0;
+        let y = x - 1.0;
+        let (mut value, mut slope) = (c7, R::ZERO);
+        for (factor, coefficient) in [(y, c6), (y, c5), (y, c4), (x, c3), (x, c2), (x, c1)] {
+            slope = slope * factor + value;
+            value = value * factor + coefficient;
+        }
+        slope * x + value
+    }
 }
 
 #[cfg(test)]
@@ -45,8 +58,11 @@ mod tests {
             let value = |x: f64| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
             let binomial = |n: usize, k: usize| (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product::<f64>();
             let end = [0, 1, 2, 3].map(|k| (k..8).map(|n| c[n] * binomial(n, k)).sum());
-            let ours = Hermite::new([c[0], c[1], c[2], c[3]], end).at(x);
+            let found = Hermite::new([c[0], c[1], c[2], c[3]], end);
+            let ours = found.at(x);
             prop_assert!((ours - value(x)).abs() < 1e-12, "{ours} {}", value(x));
+            let slope = (1..8).rev().fold(0.0, |sum, n| sum * x + n as f64 * c[n]);
+            prop_assert!((found.slope(x) - slope).abs() < 1e-11, "{} {slope}", found.slope(x));
         }
     }
 }

@@ -9,6 +9,7 @@
 //! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
 //! | with a wall that warms only | its two equations (`walled`) |
+//! | with one leak only, or with constant flows and at most one leak | its two equations (`flows`) |
 //! | with natural convection only | the push by one equation (`convective`), the hold as below |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
@@ -37,6 +38,7 @@ mod exact_tests;
 mod filter;
 mod finish;
 mod fit;
+mod flows;
 mod gauss;
 mod general;
 mod hermite;
@@ -63,8 +65,10 @@ mod root;
 mod samples;
 mod scenario;
 mod sealed;
+mod series;
 mod step;
 mod tableau;
+mod turns;
 mod walled;
 
 pub use instructions::InstructionSet;
@@ -76,6 +80,7 @@ use chamber::AreaLaw;
 use chamber::balance::STATES;
 use chamber::card::ActsOn;
 use chamber::effects::{self, EffectSet};
+use flows::{FlowTest, Gap, Orifice};
 use plan::Plan;
 use pulp::Arch;
 use readings::Behind;
@@ -99,6 +104,8 @@ pub struct Kernel {
     walled: adaptive::Memory<2, walled::WalledTest>,
     convective: convective::Memory,
     integrated: adaptive::Memory<1, convective::ConvectiveTest>,
+    orifices: adaptive::Memory<2, FlowTest<Orifice>>,
+    gaps: adaptive::Memory<2, FlowTest<Gap>>,
     course: course::Memory,
     closed: exact_rows::Memory,
     sorted: Sorted,
@@ -123,6 +130,8 @@ impl Kernel {
             walled,
             convective,
             integrated,
+            orifices,
+            gaps,
             course: course_memory,
             closed,
             sorted,
@@ -140,8 +149,20 @@ impl Kernel {
             if !sorted.integrated.is_empty() {
                 adaptive::run(batch, integrated, &sorted.integrated, out);
             }
+            if !sorted.orifices.is_empty() {
+                sorted.orifices.sort_by_cached_key(|row| flows::kind::<Orifice>(&scenarios[row.0 as usize]));
+                adaptive::run(batch, orifices, &sorted.orifices, out);
+            }
+            if !sorted.gaps.is_empty() {
+                adaptive::run(batch, gaps, &sorted.gaps, out);
+            }
             for row in walled.left.drain(..).chain(integrated.left.drain(..)) {
                 if let Err(reason) = sorted.add(row, Kind::Tight, set, &scenarios[row as usize]) {
+                    out[row as usize] = Outcome::failed(reason);
+                }
+            }
+            for row in orifices.left.drain(..).chain(gaps.left.drain(..)) {
+                if let Err(reason) = sorted.add(row, Kind::Open, set, &scenarios[row as usize]) {
                     out[row as usize] = Outcome::failed(reason);
                 }
             }
@@ -226,9 +247,12 @@ struct Sorted {
     sealed: Vec<(u32, f64)>,
     /// The same with a wall that warms.
     walled: Vec<(u32, f64)>,
-    /// The same with natural convection, whose holds are integrated, too.
+    /// The same with natural convection.
     integrated: Vec<(u32, f64)>,
-    /// And whose holds are integrals, by area law.
+    /// Tests of which gas leaves or enters through an orifice, or through a gap or at constant rates.
+    orifices: Vec<(u32, f64)>,
+    gaps: Vec<(u32, f64)>,
+    /// Those with natural convection whose holds are integrals, by area law.
     convective: [Vec<(u32, f64)>; 2],
     /// Tests with closed forms, and their durations, s, by kind.
     closed: [Vec<(u32, f64)>; ClosedKind::COUNT],
@@ -275,6 +299,8 @@ impl Sorted {
         self.sealed.clear();
         self.walled.clear();
         self.integrated.clear();
+        self.orifices.clear();
+        self.gaps.clear();
         self.convective.iter_mut().for_each(Vec::clear);
         self.closed.iter_mut().for_each(Vec::clear);
         self.others.iter_mut().for_each(Planned::clear);
@@ -305,11 +331,16 @@ impl Sorted {
                 }
                 continue;
             }
-            let alone = sealed && behind.is_none();
+            let shows_the_gas = behind.is_none();
+            let alone = sealed && shows_the_gas;
             let own = match of_gas {
                 walled::EFFECTS if alone && walled::has_wall(s) => Some(&mut self.walled),
                 convective::EFFECTS if alone && integrates && convective::is_smooth(s) => Some(&mut self.integrated),
                 convective::EFFECTS if alone && !integrates => Some(&mut self.convective[usize::from(swept)]),
+                _ if !shows_the_gas || s.profile.is_some() => None,
+                of_gas if flows::ORIFICES.contains(&of_gas) => Some(&mut self.orifices),
+                flows::GAP => Some(&mut self.gaps),
+                EffectSet::NONE if !sealed => Some(&mut self.gaps),
                 _ => None,
             };
             if let Some(list) = own {

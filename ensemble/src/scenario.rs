@@ -73,6 +73,20 @@ impl Scenario {
     }
 }
 
+impl Scenario {
+    /// Whether the piston leaves more gas volume than it found, along no profile.
+    #[inline]
+    pub(crate) fn expands(&self) -> bool {
+        self.final_position_m > self.initial_position_m
+    }
+
+    /// The larger of two values, of an expansion along no profile the smaller.
+    #[inline]
+    pub(crate) fn peak(&self, [a, b]: [f64; 2]) -> f64 {
+        if self.expands() { a.min(b) } else { a.max(b) }
+    }
+}
+
 /// How a batch is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Solver {

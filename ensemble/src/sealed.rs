@@ -14,6 +14,7 @@
 use crate::advance::{LONGEST_OF_MOVE, Loadable, Problem};
 use crate::clock::Clock;
 use crate::fit;
+use crate::hermite::Hermite;
 use crate::lanes::Lanes;
 use crate::outcome::Outcome;
 use crate::outcome::SETTLED;
@@ -22,11 +23,19 @@ use crate::scenario::Scenario;
 use crate::step::{LaneSystem, Moment, View};
 use chamber::exact::Closed;
 use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
 
-/// Tests with the port closed, of N states: the root of the temperature, and others.
-pub trait ClosedTest<const N: usize>: Sized {
+/// Tests of N states, of which a record shows a reading that the pressure of the hold is in proportion to. Unless told otherwise
+/// the port is closed, the root of the temperature is the first state, and the temperature is the reading.
+pub trait OwnTest<const N: usize>: Sized {
     /// Whether tests that this way does not solve are solved in another.
     const HAS_ANOTHER_WAY: bool;
+    /// Whether holds can turn round: see [`crate::turns`].
+    const TURNS: bool = false;
+    /// Longest step through a hold, as a share of it. Sums over samples need it where nothing else bounds steps by how far the
+    /// record goes.
+    const LONGEST: f64 = f64::INFINITY;
     /// Tests, one a lane, while their pistons move.
     type Moving<'a>: LaneSystem<N> + Loadable + Clone
     where
@@ -39,9 +48,34 @@ pub trait ClosedTest<const N: usize>: Sized {
     /// From a checked scenario.
     fn new(scenario: &Scenario) -> Self;
     /// States at the begin of the push.
-    fn start(scenario: &Scenario) -> [f64; N];
+    fn start(&self, scenario: &Scenario) -> [f64; N];
+    /// The reading there.
+    #[inline]
+    fn start_reading(&self, scenario: &Scenario) -> f64 {
+        scenario.initial_temperature_k
+    }
     /// The gas and its clock.
     fn gas(&self) -> &Test;
+    /// Temperatures, K, in some states with these readings.
+    #[inline]
+    fn temperatures(_: [&[f64; N]; 2], readings: [f64; 2]) -> [f64; 2] {
+        readings
+    }
+    /// Numbers that rise with the reading and with the temperature.
+    #[inline]
+    fn order(states: &[f64; N]) -> [f64; 2] {
+        [states[0]; 2]
+    }
+    /// The reading of the same gas at the temperature of the surroundings.
+    #[inline]
+    fn reading_at_rest(&self, _: &[f64; N]) -> f64 {
+        self.gas().closed.ambient_temperature
+    }
+    /// Pressure of the hold, Pa, over the reading.
+    #[inline]
+    fn pressure_per_reading(&self) -> f64 {
+        self.gas().pressure_per_temperature()
+    }
     /// Length of the push's first step, as a share of the push; zero where that is to be found out.
     fn first_step(&self) -> f64 {
         0.0
@@ -49,13 +83,19 @@ pub trait ClosedTest<const N: usize>: Sized {
     /// The push of a scenario, to be integrated.
     #[inline]
     fn push(&self, scenario: &Scenario) -> Problem<N> {
-        let mut push = Problem::new(scenario.push_time_s, Self::start(scenario), [0.0; N]);
+        let mut push = Problem::new(scenario.push_time_s, self.start(scenario), [0.0; N]);
         push.first = self.first_step() * push.length;
         push.longest = LONGEST_OF_MOVE * push.length;
         push
     }
-    /// Whether a hold from these states goes one way.
+    /// Whether a hold from these states goes one way, or may turn round as [`OwnTest::TURNS`] has it.
     fn goes_one_way(&self, states: &[f64; N]) -> bool;
+    /// Whether a reading and a temperature that both fall when a hold begins are known to come to no peak behind it, by the states at
+    /// its end.
+    #[inline]
+    fn falls_on(&self, _: &[f64; N]) -> bool {
+        false
+    }
     /// No test loaded yet.
     fn moving(tests: &[Self]) -> Self::Moving<'_>;
     /// No test loaded yet.
@@ -64,10 +104,53 @@ pub trait ClosedTest<const N: usize>: Sized {
 
 /// Holds, one a lane.
 pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
-    /// τ, s, of the paper's exponential near to a hold that begins at a temperature, K.
-    fn time_constant(&self, peak: Lanes) -> Lanes;
-    /// Taylor coefficients of the temperature, K, at some states, in powers of the time over `length`, s.
+    /// Whether the code of [`Holding::within`] is so long that there should be one copy.
+    const IS_LONG: bool = false;
+    /// τ, s, of the paper's exponential near to a hold from some states to others.
+    fn time_constant(&self, ends: [&[Lanes; N]; 2]) -> Lanes;
+    /// The reading.
+    #[inline(always)]
+    fn reading<R: Real>(states: &[R; N]) -> R {
+        states[0] * states[0]
+    }
+    /// Taylor coefficients of the reading in some states, in powers of the time over `length`, s.
     fn series(&self, state: &[Lanes; N], length: Lanes) -> [Lanes; 4];
+    /// The reading over a step of `length`, s, between two states. It comes from the equations at its ends: as good as the
+    /// integrator's own polynomial of degree 7, at a fraction of its stages.
+    #[inline(always)]
+    fn within(&self, [begin, end]: [&[Lanes; N]; 2], length: Lanes) -> Hermite<Lanes> {
+        // Results pass through memory: else the compiler computes them lane by lane.
+        let before = black_box(self.series(begin, length));
+        let after = black_box(self.series(end, length));
+        black_box(Hermite::new(before, after))
+    }
+}
+
+/// [`Holding::within`], where that is long as a function of its own.
+pub struct Within<'a, const N: usize, H> {
+    /// Constants of the tests.
+    pub system: &'a H,
+    /// States at the begin and at the end.
+    pub ends: [&'a [Lanes; N]; 2],
+    /// Length of the step, s.
+    pub length: Lanes,
+}
+
+impl<const N: usize, H: Holding<N>> Within<'_, N, H> {
+    /// That polynomial, with the instructions of the function around.
+    #[inline(always)]
+    pub fn polynomial<I: Simd>(self, simd: I) -> Hermite<Lanes> {
+        if H::IS_LONG { simd.vectorize(self) } else { self.with_simd(simd) }
+    }
+}
+
+impl<const N: usize, H: Holding<N>> WithSimd for Within<'_, N, H> {
+    type Output = Hermite<Lanes>;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Hermite<Lanes> {
+        self.system.within(self.ends, self.length)
+    }
 }
 
 /// One test, reduced to the numbers its equation needs.
@@ -83,7 +166,7 @@ pub struct Test {
     pub rate: f64,
 }
 
-impl ClosedTest<1> for Test {
+impl OwnTest<1> for Test {
     const HAS_ANOTHER_WAY: bool = false;
     type Moving<'a> = Moving<'a>;
     type Held<'a> = Held<'a>;
@@ -103,7 +186,7 @@ impl ClosedTest<1> for Test {
     }
 
     #[inline]
-    fn start(s: &Scenario) -> [f64; 1] {
+    fn start(&self, s: &Scenario) -> [f64; 1] {
         [s.initial_temperature_k.sqrt()]
     }
 
@@ -134,7 +217,7 @@ impl Test {
     }
 }
 
-/// How a sealed test has ended.
+/// How a test has ended, by the temperature of its gas, or by whatever else the pressure of its hold is in proportion to.
 pub struct Ending<'a> {
     /// What was pushed and held, and how.
     pub scenario: &'a Scenario,
@@ -160,7 +243,7 @@ impl Ending<'_> {
     pub fn outcome(&self) -> Outcome {
         let (s, pushed, end) = (self.scenario, self.pushed, self.end);
         let positions = [s.initial_position_m, s.final_position_m];
-        let peak = if positions[1] > positions[0] { pushed.min(end) } else { pushed.max(end) };
+        let peak = s.peak([pushed, end]);
         let settled = (end - self.wall).abs() <= SETTLED * (peak - end).abs() || pushed == end;
         Outcome {
             pressure_peak_pa: peak * self.pressure_per_temperature,
@@ -187,7 +270,8 @@ pub struct Moving<'a> {
     pub clock: Clock<Lanes>,
     /// c a1 p and c a0 p.
     exchange: [Lanes; 2],
-    expansion_rate: Lanes,
+    /// 4 (γ − 1) w'.
+    pub expansion_rate: Lanes,
     /// Temperatures of their walls, K.
     pub wall: Lanes,
 }
@@ -219,11 +303,16 @@ impl Moving<'_> {
         self.wall[lane] = test.closed.ambient_temperature;
     }
 
+    /// c p (a1 w⁴ + a0) w, at w and w².
+    #[inline(always)]
+    pub fn exchange_at(&self, [root, square]: [Lanes; 2]) -> Lanes {
+        (self.exchange[0] * (square * square) + self.exchange[1]) * root
+    }
+
     /// Heat and work over m cv T, per unit of the clock, at w and w², where the wall is so much warmer than the gas.
     #[inline(always)]
-    pub fn heat_and_work(&self, [root, square]: [Lanes; 2], warmer: Lanes) -> [Lanes; 2] {
-        let exchange = (self.exchange[0] * (square * square) + self.exchange[1]) * root;
-        [exchange * warmer, self.expansion_rate / root]
+    pub fn heat_and_work(&self, at: [Lanes; 2], warmer: Lanes) -> [Lanes; 2] {
+        [self.exchange_at(at) * warmer, self.expansion_rate / at[0]]
     }
 }
 
@@ -264,10 +353,18 @@ impl Held<'_> {
     }
 }
 
+impl Held<'_> {
+    /// τ, s, of the paper's exponential near to a hold that begins at a temperature, K.
+    #[inline(always)]
+    pub fn time_constant_from(&self, peak: Lanes) -> Lanes {
+        fit::time_constant(self.exchange * self.wall, Lanes::ONE - self.wall / peak)
+    }
+}
+
 impl Holding<1> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, peak: Lanes) -> Lanes {
-        fit::time_constant(self.exchange * self.wall, Lanes::ONE - self.wall / peak)
+    fn time_constant(&self, [state, _]: [&[Lanes; 1]; 2]) -> Lanes {
+        self.time_constant_from(state[0] * state[0])
     }
 
     #[inline(always)]

@@ -12,7 +12,7 @@
 use crate::advance::Loadable;
 use crate::lanes::Lanes;
 use crate::scenario::Scenario;
-use crate::sealed::{self, ClosedTest, Holding, Test};
+use crate::sealed::{self, Holding, OwnTest, Test};
 use crate::step::{LaneSystem, Moment, View};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
@@ -42,7 +42,7 @@ pub fn has_wall(scenario: &Scenario) -> bool {
     wall(scenario)[0] > 0.0
 }
 
-impl ClosedTest<2> for WalledTest {
+impl OwnTest<2> for WalledTest {
     const HAS_ANOTHER_WAY: bool = true;
     type Moving<'a> = Moving<'a>;
     type Held<'a> = Held<'a>;
@@ -55,7 +55,7 @@ impl ClosedTest<2> for WalledTest {
     }
 
     #[inline]
-    fn start(s: &Scenario) -> [f64; 2] {
+    fn start(&self, s: &Scenario) -> [f64; 2] {
         [s.initial_temperature_k.sqrt(), s.ambient_temperature_k]
     }
 
@@ -152,8 +152,8 @@ impl LaneSystem<2> for Held<'_> {
 
 impl Holding<2> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, peak: Lanes) -> Lanes {
-        self.gas.time_constant(peak)
+    fn time_constant(&self, [state, _]: [&[Lanes; 2]; 2]) -> Lanes {
+        self.gas.time_constant_from(state[0] * state[0])
     }
 
     /// By the equations' recursion: each coefficient follows from those of lower powers.

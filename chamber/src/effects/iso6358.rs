@@ -81,6 +81,29 @@ impl<R: Real> Passage<R> {
     }
 }
 
+/// (1 − b) ψ(r), for a flow out of a gas at r = downstream/upstream. What no lane needs is left out: to the last digit the same.
+#[inline(always)]
+pub fn relative_outflow<R: Real>(ratio: R, critical_ratio: R) -> R {
+    if !(ratio - critical_ratio).any_positive() {
+        return R::ONE - critical_ratio;
+    }
+    let flow = flow_function(R::ONE, ratio, critical_ratio).sqrt();
+    let near = ratio - LINEAR_ABOVE;
+    if near.any_positive() { flow * near.where_positive(fade(ratio), R::ONE) } else { flow }
+}
+
+/// (1 − b) r ψ(1/r), for a flow into a gas from an outside whose pressure is r, more than one, times that of the gas.
+#[inline(always)]
+pub fn relative_inflow<R: Real>(ratio: R, critical_ratio: R) -> R {
+    let choked = ratio * critical_ratio;
+    if !(R::ONE - choked).any_positive() {
+        return ratio - choked;
+    }
+    let flow = flow_function(ratio, R::ONE, critical_ratio).sqrt();
+    let near = R::ONE - ratio * LINEAR_ABOVE;
+    if near.any_positive() { flow * near.where_positive(fade(ratio.recip()), R::ONE) } else { flow }
+}
+
 /// The first pressure after `from` and before `to`, Pa, at which the flow has a corner, with `outside` on the other side:
 /// where it chokes, where ψ turns linear, where it turns round; and on the way there two places more.
 #[inline(always)]

@@ -270,6 +270,42 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
     (EffectSet::one(wall), rows)
 }
 
+/// Rows of which gas leaves or enters: through an orifice towards the surroundings or the supply, through a gap, or at constant
+/// rates; hardly or all of it, on either side of where the flow chokes or turns round, pushed or not.
+pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let [leak, supply, gap] =
+        ["leakage", "supply_leakage", "laminar_leakage"].map(|name| effects::find(name).unwrap().0);
+    let mut r = Numbers(67);
+    let mut rows = sealed(count);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let (conductance, critical) =
+            (r.log_between(1e-14, if k % 9 == 8 { 1e-9 } else { 1e-11 }), r.between(0.0, 0.6));
+        let values = &mut s.chamber.effects;
+        match k % 4 {
+            0 => values.of_mut(leak).copy_from_slice(&[conductance, critical]),
+            1 => values.of_mut(supply).copy_from_slice(&[conductance, r.log_between(1e5, 1.5e6), critical]),
+            2 => values.of_mut(gap)[0] = conductance,
+            _ => {}
+        }
+        if k % 4 == 3 || k % 5 > 2 {
+            s.mass_flow_in_kg_per_s = if k % 3 == 2 { 0.0 } else { r.log_between(1e-8, 1e-5) };
+            s.mass_flow_out_kg_per_s = if k % 3 == 0 { 0.0 } else { r.log_between(1e-8, 1e-6) };
+            s.temperature_in_k = r.between(250.0, 350.0);
+        }
+        if k % 5 == 0 {
+            s.initial_pressure_pa = s.ambient_pressure_pa * r.between(0.7, 1.2);
+        }
+        if k % 7 == 0 {
+            s.initial_temperature_k = r.between(200.0, 400.0);
+        }
+        if k % 17 == 0 {
+            s.final_position_m = s.initial_position_m;
+        }
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 100.0));
+    }
+    ([leak, supply, gap].into_iter().collect(), rows)
+}
+
 /// Rows of [`relaxing`] with natural convection only; and the same with a wall warmer by next to nothing, which the general
 /// equations solve.
 pub fn convective(count: usize) -> (EffectSet, [Vec<Scenario>; 2]) {

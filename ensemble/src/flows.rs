@@ -1,0 +1,652 @@
+//! The paper's model with a port through which gas leaves or enters, in lanes: beside the temperature of the gas, as in
+//! [`crate::sealed`], its mass is a state. With the same clock and M = m R,
+//!
+//! T'/T = c √M p (a1 w⁴ + a0) w (Tw − T)/√M − 4 (γ − 1) w'/w − (γ − 1) o + Σ i (γ Ti/T − 1),  M'/M = Σ i − o
+//!
+//! o, Σ i  outflow and inflows, each at its temperature Ti, over the mass of the gas, per unit of the clock. States are ν = 1/√M
+//! and z = 1/√T: a power of the pressure is one of their products, P V = (ν z)^−2, so that its ratio to the pressure outside
+//! takes no division, and one division, 1/(ν z w), gives all else. As in [`crate::general`] steps are longer than with √T, and
+//! the integrals of heat, enthalpy and work over a step are others than that of its states.
+//!
+//! The record shows P V of the hold, which may turn round: [`crate::turns`]. Where gas only flows out, P does not go from falling
+//! to rising: with q the heat's part of T'/T, P' = 0 where q = γ o; there T'/T = o, and q − γ o falls at the rate q o T/(Tw − T)
+//! for an orifice, whose o goes as √T, and q o (T/(Tw − T) − ½) for a gap, while T > Tw/3. Nor does T while P falls: where T' = 0,
+//! q rises with 1/√M and o falls with P. Gas that falls to the pressure outside is there warmer than the wall, and stays so below
+//! it and does not come back: what ends above has only lost gas.
+//!
+//! T in K, V in m³, M in J/K, energies over 1/(γ − 1).
+
+use crate::advance::{LONGEST, Loadable};
+use crate::corner::{self, Corners};
+use crate::hermite::Hermite;
+use crate::lanes::Lanes;
+use crate::scenario::Scenario;
+use crate::sealed::{self, Holding, OwnTest, Test};
+use crate::series::Series;
+use crate::step::{LaneSystem, Moment, View};
+use chamber::effects::laminar_leakage::LaminarLeakage;
+use chamber::effects::{Effect, EffectSet, iso6358};
+use chamber::real::Real;
+use core::hint::black_box;
+use std::marker::PhantomData;
+
+/// What is on the other side of an opening, and how wide that is.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<R = f64> {
+    /// Pressure there, Pa. Of an opening that there is not, zero.
+    pressure: R,
+    /// What the flow is in proportion to: see the laws.
+    width: R,
+    /// Critical pressure ratio, where the law has one.
+    critical_ratio: R,
+}
+
+impl<R: Real> Passage<R> {
+    /// None.
+    const NONE: Self = Self { pressure: R::ZERO, width: R::ZERO, critical_ratio: R::ZERO };
+}
+
+/// The gas at one moment.
+pub struct Gas<R> {
+    /// √T and T.
+    root: R,
+    temperature: R,
+    /// P V.
+    energy: R,
+    /// The pressure outside over that of the gas.
+    ratio: R,
+}
+
+/// A law of the flow through an opening towards an outside at the surroundings' temperature, over the mass of the gas, the width
+/// and V^−[`Law::POWER`]: two factors, of which the first is the later to be known.
+pub trait Law: Copy + Sync {
+    /// By which power of the volume its flow falls.
+    const POWER: i32;
+    /// That opening of a scenario.
+    fn passage(scenario: &Scenario) -> Passage;
+    /// The flow out of the gas.
+    fn outflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>) -> [R; 2];
+    /// The flow in, where 1/√T of the outside is `per_root_outside`.
+    fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2];
+    /// As [`Corners::corner`].
+    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes;
+    /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
+    /// the same parts of the law.
+    fn kind(_: &Passage, _: [f64; 2]) -> u8 {
+        0
+    }
+}
+
+/// An orifice of ISO 6358 towards the surroundings or the supply: o = C ρ0 √T0 R √T ψ/V, [`iso6358`].
+#[derive(Clone, Copy, Debug)]
+pub struct Orifice;
+/// The effects that are such, of which a test has one.
+pub const ORIFICES: [EffectSet; 2] = [LEAKAGE, EffectSet::from_bits(crate::bit("supply_leakage"))];
+const LEAKAGE: EffectSet = EffectSet::from_bits(crate::bit("leakage"));
+
+impl Law for Orifice {
+    const POWER: i32 = 1;
+
+    fn passage(s: &Scenario) -> Passage {
+        let effects = &s.chamber.effects;
+        let (leak, supply) =
+            (effects.of(const { crate::place("leakage") }), effects.of(const { crate::place("supply_leakage") }));
+        let (conductance, pressure, critical_ratio) =
+            if leak[0] != 0.0 { (leak[0], s.ambient_pressure_pa, leak[1]) } else { (supply[0], supply[1], supply[2]) };
+        let gas = &s.chamber.gas;
+        let width = iso6358::constant(conductance, critical_ratio, gas) * gas.gas_constant;
+        Passage { pressure, width, critical_ratio }
+    }
+
+    #[inline(always)]
+    fn outflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>) -> [R; 2] {
+        [iso6358::relative_outflow(gas.ratio, passage.critical_ratio), gas.root]
+    }
+
+    #[inline(always)]
+    fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2] {
+        [iso6358::relative_inflow(gas.ratio, passage.critical_ratio), gas.temperature * per_root_outside]
+    }
+
+    #[inline(always)]
+    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
+        iso6358::corner(passage.critical_ratio, passage.pressure, from, to)
+    }
+
+    fn kind(passage: &Passage, pressures: [f64; 2]) -> u8 {
+        let &Passage { pressure: outside, critical_ratio, .. } = passage;
+        let regime = |pressure: f64| -> u8 {
+            let chokes = pressure.min(outside) < critical_ratio * pressure.max(outside);
+            2 * u8::from(pressure < outside) + u8::from((pressure < outside) != chokes)
+        };
+        let [before, after] = pressures.map(regime);
+        4 * after + before
+    }
+}
+
+/// A long narrow gap, o = G P (1 − (Pamb/P)²)/(2 V), or none: constant flows only.
+#[derive(Clone, Copy, Debug)]
+pub struct Gap;
+/// The effect that is such.
+pub const GAP: EffectSet = EffectSet::from_bits(crate::bit("laminar_leakage"));
+
+impl Law for Gap {
+    const POWER: i32 = 2;
+
+    fn passage(s: &Scenario) -> Passage {
+        let conductance = s.chamber.effects.of(const { crate::place("laminar_leakage") })[0];
+        if conductance == 0.0 {
+            return Passage::NONE;
+        }
+        Passage { pressure: s.ambient_pressure_pa, width: 0.5 * conductance, critical_ratio: 0.0 }
+    }
+
+    #[inline(always)]
+    fn outflow<R: Real>(_: &Passage<R>, gas: &Gas<R>) -> [R; 2] {
+        [R::ONE - gas.ratio * gas.ratio, gas.energy]
+    }
+
+    #[inline(always)]
+    fn inflow<R: Real>(_: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2] {
+        let warmth = gas.temperature * (per_root_outside * per_root_outside);
+        [gas.ratio * gas.ratio - 1.0, gas.energy * warmth]
+    }
+
+    #[inline(always)]
+    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
+        LaminarLeakage::corner(&[], passage.pressure, from, to)
+    }
+}
+
+/// What the rates take of a test, but for its volume.
+#[derive(Clone, Copy, Debug)]
+struct Constants<R = f64> {
+    /// γ.
+    heat_capacity_ratio: R,
+    /// Temperature of the wall and of what is outside, K, and 1/√ of it.
+    wall: R,
+    per_root_wall: R,
+    passage: Passage<R>,
+    /// Half the constant flows in and out, over 1/R, W/K, and the temperature of the former, K.
+    inflow: R,
+    outflow: R,
+    temperature_in: R,
+    /// Whether there are such, in any lane.
+    is_fed: bool,
+}
+
+/// Applies a macro to each number of a [`Constants`].
+macro_rules! each_constant {
+    ($apply:ident) => {
+        $apply!(
+            heat_capacity_ratio,
+            wall,
+            per_root_wall,
+            passage.pressure,
+            passage.width,
+            passage.critical_ratio,
+            inflow,
+            outflow,
+            temperature_in
+        )
+    };
+}
+
+/// What the geometry and the clock make of the rates at one moment.
+struct Place<R> {
+    /// Half the heat exchanged, over 1/√M: c √M (a1 V + a0)/(2 √V).
+    exchange: R,
+    /// (γ − 1) V'/(2 V).
+    work: R,
+    /// The pressure outside times the volume.
+    outside: R,
+    /// Half the width, over V^[`Law::POWER`].
+    width: R,
+    /// How fast the time goes.
+    pace: R,
+}
+
+/// The state of the gas, and powers of it.
+struct State<R> {
+    per_root_mass: R,
+    per_root: R,
+    /// √T and √(P V).
+    root: R,
+    root_energy: R,
+    /// 1/(P V).
+    per_energy: R,
+}
+
+/// What the equations give, per unit of the clock.
+struct Rates<R> {
+    /// Of the states.
+    states: [R; 2],
+    /// Half of what the gas receives as heat and enthalpy, over P V.
+    received: R,
+}
+
+impl<R: Real> Constants<R> {
+    const NONE: Self = Self {
+        heat_capacity_ratio: R::ONE,
+        wall: R::ONE,
+        per_root_wall: R::ONE,
+        passage: Passage::NONE,
+        inflow: R::ZERO,
+        outflow: R::ZERO,
+        temperature_in: R::ONE,
+        is_fed: false,
+    };
+
+    /// The equations. What no lane has is left out: to the last digit the same.
+    #[inline(always)]
+    fn rates<L: Law>(&self, at: &Place<R>, state: &State<R>) -> Rates<R> {
+        let &State { per_root_mass, per_root, root, root_energy, per_energy } = state;
+        let (temperature, ratio) = (root * root, at.outside * per_energy);
+        let gas = Gas { root, temperature, energy: root_energy * root_energy, ratio };
+        let cooled = at.work - at.exchange * per_root_mass * (self.wall - temperature);
+        let inward = ratio - 1.0;
+        // The flow out, and what it takes along of mass, of temperature and of heat and enthalpy.
+        let (flow, scale, mass, cold, enthalpy);
+        if !inward.any_positive() {
+            [flow, scale] = L::outflow(&self.passage, &gas);
+            (mass, cold, enthalpy) = (scale, self.heat_capacity_ratio - 1.0, self.heat_capacity_ratio);
+        } else {
+            let warm = self.heat_capacity_ratio * self.wall * (per_root * per_root);
+            let mut both = L::inflow(&self.passage, &gas, self.per_root_wall);
+            if (-inward).any_positive() {
+                let out = L::outflow(&self.passage, &gas);
+                both = [inward.where_positive(both[0], out[0]), inward.where_positive(both[1], out[1])];
+            }
+            [flow, scale] = both;
+            mass = inward.where_positive(-scale, scale);
+            cold = inward.where_positive(R::ONE - warm, self.heat_capacity_ratio - 1.0);
+            enthalpy = inward.where_positive(-warm, self.heat_capacity_ratio);
+        }
+        // What follows the flow comes last: all waits for it.
+        let (mass, scale) = (mass * at.width, scale * at.width);
+        let mut losing = flow * (per_root_mass * mass);
+        let mut cooling = per_root * cooled + flow * (per_root * (scale * cold));
+        let mut received = at.work - cooled - flow * (scale * enthalpy);
+        if self.is_fed {
+            let per_mass = per_root_mass * per_root_mass * at.pace;
+            let (out, fed) = (self.outflow * per_mass, self.inflow * per_mass);
+            let enthalpy = (fed * self.temperature_in * (per_root * per_root) - out) * self.heat_capacity_ratio;
+            losing += per_root_mass * (out - fed);
+            cooling += per_root * (fed - out - enthalpy);
+            received += enthalpy;
+        }
+        Rates { states: [losing, cooling], received }
+    }
+}
+
+/// One test.
+#[derive(Clone, Copy, Debug)]
+pub struct FlowTest<L> {
+    /// With half its heat exchange times √M.
+    gas: Test,
+    constants: Constants,
+    /// ν and z at the begin.
+    start: [f64; 2],
+    law: PhantomData<L>,
+}
+
+/// [`Law::kind`] of a scenario, by its pressures before the push and once its gas has cooled.
+pub fn kind<L: Law>(s: &Scenario) -> u8 {
+    let geometry = &s.chamber.geometry;
+    let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
+    L::kind(&L::passage(s), [s.initial_pressure_pa, s.initial_pressure_pa * volume / held_volume])
+}
+
+/// P V of a state.
+#[inline(always)]
+fn energy<R: Real>(&[per_root_mass, per_root]: &[R; 2]) -> R {
+    let root = (per_root_mass * per_root).recip();
+    root * root
+}
+
+impl<L: Law> OwnTest<2> for FlowTest<L> {
+    const HAS_ANOTHER_WAY: bool = true;
+    const TURNS: bool = true;
+    const LONGEST: f64 = LONGEST;
+    type Moving<'a>
+        = Moving<'a, L>
+    where
+        L: 'a;
+    type Held<'a>
+        = Held<'a, L>
+    where
+        L: 'a;
+
+    #[inline]
+    fn new(s: &Scenario) -> Self {
+        let (mut gas, passage) = (Test::new(s), L::passage(s));
+        let root_mass = gas.closed.mass_gas_constant.sqrt();
+        gas.closed.exchange = gas.closed.exchange.map(|exchange| exchange * (0.5 * root_mass));
+        gas.rate *= 0.5 * root_mass;
+        let gas_constant = s.chamber.gas.gas_constant;
+        let constants = Constants {
+            heat_capacity_ratio: s.chamber.gas.heat_capacity_ratio,
+            wall: s.ambient_temperature_k,
+            per_root_wall: 1.0 / s.ambient_temperature_k.sqrt(),
+            passage,
+            inflow: 0.5 * gas_constant * s.mass_flow_in_kg_per_s,
+            outflow: 0.5 * gas_constant * s.mass_flow_out_kg_per_s,
+            temperature_in: s.temperature_in_k,
+            is_fed: s.mass_flow_in_kg_per_s + s.mass_flow_out_kg_per_s > 0.0,
+        };
+        let start = [1.0 / root_mass, 1.0 / s.initial_temperature_k.sqrt()];
+        Self { gas, constants, start, law: PhantomData }
+    }
+
+    #[inline]
+    fn start(&self, _: &Scenario) -> [f64; 2] {
+        self.start
+    }
+
+    #[inline]
+    fn start_reading(&self, _: &Scenario) -> f64 {
+        energy(&self.start)
+    }
+
+    #[inline]
+    fn gas(&self) -> &Test {
+        &self.gas
+    }
+
+    /// Whether there is gas at the begin of the hold.
+    #[inline]
+    fn goes_one_way(&self, states: &[f64; 2]) -> bool {
+        states.iter().all(|state| *state > 0.0 && *state < f64::INFINITY)
+    }
+
+    /// Where gas has only flowed out.
+    #[inline]
+    fn falls_on(&self, states: &[f64; 2]) -> bool {
+        let Constants { wall, passage, is_fed, .. } = self.constants;
+        let outward = energy(states) > passage.pressure * self.gas.held_volume;
+        !is_fed && outward && 3.0 > wall * states[1] * states[1]
+    }
+
+    #[inline]
+    fn temperatures(states: [&[f64; 2]; 2], _: [f64; 2]) -> [f64; 2] {
+        states.map(|[_, per_root]| 1.0 / (per_root * per_root))
+    }
+
+    #[inline]
+    fn order([per_root_mass, per_root]: &[f64; 2]) -> [f64; 2] {
+        [-per_root_mass * per_root, -per_root]
+    }
+
+    #[inline]
+    fn reading_at_rest(&self, [per_root_mass, _]: &[f64; 2]) -> f64 {
+        self.constants.wall / (per_root_mass * per_root_mass)
+    }
+
+    #[inline]
+    fn pressure_per_reading(&self) -> f64 {
+        1.0 / self.gas.held_volume
+    }
+
+    fn moving(tests: &[Self]) -> Moving<'_, L> {
+        let none = Lanes::ZERO;
+        Moving { tests, gas: sealed::Moving::NONE, constants: Constants::NONE, work: none, width: none }
+    }
+
+    fn held(tests: &[Self]) -> Held<'_, L> {
+        let none = Lanes::ZERO;
+        Held {
+            tests,
+            gas: sealed::Held::NONE,
+            constants: Constants::NONE,
+            outside: none,
+            width: none,
+            per_volume: none,
+        }
+    }
+}
+
+impl Constants<Lanes> {
+    /// Puts the constants of a test into a lane.
+    #[inline(always)]
+    fn load(&mut self, lane: usize, from: &Constants) {
+        macro_rules! load {
+            ($($($name:ident).+),*) => { $(self.$($name).+[lane] = from.$($name).+;)* };
+        }
+        each_constant!(load);
+        self.is_fed |= from.is_fed;
+    }
+
+    /// The same as series.
+    #[inline(always)]
+    fn as_series<const K: usize>(&self) -> Constants<Series<K>> {
+        let mut out = Constants::<Series<K>>::NONE;
+        macro_rules! lift {
+            ($($($name:ident).+),*) => { $(out.$($name).+ = self.$($name).+.into();)* };
+        }
+        each_constant!(lift);
+        out.is_fed = self.is_fed;
+        out
+    }
+}
+
+/// The opening's corners.
+struct At<'a, L>(&'a Passage<Lanes>, PhantomData<L>);
+
+impl<L: Law> Corners for At<'_, L> {
+    #[inline(always)]
+    fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
+        L::corner(self.0, from, to)
+    }
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a, L> {
+    tests: &'a [FlowTest<L>],
+    gas: sealed::Moving<'static>,
+    constants: Constants<Lanes>,
+    /// 2 (γ − 1) w'.
+    work: Lanes,
+    /// Half the width, times p.
+    width: Lanes,
+}
+
+impl<L: Law> Loadable for Moving<'_, L> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.constants.load(lane, &test.constants);
+        self.work[lane] = self.gas.expansion_rate[lane] * 0.5;
+        self.width[lane] = test.constants.passage.width * 0.5 * test.gas.clock.pace_factor;
+    }
+}
+
+impl<L: Law> LaneSystem<2> for Moving<'_, L> {
+    const CHEAP: bool = true;
+    const ANYWHERE: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, s: Lanes, &[per_root_mass, per_root]: &[Lanes; 2]) -> Moment<2> {
+        let w = self.gas.clock.root(s);
+        let (square, both) = (w * w, per_root_mass * per_root);
+        // All quotients by one division.
+        let per_all = (both * w).recip();
+        let (root_energy, per_w) = (per_all * w, per_all * both);
+        let root = root_energy * per_root_mass;
+        let per_square = per_w * per_w;
+        let per_volume = per_square * per_square;
+        let width = self.width * per_w;
+        let at = Place {
+            exchange: self.gas.exchange_at([w, square]),
+            work: self.work * per_w,
+            outside: self.constants.passage.pressure * (square * square),
+            width: if L::POWER == 1 { width } else { width * per_volume },
+            pace: self.gas.clock.pace_factor * (square * w),
+        };
+        let state = State { per_root_mass, per_root, root, root_energy, per_energy: both * both };
+        let rates = self.constants.rates::<L>(&at, &state);
+        let energy = root_energy * root_energy;
+        let pressure = energy * per_volume;
+        // V'/(2 V).
+        let widening = self.gas.clock.root_rate * per_w * 2.0;
+        let rise = pressure * (rates.received - at.work - widening) * 2.0;
+        let view = View { value: [pressure, Lanes::ZERO], slope: [rise, Lanes::ZERO] };
+        let twice = energy + energy;
+        Moment { slope: rates.states, view, power: [twice * rates.received, twice * at.work] }
+    }
+
+    #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        self.constants.passage.pressure.any_positive()
+    }
+
+    #[inline(always)]
+    fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
+        self.gas.clock.narrowing(from, to)
+    }
+
+    #[inline(always)]
+    fn kink(&self, h: Lanes, [begin, end]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
+        let step = [[begin[0], begin[1] * h], [end[0], end[1] * h]];
+        corner::met(&At::<L>(&self.constants.passage, PhantomData), step, narrowing)
+    }
+}
+
+/// Tests, one a lane, while their pistons rest.
+#[derive(Clone)]
+pub struct Held<'a, L> {
+    tests: &'a [FlowTest<L>],
+    gas: sealed::Held<'static>,
+    constants: Constants<Lanes>,
+    /// As in [`Place`].
+    outside: Lanes,
+    width: Lanes,
+    per_volume: Lanes,
+}
+
+impl<L: Law> Loadable for Held<'_, L> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        let per_volume = 1.0 / test.gas.held_volume;
+        self.gas.load_test(lane, &test.gas);
+        self.constants.load(lane, &test.constants);
+        self.outside[lane] = test.constants.passage.pressure * test.gas.held_volume;
+        let spread = if L::POWER == 1 { per_volume } else { per_volume * per_volume };
+        self.width[lane] = test.constants.passage.width * 0.5 * spread;
+        self.per_volume[lane] = per_volume;
+    }
+}
+
+impl<L: Law> Held<'_, L> {
+    /// What there is in place of the geometry, over a volume that stays.
+    #[inline(always)]
+    fn place<R: Real + From<Lanes>>(&self) -> Place<R> {
+        Place {
+            exchange: self.gas.exchange.into(),
+            work: R::ZERO,
+            outside: self.outside.into(),
+            width: self.width.into(),
+            pace: R::ONE,
+        }
+    }
+
+    /// The K-th coefficients of the states from the earlier ones.
+    #[inline(always)]
+    fn add_order<const K: usize>(&self, states: &mut [Series<4>; 2], length: Lanes) {
+        let mut known = [Series::<K>::ZERO; 2];
+        for i in 0..2 {
+            known[i].coefficients.copy_from_slice(&states[i].coefficients[..K]);
+            known[i].side = states[i].side;
+        }
+        let [per_root_mass, per_root] = known;
+        let both = per_root_mass * per_root;
+        let root_energy = both.recip();
+        let root = root_energy * per_root_mass;
+        let state = State { per_root_mass, per_root, root, root_energy, per_energy: both * both };
+        let rates = self.constants.as_series::<K>().rates::<L>(&self.place(), &state);
+        for i in 0..2 {
+            states[i].coefficients[K] = rates.states[i].coefficients[K - 1] * length * (1.0 / K as f64);
+        }
+    }
+
+    /// [`Holding::series`] by the law's branches in some states.
+    #[inline(always)]
+    fn series_beside(&self, state: &[Lanes; 2], side: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
+        let mut states = [Series::<4>::ZERO; 2];
+        for i in 0..2 {
+            (states[i].coefficients[0], states[i].side) = (state[i], side[i]);
+        }
+        self.add_order::<1>(&mut states, length);
+        self.add_order::<2>(&mut states, length);
+        self.add_order::<3>(&mut states, length);
+        energy(&states).coefficients
+    }
+}
+
+impl<L: Law> LaneSystem<2> for Held<'_, L> {
+    const CHEAP: bool = true;
+    const ANYWHERE: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, _: Lanes, &[per_root_mass, per_root]: &[Lanes; 2]) -> Moment<2> {
+        let both = per_root_mass * per_root;
+        let root_energy = both.recip();
+        let root = root_energy * per_root_mass;
+        let state = State { per_root_mass, per_root, root, root_energy, per_energy: both * both };
+        let rates = self.constants.rates::<L>(&self.place(), &state);
+        let energy = root_energy * root_energy;
+        let (temperature, pressure) = (root * root, energy * self.per_volume);
+        // T is 1/z².
+        let slope = [pressure * rates.received * 2.0, temperature * root * rates.states[1] * -2.0];
+        let view = View { value: [pressure, temperature], slope };
+        Moment { slope: rates.states, view, power: [(energy + energy) * rates.received, Lanes::ZERO] }
+    }
+
+    #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        self.constants.passage.pressure.any_positive()
+    }
+
+    #[inline(always)]
+    fn kink(&self, h: Lanes, [begin, end]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
+        let step = [[begin[0], begin[1] * h], [end[0], end[1] * h]];
+        corner::met(&At::<L>(&self.constants.passage, PhantomData), step, narrowing)
+    }
+}
+
+impl<L: Law> Holding<2> for Held<'_, L> {
+    const IS_LONG: bool = true;
+
+    #[inline(always)]
+    fn time_constant(&self, [_, end]: [&[Lanes; 2]; 2]) -> Lanes {
+        // τ of what is left at last: a record that turns round is no exponential, and what fits it depends on the guess.
+        (self.gas.exchange * 2.0 * end[0] * self.gas.wall).recip()
+    }
+
+    #[inline(always)]
+    fn reading<R: Real>(states: &[R; 2]) -> R {
+        energy(states)
+    }
+
+    #[inline(always)]
+    fn series(&self, state: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
+        self.series_beside(state, state, length)
+    }
+
+    /// By the branches that the law has in the middle.
+    #[inline(always)]
+    fn within(&self, [begin, end]: [&[Lanes; 2]; 2], length: Lanes) -> Hermite<Lanes> {
+        let mut middle = *begin;
+        for i in 0..2 {
+            middle[i] = (begin[i] + end[i]) * 0.5;
+        }
+        // In code that there is once.
+        let mut ends = [[Lanes::ZERO; 4]; 2];
+        for (end, state) in ends.iter_mut().zip(black_box([begin, end])) {
+            *end = black_box(self.series_beside(state, &middle, length));
+        }
+        Hermite::new(ends[0], ends[1])
+    }
+}
