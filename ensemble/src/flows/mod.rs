@@ -16,6 +16,9 @@
 //!
 //! T in K, V in m³, M in J/K, energies over 1/(γ − 1).
 
+mod equations;
+mod openings;
+
 use crate::advance::{LONGEST, Loadable};
 use crate::corner::{self, Corners};
 use crate::hermite::Hermite;
@@ -24,260 +27,12 @@ use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};
 use crate::series::Series;
 use crate::step::{LaneSystem, Moment, View};
-use chamber::effects::laminar_leakage::LaminarLeakage;
-use chamber::effects::{Effect, EffectSet, iso6358};
 use chamber::real::Real;
 use core::hint::black_box;
+use equations::{Constants, Place, State, energy};
+pub use openings::{GAP, Gap, ORIFICES, Orifice};
+use openings::{Law, Passage};
 use std::marker::PhantomData;
-
-/// What is on the other side of an opening, and how wide that is.
-#[derive(Clone, Copy, Debug)]
-pub struct Passage<R = f64> {
-    /// Pressure there, Pa. Of an opening that there is not, zero.
-    pressure: R,
-    /// What the flow is in proportion to: see the laws.
-    width: R,
-    /// Critical pressure ratio, where the law has one.
-    critical_ratio: R,
-}
-
-impl<R: Real> Passage<R> {
-    /// None.
-    const NONE: Self = Self { pressure: R::ZERO, width: R::ZERO, critical_ratio: R::ZERO };
-}
-
-/// The gas at one moment.
-pub struct Gas<R> {
-    /// √T and T.
-    root: R,
-    temperature: R,
-    /// P V.
-    energy: R,
-    /// The pressure outside over that of the gas.
-    ratio: R,
-}
-
-/// A law of the flow through an opening towards an outside at the surroundings' temperature, over the mass of the gas, the width
-/// and V^−[`Law::POWER`]: two factors, of which the first is the later to be known.
-pub trait Law: Copy + Sync {
-    /// By which power of the volume its flow falls.
-    const POWER: i32;
-    /// That opening of a scenario.
-    fn passage(scenario: &Scenario) -> Passage;
-    /// The flow out of the gas.
-    fn outflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>) -> [R; 2];
-    /// The flow in, where 1/√T of the outside is `per_root_outside`.
-    fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2];
-    /// As [`Corners::corner`].
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes;
-    /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
-    /// the same parts of the law.
-    fn kind(_: &Passage, _: [f64; 2]) -> u8 {
-        0
-    }
-}
-
-/// An orifice of ISO 6358 towards the surroundings or the supply: o = C ρ0 √T0 R √T ψ/V, [`iso6358`].
-#[derive(Clone, Copy, Debug)]
-pub struct Orifice;
-/// The effects that are such, of which a test has one.
-pub const ORIFICES: [EffectSet; 2] = [LEAKAGE, EffectSet::from_bits(crate::bit("supply_leakage"))];
-const LEAKAGE: EffectSet = EffectSet::from_bits(crate::bit("leakage"));
-
-impl Law for Orifice {
-    const POWER: i32 = 1;
-
-    fn passage(s: &Scenario) -> Passage {
-        let effects = &s.chamber.effects;
-        let (leak, supply) =
-            (effects.of(const { crate::place("leakage") }), effects.of(const { crate::place("supply_leakage") }));
-        let (conductance, pressure, critical_ratio) =
-            if leak[0] != 0.0 { (leak[0], s.ambient_pressure_pa, leak[1]) } else { (supply[0], supply[1], supply[2]) };
-        let gas = &s.chamber.gas;
-        let width = iso6358::constant(conductance, critical_ratio, gas) * gas.gas_constant;
-        Passage { pressure, width, critical_ratio }
-    }
-
-    #[inline(always)]
-    fn outflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>) -> [R; 2] {
-        [iso6358::relative_outflow(gas.ratio, passage.critical_ratio), gas.root]
-    }
-
-    #[inline(always)]
-    fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2] {
-        [iso6358::relative_inflow(gas.ratio, passage.critical_ratio), gas.temperature * per_root_outside]
-    }
-
-    #[inline(always)]
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
-        iso6358::corner(passage.critical_ratio, passage.pressure, from, to)
-    }
-
-    fn kind(passage: &Passage, pressures: [f64; 2]) -> u8 {
-        let &Passage { pressure: outside, critical_ratio, .. } = passage;
-        let regime = |pressure: f64| -> u8 {
-            let chokes = pressure.min(outside) < critical_ratio * pressure.max(outside);
-            2 * u8::from(pressure < outside) + u8::from((pressure < outside) != chokes)
-        };
-        let [before, after] = pressures.map(regime);
-        4 * after + before
-    }
-}
-
-/// A long narrow gap, o = G P (1 − (Pamb/P)²)/(2 V), or none: constant flows only.
-#[derive(Clone, Copy, Debug)]
-pub struct Gap;
-/// The effect that is such.
-pub const GAP: EffectSet = EffectSet::from_bits(crate::bit("laminar_leakage"));
-
-impl Law for Gap {
-    const POWER: i32 = 2;
-
-    fn passage(s: &Scenario) -> Passage {
-        let conductance = s.chamber.effects.of(const { crate::place("laminar_leakage") })[0];
-        if conductance == 0.0 {
-            return Passage::NONE;
-        }
-        Passage { pressure: s.ambient_pressure_pa, width: 0.5 * conductance, critical_ratio: 0.0 }
-    }
-
-    #[inline(always)]
-    fn outflow<R: Real>(_: &Passage<R>, gas: &Gas<R>) -> [R; 2] {
-        [R::ONE - gas.ratio * gas.ratio, gas.energy]
-    }
-
-    #[inline(always)]
-    fn inflow<R: Real>(_: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2] {
-        let warmth = gas.temperature * (per_root_outside * per_root_outside);
-        [gas.ratio * gas.ratio - 1.0, gas.energy * warmth]
-    }
-
-    #[inline(always)]
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
-        LaminarLeakage::corner(&[], passage.pressure, from, to)
-    }
-}
-
-/// What the rates take of a test, but for its volume.
-#[derive(Clone, Copy, Debug)]
-struct Constants<R = f64> {
-    /// γ.
-    heat_capacity_ratio: R,
-    /// Temperature of the wall and of what is outside, K, and 1/√ of it.
-    wall: R,
-    per_root_wall: R,
-    passage: Passage<R>,
-    /// Half the constant flows in and out, over 1/R, W/K, and the temperature of the former, K.
-    inflow: R,
-    outflow: R,
-    temperature_in: R,
-    /// Whether there are such, in any lane.
-    is_fed: bool,
-}
-
-/// Applies a macro to each number of a [`Constants`].
-macro_rules! each_constant {
-    ($apply:ident) => {
-        $apply!(
-            heat_capacity_ratio,
-            wall,
-            per_root_wall,
-            passage.pressure,
-            passage.width,
-            passage.critical_ratio,
-            inflow,
-            outflow,
-            temperature_in
-        )
-    };
-}
-
-/// What the geometry and the clock make of the rates at one moment.
-struct Place<R> {
-    /// Half the heat exchanged, over 1/√M: c √M (a1 V + a0)/(2 √V).
-    exchange: R,
-    /// (γ − 1) V'/(2 V).
-    work: R,
-    /// The pressure outside times the volume.
-    outside: R,
-    /// Half the width, over V^[`Law::POWER`].
-    width: R,
-    /// How fast the time goes.
-    pace: R,
-}
-
-/// The state of the gas, and powers of it.
-struct State<R> {
-    per_root_mass: R,
-    per_root: R,
-    /// √T and √(P V).
-    root: R,
-    root_energy: R,
-    /// 1/(P V).
-    per_energy: R,
-}
-
-/// What the equations give, per unit of the clock.
-struct Rates<R> {
-    /// Of the states.
-    states: [R; 2],
-    /// Half of what the gas receives as heat and enthalpy, over P V.
-    received: R,
-}
-
-impl<R: Real> Constants<R> {
-    const NONE: Self = Self {
-        heat_capacity_ratio: R::ONE,
-        wall: R::ONE,
-        per_root_wall: R::ONE,
-        passage: Passage::NONE,
-        inflow: R::ZERO,
-        outflow: R::ZERO,
-        temperature_in: R::ONE,
-        is_fed: false,
-    };
-
-    /// The equations. What no lane has is left out: to the last digit the same.
-    #[inline(always)]
-    fn rates<L: Law>(&self, at: &Place<R>, state: &State<R>) -> Rates<R> {
-        let &State { per_root_mass, per_root, root, root_energy, per_energy } = state;
-        let (temperature, ratio) = (root * root, at.outside * per_energy);
-        let gas = Gas { root, temperature, energy: root_energy * root_energy, ratio };
-        let cooled = at.work - at.exchange * per_root_mass * (self.wall - temperature);
-        let inward = ratio - 1.0;
-        // The flow out, and what it takes along of mass, of temperature and of heat and enthalpy.
-        let (flow, scale, mass, cold, enthalpy);
-        if !inward.any_positive() {
-            [flow, scale] = L::outflow(&self.passage, &gas);
-            (mass, cold, enthalpy) = (scale, self.heat_capacity_ratio - 1.0, self.heat_capacity_ratio);
-        } else {
-            let warm = self.heat_capacity_ratio * self.wall * (per_root * per_root);
-            let mut both = L::inflow(&self.passage, &gas, self.per_root_wall);
-            if (-inward).any_positive() {
-                let out = L::outflow(&self.passage, &gas);
-                both = [inward.where_positive(both[0], out[0]), inward.where_positive(both[1], out[1])];
-            }
-            [flow, scale] = both;
-            mass = inward.where_positive(-scale, scale);
-            cold = inward.where_positive(R::ONE - warm, self.heat_capacity_ratio - 1.0);
-            enthalpy = inward.where_positive(-warm, self.heat_capacity_ratio);
-        }
-        // What follows the flow comes last: all waits for it.
-        let (mass, scale) = (mass * at.width, scale * at.width);
-        let mut losing = flow * (per_root_mass * mass);
-        let mut cooling = per_root * cooled + flow * (per_root * (scale * cold));
-        let mut received = at.work - cooled - flow * (scale * enthalpy);
-        if self.is_fed {
-            let per_mass = per_root_mass * per_root_mass * at.pace;
-            let (out, fed) = (self.outflow * per_mass, self.inflow * per_mass);
-            let enthalpy = (fed * self.temperature_in * (per_root * per_root) - out) * self.heat_capacity_ratio;
-            losing += per_root_mass * (out - fed);
-            cooling += per_root * (fed - out - enthalpy);
-            received += enthalpy;
-        }
-        Rates { states: [losing, cooling], received }
-    }
-}
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
@@ -295,13 +50,6 @@ pub fn kind<L: Law>(s: &Scenario) -> u8 {
     let geometry = &s.chamber.geometry;
     let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
     L::kind(&L::passage(s), [s.initial_pressure_pa, s.initial_pressure_pa * volume / held_volume])
-}
-
-/// P V of a state.
-#[inline(always)]
-fn energy<R: Real>(&[per_root_mass, per_root]: &[R; 2]) -> R {
-    let root = (per_root_mass * per_root).recip();
-    root * root
 }
 
 impl<L: Law> OwnTest<2> for FlowTest<L> {
@@ -402,30 +150,6 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
             width: none,
             per_volume: none,
         }
-    }
-}
-
-impl Constants<Lanes> {
-    /// Puts the constants of a test into a lane.
-    #[inline(always)]
-    fn load(&mut self, lane: usize, from: &Constants) {
-        macro_rules! load {
-            ($($($name:ident).+),*) => { $(self.$($name).+[lane] = from.$($name).+;)* };
-        }
-        each_constant!(load);
-        self.is_fed |= from.is_fed;
-    }
-
-    /// The same as series.
-    #[inline(always)]
-    fn as_series<const K: usize>(&self) -> Constants<Series<K>> {
-        let mut out = Constants::<Series<K>>::NONE;
-        macro_rules! lift {
-            ($($($name:ident).+),*) => { $(out.$($name).+ = self.$($name).+.into();)* };
-        }
-        each_constant!(lift);
-        out.is_fed = self.is_fed;
-        out
     }
 }
 
