@@ -85,6 +85,7 @@ class Logger:
     ambient_stated: float = 0.0
     ambient_column: bool = True
     repeated_stamps: int = 0
+    jitter: float = 0.0  # of the times at which rows are read, standard deviation, rows
 
 
 @dataclasses.dataclass
@@ -193,6 +194,7 @@ RECORDINGS = [
     Recording("interpolated", set_to(readout=(10.0, "interpolated"))),
     Recording("held", set_to(readout=(10.0, "held"))),
     Recording("position-late", set_to(position_delay=0.02), "named", ("position_delay",)),
+    Recording("uneven-clock", set_to(jitter=0.2, position_delay=0.02), "named", ("position_delay",)),
     Recording("position-filtered", set_to(position_low_pass=0.05), "named", ("position_delay", "position_averaging")),
     Recording("low-pass", low_pass, "named", ("sensor_lag", "record_delay")),
     Recording("gauge-offset", set_to(offset=(2e3, 0.0)), "named", ("sensor_offset",)),
@@ -267,8 +269,11 @@ def trace(chamber, logger, moves, pressure, end, rate, position_noise, g):
         shown[inside] = run.sol(grid[inside])[column]
         positions[inside] = [position_at(at, t)[0] for t in grid[inside]]
     rows = np.arange(0, end, 1 / rate)
+    read = rows
+    if logger.jitter:
+        read = np.maximum(rows + np.clip(logger.jitter * g.normal(size=len(rows)), -0.45, 0.45) / rate, 0)
     delay = logger.delay[0] + logger.delay[1] * g.normal() + chamber.value("record_delay", "delay_s")
-    seen = np.interp(rows - delay, grid, filtered(shown, grid[1], logger.low_pass))
+    seen = np.interp(read - delay, grid, filtered(shown, grid[1], logger.low_pass))
     seen += chamber.value("sensor_drift", "rate_pa_per_s") * rows + logger.offset[0] + logger.offset[1] * g.normal()
     seen += g.normal(0, logger.noise, len(rows))
     if logger.coloured:
@@ -277,7 +282,7 @@ def trace(chamber, logger, moves, pressure, end, rate, position_noise, g):
     bad = g.uniform(size=len(rows)) < logger.outliers
     seen[bad] += g.choice([-1, 1], bad.sum()) * g.uniform(4e3, 2e4, bad.sum())
     seen = read_out(rows, seen, logger.readout, rate)
-    where = np.interp(rows - logger.position_delay, grid, filtered(positions, grid[1], logger.position_low_pass))
+    where = np.interp(read - logger.position_delay, grid, filtered(positions, grid[1], logger.position_low_pass))
     where = where * logger.scale + logger.position_offset + g.normal(0, position_noise, len(rows))
     where = read_out(rows, where, logger.position_readout, rate)
     if logger.position_lost:

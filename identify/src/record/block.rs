@@ -31,7 +31,8 @@ pub struct Block {
     /// Standard deviation of the mean by the position's noise while the piston moves, by what its moving average leaves open, and
     /// by the times of the rows, Pa.
     pub by_position_pa: f64,
-    /// The part of that by the positions' noise and by the stroke between their rows, Pa: all but what an average hides.
+    /// The part of that by the positions' noise, by the times of the rows and by the stroke between them, Pa: all that a shift or a
+    /// low-pass smooths.
     pub by_rows_pa: f64,
     /// Standard deviation of the mean by the rounding of a held piston's position, Pa: part of what its blocks have in common.
     pub by_rounding_pa: f64,
@@ -151,7 +152,7 @@ pub fn blocks(
                 range_pa,
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
                 by_position_pa: (by_metre_pa * hidden_m.hypot(noise_sd_m)).hypot(by_clock_pa),
-                by_rows_pa: by_metre_pa * between_m.hypot(noise_sd_m),
+                by_rows_pa: (by_metre_pa * between_m.hypot(noise_sd_m)).hypot(if moves { by_clock_pa } else { 0.0 }),
                 by_rounding_pa: per_metre * rounding_m,
                 common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },
                 phase: s.phase,

@@ -380,8 +380,9 @@ impl Recipe {
             ambient_pa: self.ambient_pa,
             stroke: &stroke,
         };
+        let read_s = faults.read(&time_s, self.rate_hz, disturbing);
         let delay_s = faults.pressure_delay_s.draw(disturbing);
-        let mut shown = sampled(&time_s, delay_s, faults.low_pass_s, |times| truth.readings(times, pressure));
+        let mut shown = sampled(&read_s, delay_s, faults.low_pass_s, |times| truth.readings(times, pressure));
         let offset_pa = faults.offset_pa.draw(disturbing);
         shown.iter_mut().for_each(|p| *p += offset_pa);
         for disturbance in &faults.disturbances {
@@ -392,7 +393,7 @@ impl Recipe {
         let mut noisy = |value: f64, sd: f64, step: f64| rounded(value + sd * random.normal(), step);
         let mut pressure_pa: Vec<f64> = shown.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect();
         let stated = &faults.stated;
-        let mut position_m: Vec<f64> = sampled(&time_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
+        let mut position_m: Vec<f64> = sampled(&read_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
             times.iter().map(|t| averaged(*t, faults.position_window_s, |t| stroke.at(t, t).0)).collect()
         })
         .into_iter()

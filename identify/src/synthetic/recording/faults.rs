@@ -85,6 +85,8 @@ pub struct Faults {
     pub one_reading_pa: Option<f64>,
     /// Readings in a second of a pressure sensor that is slower than the rows, and what stands between them.
     pub readout: Option<(f64, Filled)>,
+    /// Standard deviation of the times at which rows are read about their stamps, over the time from row to row.
+    pub jitter: f64,
     /// How late the position is recorded, s.
     pub position_delay_s: f64,
     /// Time constant of a low-pass that the position passes, s.
@@ -117,6 +119,7 @@ impl Default for Faults {
             spikes: 0.0,
             one_reading_pa: None,
             readout: None,
+            jitter: 0.0,
             position_delay_s: 0.0,
             position_low_pass_s: 0.0,
             position_window_s: 0.0,
@@ -132,6 +135,17 @@ impl Default for Faults {
 }
 
 impl Faults {
+    /// When rows with these stamps are read, s.
+    pub fn read(&self, time_s: &[f64], rate_hz: f64, random: &mut Random) -> Vec<f64> {
+        /// Rows are read one after the other.
+        const FARTHEST: f64 = 0.45;
+        if self.jitter == 0.0 {
+            return time_s.to_vec();
+        }
+        let mut late = || (self.jitter * random.normal()).clamp(-FARTHEST, FARTHEST) / rate_hz;
+        time_s.iter().map(|t| (t + late()).max(0.0)).collect()
+    }
+
     /// Spikes and the one bad reading, in place.
     pub fn spoil(&self, pressure_pa: &mut [f64], first_record: bool, random: &mut Random) {
         if self.spikes > 0.0 {

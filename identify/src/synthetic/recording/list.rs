@@ -154,6 +154,14 @@ pub const ALL: &[Recording] = &[
         ..PLAIN
     },
     Recording {
+        name: "uneven-clock",
+        what: "rows read by 20 % of a row (standard deviation) before or after their stamps, position recorded 20 ms late",
+        expected: Expected::Named(&["position_delay"]),
+        changes: |r, _| (r.faults.jitter, r.faults.position_delay_s) = (0.2, 0.02),
+        hides: &["record_delay", "sensor_lag", "position_averaging"],
+        ..PLAIN
+    },
+    Recording {
         name: "position-filtered",
         what: "position through a low-pass of 50 ms",
         expected: Expected::Named(&["position_delay", "position_averaging"]),
