@@ -66,7 +66,7 @@ def benchmarks(_):
     """Rows a second of each solver, on a logarithmic axis."""
     measured = json.loads((HERE / "benchmarks.json").read_text())
     rates = {result["name"]: result["rate"] for result in measured["results"]}
-    left, right, top, step = 380, 1000, 86, 44
+    left, right, top, step = 380, 970, 86, 44
     decades = range(3, 8)
     to_x = lambda rate: left + (right - left) * (math.log10(rate) - decades[0]) / (decades[-1] - decades[0])
     bottom = top + step * len(SOLVERS)
