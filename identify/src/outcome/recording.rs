@@ -114,7 +114,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
         ));
     }
     out.extend(data.unit_doubt.iter().map(Doubt::sentence));
-    if let Some(jitter_s) = data.clock_jitter_s {
+    if let Some(jitter_s) = data.clock_jitter_s() {
         out.push(format!(
             "the rows were read up to {} ms (rms) before or after the times that stand beside them: positions and pressures show it alike while the piston moves, and those rows have the times at which the positions say that they were read",
             digits(jitter_s * 1e3, 2)

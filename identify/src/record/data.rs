@@ -151,8 +151,6 @@ pub struct Data {
     pub pressure_unit: Option<&'static Unit>,
     /// What speaks for another one.
     pub unit_doubt: Option<Doubt>,
-    /// Standard deviation of the times at which rows were read about their stamps, s, where that shows; the rows have their times.
-    pub clock_jitter_s: Option<f64>,
     /// Names of the experiments.
     pub experiments: Vec<String>,
     /// The traces, experiment by experiment.
@@ -265,6 +263,11 @@ impl Data {
         noise::least(self.highest_pressure_pa())
     }
 
+    /// Standard deviation of the times at which rows were read about their stamps, s, where that shows; the rows have their times.
+    pub fn clock_jitter_s(&self) -> Option<f64> {
+        self.traces.iter().flat_map(|t| &t.readout.open_s).copied().reduce(f64::max)
+    }
+
     /// Rows left out as outliers.
     pub fn outliers(&self) -> usize {
         self.traces.iter().map(|t| t.readout.outliers.len()).sum()
@@ -277,7 +280,7 @@ impl Data {
 }
 
 /// Time from row to row, s, where no row was lost.
-fn usual_row_s(time_s: &[f64]) -> f64 {
+pub(super) fn usual_row_s(time_s: &[f64]) -> f64 {
     /// A step so many times as long as the median one has lost a row, and one that only the clock makes longer has not.
     const LOST: f64 = 1.5;
     let mut steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();

@@ -8,6 +8,7 @@
 //! low-pass shows of a wrong position later is not the same row's, and remains. Position in m, time in s.
 
 use crate::record::between_rows::{OF_NOISE, cubic};
+use crate::record::data::usual_row_s;
 use crate::record::local_cubic::local_cubic;
 use crate::record::scatter::scatter;
 
@@ -33,7 +34,7 @@ const FARTHEST: f64 = 0.45;
 
 /// The columns of a record whose rows are all read: time, s, position, m, and pressure, Pa.
 #[derive(Clone, Copy)]
-pub struct Columns<'a> {
+pub struct Stamped<'a> {
     pub time_s: &'a [f64],
     pub position_m: &'a [f64],
     pub pressure_pa: &'a [f64],
@@ -54,21 +55,20 @@ struct Row {
 pub struct Times {
     /// The times, s, as far as the positions tell them.
     pub time_s: Vec<f64>,
-    /// Standard deviation of the times about those, s.
+    /// Standard deviation of the times about those, s: that of the clock in rows that no motion tells of.
     pub open_s: Vec<f64>,
 }
 
-/// The jitter of a logger, s, and when the rows of its records were read; `None` where it shows no jitter.
-pub fn mended(records: &[Columns<'_>]) -> Option<(f64, Vec<Times>)> {
+/// When the rows of a logger's records were read; `None` where its clock shows no jitter.
+pub fn mended(records: &[Stamped<'_>]) -> Option<Vec<Times>> {
     let rows: Vec<Vec<Row>> = records.iter().map(rows_in_motion).collect();
-    let row_s = shortest_row(records)?;
+    let row_s = records.iter().map(|r| usual_row_s(r.time_s)).min_by(f64::total_cmp)?;
     let jitter_s = jitter(rows.iter().flatten(), row_s)?;
     let reach = smooth_reach(records, &rows, jitter_s);
-    let times = records.iter().zip(&rows).map(|(record, rows)| record.times(rows, jitter_s, reach));
-    Some((jitter_s, times.collect()))
+    Some(records.iter().zip(&rows).map(|(record, rows)| record.times(rows, jitter_s, reach)).collect())
 }
 
-impl Columns<'_> {
+impl Stamped<'_> {
     /// When the rows were read: those in motion as they lie about a cubic through so many rows on either side.
     fn times(&self, rows: &[Row], jitter_s: f64, reach: usize) -> Times {
         let mut times = Times { time_s: self.time_s.to_vec(), open_s: vec![jitter_s; self.time_s.len()] };
@@ -97,15 +97,9 @@ fn in_cubic(reach: usize) -> f64 {
     9.0 / (4.0 * (2 * reach + 1) as f64)
 }
 
-/// Time between two rows, s, of the record that is read fastest.
-fn shortest_row(records: &[Columns<'_>]) -> Option<f64> {
-    let of = |r: &Columns<'_>| (r.time_s[r.time_s.len() - 1] - r.time_s[0]) / (r.time_s.len() - 1) as f64;
-    records.iter().filter(|r| r.time_s.len() > 1).map(of).min_by(f64::total_cmp)
-}
-
 /// The rows of a record whose way from one to the next stands out of the noise.
-fn rows_in_motion(record: &Columns<'_>) -> Vec<Row> {
-    let &Columns { time_s, position_m, pressure_pa } = record;
+fn rows_in_motion(record: &Stamped<'_>) -> Vec<Row> {
+    let &Stamped { time_s, position_m, pressure_pa } = record;
     let noise = [scatter(position_m), scatter(pressure_pa)].map(|of_reading| of_reading * OF_NOISE.sqrt());
     let moves =
         |at: &usize| (position_m[at + 1] - position_m[at - 1]).abs() > noise[0] && time_s[at + 1] > time_s[at - 1];
@@ -154,7 +148,7 @@ fn jitter<'a>(rows: impl Iterator<Item = &'a Row> + Clone, row_s: f64) -> Option
 }
 
 /// The most rows on either side through which a cubic still goes as near to the positions as one through few of them.
-fn smooth_reach(records: &[Columns<'_>], rows: &[Vec<Row>], jitter_s: f64) -> usize {
+fn smooth_reach(records: &[Stamped<'_>], rows: &[Vec<Row>], jitter_s: f64) -> usize {
     const AS_NEAR: f64 = 1.15;
     let scatter_about = |reach: usize| {
         let (mut squares, mut count) = (0.0, 0.0);
@@ -200,10 +194,10 @@ mod tests {
         Record { stamps, read, position, pressure }
     }
 
-    fn mended_times(records: &[Record]) -> Option<(f64, Vec<Times>)> {
-        let columns: Vec<Columns<'_>> = records
+    fn mended_times(records: &[Record]) -> Option<Vec<Times>> {
+        let columns: Vec<Stamped<'_>> = records
             .iter()
-            .map(|r| Columns { time_s: &r.stamps, position_m: &r.position, pressure_pa: &r.pressure })
+            .map(|r| Stamped { time_s: &r.stamps, position_m: &r.position, pressure_pa: &r.pressure })
             .collect();
         mended(&columns)
     }
@@ -212,7 +206,8 @@ mod tests {
     fn the_times_of_rows_that_were_read_unevenly_are_found() {
         for late_s in [0.0, 0.007] {
             let records: Vec<Record> = (0..4).map(|seed| record(seed, 0.2, 0.0, late_s)).collect();
-            let (jitter_s, times) = mended_times(&records).unwrap();
+            let times = mended_times(&records).unwrap();
+            let jitter_s = times[0].open_s[0];
             assert!((jitter_s / (0.2 * ROW_S) - 1.0).abs() < 0.2, "{jitter_s}");
             let off = |times: &dyn Fn(usize) -> f64, r: &Record| -> f64 {
                 // The fast part of the push.
@@ -236,7 +231,7 @@ mod tests {
     #[test]
     fn what_is_left_open_of_the_times_is_of_the_size_that_is_stated() {
         let records: Vec<Record> = (0..8).map(|seed| record(seed, 0.2, 0.0, 0.0)).collect();
-        let (_, times) = mended_times(&records).unwrap();
+        let times = mended_times(&records).unwrap();
         let rows = || records.iter().zip(&times).flat_map(|(r, t)| (0..600).map(move |i| (r, t, i)));
         let off: f64 = rows().map(|(r, t, i)| (t.time_s[i] - r.read[i]).powi(2)).sum();
         let stated: f64 = rows().map(|(_, t, i)| t.open_s[i].powi(2)).sum();
@@ -261,7 +256,7 @@ mod tests {
 
     #[test]
     fn rigs_with_an_even_clock_show_no_jitter() {
-        let shows = |recipe: Recipe| Data::prepare(&recipe.rig()).unwrap().clock_jitter_s.is_some();
+        let shows = |recipe: Recipe| Data::prepare(&recipe.rig()).unwrap().clock_jitter_s().is_some();
         let shown: Vec<u64> =
             (0..30).filter(|seed| shows(Recipe::from_seed(*seed)) || shows(Recipe::wide(*seed))).collect();
         assert!(shown.is_empty(), "{shown:?}");

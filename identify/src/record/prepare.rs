@@ -6,7 +6,7 @@ use crate::forward::Course;
 use crate::record::between_rows::Look;
 use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
 use crate::record::first_volume::first_guess;
-use crate::record::jitter::{self, Times};
+use crate::record::jitter::{self, Stamped, Times};
 use crate::record::level;
 use crate::record::line::Line;
 use crate::record::noise::{Noise, Quiet};
@@ -28,7 +28,7 @@ impl Data {
     /// # Errors
     /// Where the data cannot be what it should be: [`Error`] names it with the number that gives it away.
     pub fn prepare(rig: &Rig) -> Result<Self, Error> {
-        let (mended, clock_jitter_s) = Mended::all(rig);
+        let mended = Mended::all(rig);
         let mut columns = Vec::with_capacity(mended.len());
         for trace in &mended {
             columns.push(Columns::of(trace)?);
@@ -36,10 +36,10 @@ impl Data {
         let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], c.pressure_pa)).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
         let declared = Declared::of(rig);
-        for (c, readout) in columns.iter_mut().zip(readouts) {
+        for ((c, mended), readout) in columns.iter_mut().zip(&mended).zip(readouts) {
             checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?;
             let (unfollowed, at_gaps) = (c.motion.unfollowed(), gaps::rows(&c.motion));
-            c.readout = Readout { unfollowed, at_gaps, open_s: c.open_s.to_vec(), ..readout };
+            c.readout = Readout { unfollowed, at_gaps, open_s: mended.open_s.clone(), ..readout };
         }
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
@@ -77,7 +77,6 @@ impl Data {
             accuracy_pa: rig.accuracy_pa,
             pressure_unit: rig.pressure_unit,
             unit_doubt: None,
-            clock_jitter_s,
         };
         data.unit_doubt = level::check(&data, rig.pressure_unit)?;
         Ok(data)
@@ -96,8 +95,8 @@ struct Mended<'a> {
 }
 
 impl<'a> Mended<'a> {
-    /// Those of a rig, whose sensor of the position is read alike in all of them, and the jitter of its logger's clock, s.
-    fn all(rig: &'a Rig) -> (Vec<Self>, Option<f64>) {
+    /// Those of a rig, whose sensor of the position is read alike in all of them, with the times at which its rows were read.
+    fn all(rig: &'a Rig) -> Vec<Self> {
         let traces = rig.experiments.iter().enumerate().flat_map(|(e, experiment)| {
             let of_trace = move |(r, trace)| (e, r, clock::forward_only(trace));
             experiment.traces.iter().enumerate().map(of_trace)
@@ -115,23 +114,20 @@ impl<'a> Mended<'a> {
                 Self { trace, experiment, repeat, backward_rows, positions, open_s: Vec::new() }
             })
             .collect();
-        let jitter_s = Self::read_in_time(&mut mended);
-        (mended, jitter_s)
-    }
-
-    /// Gives rows that were read unevenly their times; the jitter, s, where there is some.
-    fn read_in_time(all: &mut [Self]) -> Option<f64> {
-        let columns = all.iter().map(|m| {
-            let Trace { time_s, position_m, pressure_pa, .. } = &*m.trace;
-            let pressure_pa = pressure_pa.as_deref().filter(|_| m.positions.between == Between::Nothing)?;
-            Some(jitter::Columns { time_s, position_m, pressure_pa })
-        });
-        let (jitter_s, times) = jitter::mended(&columns.collect::<Option<Vec<_>>>()?)?;
-        for (mended, Times { time_s, open_s }) in all.iter_mut().zip(times) {
+        let stamped = mended.iter().map(Self::stamped).collect::<Option<Vec<_>>>();
+        let times = stamped.and_then(|records| jitter::mended(&records));
+        for (mended, Times { time_s, open_s }) in mended.iter_mut().zip(times.into_iter().flatten()) {
             mended.trace.to_mut().time_s = time_s;
             mended.open_s = open_s;
         }
-        Some(jitter_s)
+        mended
+    }
+
+    /// Its columns, where each row was read.
+    fn stamped(&self) -> Option<Stamped<'_>> {
+        let Trace { time_s, position_m, pressure_pa, .. } = &*self.trace;
+        let pressure_pa = pressure_pa.as_deref().filter(|_| self.positions.between == Between::Nothing)?;
+        Some(Stamped { time_s, position_m, pressure_pa })
     }
 }
 
@@ -142,7 +138,6 @@ struct Columns<'a> {
     repeat: usize,
     backward_rows: usize,
     positions: &'a Positions,
-    open_s: &'a [f64],
     pressure_pa: &'a [f64],
     time_s: Vec<f64>,
     motion: Motion,
@@ -152,14 +147,14 @@ struct Columns<'a> {
 impl<'a> Columns<'a> {
     /// Of a trace as if each of its rows were read.
     fn of(mended: &'a Mended<'_>) -> Result<Self, Error> {
-        let &Mended { ref trace, experiment, repeat, backward_rows, ref positions, ref open_s } = mended;
+        let &Mended { ref trace, experiment, repeat, backward_rows, ref positions, .. } = mended;
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = gaps::motion(&time_s, &trace.position_m, positions);
         let readout = Readout::every_row();
-        Ok(Self { trace, experiment, repeat, backward_rows, positions, open_s, pressure_pa, time_s, motion, readout })
+        Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout })
     }
 
     fn quiet(&self) -> Quiet<'_> {
@@ -174,8 +169,7 @@ impl<'a> Columns<'a> {
     }
 
     fn prepared(self, rig: &Rig) -> Prepared {
-        let Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout, .. } =
-            self;
+        let Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout } = self;
         let ambient_temperature = ambient(trace, &time_s, rig.ambient.temperature_k);
         let flow = trace.mass_flow_kg_per_s.as_ref().filter(|flow| flow.iter().any(|f| *f != 0.0));
         let mass_flow = flow.map(|flow| Spline::through(time_s.clone(), flow.clone(), [Some(0.0), Some(0.0)]));

@@ -60,10 +60,8 @@ impl Rows<'_> {
                     (Some(before), Some(after)) => (i - knots[before]).min(after - i),
                     _ => 1,
                 };
-                (
-                    self.time_s[i],
-                    if reach > 1 { local_cubic(self.time_s, self.position_m, i, reach)[0] } else { self.position_m[i] },
-                )
+                let through_rows = || local_cubic(self.time_s, self.position_m, i, reach)[0];
+                (self.time_s[i], if reach > 1 { through_rows() } else { self.position_m[i] })
             })
             .unzip();
         Spline::through(t, x, self.ends)

@@ -2,8 +2,8 @@
 //! to row is lost in the noise, for many rows where they follow each other fast.
 //!
 //! It turns where one smooth curve, a polynomial of degree four, goes through the rows of the stop and half as many of each move
-//! beside it, besides those in which that may stand yet, as closely as the noise lets it. The corners of a stop do not lie on such a curve, nor does a stop that lasts. At an
-//! end of the record, where one move lies beside it, the stop's own rows have to show a way. Positions in m.
+//! beside it, besides those in which that may stand yet, as closely as the noise lets it. The corners of a stop do not lie on such
+//! a curve, nor does a stop that lasts. At an end of the record, where one move lies beside it, the stop's own rows have to show a way. Positions in m.
 
 use crate::record::spline::{extent, mean};
 use nalgebra::{DMatrix, DVector};

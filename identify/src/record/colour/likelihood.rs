@@ -89,18 +89,14 @@ impl Likelihood<'_> {
     }
 
     /// White noise, with hum where that is known, and with the processes that pay: coloured ones of up to `longest_s`, flicker noise
-    /// of up to `record_s`. Where the
-    /// windows do not tell coloured noise from flicker noise, which wanders over all of a record, it is taken for that: an effect
-    /// that is there can be found in more records, one that is not is believed.
+    /// of up to `record_s`. Where the windows do not tell coloured noise from flicker noise, which wanders over all of a record, it
+    /// is taken for that: an effect that is there can be found in more records, one that is not is believed.
     pub fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
         let white = self.scaled(start);
         let coloured = self.coloured(white.clone(), longest_s);
         let flickering = self.flickering(&white.1, record_s);
-        let coloured = if !coloured.1.colours.is_empty() && self.cost(&flickering) < self.cost(&coloured) + DECISIVE {
-            flickering
-        } else {
-            self.better(coloured, flickering)
-        };
+        let lead = if coloured.1.colours.is_empty() { 0.0 } else { DECISIVE };
+        let coloured = if self.cost(&flickering) < self.cost(&coloured) + lead { flickering } else { coloured };
         if start.hum.is_some() {
             return coloured.1;
         }
@@ -128,14 +124,14 @@ impl Likelihood<'_> {
     }
 
     /// With up to two coloured processes, as many as pay.
-    pub fn coloured(&self, noise: (f64, Noise), longest_s: f64) -> (f64, Noise) {
+    fn coloured(&self, noise: (f64, Noise), longest_s: f64) -> (f64, Noise) {
         let one = self.with_another_colour(&noise.1, longest_s);
         let best = self.better(noise, one.clone());
         if best.1 == one.1 { self.better(best, self.with_another_colour(&one.1, longest_s)) } else { best }
     }
 
     /// With the best flicker noise.
-    pub fn flickering(&self, white: &Noise, record_s: f64) -> (f64, Noise) {
+    fn flickering(&self, white: &Noise, record_s: f64) -> (f64, Noise) {
         const FACTOR: f64 = 3.0;
         /// A band narrower than this is a single process.
         const NARROWEST: f64 = 100.0;
@@ -344,7 +340,6 @@ pub fn scale_by(noise: &Noise, factor: f64) -> Noise {
 
 #[cfg(test)]
 mod tests {
-    const ALONE: usize = 120;
     use super::super::{FREE_ALONE, FREE_IN_CONTRAST};
     use super::*;
     use crate::synthetic::Random;
@@ -423,7 +418,7 @@ mod tests {
             for _ in 0..2000 {
                 next();
             }
-            Window { values: (0..ALONE).map(|_| next()).collect(), distance_s: ROW_S, averaged: 1 }
+            Window { values: (0..120).map(|_| next()).collect(), distance_s: ROW_S, averaged: 1 }
         };
         (0..40).map(|_| window()).collect()
     }

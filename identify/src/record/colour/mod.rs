@@ -26,10 +26,10 @@ const FREE_IN_CONTRAST: usize = 1;
 const MOST_POINTS: usize = 30_000;
 /// Fewest points that say anything about colour.
 const FEWEST_POINTS: usize = 120;
-/// Periods of a hum that the longest window has at least where there are no repeats: fewer may be the gas...
+/// Periods of a hum that the longest window has at least where there are no repeats: fewer may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
-/// ...and of a contrast, which is free of its mean.
-const FEWEST_PERIODS_IN_CONTRAST: f64 = 0.5;
+/// Periods that show a line at all: enough in a contrast, which is free of the gas.
+const FEWEST_SEEN: f64 = 0.5;
 
 /// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
 /// change: step, what the rig states.
@@ -44,8 +44,7 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
         windows = windows.into_iter().step_by(2).collect();
     }
-    let (free, fewest_periods) =
-        if pure { (FREE_IN_CONTRAST, FEWEST_PERIODS_IN_CONTRAST) } else { (FREE_ALONE, FEWEST_PERIODS) };
+    let (free, fewest_periods) = if pure { (FREE_IN_CONTRAST, FEWEST_SEEN) } else { (FREE_ALONE, FEWEST_PERIODS) };
     let likelihood = Likelihood { windows: &windows, free, fewest_periods, least_pa: data.least_noise_pa() };
     let white_pa = before.white_pa.max(before.rounding_pa());
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
@@ -81,9 +80,8 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
         rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
     };
     let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
-    let fewest_periods = FEWEST_PERIODS_IN_CONTRAST;
-    let likelihood =
-        Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, least_pa: data.least_noise_pa() };
+    let (fewest_periods, least_pa) = (FEWEST_SEEN, data.least_noise_pa());
+    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, least_pa };
     let longest_s = likelihood.longest_s();
     // A colour stands for what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
