@@ -63,13 +63,16 @@ impl<const N: usize> Knot<N> {
     const NONE: Self = Self { time: Lanes::ZERO, state: [Lanes::ZERO; N] };
 }
 
-/// Runs tests whose numbers are checked; with durations in s.
+/// Runs tests whose numbers are checked, if there are some; with durations in s.
 pub fn run<const N: usize, T: OwnTest<N>>(
     batch: Batch,
     memory: &mut Memory<N, T>,
     rows: &[(u32, f64)],
     out: &mut [Outcome],
 ) {
+    if rows.is_empty() {
+        return;
+    }
     let Batch { arch, scenarios, options } = batch;
     let Memory { tests, problems, pushed, log, order, knots, records, left } = memory;
     let relative = options.relative_tolerance;

@@ -70,10 +70,16 @@ fn fifth_power(x: Lanes) -> Lanes {
     square * square * x
 }
 
-/// Share of a step at which it meets its first corner, 1 where it meets none, from the pressures at both its ends, Pa, their
-/// slopes there, Pa for the whole step, and its narrowing.
+/// Share of a step of length `h` at which it meets its first corner, 1 where it meets none, from the pressures at both its ends,
+/// Pa, their slopes there, and its narrowing.
 #[inline(always)]
-pub fn met(corners: &impl Corners, [[from, slope], [to, end_slope]]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
+pub fn met(
+    corners: &impl Corners,
+    h: Lanes,
+    [[from, slope], [to, end_slope]]: [[Lanes; 2]; 2],
+    narrowing: Lanes,
+) -> Lanes {
+    let (slope, end_slope) = (slope * h, end_slope * h);
     let way = to - from;
     let beside = (from * BESIDE).min(way.abs() * 0.5);
     let inward = way.where_positive(beside, -beside);
@@ -133,9 +139,8 @@ mod tests {
         // A leak to 1 bar chokes at b = 0.3.
         let set: EffectSet = effects::find("leakage").into_iter().map(|(effect, _)| effect).collect();
         let values = EffectValues::NEUTRAL.lift::<Lanes>();
-        let step = [at(0.1), at(0.5)].map(|[pressure, slope]| [pressure, slope * 0.4]);
         let corners = OfEffects { set, values: &values, ambient_pressure: Lanes::from(1e5) };
-        let share = met(&corners, step, narrowing(0.1, 0.5))[3];
+        let share = met(&corners, Lanes::from(0.4), [at(0.1), at(0.5)], narrowing(0.1, 0.5))[3];
         let error = (pressure(0.1 + 0.4 * share) * 0.3 / 1e5 - 1.0).abs();
         assert!(error < 0.5 * BESIDE, "{error:e}");
     }

@@ -37,12 +37,7 @@ pub fn settling<const N: usize, H: Holding<N>>(
             if step.accepted[column] > 0.0 && (turn.is_some() || (reading - end[lane]).abs() > band[lane]) {
                 low[lane] = turn.unwrap_or(0.0);
                 time[lane] = step.from[column];
-                length[lane] = step.length[column];
-                for side in 0..2 {
-                    for i in 0..N {
-                        ends[side][i][lane] = step.states[side][i][column];
-                    }
-                }
+                step.put(column, lane, &mut length, &mut ends);
                 break;
             }
         }

@@ -285,11 +285,10 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, [begin, end]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
-        let step = [[begin[0], begin[1] * h], [end[0], end[1] * h]];
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
         let values = &self.balance.chamber.effects;
         let corners = OfEffects { set: self.set(), values, ambient_pressure: self.stretch.ambient_pressure };
-        corner::met(&corners, step, narrowing)
+        corner::met(&corners, h, ends, narrowing)
     }
 }
 

@@ -140,29 +140,16 @@ impl Kernel {
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
             let batch = Batch { arch, scenarios, options };
             sorted.fill(set, scenarios, options, out);
-            if !sorted.sealed.is_empty() {
-                adaptive::run(batch, memory, &sorted.sealed, out);
-            }
-            if !sorted.walled.is_empty() {
-                adaptive::run(batch, walled, &sorted.walled, out);
-            }
-            if !sorted.integrated.is_empty() {
-                adaptive::run(batch, integrated, &sorted.integrated, out);
-            }
-            if !sorted.orifices.is_empty() {
-                sorted.orifices.sort_by_cached_key(|row| flows::kind::<Orifice>(&scenarios[row.0 as usize]));
-                adaptive::run(batch, orifices, &sorted.orifices, out);
-            }
-            if !sorted.gaps.is_empty() {
-                adaptive::run(batch, gaps, &sorted.gaps, out);
-            }
-            for row in walled.left.drain(..).chain(integrated.left.drain(..)) {
-                if let Err(reason) = sorted.add(row, Kind::Tight, set, &scenarios[row as usize]) {
-                    out[row as usize] = Outcome::failed(reason);
-                }
-            }
-            for row in orifices.left.drain(..).chain(gaps.left.drain(..)) {
-                if let Err(reason) = sorted.add(row, Kind::Open, set, &scenarios[row as usize]) {
+            sorted.orifices.sort_by_cached_key(|row| flows::kind::<Orifice>(&scenarios[row.0 as usize]));
+            adaptive::run(batch, memory, &sorted.sealed, out);
+            adaptive::run(batch, walled, &sorted.walled, out);
+            adaptive::run(batch, integrated, &sorted.integrated, out);
+            adaptive::run(batch, orifices, &sorted.orifices, out);
+            adaptive::run(batch, gaps, &sorted.gaps, out);
+            let tight = walled.left.drain(..).chain(integrated.left.drain(..)).map(|row| (row, Kind::Tight));
+            let open = orifices.left.drain(..).chain(gaps.left.drain(..)).map(|row| (row, Kind::Open));
+            for (row, kind) in tight.chain(open) {
+                if let Err(reason) = sorted.add(row, kind, set, &scenarios[row as usize]) {
                     out[row as usize] = Outcome::failed(reason);
                 }
             }

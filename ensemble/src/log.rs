@@ -17,6 +17,19 @@ pub struct Attempted<const N: usize> {
     pub accepted: Lanes,
 }
 
+impl<const N: usize> Attempted<N> {
+    /// Puts its length and the states at its ends, of one lane of its own, into a lane.
+    #[inline(always)]
+    pub fn put(&self, column: usize, lane: usize, length: &mut Lanes, ends: &mut [[Lanes; N]; 2]) {
+        length[lane] = self.length[column];
+        for side in 0..2 {
+            for i in 0..N {
+                ends[side][i][lane] = self.states[side][i][column];
+            }
+        }
+    }
+}
+
 /// Keeps every step.
 impl<const N: usize> Watch<N> for Vec<Attempted<N>> {
     #[inline(always)]

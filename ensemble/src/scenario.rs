@@ -71,9 +71,7 @@ impl Scenario {
             profile: None,
         }
     }
-}
 
-impl Scenario {
     /// Whether the piston leaves more gas volume than it found, along no profile.
     #[inline]
     pub(crate) fn expands(&self) -> bool {

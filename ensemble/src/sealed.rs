@@ -108,7 +108,7 @@ pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
     const IS_LONG: bool = false;
     /// τ, s, of the paper's exponential near to a hold from some states to others.
     fn time_constant(&self, ends: [&[Lanes; N]; 2]) -> Lanes;
-    /// The reading.
+    /// What the record shows of some states, in the unit of [`OwnTest::start_reading`].
     #[inline(always)]
     fn reading<R: Real>(states: &[R; N]) -> R {
         states[0] * states[0]
@@ -351,9 +351,7 @@ impl Held<'_> {
         self.exchange[lane] = test.rate / test.closed.ambient_temperature;
         self.wall[lane] = test.closed.ambient_temperature;
     }
-}
 
-impl Held<'_> {
     /// τ, s, of the paper's exponential near to a hold that begins at a temperature, K.
     #[inline(always)]
     pub fn time_constant_from(&self, peak: Lanes) -> Lanes {

@@ -109,13 +109,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
         let (mut length, mut ends) = (Lanes::ZERO, [*begin; 2]);
         for lane in 0..WIDTH {
             if let Some(attempted) = log.get(step[lane]) {
-                let column = steps[lane].lane as usize;
-                length[lane] = attempted.length[column];
-                for side in 0..2 {
-                    for i in 0..N {
-                        ends[side][i][lane] = attempted.states[side][i][column];
-                    }
-                }
+                attempted.put(steps[lane].lane as usize, lane, &mut length, &mut ends);
             }
         }
         [turns.share, turns.value] = arch.dispatch(Turn { system, length, ends: &ends, sign });

@@ -64,6 +64,16 @@ pub struct State<R> {
     pub per_energy: R,
 }
 
+impl<R: Real> State<R> {
+    /// Of ν and z.
+    #[inline(always)]
+    pub fn of(&[per_root_mass, per_root]: &[R; 2]) -> Self {
+        let both = per_root_mass * per_root;
+        let root_energy = both.recip();
+        Self { per_root_mass, per_root, root: root_energy * per_root_mass, root_energy, per_energy: both * both }
+    }
+}
+
 /// What the equations give, per unit of the clock.
 pub struct Rates<R> {
     /// Of the states.

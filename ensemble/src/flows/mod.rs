@@ -231,9 +231,8 @@ impl<L: Law> LaneSystem<2> for Moving<'_, L> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, [begin, end]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
-        let step = [[begin[0], begin[1] * h], [end[0], end[1] * h]];
-        corner::met(&At::<L>(&self.constants.passage, PhantomData), step, narrowing)
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
+        corner::met(&At::<L>(&self.constants.passage, PhantomData), h, ends, narrowing)
     }
 }
 
@@ -284,12 +283,7 @@ impl<L: Law> Held<'_, L> {
             known[i].coefficients.copy_from_slice(&states[i].coefficients[..K]);
             known[i].side = states[i].side;
         }
-        let [per_root_mass, per_root] = known;
-        let both = per_root_mass * per_root;
-        let root_energy = both.recip();
-        let root = root_energy * per_root_mass;
-        let state = State { per_root_mass, per_root, root, root_energy, per_energy: both * both };
-        let rates = self.constants.as_series::<K>().rates::<L>(&self.place(), &state);
+        let rates = self.constants.as_series::<K>().rates::<L>(&self.place(), &State::of(&known));
         for i in 0..2 {
             states[i].coefficients[K] = rates.states[i].coefficients[K - 1] * length * (1.0 / K as f64);
         }
@@ -314,11 +308,9 @@ impl<L: Law> LaneSystem<2> for Held<'_, L> {
     const ANYWHERE: bool = true;
 
     #[inline(always)]
-    fn rates(&self, _: Lanes, &[per_root_mass, per_root]: &[Lanes; 2]) -> Moment<2> {
-        let both = per_root_mass * per_root;
-        let root_energy = both.recip();
-        let root = root_energy * per_root_mass;
-        let state = State { per_root_mass, per_root, root, root_energy, per_energy: both * both };
+    fn rates(&self, _: Lanes, states: &[Lanes; 2]) -> Moment<2> {
+        let state = State::of(states);
+        let State { root, root_energy, .. } = state;
         let rates = self.constants.rates::<L>(&self.place(), &state);
         let energy = root_energy * root_energy;
         let (temperature, pressure) = (root * root, energy * self.per_volume);
@@ -334,9 +326,8 @@ impl<L: Law> LaneSystem<2> for Held<'_, L> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, [begin, end]: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
-        let step = [[begin[0], begin[1] * h], [end[0], end[1] * h]];
-        corner::met(&At::<L>(&self.constants.passage, PhantomData), step, narrowing)
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
+        corner::met(&At::<L>(&self.constants.passage, PhantomData), h, ends, narrowing)
     }
 }
 
