@@ -35,6 +35,7 @@ pub mod record;
 pub mod seven_steps;
 pub mod signals;
 pub mod simulate;
+pub mod unaveraged;
 
 mod model;
 

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
 RTOL = 1e-11
@@ -209,24 +210,74 @@ class Chamber:
         return np.concatenate([[dp, flow_in - flow_out, dcore, dtw, dlag], dmodes]), q
 
 
+def bends(times, positions, window, apart):
+    """Where a stroke of straight pieces bends, from one time to another; bends nearer than `apart` are one, and reach to the ends
+    where it moves there."""
+    slopes, rounding = np.diff(positions) / np.diff(times), 1e-6 * np.ptp(positions) / window
+    bent = times[1:-1][np.abs(np.diff(slopes)) > rounding]
+    found = [[part[0], part[-1]] for part in np.split(bent, np.flatnonzero(np.diff(bent) >= apart) + 1) if len(part)]
+    if found and abs(slopes[0]) > rounding and found[0][0] - times[0] < apart:
+        found[0][0] = times[0]
+    if found and abs(slopes[-1]) > rounding and times[-1] - found[-1][1] < apart:
+        found[-1][1] = times[-1]
+    return found
+
+
+def behind_average(recorded, ends, motion, window):
+    """The cubic spline, with knots at multiples of a power of two that is w/8 to w/4, whose moving average is nearest to the
+    record with a small third derivative: its knots and coefficients, and from where to where it stands for the stroke. By
+    orthogonal least squares."""
+    step, (begin, end), (first, last) = 2.0 ** math.floor(math.log2(window / 4)), ends, motion
+    rests, steps = (first > begin, last < end), window / step
+    # At a rest the knots a quarter of a window beyond the motion are free, those beyond are the record's; at an end of the record
+    # all that have a part in its averages are, up to five steps away.
+    low = math.floor((first - window / 4) / step) if rests[0] else math.ceil(first / step) - 5
+    high = math.ceil((last + window / 4) / step) if rests[1] else math.floor(last / step) + 5
+    at = np.arange(low - 10 * rests[0], high + 10 * rests[1] + 1)
+    knots, free = step * at, (at >= low) & (at <= high)
+    spline = BSpline.basis_element(np.arange(-2.0, 3.0), extrapolate=False).antiderivative()
+
+    def up_to(u):
+        return spline(np.clip(u, -2, 2)) - spline(-2)
+
+    samples = at[5:-5]
+    away = samples[:, None] - at[None, :]
+    averages = (up_to(away + steps / 2) - up_to(away - steps / 2)) / steps
+    thirds = np.diff(np.eye(len(at)), 3, axis=0)
+    equations = np.vstack([averages, math.sqrt(7e-7 * steps**6) * thirds])
+    right = np.concatenate([recorded(step * samples), np.zeros(len(thirds))])
+    # The average of a spline with a constant second difference d is (1/6 + steps^2/24) d beside its coefficient.
+    beside = recorded(knots - step) - 2 * recorded(knots) + recorded(knots + step)
+    coefficients = recorded(knots) - (1 / 6 + steps**2 / 24) * beside
+    right = right - equations[:, ~free] @ coefficients[~free]
+    coefficients[free] = np.linalg.lstsq(equations[:, free], right, rcond=None)[0]
+    inside = [knots[free][0] - 2 * step if rests[0] else first, knots[free][-1] + 2 * step if rests[1] else last]
+    return step, knots, coefficients, inside
+
+
 def true_stroke(chamber, times, positions):
-    """Knots of the true stroke from a recorded one that was late and a moving average: x - (w^2/24) x" + (7 w^4/5760) x""
-    by differences over half the window; nearer than a window to an end of the record, those of a window from it."""
+    """Knots of the true stroke from a recorded one that was late, has passed a low-pass and is a moving average."""
     delay = chamber.value("position_delay", "delay_s")
     # Behind a low-pass: x + tau dx/dt, the slope at a row the mean of those on both sides, linear between the rows.
     chords = np.concatenate([[0.0], np.diff(positions) / np.diff(times), [0.0]])
     positions = positions + chamber.value("position_delay", "filter_time_constant_s") * (chords[1:] + chords[:-1]) / 2
-    half = chamber.value("position_averaging", "window_s") / 2
+    window = chamber.value("position_averaging", "window_s")
 
     def recorded(t):
-        return np.interp(t + delay, times, positions)
+        return np.interp(t, times, positions)
 
-    knots = np.concatenate([times] + [times - delay + k * half for k in range(-2, 3)])
-    knots = np.unique(np.round(knots[(knots >= times[0]) & (knots <= times[-1])], 9))
-    inside = np.clip(knots, times[0] + 2 * half - delay, times[-1] - 2 * half - delay)
-    # 1/mean = z/sinh z with z = (w/2) d/dt, and the second difference over w/2 is 2 (cosh z - 1).
-    weights = np.array([1 / 30, -3 / 10, 8 / 15, -3 / 10, 1 / 30])
-    return knots, recorded(knots) + sum(weight * recorded(inside + k * half) for k, weight in zip(range(-2, 3), weights))
+    ends = times[0], times[-1]
+    apart = (0.25 + 12 / 4) * window
+    found = [behind_average(recorded, ends, motion, window) for motion in bends(times, positions, window, apart)] if window else []
+    knots = np.concatenate([times, times - delay] + [knots[(knots >= a) & (knots <= b)] - delay for _, knots, _, (a, b) in found])
+    knots = np.unique(np.round(knots[(knots >= times[0]) & (knots <= times[-1])], 11))
+    stroke = recorded(knots + delay)
+    for step, places, coefficients, (a, b) in found:
+        inside = (knots + delay >= a) & (knots + delay <= b)
+        of_knot = BSpline.basis_element(np.arange(-2.0, 3.0), extrapolate=False)
+        parts = np.nan_to_num(of_knot((knots[inside, None] + delay - places[None, :]) / step))
+        stroke[inside] = parts @ coefficients
+    return knots, stroke
 
 
 def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):

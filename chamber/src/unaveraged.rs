@@ -1,0 +1,323 @@
+//! The stroke behind its moving average: least squares over cubic splines, kept smooth.
+//!
+//! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2. Sought is the cubic spline x with knots w/8 to w/4 apart that minimises
+//! ∫ (average of x − x_rec)² + ε w⁶ (d³x/dt³)² dt (Tikhonov, 1963). An average says nothing of a wave that lasts just w;
+//! of the strokes that fit the record, the one with the smallest third derivative is taken. Beside a motion the stroke is the
+//! record, as an average changes no straight line. A parabola is found exactly. Positions in m, times in s.
+//!
+//! The knots are at multiples of a power of two and do not move with the window, or the stroke would not change evenly with it.
+
+use std::ops::Range;
+
+/// Fewest steps of the spline in a window; there are less than twice as many.
+const FEWEST_STEPS: f64 = 4.0;
+/// Weight ε of the third derivative: no wave of the record becomes more than four times as large, since real filters are no exact
+/// averages.
+const SMOOTHNESS: f64 = 7e-7;
+/// Steps from a knot to the farthest one in whose average it has a part: half of the longest window and the spline's two.
+const REACH: usize = 5;
+/// Steps from a knot to the farthest one that it has an equation with.
+const BAND: usize = 2 * REACH;
+/// Windows by which the spline goes beyond the recorded motion, of which the stroke's own ends half a window before: where it
+/// begins is known to a few rows only.
+const BESIDE: f64 = 0.25;
+/// Windows of rest between two motions that make two splines: what is known of a rest must be known without the other motion.
+pub const APART: f64 = BESIDE + (BAND + 2) as f64 / FEWEST_STEPS;
+/// Motions of more windows than this have nothing to gain.
+const MOST_WINDOWS: f64 = 5e4;
+/// Share of the window by which it is widened for derivatives by it.
+const WIDER: f64 = 1e-5;
+
+/// The stroke around a motion.
+pub struct Unaveraged {
+    /// Time from knot to knot, s.
+    step: f64,
+    /// Steps from time zero to the first coefficient's knot.
+    first: f64,
+    /// First and last time at which the spline stands for the stroke, s.
+    extent: [f64; 2],
+    /// Coefficients of the spline, m, and their derivatives by the window, m/s.
+    coefficients: Vec<[f64; 2]>,
+}
+
+/// The stroke at a moment.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct At {
+    /// Position, m, velocity, m/s, acceleration, m/s².
+    pub derivatives: [f64; 3],
+    /// Derivatives of position and velocity by the window.
+    pub by_window: [f64; 2],
+}
+
+impl Unaveraged {
+    /// The stroke of a motion from one time to another, s, in a record between two ends, s, that averages over `window`, s.
+    /// Where the motion does not go up to an end, the record is at rest, or moves evenly, beside it. `None` where the window is
+    /// too short to matter.
+    pub fn new(recorded: impl Fn(f64) -> f64, window: f64, ends: [f64; 2], motion: [f64; 2]) -> Option<Self> {
+        let [from, to] = motion;
+        if window <= 0.0 || (to - from) > MOST_WINDOWS * window {
+            return None;
+        }
+        let step = (window / FEWEST_STEPS).log2().floor().exp2();
+        let rests = [from > ends[0], to < ends[1]];
+        // At a rest some knots more, and those known; at an end of the record those that have a part in its last average.
+        let first = match rests[0] {
+            true => ((from - BESIDE * window) / step).floor() - BAND as f64,
+            false => (from / step).ceil() - REACH as f64,
+        };
+        let last = match rests[1] {
+            true => ((to + BESIDE * window) / step).ceil() + BAND as f64,
+            false => (to / step).floor() + REACH as f64,
+        };
+        let system = System { knots: (last - first) as usize + 1, rests };
+        let time = |knot: f64| (first + knot) * step;
+        let record: Vec<f64> = (0..system.knots + 2).map(|i| recorded(time(i as f64 - 1.0))).collect();
+        let of_window = |window: f64| system.solve(&record, window / step);
+        let (here, wider) = (of_window(window), of_window(window * (1.0 + WIDER)));
+        let with_derivative = |(here, wider): (&f64, &f64)| [*here, (wider - here) / (WIDER * window)];
+        let coefficients = here.iter().zip(&wider).map(with_derivative).collect();
+        // A knot has a part in the spline up to two steps away.
+        let known = [BAND as f64 - 2.0, (last - first) - BAND as f64 + 2.0].map(time);
+        let extent = [0, 1].map(|k| if rests[k] { known[k] } else { motion[k] });
+        Some(Self { step, first, extent, coefficients })
+    }
+
+    /// First and last time at which it stands for the stroke, s.
+    #[inline]
+    pub fn extent(&self) -> [f64; 2] {
+        self.extent
+    }
+
+    /// Times of its knots within its extent, s.
+    pub fn knots(&self) -> impl Iterator<Item = f64> {
+        let [begin, end] = self.extent;
+        let time = |knot: usize| (self.first + knot as f64) * self.step;
+        (0..self.coefficients.len()).map(time).filter(move |time| (begin..=end).contains(time))
+    }
+
+    /// The stroke at a time within its extent, s.
+    #[inline]
+    pub fn at(&self, time: f64) -> At {
+        let step = self.step;
+        let place = time / step - self.first;
+        let near = (place.max(1.0) as usize).min(self.coefficients.len() - 3);
+        let u = place - near as f64;
+        let v = 1.0 - u;
+        let weights = [
+            [v * v * v / 6.0, -0.5 * v * v, v],
+            [2.0 / 3.0 - u * u * (1.0 - 0.5 * u), u * (1.5 * u - 2.0), 3.0 * u - 2.0],
+            [2.0 / 3.0 - v * v * (1.0 - 0.5 * v), -v * (1.5 * v - 2.0), 3.0 * v - 2.0],
+            [u * u * u / 6.0, 0.5 * u * u, u],
+        ];
+        let mut sums = [[0.0; 2]; 3];
+        for (c, weight) in self.coefficients[near - 1..near + 3].iter().zip(weights) {
+            for (sum, weight) in sums.iter_mut().zip(weight) {
+                *sum = [sum[0] + weight * c[0], sum[1] + weight * c[1]];
+            }
+        }
+        let derivatives = [sums[0][0], sums[1][0] / step, sums[2][0] / (step * step)];
+        At { derivatives, by_window: [sums[0][1], sums[1][1] / step] }
+    }
+}
+
+/// The least squares in steps of the spline.
+struct System {
+    /// Knots, known ones at a rest included.
+    knots: usize,
+    /// Whether the record rests before and behind the motion.
+    rests: [bool; 2],
+}
+
+impl System {
+    /// Knots whose coefficients are sought.
+    fn unknown(&self) -> Range<usize> {
+        let [before, behind] = self.rests.map(|rests| if rests { BAND } else { 0 });
+        before..self.knots - behind
+    }
+
+    /// Knots where the average is compared with the record.
+    fn compared(&self) -> Range<usize> {
+        // At a rest up to where no unknown one has a part in it; else as far as the record goes.
+        REACH..self.knots - REACH
+    }
+
+    /// Coefficients of the spline for a record at its knots and one more to either side, averages of so many steps.
+    fn solve(&self, record: &[f64], steps: f64) -> Vec<f64> {
+        let weights = Weights::new(steps);
+        let (unknown, compared) = (self.unknown(), self.compared());
+        let inner: [f64; BAND + 1] = core::array::from_fn(|d| weights.product(2 * BAND, d, 0..4 * BAND, 4 * BAND));
+        let entry = |i: usize, d: usize| {
+            let is_inner = i >= 2 * BAND && i + BAND < self.knots;
+            if is_inner { inner[d] } else { weights.product(i, d, compared.clone(), self.knots) }
+        };
+        // Where the record is a line, or nearly, the spline is beside a coefficient by a sixth of its second difference, and the
+        // average by steps²/24 of it more.
+        let beside = 1.0 / 6.0 + steps * steps / 24.0;
+        let mut c: Vec<f64> = record.windows(3).map(|x| x[1] - beside * (x[0] - 2.0 * x[1] + x[2])).collect();
+        // Rows of the Cholesky factor, each from its diagonal to the left.
+        let mut factor: Vec<[f64; BAND + 1]> = Vec::with_capacity(unknown.len());
+        for i in unknown.clone() {
+            let n = i - unknown.start;
+            // Far from the ends the equations repeat themselves, and soon the rows of the factor do.
+            let row = match factor.as_slice() {
+                [.., before, last] if n > 2 * BAND && i + BAND < self.knots && is_same(before, last) => *last,
+                _ => row_of_factor(&factor, core::array::from_fn(|d| if d <= n { entry(i, d) } else { 0.0 })),
+            };
+            let samples = compared.start.max(i - REACH.min(i))..compared.end.min(i + REACH + 1);
+            let compared: f64 = samples.map(|j| weights.average[j.abs_diff(i)] * record[j + 1]).sum();
+            let known_before: f64 = (i - BAND.min(i)..unknown.start).map(|k| entry(i, i - k) * c[k]).sum();
+            let known_behind: f64 = (unknown.end..self.knots.min(i + BAND + 1)).map(|k| entry(k, k - i) * c[k]).sum();
+            let found: f64 = (1..=BAND.min(n)).map(|d| row[d] * c[i - d]).sum();
+            c[i] = (compared - known_before - known_behind - found) / row[0];
+            factor.push(row);
+        }
+        for i in unknown.clone().rev() {
+            let n = i - unknown.start;
+            let found: f64 = (1..=BAND.min(factor.len() - 1 - n)).map(|d| factor[n + d][d] * c[i + d]).sum();
+            c[i] = (c[i] - found) / factor[n][0];
+        }
+        c
+    }
+}
+
+/// Whether two rows of the factor are the same but for rounding.
+fn is_same(one: &[f64; BAND + 1], other: &[f64; BAND + 1]) -> bool {
+    const ROUNDING: f64 = 1e-15;
+    one.iter().zip(other).all(|(a, b)| (a - b).abs() <= ROUNDING * one[0])
+}
+
+/// The row of the Cholesky factor behind these, from its diagonal to the left, for a row of the matrix.
+fn row_of_factor(factor: &[[f64; BAND + 1]], matrix: [f64; BAND + 1]) -> [f64; BAND + 1] {
+    let n = factor.len();
+    let mut row = [0.0; BAND + 1];
+    for d in (1..=BAND.min(n)).rev() {
+        // Both rows reach as far to the left as this one does.
+        let other = &factor[n - d];
+        let products: f64 = (d + 1..=BAND.min(n)).map(|e| row[e] * other[e - d]).sum();
+        row[d] = (matrix[d] - products) / other[0];
+    }
+    row[0] = (matrix[0] - row[1..].iter().map(|l| l * l).sum::<f64>()).sqrt();
+    row
+}
+
+/// What the knots have to do with each other.
+struct Weights {
+    /// What a knot so many steps away has of an average.
+    average: [f64; REACH + 1],
+    /// Weight of the square of a third difference.
+    smoothness: f64,
+}
+
+impl Weights {
+    /// Where a window has so many steps.
+    fn new(steps: f64) -> Self {
+        let of_knot = |d: f64| (integral(d + 0.5 * steps) - integral(d - 0.5 * steps)) / steps;
+        Self { average: core::array::from_fn(|d| of_knot(d as f64)), smoothness: SMOOTHNESS * steps.powi(6) }
+    }
+
+    /// Entry of the normal equations for knot `i` and the one `d` before it.
+    fn product(&self, i: usize, d: usize, compared: Range<usize>, knots: usize) -> f64 {
+        const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
+        let samples = compared.start.max(i - REACH.min(i))..compared.end.min(i - d + REACH + 1);
+        let averages: f64 = samples.map(|j| self.average[j.abs_diff(i)] * self.average[j.abs_diff(i - d)]).sum();
+        let thirds = i.max(3) - 3..(i - d + 1).min(knots - 3);
+        averages + self.smoothness * thirds.map(|first| THIRD[i - first] * THIRD[i - d - first]).sum::<f64>()
+    }
+}
+
+/// Integral of the cubic B-spline up to so many steps from its middle.
+fn integral(to: f64) -> f64 {
+    let u = to.abs().min(2.0);
+    let from_middle =
+        if u < 1.0 { u * (2.0 / 3.0 - u * u * (1.0 / 3.0 - u / 8.0)) } else { 0.5 - (2.0 - u).powi(4) / 24.0 };
+    0.5 + from_middle.copysign(to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOW: f64 = 0.3;
+
+    /// Average of a function over the window around a time: Gauss's rule, exact for polynomials of degree five.
+    fn average(x: impl Fn(f64) -> f64, time: f64) -> f64 {
+        let at = |place: f64| x(time + 0.5 * WINDOW * place);
+        (5.0 * at(-0.6f64.sqrt()) + 8.0 * at(0.0) + 5.0 * at(0.6f64.sqrt())) / 18.0
+    }
+
+    #[test]
+    fn a_slow_wave_is_found_again() {
+        let x = |t: f64| 0.1 + 0.05 * (2.0 * t).sin();
+        let found = Unaveraged::new(|t| average(x, t), WINDOW, [-9.0, 9.0], [-9.0, 9.0]).unwrap();
+        for t in (-40..40).map(|k| 0.1 * f64::from(k)) {
+            assert!((found.at(t).derivatives[0] - x(t)).abs() < 1e-6, "{t}: {}", found.at(t).derivatives[0] - x(t));
+        }
+        assert!((average(x, 0.8) - x(0.8)).abs() > 7e-4);
+    }
+
+    #[test]
+    fn a_parabola_is_found_again_up_to_the_ends_of_its_record_and_rest_is_rest() {
+        let x = |t: f64| 0.1 + 0.3 * t - t * t;
+        let found = Unaveraged::new(|t| average(x, t), WINDOW, [-1.0, 1.0], [-1.0, 1.0]).unwrap();
+        for t in [-1.0, -0.9, 0.2, 0.95, 1.0] {
+            let [position, velocity, acceleration] = found.at(t).derivatives;
+            assert!((position - x(t)).abs() < 1e-12 && (velocity - (0.3 - 2.0 * t)).abs() < 1e-11, "{t}");
+            assert!((acceleration + 2.0).abs() < 1e-9, "{t}: {acceleration}");
+        }
+        let rests = Unaveraged::new(|_| 0.1, WINDOW, [0.0, 1.0], [0.4, 0.6]).unwrap();
+        assert!(rests.knots().all(|t| (rests.at(t).derivatives[0] - 0.1).abs() < 1e-14));
+        assert!(Unaveraged::new(|_| 0.1, 0.0, [0.0, 1.0], [0.4, 0.6]).is_none());
+    }
+
+    /// A push of one metre in a second that gains its speed in so many seconds, and its average.
+    fn push(gains_speed: f64) -> (impl Fn(f64) -> f64, impl Fn(f64) -> f64) {
+        let speed = 1.0 / (1.0 - gains_speed);
+        // The integral of the ramp, and that of this one, from both ends alike.
+        let ramp = move |t: f64, power: i32| t.max(0.0).powi(power) * speed / gains_speed;
+        let all = move |t: f64, power: i32, by: f64| {
+            (ramp(t, power) - ramp(t - gains_speed, power) - ramp(t - 1.0 + gains_speed, power) + ramp(t - 1.0, power))
+                / by
+        };
+        let averaged = move |t: f64| (all(t + 0.5 * WINDOW, 3, 6.0) - all(t - 0.5 * WINDOW, 3, 6.0)) / WINDOW;
+        (move |t: f64| all(t, 2, 2.0), averaged)
+    }
+
+    #[test]
+    fn a_push_that_gains_its_speed_within_the_window_is_found_again() {
+        for (gains_speed, share) in [(0.5, 0.13), (0.25, 0.11), (0.1, 0.29)] {
+            let (x, averaged) = push(gains_speed);
+            // The motion shows where it begins, and when it is no longer lost in noise.
+            for hidden in [0.0, 0.05] {
+                let found = Unaveraged::new(&averaged, WINDOW, [-2.0, 3.0], [hidden - 0.15, 1.15 - hidden]).unwrap();
+                let rms = |of: &dyn Fn(f64) -> f64| {
+                    (0..1400).map(|k| -0.2 + 1e-3 * f64::from(k)).map(|t| (of(t) - x(t)).powi(2)).sum::<f64>().sqrt()
+                };
+                let (left, before) = (rms(&|t| found.at(t).derivatives[0]), rms(&averaged));
+                assert!(left < share * before, "{gains_speed}, {hidden}: {left} {before}");
+                for end in found.extent() {
+                    assert!((found.at(end).derivatives[0] - averaged(end)).abs() < 1e-12, "{end}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_finite_differences() {
+        let (_, averaged) = push(0.2);
+        let of = |window: f64| Unaveraged::new(&averaged, window, [-0.1, 1.3], [-0.1, 1.3]).unwrap();
+        let [less, middle, more] = [-1e-5, 0.0, 1e-5].map(|d| of(WINDOW + d));
+        for t in [-0.1, 0.013, 0.38, 0.95, 1.2, 1.3] {
+            let At { derivatives, by_window } = middle.at(t);
+            let [narrow, wide] = [&less, &more].map(|x| x.at(t).derivatives);
+            for k in 0..2 {
+                let by_difference = (wide[k] - narrow[k]) / 2e-5;
+                assert!(
+                    (by_window[k] - by_difference).abs() < 2e-3 * (1.0 + by_difference.abs()),
+                    "{t}: {by_window:?} {by_difference}"
+                );
+                let [before, behind] = [t - 1e-6, t + 1e-6].map(|t| middle.at(t).derivatives[k]);
+                assert!(((behind - before) / 2e-6 - derivatives[k + 1]).abs() < 1e-3, "{t}");
+            }
+        }
+    }
+}
