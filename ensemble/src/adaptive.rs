@@ -5,6 +5,7 @@
 use crate::Batch;
 use crate::advance::{Loadable, Nobody, Problem, Steps, advance};
 use crate::finish;
+use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::log::Attempted;
 use crate::outcome::{Failure, Outcome, closure};
@@ -129,13 +130,13 @@ pub fn run<const N: usize, T: OwnTest<N>>(
             }
             let pressure = |lane: usize| tests[at(lane)].pressure_per_reading();
             let push = |lane: usize| scenarios[rows[at(lane)].0 as usize].push_time_s;
-            let guess = arch.dispatch(Record {
+            let guess = arch.dispatch(Wide(Record {
                 system: &system,
                 knots,
                 begin: Lanes::from_fn(push),
                 pressure_per_reading: Lanes::from_fn(pressure),
                 records,
-            });
+            }));
             records.fit(arch, guess)
         });
         for (lane, &index) in group.iter().enumerate() {

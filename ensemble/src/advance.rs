@@ -384,14 +384,21 @@ fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(system: &S, proble
             }
         }
         let (system, y, absolute) = (black_box(&mut system), black_box(&y), black_box(&absolute));
-        let begin = system.rates(Lanes::ZERO, y);
-        let probe = probe(length, y, absolute, &begin.slope, relative);
-        let mut ahead = *y;
-        for i in 0..N {
-            ahead[i] += begin.slope[i] * probe;
+        let (mut begin, mut there, mut time, mut ahead) = (Moment::NONE, [Lanes::ZERO; N], Lanes::ZERO, *y);
+        // There, and a short way ahead: by one copy of the rates.
+        for evaluation in 0..black_box(2) {
+            let moment = system.rates(time, &ahead);
+            if evaluation > 0 {
+                there = moment.slope;
+                break;
+            }
+            time = probe(length, y, absolute, &moment.slope, relative);
+            for i in 0..N {
+                ahead[i] += moment.slope[i] * time;
+            }
+            begin = moment;
         }
-        let there = system.rates(probe, &ahead);
-        let first = first_step(length, y, absolute, [&begin.slope, &there.slope], probe, relative);
+        let first = first_step(length, y, absolute, [&begin.slope, &there], time, relative);
         for (lane, problem) in problems[base..].iter_mut().take(WIDTH).enumerate() {
             problem.begin(lane, &begin, first);
         }

@@ -158,7 +158,6 @@ impl Loadable for Moving<'_> {
 
 impl LaneSystem<1> for Moving<'_> {
     const CHEAP: bool = false;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, r: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
@@ -192,7 +191,6 @@ impl Loadable for Held<'_> {
 
 impl LaneSystem<1> for Held<'_> {
     const CHEAP: bool = false;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {

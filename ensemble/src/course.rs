@@ -16,7 +16,7 @@ use crate::relaxing_rows::{self, AfterPush};
 use crate::scenario::Scenario;
 use crate::step::View;
 use crate::{Batch, Kind};
-use chamber::balance::{Balance, ENERGY, MASS};
+use chamber::balance::{Balance, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::simulate::tolerance;
@@ -31,7 +31,7 @@ const FEWEST: usize = 16;
 const KNOTS: usize = 1 << 11;
 
 /// A row that is being integrated, stretch by stretch.
-struct Course<'a, const N: usize> {
+struct Course<'a> {
     row: u32,
     scenario: &'a Scenario,
     plan: &'a Plan,
@@ -42,16 +42,20 @@ struct Course<'a, const N: usize> {
     counted: f64,
     /// Mass, kg, and internal energy, J, at its begin.
     initial: [f64; 2],
-    state: [f64; N],
-    /// Mass, kg, and internal energy, J, in that state.
+    /// The same where it has come to.
     contents: [f64; 2],
-    absolute: [f64; N],
     /// Energy that the gas has received as heat and enthalpy less its work, and the magnitudes of its work, J.
     energy: [f64; 2],
     /// The place of its first stretch among the [`Passed`] ones, and how many it has passed.
     first: usize,
     passed: usize,
     failure: Option<Failure>,
+}
+
+/// States of a row where it has come to, and their absolute tolerances.
+struct States<const N: usize> {
+    state: [f64; N],
+    absolute: [f64; N],
 }
 
 /// Where the history has the steps of a stretch that a row has passed, and what is seen at its begin.
@@ -61,11 +65,17 @@ type Passed = (Steps, View<f64>);
 #[derive(Default)]
 pub struct Memory {
     balances: Vec<Balance>,
-    passed: Vec<Passed>,
-    history: History,
+    trail: Trail,
     reader: reader::Memory,
     relaxing: relaxing_rows::Memory,
     conduction: conduction::Memory,
+}
+
+/// The steps of all rows.
+#[derive(Default)]
+struct Trail {
+    passed: Vec<Passed>,
+    history: History,
 }
 
 /// Runs checked rows (number and plan) that have their area law and their kind in common. `set` are the effects on the gas,
@@ -78,34 +88,53 @@ pub fn run<const N: usize, const BITS: u32>(
     rows: &[(u32, Plan)],
     out: &mut [Outcome],
 ) {
-    let Batch { arch, scenarios, options } = batch;
-    let Memory { balances, passed, history, reader, relaxing, conduction } = memory;
+    let Memory { balances, trail, reader, relaxing, conduction } = memory;
+    work_out(balances, rows, batch.scenarios);
+    trail.history.limit = (rows.len() > FEWEST).then_some(HISTORY);
+    let (mut courses, mut states) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
+    let mut first = 0;
+    for ((row, plan), balance) in rows.iter().zip(&*balances) {
+        let (mut course, all) = Course::begin(*row, plan, balance, &batch.scenarios[*row as usize]);
+        course.counted -= if BITS & general::TIGHT == 0 { 0.0 } else { 1.0 };
+        course.first = first;
+        first += plan.stretches.len();
+        let absolute = tolerance(batch.options.relative_tolerance, &all).absolute;
+        let (state, absolute) = (General::<N, BITS>::states(&all), General::<N, BITS>::tolerances(&all, &absolute));
+        states.push(States { state, absolute });
+        courses.push(course);
+    }
+    let remembers = (kind == Kind::Remembering).then_some(conduction);
+    let stretches = if kind == Kind::Relaxing { 1 } else { usize::MAX };
+    if !integrate::<N, BITS>(batch, trail, set, (&mut courses, &mut states), stretches, remembers) {
+        // Too many steps to keep: fewer rows at a time.
+        for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
+            run::<N, BITS>(batch, memory, set, kind, rows, out);
+        }
+    } else if kind == Kind::Relaxing {
+        let mut pushed: Vec<AfterPush> = courses.iter().map(Course::after_push).collect();
+        relaxing_rows::run(batch, relaxing, set, &mut pushed, out);
+    } else {
+        read(batch, reader, trail, &courses, out);
+    }
+}
+
+/// The balances of rows.
+fn work_out(balances: &mut Vec<Balance>, rows: &[(u32, Plan)], scenarios: &[Scenario]) {
     balances.resize(rows.len(), Balance::of(scenarios[rows[0].0 as usize].chamber));
     for (balance, (row, _)) in balances.iter_mut().zip(rows) {
         balance.chamber = scenarios[*row as usize].chamber;
         balance.work_out();
     }
-    history.limit = (rows.len() > FEWEST).then_some(HISTORY);
-    let courses: Vec<Course<N>> = Course::all::<BITS>(rows, balances, scenarios, options.relative_tolerance);
-    let relaxes = kind == Kind::Relaxing;
-    let stretches = if relaxes { 1 } else { usize::MAX };
-    let remembers = (kind == Kind::Remembering).then_some(conduction);
-    let Some(courses) = integrate::<N, BITS>(batch, history, passed, set, courses, stretches, remembers) else {
-        // Too many steps to keep: fewer rows at a time.
-        for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
-            run::<N, BITS>(batch, memory, set, kind, rows, out);
-        }
-        return;
-    };
-    if relaxes {
-        let mut pushed: Vec<AfterPush> = courses.iter().map(Course::after_push).collect();
-        return relaxing_rows::run(batch, relaxing, set, &mut pushed, out);
-    }
-    let mut rest = &courses[..];
+}
+
+/// Reads what is asked of rows off their traces.
+fn read(batch: Batch, reader: &mut reader::Memory, trail: &Trail, courses: &[Course], out: &mut [Outcome]) {
+    let Batch { arch, options, .. } = batch;
+    let mut rest = courses;
     while !rest.is_empty() {
         let mut traces = Traces::new(reader);
         while let Some(course) = rest.get(traces.len()).filter(|_| traces.knots() < KNOTS) {
-            course.trace(history, passed, &mut traces);
+            course.trace(trail, &mut traces);
         }
         let (group, others) = rest.split_at(traces.len());
         rest = others;
@@ -125,17 +154,16 @@ pub fn run<const N: usize, const BITS: u32>(
     }
 }
 
-/// Integrates rows over so many stretches at most; none where the history is too long. With walls that remember, `remembers`
+/// Integrates rows over so many stretches at most; false where the history is too long. With walls that remember, `remembers`
 /// has the memory for their holds.
-fn integrate<'a, const N: usize, const BITS: u32>(
+fn integrate<const N: usize, const BITS: u32>(
     batch: Batch,
-    history: &mut History,
-    passed: &mut Vec<Passed>,
+    Trail { passed, history }: &mut Trail,
     set: EffectSet,
-    mut courses: Vec<Course<'a, N>>,
+    (courses, states): (&mut [Course], &mut [States<N>]),
     stretches: usize,
     mut remembers: Option<&mut conduction::Memory>,
-) -> Option<Vec<Course<'a, N>>> {
+) -> bool {
     history.clear();
     passed.clear();
     let all = courses.last().map_or(0, |last| last.first + last.plan.stretches.len());
@@ -147,6 +175,18 @@ fn integrate<'a, const N: usize, const BITS: u32>(
             break;
         }
         history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
+        let mut pass = |course: &mut Course, states: &mut States<N>, problem: &Problem<N>| {
+            passed[course.first + index] = (problem.steps, problem.view);
+            states.state = problem.state;
+            let contents = General::<N, BITS>::mass_and_energy(&problem.state, course.initial[MASS]);
+            let is_gas = General::<N, BITS>::holds_gas(&problem.state);
+            course.pass(contents, problem.energy, problem.failure.or((!is_gas).then_some(Failure::Empty)));
+        };
+        let problem = |course: &Course, states: &States<N>| {
+            let mut problem = Problem::new(course.plan.stretches[index].length, states.state, states.absolute);
+            (problem.longest, problem.first) = course.steps(index);
+            problem
+        };
         if General::<N, BITS>::REMEMBERS
             && let Some(memory) = &mut remembers
         {
@@ -154,13 +194,13 @@ fn integrate<'a, const N: usize, const BITS: u32>(
             let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
             let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
             problems.clear();
-            problems.extend(held.iter().map(|&c| courses[c].problem(index)));
+            problems.extend(held.iter().map(|&c| problem(&courses[c], &states[c])));
             let levels: Vec<usize> = held.iter().map(|&c| conduction::coarsest(&courses[c].sensor)).collect();
             let places = General::<N, BITS>::places_of_wall();
             let solved = conduction::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
             for ((&c, problem), solved) in held.iter().zip(&problems).zip(solved) {
                 if solved {
-                    courses[c].pass::<BITS>(index, problem, passed);
+                    pass(&mut courses[c], &mut states[c], problem);
                 } else {
                     others.push(c);
                 }
@@ -172,17 +212,17 @@ fn integrate<'a, const N: usize, const BITS: u32>(
         }
         let systems: Vec<Row> = active.iter().map(|&c| courses[c].system(index)).collect();
         problems.clear();
-        problems.extend(active.iter().map(|&c| courses[c].problem(index)));
+        problems.extend(active.iter().map(|&c| problem(&courses[c], &states[c])));
         let system = General::<N, BITS>::new(&systems, set);
         advance(batch.arch, &system, &mut problems, batch.options.relative_tolerance, history);
         if history.is_at_limit() {
-            return None;
+            return false;
         }
         for (&c, problem) in active.iter().zip(&problems) {
-            courses[c].pass::<BITS>(index, problem, passed);
+            pass(&mut courses[c], &mut states[c], problem);
         }
     }
-    (!history.is_at_limit()).then_some(courses)
+    !history.is_at_limit()
 }
 
 /// Boundary of the chamber at the end of a stretch, SI units.
@@ -192,42 +232,29 @@ struct End {
     ambient_temperature: f64,
 }
 
-impl<'a, const N: usize> Course<'a, N> {
-    /// Rows at their begin.
-    fn all<const BITS: u32>(
-        rows: &'a [(u32, Plan)],
-        balances: &'a [Balance],
-        scenarios: &'a [Scenario],
-        relative: f64,
-    ) -> Vec<Self> {
-        let mut first = 0;
-        let begin = |((row, plan), balance): (&'a (u32, Plan), &'a Balance)| {
-            let scenario = &scenarios[*row as usize];
-            let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
-            let of_gas = crate::on_the_gas(plan.active);
-            let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
-            let absolute = tolerance(relative, &states).absolute;
-            let initial = [states[MASS], states[ENERGY]];
-            first += plan.stretches.len();
-            Self {
-                row: *row,
-                scenario,
-                plan,
-                balance,
-                sensor: Sensor::new(plan.active, &scenario.chamber.effects),
-                bends: Bends::new(plan.active, &scenario.chamber.effects),
-                counted: general::states(of_gas.bits() | BITS & general::TIGHT) as f64,
-                initial,
-                state: General::<N, BITS>::states(&states),
-                contents: initial,
-                absolute: General::<N, BITS>::tolerances(&states, &absolute),
-                energy: [0.0; 2],
-                first: first - plan.stretches.len(),
-                passed: 0,
-                failure: None,
-            }
+impl<'a> Course<'a> {
+    /// A row at its begin, and all states of its chamber there.
+    fn begin(row: u32, plan: &'a Plan, balance: &'a Balance, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
+        let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
+        let of_gas = crate::on_the_gas(plan.active);
+        let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
+        let initial = [states[MASS], states[ENERGY]];
+        let course = Self {
+            row,
+            scenario,
+            plan,
+            balance,
+            sensor: Sensor::new(plan.active, &scenario.chamber.effects),
+            bends: Bends::new(plan.active, &scenario.chamber.effects),
+            counted: general::states(of_gas.bits()) as f64,
+            initial,
+            contents: initial,
+            energy: [0.0; 2],
+            first: 0,
+            passed: 0,
+            failure: None,
         };
-        rows.iter().zip(balances).map(begin).collect()
+        (course, states)
     }
 
     /// What the integrator needs of it for a stretch.
@@ -236,20 +263,19 @@ impl<'a, const N: usize> Course<'a, N> {
         Row { balance: self.balance, stretch, counted: self.counted, mass: self.initial[MASS] }
     }
 
-    /// The same as an initial value problem.
-    fn problem(&self, index: usize) -> Problem<N> {
+    /// The longest step through a stretch, s, and its first one; zero where that is to be found out.
+    fn steps(&self, index: usize) -> (f64, f64) {
         let stretch = &self.plan.stretches[index];
-        let mut problem = Problem::new(stretch.length, self.state, self.absolute);
-        if index >= seen_from(self.plan, &self.sensor) {
-            problem.longest = LONGEST * stretch.length;
+        let longest = if index >= seen_from(self.plan, &self.sensor) {
+            LONGEST * stretch.length
         } else if stretch.velocity != 0.0 {
-            problem.longest = LONGEST_OF_MOVE * stretch.length;
-        }
+            LONGEST_OF_MOVE * stretch.length
+        } else {
+            f64::INFINITY
+        };
         let remembers = !self.plan.active.intersection(effects::REMEMBERING).is_empty();
-        if index == 0 && (self.plan.starts_singular || remembers) {
-            problem.first = FIRST_OF_BENT * stretch.length;
-        }
-        problem
+        let bent = index == 0 && (self.plan.starts_singular || remembers);
+        (longest, if bent { FIRST_OF_BENT * stretch.length } else { 0.0 })
     }
 
     /// Whether it goes through a stretch.
@@ -257,25 +283,14 @@ impl<'a, const N: usize> Course<'a, N> {
         self.failure.is_none() && index < self.plan.stretches.len()
     }
 
-    /// Goes on from where a stretch has ended, whose steps it notes.
-    fn pass<const BITS: u32>(&mut self, index: usize, problem: &Problem<N>, passed: &mut [Passed]) {
-        passed[self.first + index] = (problem.steps, problem.view);
-        self.take::<BITS>(problem);
-    }
-
-    /// Goes on from a problem's end.
-    fn take<const BITS: u32>(&mut self, problem: &Problem<N>) {
-        self.contents = General::<N, BITS>::mass_and_energy(&problem.state, self.initial[MASS]);
-        self.state = problem.state;
-        let [received, work] = problem.energy;
+    /// Goes on from the end of a stretch: mass, kg, and internal energy, J, there, the energy received as heat and enthalpy and the
+    /// work over it, J, and why it was given up.
+    fn pass(&mut self, contents: [f64; 2], [received, work]: [f64; 2], failure: Option<Failure>) {
+        self.contents = contents;
         self.energy = [self.energy[0] + (received - work), self.energy[1] + work.abs()];
         self.passed += 1;
-        let left = self.contents[MASS] / self.initial[MASS];
-        self.failure = match problem.failure {
-            None if !General::<N, BITS>::holds_gas(&self.state) => Some(Failure::Empty),
-            Some(_) if left.is_nan() || left <= EMPTY => Some(Failure::Empty),
-            other => other,
-        };
+        let left = contents[MASS] / self.initial[MASS];
+        self.failure = failure.map(|reason| if left.is_nan() || left <= EMPTY { Failure::Empty } else { reason });
     }
 
     /// How its push has ended, where only that was integrated.
@@ -292,7 +307,7 @@ impl<'a, const N: usize> Course<'a, N> {
     }
 
     /// Hands its trace over.
-    fn trace(&self, history: &History, passed: &[Passed], traces: &mut Traces<'a>) {
+    fn trace(&self, Trail { passed, history }: &Trail, traces: &mut Traces<'a>) {
         traces.begin(self.plan, self.sensor, self.bends, self.scenario.initial_pressure_pa);
         if self.failure.is_some() {
             return;

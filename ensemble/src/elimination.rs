@@ -26,7 +26,7 @@ impl Factors {
 
     /// Takes the next matrix, which is used up, in lanes where `anew` is positive.
     #[inline(always)]
-    pub fn take<const FUSED: bool>(&mut self, anew: Lanes) {
+    pub fn take(&mut self, anew: Lanes) {
         let matrix = &mut self.next;
         for pivot in 0..SIZE {
             let per_pivot = matrix[pivot][pivot].recip();
@@ -35,7 +35,7 @@ impl Factors {
                 let factor = -(matrix[row][pivot] * per_pivot);
                 matrix[row][pivot] = factor;
                 for column in pivot + 1..SIZE {
-                    matrix[row][column] = multiply_add::<FUSED>(factor, matrix[pivot][column], matrix[row][column]);
+                    matrix[row][column] = multiply_add::<true>(factor, matrix[pivot][column], matrix[row][column]);
                 }
             }
         }
@@ -48,11 +48,11 @@ impl Factors {
 
     /// The solution for a right side, which is used up. Written out, as the compiler leaves such loops as they are.
     #[inline(always)]
-    pub fn solve<const FUSED: bool>(&self, right: &mut [Lanes; SIZE]) -> [Lanes; SIZE] {
+    pub fn solve(&self, right: &mut [Lanes; SIZE]) -> [Lanes; SIZE] {
         let Self { matrix, per_pivot, .. } = self;
         macro_rules! eliminate {
             ($pivot:literal; $($row:literal)*) => {
-                $(right[$row] = multiply_add::<FUSED>(matrix[$row][$pivot], right[$pivot], right[$row]);)*
+                $(right[$row] = multiply_add::<true>(matrix[$row][$pivot], right[$pivot], right[$row]);)*
             };
         }
         eliminate!(0; 1 2 3 4 5);
@@ -90,13 +90,13 @@ mod tests {
         };
         let of = |scale: f64| core::array::from_fn(|i| core::array::from_fn(|j| Lanes::from(entry(i, j) * scale)));
         let mut factors = Factors { next: of(1.0), ..Factors::NONE };
-        factors.take::<false>(Lanes::ONE);
+        factors.take(Lanes::ONE);
         factors.next = of(2.0);
-        factors.take::<false>(Lanes::from_fn(|lane| (lane % 2) as f64));
+        factors.take(Lanes::from_fn(|lane| (lane % 2) as f64));
         let expected: [f64; SIZE] = core::array::from_fn(|k| 1.0 - 0.3 * k as f64);
         let mut right =
             core::array::from_fn(|i| Lanes::from((0..SIZE).map(|j| entry(i, j) * expected[j]).sum::<f64>()));
-        let found = factors.solve::<false>(&mut right);
+        let found = factors.solve(&mut right);
         for lane in 0..4 {
             let scale = if lane % 2 == 0 { 1.0 } else { 0.5 };
             for k in 0..SIZE {

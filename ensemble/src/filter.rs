@@ -12,6 +12,7 @@ use crate::lanes::Lanes;
 use crate::root::Curve;
 use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use chamber::real::Real;
+use core::hint::black_box;
 
 /// Coefficients of the polynomial that stands for a pressure.
 pub const TERMS: usize = 8;
@@ -50,9 +51,14 @@ impl Sensor {
     }
 }
 
-/// The inverse of Vandermonde's matrix of [`places`]: coefficients from values.
+/// Coefficients of polynomials from their values.
 #[derive(Clone, Debug)]
-pub struct ToPowers([[f64; TERMS]; TERMS]);
+pub struct ToPowers {
+    /// Where the values are taken.
+    places: [f64; TERMS],
+    /// The inverse of Vandermonde's matrix of these.
+    inverse: [[f64; TERMS]; TERMS],
+}
 
 /// Where a polynomial is taken from its quantity, in shares of a piece: Chebyshev's points with both ends.
 fn places() -> [f64; TERMS] {
@@ -62,8 +68,8 @@ fn places() -> [f64; TERMS] {
 impl Default for ToPowers {
     fn default() -> Self {
         // Row i of the inverse holds the coefficient of x^i in each of Lagrange's polynomials.
-        let polynomials = polynomials(places());
-        Self(core::array::from_fn(|i| polynomials.map(|polynomial| polynomial[i])))
+        let (places, polynomials) = (places(), polynomials(places()));
+        Self { places, inverse: core::array::from_fn(|i| polynomials.map(|polynomial| polynomial[i])) }
     }
 }
 
@@ -87,17 +93,16 @@ impl ToPowers {
     /// Coefficients, in powers of the share, of a quantity over a piece: from a time, s, over a length, s.
     #[inline(always)]
     pub fn of(&self, quantity: &impl Curve, from: Lanes, length: Lanes) -> [Lanes; TERMS] {
-        let places = places();
         let mut values = [Lanes::ZERO; TERMS];
-        for i in 0..TERMS {
-            values[i] = quantity.at(from + length * places[i]);
+        for i in 0..black_box(TERMS) {
+            values[i] = quantity.at(from + length * self.places[i]);
         }
         let first = values[0];
         let mut terms = [Lanes::ZERO; TERMS];
         terms[0] = first;
         for i in 1..TERMS {
             for j in 1..TERMS {
-                terms[i] += (values[j] - first) * self.0[i][j];
+                terms[i] += (values[j] - first) * self.inverse[i][j];
             }
         }
         terms

@@ -2,6 +2,7 @@
 
 use crate::advance::Steps;
 use crate::hermite::Hermite;
+use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::log::Attempted;
 use crate::outcome::SETTLED;
@@ -42,7 +43,7 @@ pub fn settling<const N: usize, H: Holding<N>>(
             }
         }
     }
-    time + length * arch.dispatch(Entry { system, length, ends, low, end, band })
+    time + length * arch.dispatch(Wide(Entry { system, length, ends, low, end, band }))
 }
 
 /// Share of a step, after `low`, at which the reading comes within a band around its end. `ends` are the states at the step's

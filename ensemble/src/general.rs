@@ -109,8 +109,8 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         Self { rows, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
     }
 
-    /// Whether a wall can be among its effects that remembers.
-    pub const REMEMBERS: bool = EffectSet::from_bits(BITS).contains(effects::REMEMBERING);
+    /// Whether it is for rows in front of a wall that remembers, whose holds are solved by [`crate::conduction`].
+    pub const REMEMBERS: bool = BITS != AT_RUN_TIME && EffectSet::from_bits(BITS).contains(effects::REMEMBERING);
     /// Places of the energy among its states, and of the first of such a wall's.
     pub fn places_of_wall() -> [usize; 2] {
         let first = effects::REMEMBERING.iter().map(|effect| OWN + effects::STATE_OFFSETS[effect]).next();

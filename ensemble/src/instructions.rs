@@ -1,6 +1,9 @@
 //! The instruction sets that lanes are computed with.
+//!
+//! A processor with none of the wide ones, which for x86-64 are those of 2013 (AVX2 and FMA) and 2017 (AVX-512), gets the closed forms
+//! and one integrator for all else, that of any effects: code for it is as long again as for each of the others.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// An instruction set of this machine. Results differ between sets in their last digits, as some fuse multiplication and
 /// addition.
@@ -26,5 +29,26 @@ impl InstructionSet {
         #[cfg(target_arch = "aarch64")]
         all.push(("aarch64", Self(Arch::new())));
         all
+    }
+}
+
+/// Whether an instruction set is a wide one.
+pub fn is_wide(arch: Arch) -> bool {
+    !matches!(arch, Arch::Scalar)
+}
+
+/// Work that there is code for in wide instruction sets only.
+pub struct Wide<W>(pub W);
+
+impl<W: WithSimd> WithSimd for Wide<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, simd: I) -> W::Output {
+        if I::IS_SCALAR {
+            unreachable!("without wide instructions rows take another way")
+        } else {
+            self.0.with_simd(simd)
+        }
     }
 }

@@ -9,11 +9,14 @@
 //! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
 //! | with a wall that warms only | its two equations (`walled`) |
+//! | with a missing term that is a heat flow over the pressure | its one equation (`heated`) |
 //! | with one leak only, or with constant flows and at most one leak | its two equations (`flows`) |
 //! | with natural convection only | the push by one equation (`convective`), the hold as below |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
+//!
+//! Without wide instructions (`instructions`) rows without a closed form are all of the last kind.
 //!
 //! Rows of the last kind leave a trace: pressure and temperature with their slopes at the end of each step (`history`).
 //! What the sensor does to it is a filter of that trace (`filter`) and at last a curve of the reading (`reader::bends`), and
@@ -41,6 +44,7 @@ mod fit;
 mod flows;
 mod gauss;
 mod general;
+mod heated;
 mod hermite;
 mod history;
 mod instructions;
@@ -102,6 +106,7 @@ pub struct Kernel {
     instructions: InstructionSet,
     adaptive: adaptive::Memory<1, sealed::Test>,
     walled: adaptive::Memory<2, walled::WalledTest>,
+    heated: adaptive::Memory<1, heated::HeatedTest>,
     convective: convective::Memory,
     integrated: adaptive::Memory<1, convective::ConvectiveTest>,
     orifices: adaptive::Memory<2, FlowTest<Orifice>>,
@@ -128,6 +133,7 @@ impl Kernel {
             instructions: InstructionSet(arch),
             adaptive: memory,
             walled,
+            heated,
             convective,
             integrated,
             orifices,
@@ -139,15 +145,17 @@ impl Kernel {
         let arch = *arch;
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
             let batch = Batch { arch, scenarios, options };
-            sorted.fill(set, scenarios, options, out);
+            sorted.fill(set, batch, out);
             sorted.orifices.sort_by_cached_key(|row| flows::kind::<Orifice>(&scenarios[row.0 as usize]));
             adaptive::run(batch, memory, &sorted.sealed, out);
             adaptive::run(batch, walled, &sorted.walled, out);
+            adaptive::run(batch, heated, &sorted.heated, out);
             adaptive::run(batch, integrated, &sorted.integrated, out);
             adaptive::run(batch, orifices, &sorted.orifices, out);
             adaptive::run(batch, gaps, &sorted.gaps, out);
             let tight = walled.left.drain(..).chain(integrated.left.drain(..)).map(|row| (row, Kind::Tight));
-            let open = orifices.left.drain(..).chain(gaps.left.drain(..)).map(|row| (row, Kind::Open));
+            let open = orifices.left.drain(..).chain(gaps.left.drain(..)).chain(heated.left.drain(..));
+            let open = open.map(|row| (row, Kind::Open));
             for (row, kind) in tight.chain(open) {
                 if let Err(reason) = sorted.add(row, kind, set, &scenarios[row as usize]) {
                     out[row as usize] = Outcome::failed(reason);
@@ -234,6 +242,8 @@ struct Sorted {
     sealed: Vec<(u32, f64)>,
     /// The same with a wall that warms.
     walled: Vec<(u32, f64)>,
+    /// The same with a heat flow over the pressure.
+    heated: Vec<(u32, f64)>,
     /// The same with natural convection.
     integrated: Vec<(u32, f64)>,
     /// Tests of which gas leaves or enters through an orifice, or through a gap or at constant rates.
@@ -282,16 +292,17 @@ impl Planned {
 
 impl Sorted {
     /// Sorts a chunk; rows that cannot be solved are answered at once.
-    fn fill(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
+    fn fill(&mut self, set: EffectSet, Batch { arch, scenarios, options }: Batch, out: &mut [Outcome]) {
         self.sealed.clear();
         self.walled.clear();
+        self.heated.clear();
         self.integrated.clear();
         self.orifices.clear();
         self.gaps.clear();
         self.convective.iter_mut().for_each(Vec::clear);
         self.closed.iter_mut().for_each(Vec::clear);
         self.others.iter_mut().for_each(Planned::clear);
-        let of_sensor = effects::of_sensor();
+        let (of_sensor, wide) = (effects::of_sensor(), instructions::is_wide(arch));
         for (row, (s, out)) in scenarios.iter().zip(out).enumerate() {
             let row = row as u32;
             let swept = s.chamber.geometry.area_law == AreaLaw::Swept;
@@ -309,7 +320,7 @@ impl Sorted {
                 continue;
             }
             let is_quick = options.solver == Solver::Exact || behind.is_none_or(|b| b.is_quick(s));
-            if has_closed_form && is_quick && (!integrates || set.is_empty()) {
+            if has_closed_form && is_quick && (!integrates || wide && set.is_empty()) {
                 let kind = ClosedKind::number(!of_gas.is_empty(), swept, behind);
                 let list = if integrates { &mut self.sealed } else { &mut self.closed[kind] };
                 match plan::check(set, active, s).and_then(|()| plan::times(s)) {
@@ -319,12 +330,13 @@ impl Sorted {
                 continue;
             }
             let shows_the_gas = behind.is_none();
-            let alone = sealed && shows_the_gas;
+            let alone = wide && sealed && shows_the_gas;
             let own = match of_gas {
                 walled::EFFECTS if alone && walled::has_wall(s) => Some(&mut self.walled),
+                heated::EFFECTS if alone && heated::is_heated(s) => Some(&mut self.heated),
                 convective::EFFECTS if alone && integrates && convective::is_smooth(s) => Some(&mut self.integrated),
                 convective::EFFECTS if alone && !integrates => Some(&mut self.convective[usize::from(swept)]),
-                _ if !shows_the_gas || s.profile.is_some() => None,
+                _ if !wide || !shows_the_gas || s.profile.is_some() => None,
                 of_gas if flows::ORIFICES.contains(&of_gas) => Some(&mut self.orifices),
                 flows::GAP => Some(&mut self.gaps),
                 EffectSet::NONE if !sealed => Some(&mut self.gaps),
@@ -339,9 +351,10 @@ impl Sorted {
             }
             let kind = if !sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
                 if s.profile.is_some() { Kind::Profiled } else { Kind::Open }
-            } else if !integrates && behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
+            } else if wide && !integrates && behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
                 Kind::Relaxing
-            } else if !integrates
+            } else if wide
+                && !integrates
                 && conduction::EFFECTS.contains(of_gas)
                 && !of_gas.intersection(effects::REMEMBERING).is_empty()
             {
@@ -409,7 +422,7 @@ macro_rules! sets_with_code_of_their_own {
             let set = if kind.is_tight() { set.intersection(effects::KEEP_THE_MASS) } else { set };
             let set = if kind == Kind::Remembering { set.intersection(conduction::EFFECTS) } else { set };
             match compiled_for(set, kind.is_tight()) {
-                $(Some(bits) if bits == const { $bits } && !matches!(batch.arch, pulp::Arch::Scalar) => {
+                $(Some(bits) if bits == const { $bits } && instructions::is_wide(batch.arch) => {
                     const BITS: u32 = $bits;
                     course::run::<{ general::states(BITS) }, BITS>(batch, memory, set, kind, rows, out)
                 })*
@@ -455,20 +468,15 @@ sets_with_code_of_their_own![];
 #[cfg(not(test))]
 sets_with_code_of_their_own![
     // Tight rows take the first that fits, the others the first that is not of tight ones.
-    general::TIGHT | bit("wall_heating"),
-    general::TIGHT | bit("natural_convection"),
+    general::TIGHT | general::ASKED | bit("wall_heating"),
     general::TIGHT | general::ASKED | relaxation::EFFECTS.bits(),
     general::TIGHT | bit("gas_zones"),
     general::TIGHT | general::ASKED | on_the_gas_with(effects::MANY) & effects::KEEP_THE_MASS.bits(),
     general::TIGHT | general::ASKED | conduction::EFFECTS.bits(),
-    0,
-    bit("leakage"),
-    bit("laminar_leakage"),
-    bit("supply_leakage"),
+    bit("leakage") | bit("supply_leakage") | bit("laminar_leakage") | general::ASKED,
     bit("tube_volume"),
-    bit("wall_heating"),
-    bit("gas_zones"),
-    bit("empirical") | general::ASKED,
+    bit("wall_heating") | general::ASKED,
+    bit("gas_zones") | general::ASKED,
     on_the_gas_with(0) | bit("empirical") | general::ASKED,
     on_the_gas_with(effects::MANY) | general::ASKED,
 ];

@@ -1,10 +1,11 @@
 //! What is asked of curves, one a lane: where they turn round, when they come within a band for good, and values.
 
 use crate::lanes::Lanes;
-use crate::root::{Curve, root};
+use crate::root::{Curve, crossing, root};
 use crate::samples::POINTS;
 use chamber::real::Real;
-use pulp::{Simd, WithSimd};
+use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Share of a piece to both sides of a place, to tell there whether the record rises.
 const BESIDE: f64 = 1e-5;
@@ -38,18 +39,16 @@ pub struct Look<R> {
     pub question: Question,
 }
 
-/// Where a curve turns round: its rise, positive before a summit or after a bottom.
+/// Where a curve turns round: its rise.
 struct Turning<'a, C> {
     curve: &'a C,
     beside: Lanes,
-    /// 1 for a summit, −1 for a bottom.
-    side: Lanes,
 }
 
 impl<C: Curve> Curve for Turning<'_, C> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
-        self.curve.rise(time, self.beside) * self.side
+        self.curve.rise(time, self.beside)
     }
 }
 
@@ -67,6 +66,14 @@ impl<C: Curve> Curve for Beyond<'_, C> {
     }
 }
 
+impl<R: Reading> Look<R> {
+    /// The answer: time and value of a turn, the time of coming within a band, or the values. One function for all that ask.
+    #[inline(never)]
+    pub fn answer(self, arch: Arch) -> [Lanes; POINTS] {
+        arch.dispatch(self)
+    }
+}
+
 impl<R: Reading> WithSimd for Look<R> {
     type Output = [Lanes; POINTS];
 
@@ -74,24 +81,22 @@ impl<R: Reading> WithSimd for Look<R> {
     fn with_simd<I: Simd>(self, _: I) -> Self::Output {
         let Self { reading, times, question } = self;
         let curve = reading.curve();
-        let mut answer = [Lanes::ZERO; POINTS];
+        // Times at which values are asked for, how many, and where these go.
+        let (mut at, mut count, mut to) = ([Lanes::ZERO; POINTS], 0, 0);
         match question {
             Question::Turn => {
                 let beside = (times[1] - times[0]) * BESIDE;
-                let [low, high] = [times[0] + beside, times[1] - beside];
-                let mut turning = Turning { curve: &curve, beside, side: Lanes::ONE };
-                turning.side = turning.at(low).where_positive(Lanes::ONE, -Lanes::ONE);
-                answer[0] = root(&turning, low, high);
-                answer[1] = curve.at(answer[0]);
+                at[0] = crossing(&Turning { curve: &curve, beside }, times[0] + beside, times[1] - beside);
+                (count, to) = (1, 1);
             }
             Question::Enter { between: [outside, later], value, band } => {
-                answer[0] = root(&Beyond { curve: &curve, value, band }, outside, later);
+                at[0] = root(&Beyond { curve: &curve, value, band }, outside, later);
             }
-            Question::Pressures(at) => {
-                for k in 0..POINTS {
-                    answer[k] = curve.at(at[k]);
-                }
-            }
+            Question::Pressures(times) => (at, count) = (times, POINTS),
+        }
+        let mut answer = at;
+        for k in 0..black_box(count) {
+            answer[to + k] = curve.at(at[k]);
         }
         answer
     }

@@ -14,6 +14,8 @@ pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64:
 pub trait Relaxing {
     /// Ends of the parts in which its record is laid out, in relaxations.
     const ENDS: &'static [f64] = &ENDS;
+    /// Whether the code of [`Relaxing::pressure`] is so long that there should be one copy.
+    const IS_LONG: bool = false;
     /// Time since the push, s, after so many relaxations.
     fn time(&self, relaxations: f64) -> Lanes;
     /// Pressure, Pa, at a time since the push, s, between two numbers of relaxations.
@@ -32,7 +34,7 @@ pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records:
         let count = black_box((next - first).max(Lanes::ZERO));
         let nodes = black_box(Samples { first, count }.nodes());
         let mut pressure = [Lanes::ZERO; POINTS];
-        for k in 0..POINTS {
+        for k in 0..if R::IS_LONG { black_box(POINTS) } else { POINTS } {
             let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
             pressure[k] = black_box(relaxing.pressure(since, [begin, *end]));
         }

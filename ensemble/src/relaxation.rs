@@ -316,6 +316,7 @@ impl Relaxing for Followed<'_> {
     // λ ∝ |T − Tw|² makes each relaxation take seven times as long as the one before.
     const ENDS: &'static [f64] =
         &[0.25, 0.5, 0.8, 1.1, 1.5, 1.9, 2.4, 3.0, 3.6, 4.4, 5.3, 6.5, 8.0, 13.0, f64::INFINITY];
+    const IS_LONG: bool = true;
 
     #[inline(always)]
     fn time(&self, relaxations: f64) -> Lanes {

@@ -3,6 +3,7 @@
 
 use crate::Batch;
 use crate::chambers::Chambers;
+use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::Records;
@@ -58,9 +59,9 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
             hold: Lanes::from_fn(|lane| row(lane).duration - scenario(lane).push_time_s),
         };
         let relative = options.relative_tolerance;
-        let ends = arch.dispatch(Solve { set, pushed: &pushed, relative, parts });
+        let ends = arch.dispatch(Wide(Solve { set, pushed: &pushed, relative, parts }));
         let found = options.fit.then(|| {
-            let guess = arch.dispatch(Record { pushed: &pushed, ends: &ends, parts, records });
+            let guess = arch.dispatch(Wide(Record { pushed: &pushed, ends: &ends, parts, records }));
             records.fit(arch, guess)
         });
         for (lane, after) in group.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use crate::lanes::Lanes;
 use chamber::real::Real;
+use core::hint::black_box;
 
 /// Rounds at most: where the curve is an exponential, five give all digits.
 const ROUNDS: usize = 6;
@@ -22,29 +23,64 @@ pub trait Curve {
 
 /// A root between `low`, where the curve is positive, and `high`, where it is not.
 #[inline(always)]
-pub fn root(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
-    let (mut at_low, mut at_high) = (curve.at(low), curve.at(high));
-    let nothing = (at_low - at_high) * NOTHING;
-    let mut x = low;
+pub fn root(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {
+    search::<false>(curve, low, high)
+}
+
+/// A root between places where the curve has either sign.
+#[inline(always)]
+pub fn crossing(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {
+    search::<true>(curve, low, high)
+}
+
+/// A root between places from the first to the second of which the curve falls, or where `EITHER` falls or rises. All its values come
+/// from one place in the code, which so has one copy of the curve: first those at both ends, then in each round that in the middle
+/// and that at the root of the straightened curve.
+#[inline(always)]
+fn search<const EITHER: bool>(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
+    let [mut at_low, mut at_high, mut nothing, mut middle, mut at_middle] = [Lanes::ZERO; 5];
+    // 1 where the curve falls from `low` to `high`, −1 where it rises.
+    let mut side = Lanes::ONE;
+    let (mut place, mut x) = (low, low);
     // Positive where the root is not found yet: a lane's digits do not depend on how long the others take.
     let mut open = Lanes::ONE;
-    for _ in 0..ROUNDS {
-        let middle = (low + high) * 0.5;
-        let at_middle = curve.at(middle);
-        let straight = (at_middle * at_middle - at_low * at_high + f64::MIN_POSITIVE).sqrt();
-        x = open.where_positive(middle + (middle - low) * at_middle / straight, x);
-        let value = curve.at(x);
-        open = open.where_positive(value.abs() - nothing, open);
-        if !open.any_positive() {
-            break;
+    for evaluation in 0..black_box(2 + 2 * ROUNDS) {
+        let mut value = curve.at(place);
+        if EITHER {
+            if evaluation == 0 {
+                side = value.where_positive(Lanes::ONE, -Lanes::ONE);
+            }
+            value = value * side;
         }
-        for (place, at_place) in [(middle, at_middle), (x, value)] {
-            let inside = (place - low).min(high - place);
-            let to_low = at_place.where_positive(inside, Lanes::ZERO);
-            let to_high = at_place.where_positive(Lanes::ZERO, inside);
-            (low, at_low) = (to_low.where_positive(place, low), to_low.where_positive(at_place, at_low));
-            (high, at_high) = (to_high.where_positive(place, high), to_high.where_positive(at_place, at_high));
+        if evaluation == 0 {
+            (at_low, place) = (value, high);
+            continue;
         }
+        if evaluation % 2 == 0 {
+            at_middle = value;
+            let straight = (at_middle * at_middle - at_low * at_high + f64::MIN_POSITIVE).sqrt();
+            x = open.where_positive(middle + (middle - low) * at_middle / straight, x);
+            place = x;
+            continue;
+        }
+        if evaluation == 1 {
+            at_high = value;
+            nothing = (at_low - at_high) * NOTHING;
+        } else {
+            open = open.where_positive(value.abs() - nothing, open);
+            if !open.any_positive() {
+                break;
+            }
+            for (place, at_place) in [(middle, at_middle), (x, value)] {
+                let inside = (place - low).min(high - place);
+                let to_low = at_place.where_positive(inside, Lanes::ZERO);
+                let to_high = at_place.where_positive(Lanes::ZERO, inside);
+                (low, at_low) = (to_low.where_positive(place, low), to_low.where_positive(at_place, at_low));
+                (high, at_high) = (to_high.where_positive(place, high), to_high.where_positive(at_place, at_high));
+            }
+        }
+        middle = (low + high) * 0.5;
+        place = middle;
     }
     x
 }

@@ -318,7 +318,6 @@ impl Moving<'_> {
 
 impl LaneSystem<1> for Moving<'_> {
     const CHEAP: bool = true;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> Moment<1> {
@@ -386,7 +385,6 @@ impl Loadable for Held<'_> {
 
 impl LaneSystem<1> for Held<'_> {
     const CHEAP: bool = true;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> Moment<1> {

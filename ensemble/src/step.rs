@@ -56,8 +56,8 @@ impl<const N: usize> Moment<N> {
 pub trait LaneSystem<const N: usize> {
     /// Whether the rates are so cheap that each stage deserves code of its own.
     const CHEAP: bool;
-    /// Whether to compile it for machines without any instruction set beyond the least, too.
-    const ANYWHERE: bool;
+    /// Whether to compile it for machines without wide instructions, too.
+    const ANYWHERE: bool = false;
 
     /// The system at time `t`, s.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> Moment<N>;

@@ -6,6 +6,7 @@
 
 use crate::advance::Steps;
 use crate::hermite::Hermite;
+use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::log::Attempted;
 use crate::root::{Curve, root};
@@ -50,7 +51,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
     (sign, falls_on): (Lanes, [bool; WIDTH]),
     [begin, end]: [&[Lanes; N]; 2],
 ) -> Turns {
-    let [at_begin, at_end] = [begin, end].map(|state| arch.dispatch(Slopes { system, state }));
+    let [at_begin, at_end] = [begin, end].map(|state| arch.dispatch(Wide(Slopes { system, state })));
     let of_lane = |state: &[Lanes; N], lane: usize| -> [f64; N] { core::array::from_fn(|i| state[i][lane]) };
     let (mut step, mut told) = ([NOWHERE; WIDTH], [true; WIDTH]);
     // The states where the reading is farthest from its peak.
@@ -97,7 +98,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
         }
     }
     if between.iter().any(Option::is_some) {
-        let at_farthest = arch.dispatch(Slopes { system, state: &farthest });
+        let at_farthest = arch.dispatch(Wide(Slopes { system, state: &farthest }));
         for lane in 0..WIDTH {
             if let Some([before, behind]) = between[lane] {
                 step[lane] = if sign[lane] * at_farthest[0][lane] > 0.0 { before } else { behind };
@@ -112,7 +113,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
                 attempted.put(steps[lane].lane as usize, lane, &mut length, &mut ends);
             }
         }
-        [turns.share, turns.value] = arch.dispatch(Turn { system, length, ends: &ends, sign });
+        [turns.share, turns.value] = arch.dispatch(Wide(Turn { system, length, ends: &ends, sign }));
     }
     turns
 }

@@ -102,7 +102,6 @@ impl Loadable for Moving<'_> {
 
 impl LaneSystem<2> for Moving<'_> {
     const CHEAP: bool = true;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, t: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {
@@ -138,7 +137,6 @@ impl Loadable for Held<'_> {
 
 impl LaneSystem<2> for Held<'_> {
     const CHEAP: bool = true;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {

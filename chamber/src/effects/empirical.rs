@@ -181,6 +181,49 @@ impl Curve {
     }
 }
 
+/// A heat flow over the pressure as a sum of hinges, y(P) = first + Σ bend max(P − knot, 0): W, Pa and W/Pa.
+#[derive(Clone, Copy, Debug)]
+pub struct Hinges<R = f64> {
+    /// The flow below all knots.
+    pub first: R,
+    /// The knots; places that are not in use have no bend.
+    pub knots: [R; KNOTS],
+    /// By how much the curve is steeper behind each than before it.
+    pub bends: [R; KNOTS],
+}
+
+impl<R: Real> Hinges<R> {
+    /// Of no heat flow.
+    pub const NONE: Self = Self { first: R::ZERO, knots: [R::ZERO; KNOTS], bends: [R::ZERO; KNOTS] };
+
+    /// The first knot after a pressure and before another, Pa; the latter where there is none.
+    #[inline(always)]
+    pub fn corner(&self, from: R, to: R) -> R {
+        let mut first = to;
+        for knot in self.knots {
+            first = nearer(knot, from, first);
+        }
+        first
+    }
+}
+
+impl Hinges {
+    /// What the effect's parameters hold, where that is a heat flow over the pressure.
+    pub fn of(p: &[f64]) -> Option<Self> {
+        let is = says(p[BALANCE], Balance::HeatFlow as usize).min(says(p[VARIABLE], Variable::Pressure as usize));
+        let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);
+        let mut hinges = Self { first: values[0], ..Self::NONE };
+        let (mut steepness, last) = (0.0, length(p) - 1);
+        for k in 0..=last {
+            let next =
+                if k < last { (values[k + 1] - values[k]) / (knots[k + 1] - knots[k]) } else { 0.0 };
+            (hinges.knots[k], hinges.bends[k]) = (knots[k], next - steepness);
+            steepness = next;
+        }
+        (is > 0.0).then_some(hinges)
+    }
+}
+
 /// Knots in use.
 fn length(p: &[f64]) -> usize {
     let knots = &p[FIRST_KNOT..FIRST_VALUE];
@@ -476,6 +519,22 @@ mod tests {
         {
             assert_eq!(curve(&p, x), [y, slope], "{x}");
         }
+    }
+
+    #[test]
+    fn a_heat_flow_over_the_pressure_is_a_sum_of_hinges() {
+        for n in 1..=KNOTS {
+            let knots: Vec<f64> = (0..n).map(|k| 1e5 + 3e4 * (k * k) as f64).collect();
+            let values: Vec<f64> = (0..n).map(|k| 0.03 - 0.01 * (k % 3) as f64).collect();
+            let p = curve_of(Balance::HeatFlow, Variable::Pressure, &knots, &values).parameters();
+            let Hinges { first, knots, bends } = Hinges::of(&p).unwrap();
+            for x in (0..40).map(|k| 5e4 * f64::from(k)) {
+                let sum = knots.iter().zip(bends).fold(first, |sum, (knot, bend)| sum + bend * (x - knot).max(0.0));
+                assert!((sum - curve(&p, x)[0]).abs() < 1e-14, "{n} {x}: {sum}");
+            }
+        }
+        let over = |balance, variable| Hinges::of(&curve_of(balance, variable, &[1e5], &[0.1]).parameters());
+        assert!(over(Balance::HeatFlow, Variable::Mass).is_none() && over(Balance::MassFlow, Variable::Pressure).is_none());
     }
 
     #[test]

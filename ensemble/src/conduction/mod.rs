@@ -24,6 +24,7 @@ use crate::elimination::Factors;
 use crate::filter::Sensor;
 use crate::general::Row;
 use crate::history::History;
+use crate::instructions::Wide;
 use crate::kept;
 use crate::lanes::{Lanes, WIDTH};
 use crate::step::View;
@@ -85,10 +86,10 @@ pub fn hold<const N: usize>(
             let parts: [(usize, f64); WIDTH] = core::array::from_fn(|lane| parted(level, problem(lane).length));
             let left = Lanes::from_fn(|lane| parts[lane].1);
             if last.length != left {
-                arch.dispatch(WorkOut { response: last, length: left });
+                arch.dispatch(Wide(WorkOut { response: last, length: left }));
             }
             let from = history.len() as u32;
-            let held = arch.dispatch(Hold {
+            let held = arch.dispatch(Wide(Hold {
                 set,
                 balance,
                 mass: Lanes::from_fn(|lane| row(lane).mass),
@@ -102,7 +103,7 @@ pub fn hold<const N: usize>(
                 last,
                 relative: options.relative_tolerance,
                 history,
-            });
+            }));
             for (lane, &index) in group.iter().enumerate() {
                 if held.good[lane] > 0.0 {
                     let problem = &mut problems[index];
@@ -159,13 +160,6 @@ impl WithSimd for Hold<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Held {
-        if I::IS_SCALAR { self.follow::<false>() } else { self.follow::<true>() }
-    }
-}
-
-impl Hold<'_> {
-    #[inline(always)]
-    fn follow<const FUSED: bool>(self) -> Held {
         let Self { balance, mass, modes, volume, counts, last, level, history, .. } = self;
         let capacity = mass * balance.cv;
         let temperature = self.energy / capacity;
@@ -182,7 +176,7 @@ impl Hold<'_> {
                 break;
             }
             let response = Response::of(number(level, taken));
-            let step = black_box(&mut gas).step::<FUSED, f64>(response, self.relative, &mut factors);
+            let step = black_box(&mut gas).step::<f64>(response, self.relative, &mut factors);
             let goes = black_box(goes_on.where_positive(Lanes::ONE, Lanes::ZERO));
             good = goes.where_positive(good.min(step.good), good);
             time = goes.where_positive(time + response.length, time);
@@ -190,7 +184,7 @@ impl Hold<'_> {
             history.push(time, goes, &gas.view(per_temperature, step.drives[NODES - 1]));
             taken += 1;
         }
-        let step = black_box(&mut gas).step::<FUSED, Lanes>(black_box(last), self.relative, &mut factors);
+        let step = black_box(&mut gas).step::<Lanes>(black_box(last), self.relative, &mut factors);
         gas.take(Lanes::ONE, last.length, &step);
         history.push(time + last.length, Lanes::ONE, &gas.view(per_temperature, step.drives[NODES - 1]));
         let energy = gas.temperature * capacity;

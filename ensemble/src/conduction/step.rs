@@ -100,13 +100,13 @@ impl Gas {
 
     /// d at the nodes of a step of a length, s, by the polynomial through the last of its values.
     #[inline(always)]
-    fn guess<const FUSED: bool>(&self, length: Lanes) -> [Lanes; NODES] {
+    fn guess(&self, length: Lanes) -> [Lanes; NODES] {
         let rule = &*RULE;
         let mut terms = [Lanes::ZERO; GUESSED];
         for power in 0..black_box(GUESSED) {
             for k in 0..GUESSED {
                 let value = self.drives[NODES - GUESSED + k];
-                terms[power] = multiply_add::<FUSED>(value, Lanes::from(rule.ahead[power][k]), terms[power]);
+                terms[power] = multiply_add::<true>(value, Lanes::from(rule.ahead[power][k]), terms[power]);
             }
         }
         let (terms, ratio) = (black_box(&terms), black_box(length / self.since));
@@ -115,7 +115,7 @@ impl Gas {
             let place = ratio * PLACES[node];
             let mut value = terms[GUESSED - 1];
             for power in (0..GUESSED - 1).rev() {
-                value = multiply_add::<FUSED>(value, place, terms[power]);
+                value = multiply_add::<true>(value, place, terms[power]);
             }
             guess[node] = value;
         }
@@ -144,23 +144,17 @@ impl Gas {
 
     /// A step with that response.
     #[inline(always)]
-    pub fn step<const FUSED: bool, C: Copy + Into<Lanes>>(
-        &self,
-        response: &Response<C>,
-        relative: f64,
-        factors: &mut Factors,
-    ) -> Step {
+    pub fn step<C: Copy + Into<Lanes>>(&self, response: &Response<C>, relative: f64, factors: &mut Factors) -> Step {
         let rule = &*RULE;
         let cooling = self.cooling * response.length.into();
         // What the surface has at the nodes without d.
         let mut surface = [self.wall; NODES];
         for node in 0..black_box(NODES) {
             for mode in 0..MODES {
-                surface[node] =
-                    multiply_add::<FUSED>(self.modes[mode], response.kept[node][mode].into(), surface[node]);
+                surface[node] = multiply_add::<true>(self.modes[mode], response.kept[node][mode].into(), surface[node]);
             }
         }
-        let mut drive = self.guess::<FUSED>(response.length.into());
+        let mut drive = self.guess(response.length.into());
         let bend = self.feed * cooling * cooling * LEFT;
         let allowed = self.temperature * (relative.max(FINEST) * CONVERGED);
         let least = self.feed * self.wall * self.wall * 1e-14 + allowed / cooling;
@@ -170,8 +164,8 @@ impl Gas {
             for node in 0..black_box(NODES) {
                 let (mut cooled, mut warmed) = (Lanes::ZERO, surface[node]);
                 for from in 0..NODES {
-                    cooled = multiply_add::<FUSED>(drive[from], Lanes::from(rule.integrals[node][from]), cooled);
-                    warmed = multiply_add::<FUSED>(drive[from], response.warming[node][from].into(), warmed);
+                    cooled = multiply_add::<true>(drive[from], Lanes::from(rule.integrals[node][from]), cooled);
+                    warmed = multiply_add::<true>(drive[from], response.warming[node][from].into(), warmed);
                 }
                 let temperature = self.temperature - cooling * cooled;
                 let (by_surface, excess) = (self.feed * temperature, temperature - warmed);
@@ -179,10 +173,10 @@ impl Gas {
                 misses[node] = by_surface * excess - drive[node];
             }
             if anew.any_positive() {
-                fill::<FUSED, C>(&mut factors.next, black_box(&slopes), response);
-                black_box(&mut *factors).take::<FUSED>(anew);
+                fill::<C>(&mut factors.next, black_box(&slopes), response);
+                black_box(&mut *factors).take(anew);
             }
-            let change = black_box(&mut *factors).solve::<FUSED>(black_box(&mut misses));
+            let change = black_box(&mut *factors).solve(black_box(&mut misses));
             let mut largest = Lanes::ZERO;
             for node in 0..NODES {
                 drive[node] += open.where_positive(change[node], Lanes::ZERO);
@@ -201,9 +195,9 @@ impl Gas {
         }
         let (mut cooled, mut last, mut before_last, mut largest) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
         for from in 0..NODES {
-            cooled = multiply_add::<FUSED>(drive[from], Lanes::from(rule.integrals[NODES - 1][from]), cooled);
-            last = multiply_add::<FUSED>(drive[from], Lanes::from(rule.last[0][from]), last);
-            before_last = multiply_add::<FUSED>(drive[from], Lanes::from(rule.last[1][from]), before_last);
+            cooled = multiply_add::<true>(drive[from], Lanes::from(rule.integrals[NODES - 1][from]), cooled);
+            last = multiply_add::<true>(drive[from], Lanes::from(rule.last[0][from]), last);
+            before_last = multiply_add::<true>(drive[from], Lanes::from(rule.last[1][from]), before_last);
             largest = largest.max(drive[from].abs());
         }
         let temperature = self.temperature - cooling * cooled;
@@ -213,7 +207,7 @@ impl Gas {
         for mode in 0..black_box(MODES) {
             modes[mode] = modes[mode] * response.kept[NODES - 1][mode].into();
             for from in 0..NODES {
-                modes[mode] = multiply_add::<FUSED>(drive[from], response.fed[mode][from].into(), modes[mode]);
+                modes[mode] = multiply_add::<true>(drive[from], response.fed[mode][from].into(), modes[mode]);
             }
         }
         let good = (allowed + f64::MIN_POSITIVE).where_positive(Lanes::ONE - open, Lanes::ZERO);
@@ -223,7 +217,7 @@ impl Gas {
 
 /// The matrix of Newton's equations, from the derivatives of d at each node by the surface's warming and by the integral of d.
 #[inline(always)]
-fn fill<const FUSED: bool, C: Copy + Into<Lanes>>(
+fn fill<C: Copy + Into<Lanes>>(
     matrix: &mut [[Lanes; NODES]; NODES],
     slopes: &[[Lanes; 2]; NODES],
     response: &Response<C>,
@@ -233,7 +227,7 @@ fn fill<const FUSED: bool, C: Copy + Into<Lanes>>(
         let [by_surface, by_cooled] = slopes[node];
         for from in 0..NODES {
             let by_warmed: Lanes = response.warming[node][from].into();
-            matrix[node][from] = multiply_add::<FUSED>(by_surface, by_warmed, by_cooled * rule.integrals[node][from]);
+            matrix[node][from] = multiply_add::<true>(by_surface, by_warmed, by_cooled * rule.integrals[node][from]);
         }
         matrix[node][node] += Lanes::ONE;
     }

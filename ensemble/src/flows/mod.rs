@@ -188,7 +188,6 @@ impl<L: Law> Loadable for Moving<'_, L> {
 
 impl<L: Law> LaneSystem<2> for Moving<'_, L> {
     const CHEAP: bool = true;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, s: Lanes, &[per_root_mass, per_root]: &[Lanes; 2]) -> Moment<2> {
@@ -305,7 +304,6 @@ impl<L: Law> Held<'_, L> {
 
 impl<L: Law> LaneSystem<2> for Held<'_, L> {
     const CHEAP: bool = true;
-    const ANYWHERE: bool = true;
 
     #[inline(always)]
     fn rates(&self, _: Lanes, states: &[Lanes; 2]) -> Moment<2> {

@@ -71,7 +71,7 @@ impl Traces<'_> {
     }
 
     /// Answers jobs about records, as many at once as there are lanes: those of sensors that lag apart.
-    pub(super) fn work(&mut self, arch: Arch, question: impl Fn([Lanes; POINTS]) -> Question) {
+    pub(super) fn work(&mut self, arch: Arch, question: fn([Lanes; POINTS]) -> Question) {
         let mut jobs = core::mem::take(&mut self.memory.jobs);
         let lags = |job: &Job| self.of_segment(self.memory.pieces[job.piece].segment).0.sensor.lag > 0.0;
         let (mut prompt, mut lagging): (Vec<u32>, Vec<u32>) =
@@ -98,10 +98,10 @@ impl Traces<'_> {
                     let lagged = Lagged { pressure, begin, stiffness };
                     let from = Lanes::from_fn(|lane| lag(lane).from);
                     let reading = Lagging { lagged, from, per_length: length.recip(), gain, offset, drift };
-                    arch.dispatch(Look { reading, times, question })
+                    Look { reading, times, question }.answer(arch)
                 } else {
                     let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
-                    arch.dispatch(Look { reading: Prompt { inside, gain, offset, drift }, times, question })
+                    Look { reading: Prompt { inside, gain, offset, drift }, times, question }.answer(arch)
                 };
                 for (lane, &job) in group.iter().enumerate() {
                     jobs[job as usize].answer = answer.map(|answer| answer[lane]);

@@ -401,7 +401,7 @@ impl<'a> Traces<'a> {
                 })
             });
             let reading = Prompt { inside, gain: Lanes::ONE, offset: Lanes::ZERO, drift: Lanes::ZERO };
-            let found = arch.dispatch(Look { reading, times, question: Question::Turn });
+            let found = Look { reading, times, question: Question::Turn }.answer(arch);
             for (lane, &(segment, _)) in group.iter().enumerate() {
                 let row = self.memory.segments[segment as usize].row;
                 if let Some(answer) = &mut answers[row as usize] {

@@ -218,7 +218,7 @@ impl<'a> Readings<'a> {
             let open: [bool; WIDTH] = core::array::from_fn(|lane| next[lane] < count && !quick(lane));
             if open.contains(&true) {
                 let [times, values, ..] =
-                    arch.dispatch(Look { times: reading.times, reading, question: Question::Turn });
+                    Look { times: reading.times, reading, question: Question::Turn }.answer(*arch);
                 for lane in (0..WIDTH).filter(|lane| open[*lane]) {
                     (found[0][lane], found[1][lane]) = (times[lane], values[lane]);
                 }
@@ -246,7 +246,7 @@ impl<'a> Readings<'a> {
         if !closed.iter().all(|closed| *closed) {
             let reading = self.gather(|lane| found.piece[lane] as usize);
             let question = Question::Enter { between, value: last, band };
-            let [searched, ..] = self.arch.dispatch(Look { times: reading.times, reading, question });
+            let [searched, ..] = Look { times: reading.times, reading, question }.answer(self.arch);
             for lane in (0..WIDTH).filter(|lane| !closed[*lane]) {
                 settled[lane] = searched[lane];
             }

@@ -32,7 +32,7 @@ impl Readings<'_> {
             };
             let question = Question::Pressures([times.max(Lanes::ZERO); POINTS]);
             let reading = self.gather(holds);
-            self.arch.dispatch(Look { times: reading.times, reading, question })[0]
+            Look { times: reading.times, reading, question }.answer(self.arch)[0]
         });
         Lanes::from_fn(|lane| {
             let sign = if self.tests.to[lane] > self.tests.from[lane] { -1.0 } else { 1.0 };
@@ -95,7 +95,7 @@ impl Sample<'_, '_> {
         let pushed = if polynomial.is_some() { Lanes::ONE } else { Lanes::ZERO };
         let curve = Shown { times, pushed, polynomial, hold, sensors };
         let mut pressure = [Lanes::ZERO; POINTS];
-        for k in 0..POINTS {
+        for k in 0..black_box(POINTS) {
             let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
             // Nodes without weight may stand anywhere.
             pressure[k] = black_box(curve.at(time.max(times[0]).min(times[1])));

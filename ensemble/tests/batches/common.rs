@@ -270,6 +270,33 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
     (EffectSet::one(wall), rows)
 }
 
+/// Tight rows whose missing term is a heat flow over the pressure: of up to eight knots across the pressures of the test, as strong
+/// as the heat that the wall takes or far weaker, from gases much colder or warmer than the wall, pushed or not.
+pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let curve = effects::find("empirical").unwrap().0;
+    let mut r = Numbers(37);
+    let mut rows = sealed(count);
+    for (k, s) in rows.iter_mut().enumerate() {
+        if k % 3 == 0 {
+            s.initial_temperature_k = r.between(200.0, 400.0);
+        }
+        if k % 17 == 0 {
+            s.final_position_m = s.initial_position_m;
+        }
+        let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+        let end = s.initial_pressure_pa * volumes[0] / volumes[1];
+        let (low, high) = (0.7 * end.min(s.initial_pressure_pa), 1.6 * end.max(s.initial_pressure_pa));
+        let mut knots: Vec<f64> = (0..1 + k % 8).map(|_| r.between(low, high)).collect();
+        knots.sort_by(f64::total_cmp);
+        let most = r.log_between(0.01, 3.0);
+        let values = knots.iter().map(|_| r.between(-most, most)).collect();
+        let term = Curve { balance: Balance::HeatFlow, variable: Variable::Pressure, knots, values };
+        s.chamber.effects.of_mut(curve).copy_from_slice(&term.parameters());
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
+    }
+    (EffectSet::one(curve), rows)
+}
+
 /// Rows of which gas leaves or enters: through an orifice towards the surroundings or the supply, through a gap, or at constant
 /// rates; hardly or all of it, on either side of where the flow chokes or turns round, pushed or not.
 pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {

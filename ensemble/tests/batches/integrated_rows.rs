@@ -1,6 +1,6 @@
 //! Rows that only the integrator solves: against the plain one.
 
-use crate::common::{assert_close, assert_same, flowing, reference, results, sealed, varied, walled};
+use crate::common::{assert_close, assert_same, flowing, heated, reference, results, sealed, varied, walled};
 use crate::numbers::Numbers;
 use chamber::{EffectSet, effects};
 use ensemble::{Hold, Options, plain};
@@ -37,6 +37,15 @@ fn a_wall_that_warms_agrees_with_the_plain_integrator_whichever_way_the_hold_goe
         let expected = reference(set, s);
         assert_close(o.pressure_peak_pa, expected.pressure_peak_pa, 1e-7, &format!("peak {k}"));
         assert_close(o.pressure_final_pa, expected.pressure_final_pa, 1e-7, &format!("final {k}"));
+    }
+}
+
+#[test]
+fn a_heat_flow_over_the_pressure_agrees_with_the_plain_integrator_whichever_way_the_hold_goes() {
+    let (set, rows) = heated(300);
+    for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
+        assert_same(&o, &reference(set, s), 1e-8, &format!("row {k}"));
+        assert!(o.status.is_err() || o.energy_error < 1e-7, "row {k}: {}", o.energy_error);
     }
 }
 
