@@ -215,8 +215,7 @@ impl Hinges {
         let mut hinges = Self { first: values[0], ..Self::NONE };
         let (mut steepness, last) = (0.0, length(p) - 1);
         for k in 0..=last {
-            let next =
-                if k < last { (values[k + 1] - values[k]) / (knots[k + 1] - knots[k]) } else { 0.0 };
+            let next = if k < last { (values[k + 1] - values[k]) / (knots[k + 1] - knots[k]) } else { 0.0 };
             (hinges.knots[k], hinges.bends[k]) = (knots[k], next - steepness);
             steepness = next;
         }
@@ -534,7 +533,9 @@ mod tests {
             }
         }
         let over = |balance, variable| Hinges::of(&curve_of(balance, variable, &[1e5], &[0.1]).parameters());
-        assert!(over(Balance::HeatFlow, Variable::Mass).is_none() && over(Balance::MassFlow, Variable::Pressure).is_none());
+        assert!(
+            over(Balance::HeatFlow, Variable::Mass).is_none() && over(Balance::MassFlow, Variable::Pressure).is_none()
+        );
     }
 
     #[test]
