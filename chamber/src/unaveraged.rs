@@ -25,6 +25,8 @@ const BESIDE: f64 = 0.25;
 pub const APART: f64 = BESIDE + (BAND + 2) as f64 / FEWEST_STEPS;
 /// Motions of more windows than this have nothing to gain.
 const MOST_WINDOWS: f64 = 5e4;
+/// Averages that tell a parabola.
+const FEWEST_COMPARED: usize = 3;
 /// Share of the window by which it is widened for derivatives by it.
 const WIDER: f64 = 1e-5;
 
@@ -52,7 +54,7 @@ pub struct At {
 impl Unaveraged {
     /// The stroke of a motion from one time to another, s, in a record between two ends, s, that averages over `window`, s.
     /// Where the motion does not go up to an end, the record is at rest, or moves evenly, beside it. `None` where the window is
-    /// too short to matter.
+    /// too short to matter, or too long for a record that moves from one end to the other to tell the stroke from it.
     pub fn new(recorded: impl Fn(f64) -> f64, window: f64, ends: [f64; 2], motion: [f64; 2]) -> Option<Self> {
         let [from, to] = motion;
         if window <= 0.0 || (to - from) > MOST_WINDOWS * window {
@@ -70,6 +72,9 @@ impl Unaveraged {
             false => (to / step).floor() + REACH as f64,
         };
         let system = System { knots: (last - first) as usize + 1, rests };
+        if rests == [false; 2] && system.compared().len() < FEWEST_COMPARED {
+            return None;
+        }
         let time = |knot: f64| (first + knot) * step;
         let record: Vec<f64> = (0..system.knots + 2).map(|i| recorded(time(i as f64 - 1.0))).collect();
         let of_window = |window: f64| system.solve(&record, window / step);
@@ -138,7 +143,7 @@ impl System {
     /// Knots where the average is compared with the record.
     fn compared(&self) -> Range<usize> {
         // At a rest up to where no unknown one has a part in it; else as far as the record goes.
-        REACH..self.knots - REACH
+        REACH..self.knots.saturating_sub(REACH)
     }
 
     /// Coefficients of the spline for a record at its knots and one more to either side, averages of so many steps.
@@ -267,6 +272,23 @@ mod tests {
         let rests = Unaveraged::new(|_| 0.1, WINDOW, [0.0, 1.0], [0.4, 0.6]).unwrap();
         assert!(rests.knots().all(|t| (rests.at(t).derivatives[0] - 0.1).abs() < 1e-14));
         assert!(Unaveraged::new(|_| 0.1, 0.0, [0.0, 1.0], [0.4, 0.6]).is_none());
+    }
+
+    #[test]
+    fn a_window_of_any_length_leaves_numbers() {
+        for window in (-40..24).map(|k| 2.1f64.powi(k)) {
+            for motion in [[0.0, 1.0], [0.4, 1.0], [0.0, 0.6], [0.4, 0.6], [0.5, 0.5]] {
+                let Some(found) = Unaveraged::new(|t| 0.1 + 0.01 * (3.0 * t).cos(), window, [0.0, 1.0], motion) else {
+                    continue;
+                };
+                let [begin, end] = found.extent();
+                for t in (0..=10).map(|k| begin + 0.1 * f64::from(k) * (end - begin)) {
+                    let At { derivatives, by_window } = found.at(t);
+                    assert!(derivatives.into_iter().chain(by_window).all(f64::is_finite), "{window} {motion:?} {t}");
+                    assert!((derivatives[0] - 0.1).abs() < 0.1, "{window} {motion:?} {t}: {}", derivatives[0]);
+                }
+            }
+        }
     }
 
     /// A push of one metre in a second that gains its speed in so many seconds, and its average.

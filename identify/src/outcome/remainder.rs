@@ -13,7 +13,7 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     }
     if !left.is_noise {
         return format!(
-            "what remains is smaller than the accuracy of {} Pa, but has a shape that noise has not",
+            "what remains, though smaller than the accuracy of {} Pa, has a shape that noise has not",
             digits(data.accuracy_pa(), 2)
         );
     }
