@@ -113,17 +113,3 @@ fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_w
     let largest_pa = data.traces.iter().map(by_position).fold(0.0, f64::max);
     assert!(largest_pa < data.noise.total_pa(), "{largest_pa}");
 }
-
-#[test]
-fn pushes_that_gain_their_speed_within_an_average_are_explained_by_it() {
-    for seed in [21, 22, 23] {
-        let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(seed) };
-        recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|(_, push_s, shape, _)| {
-            (*push_s, *shape) = (0.4, Shape::Trapezoid);
-        });
-        recipe.faults.position_window_s = 0.1;
-        let found = identify::diagnose(&recipe.rig(), &|_, _| ()).unwrap().diagnosis;
-        assert_eq!(found.verdict, Verdict::Explained, "{seed}: {:?}", found.steps);
-        assert_eq!(found.effects, ["position_averaging"], "{seed}");
-    }
-}
