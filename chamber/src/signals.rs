@@ -51,55 +51,36 @@ impl Signals {
         let mut record = self.clone();
         record.knots.iter_mut().zip(self.slopes()).for_each(|(knot, slope)| knot.position += filter * slope);
         let recorded = |time: f64| record.knot(time).position;
-        let spline = |motion| Unaveraged::new(recorded, window, [begin, end], motion);
-        let unaveraged: Vec<Unaveraged> = record.bends(window).into_iter().filter_map(spline).collect();
+        let unaveraged = unaveraged::around(recorded, window, [begin, end], record.bends(window));
         let of_stroke = self.knots.iter().map(|knot| knot.time).chain(unaveraged.iter().flat_map(Unaveraged::knots));
         let mut times: Vec<f64> =
             self.knots.iter().map(|knot| knot.time).chain(of_stroke.map(|time| time - delay)).collect();
         times.retain(|time| (begin..=end).contains(time));
         times.sort_by(f64::total_cmp);
         times.dedup_by(|later, earlier| *later - *earlier < SMALLEST_STRETCH * (end - begin));
-        let stroke = |time: f64| {
-            let spline = unaveraged.get(unaveraged.partition_point(|spline| spline.extent()[1] < time));
-            let spline = spline.filter(|spline| spline.extent()[0] <= time);
-            spline.map_or_else(|| recorded(time), |spline| spline.at(time).derivatives[0])
+        let stroke = |time: f64| match unaveraged::standing_at(&unaveraged, time) {
+            Some(spline) => spline.at(time).derivatives[0],
+            None => recorded(time),
         };
         let knots = times.iter().map(|&time| Knot { time, position: stroke(time + delay), ..self.knot(time) });
         Self { knots: knots.collect(), ambient_pressure: self.ambient_pressure }
     }
 
-    /// Where the stroke bends, from one time to another, s: bends that averages over `window`, s, join are one. A record that
-    /// bends near an end at which it moves does so up to there.
-    fn bends(&self, window: f64) -> Vec<[f64; 2]> {
+    /// Where the stroke bends as far as an average over `window`, s, can show it, each from a time to the same one, s; it does so at an
+    /// end where it moves.
+    fn bends(&self, window: f64) -> impl Iterator<Item = [f64; 2]> {
         /// Of the stroke's extent: what rounding bends a line by within a window.
         const ROUNDING: f64 = 1e-6;
         let [low, high] = self.knots.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], knot| {
             [low.min(knot.position), high.max(knot.position)]
         });
-        let slope = |k: &[Knot]| (k[1].position - k[0].position) / (k[1].time - k[0].time);
-        let matters = |slope: f64| slope.abs() * window > ROUNDING * (high - low);
-        let bent = self.knots.windows(3).filter(|k| matters(slope(&k[1..]) - slope(&k[..2])));
-        let apart = unaveraged::APART * window;
-        let mut bends: Vec<[f64; 2]> = Vec::new();
-        for time in bent.map(|k| k[1].time) {
-            match bends.last_mut() {
-                Some([_, to]) if time - *to < apart => *to = time,
-                _ => bends.push([time; 2]),
-            }
-        }
-        if let [first, second, ..] = self.knots[..]
-            && matters(slope(&[first, second]))
-            && let Some([from, _]) = bends.first_mut().filter(|[from, _]| from - first.time < apart)
-        {
-            *from = first.time;
-        }
-        if let [.., before, last] = self.knots[..]
-            && matters(slope(&[before, last]))
-            && let Some([_, to]) = bends.last_mut().filter(|[_, to]| last.time - to < apart)
-        {
-            *to = last.time;
-        }
-        bends
+        // It rests before its first knot and behind its last.
+        let slope = |k: usize| match (k.checked_sub(1).and_then(|k| self.knots.get(k)), self.knots.get(k)) {
+            (Some(from), Some(to)) => (to.position - from.position) / (to.time - from.time),
+            _ => 0.0,
+        };
+        let bent = move |k: &usize| (slope(k + 1) - slope(*k)).abs() * window > ROUNDING * (high - low);
+        (0..self.knots.len()).filter(bent).map(|k| [self.knots[k].time; 2])
     }
 
     /// Slope of the position at each knot, m/s: the mean of those before and behind it, which are zero outside the record.

@@ -22,7 +22,7 @@ const BAND: usize = 2 * REACH;
 /// begins is known to a few rows only.
 const BESIDE: f64 = 0.25;
 /// Windows of rest between two motions that make two splines: what is known of a rest must be known without the other motion.
-pub const APART: f64 = BESIDE + (BAND + 2) as f64 / FEWEST_STEPS;
+const APART: f64 = BESIDE + (BAND + 2) as f64 / FEWEST_STEPS;
 /// Motions of more windows than this have nothing to gain.
 const MOST_WINDOWS: f64 = 5e4;
 /// Averages that tell a parabola.
@@ -51,11 +51,36 @@ pub struct At {
     pub by_window: [f64; 2],
 }
 
+/// The strokes around motions, each from one time to another, s, and in time order, of a record between two ends, s, that averages
+/// over `window`, s. Motions that are near enough for one stroke are one. Beside them the record is at rest, or moves evenly. There
+/// is none where the window is too short to matter, or too long for a record that moves from one end to the other to tell the stroke
+/// from it.
+pub fn around(
+    recorded: impl Fn(f64) -> f64,
+    window: f64,
+    ends: [f64; 2],
+    motions: impl IntoIterator<Item = [f64; 2]>,
+) -> Vec<Unaveraged> {
+    let mut joined: Vec<[f64; 2]> = Vec::new();
+    for [from, to] in motions {
+        match joined.last_mut() {
+            Some([_, last]) if from - *last < APART * window => *last = to,
+            _ => joined.push([from, to]),
+        }
+    }
+    joined.into_iter().filter_map(|motion| Unaveraged::new(&recorded, window, ends, motion)).collect()
+}
+
+/// The one of these, in time order, that stands for the stroke at a time, s, if any does.
+#[inline]
+pub fn standing_at(strokes: &[Unaveraged], time: f64) -> Option<&Unaveraged> {
+    let next = strokes.get(strokes.partition_point(|stroke| stroke.extent[1] < time));
+    next.filter(|stroke| stroke.extent[0] <= time)
+}
+
 impl Unaveraged {
-    /// The stroke of a motion from one time to another, s, in a record between two ends, s, that averages over `window`, s.
-    /// Where the motion does not go up to an end, the record is at rest, or moves evenly, beside it. `None` where the window is
-    /// too short to matter, or too long for a record that moves from one end to the other to tell the stroke from it.
-    pub fn new(recorded: impl Fn(f64) -> f64, window: f64, ends: [f64; 2], motion: [f64; 2]) -> Option<Self> {
+    /// The stroke of one motion.
+    fn new(recorded: impl Fn(f64) -> f64, window: f64, ends: [f64; 2], motion: [f64; 2]) -> Option<Self> {
         let [from, to] = motion;
         if window <= 0.0 || (to - from) > MOST_WINDOWS * window {
             return None;

@@ -211,16 +211,11 @@ class Chamber:
 
 
 def bends(times, positions, window, apart):
-    """Where a stroke of straight pieces bends, from one time to another; bends nearer than `apart` are one, and reach to the ends
-    where it moves there."""
-    slopes, rounding = np.diff(positions) / np.diff(times), 1e-6 * np.ptp(positions) / window
-    bent = times[1:-1][np.abs(np.diff(slopes)) > rounding]
-    found = [[part[0], part[-1]] for part in np.split(bent, np.flatnonzero(np.diff(bent) >= apart) + 1) if len(part)]
-    if found and abs(slopes[0]) > rounding and found[0][0] - times[0] < apart:
-        found[0][0] = times[0]
-    if found and abs(slopes[-1]) > rounding and times[-1] - found[-1][1] < apart:
-        found[-1][1] = times[-1]
-    return found
+    """Where a stroke of straight pieces, at rest before and after, bends, from one time to another; bends nearer than `apart` are
+    one."""
+    slopes = np.concatenate([[0.0], np.diff(positions) / np.diff(times), [0.0]])
+    bent = times[np.abs(np.diff(slopes)) * window > 1e-6 * np.ptp(positions)]
+    return [[part[0], part[-1]] for part in np.split(bent, np.flatnonzero(np.diff(bent) >= apart) + 1) if len(part)]
 
 
 def behind_average(recorded, ends, motion, window):

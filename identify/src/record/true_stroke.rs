@@ -21,12 +21,11 @@ pub struct TrueStroke<'a> {
     near: Near,
 }
 
-/// The place that was asked last: numbers of the segment in the record, of the piece in it, and of the spline behind the average.
+/// The place in the recorded stroke that was asked last: number of the segment, and of the piece in it.
 #[derive(Default)]
 struct Near {
     segment: Cell<usize>,
     piece: Cell<usize>,
-    spline: Cell<usize>,
 }
 
 /// The stroke at one moment.
@@ -46,20 +45,18 @@ impl<'a> TrueStroke<'a> {
     /// Behind a record that averages over `window`, s, and has passed a low-pass of time constant `filter`, s; zero means
     /// that the record is the stroke.
     pub fn new(motion: &'a Motion, window: f64, filter: f64) -> Self {
-        let mut ends: Vec<f64> = motion.segments.iter().map(|s| s.to_s).collect();
-        let mut stroke =
-            Self { motion, window, filter, unaveraged: Vec::new(), ends: Vec::new(), near: Near::default() };
+        let ends: Vec<f64> = motion.segments.iter().map(|s| s.to_s).collect();
+        let mut stroke = Self { motion, window, filter, unaveraged: Vec::new(), ends, near: Near::default() };
         if window > 0.0 {
             let (begin, end) = motion.extent();
-            let spline = |motion| Unaveraged::new(|time| stroke.recorded(time)[0], window, [begin, end], motion);
-            stroke.unaveraged = motions(motion, window).into_iter().filter_map(spline).collect();
-            ends.extend(
-                stroke.unaveraged.iter().flat_map(Unaveraged::extent).filter(|time| *time > begin && *time < end),
-            );
-            ends.sort_by(f64::total_cmp);
-            ends.dedup_by(|later, earlier| *later - *earlier < 1e-9);
+            let moves = motion.segments.iter().filter(|s| s.phase == Phase::Move).map(|s| [s.from_s, s.to_s]);
+            stroke.unaveraged = unaveraged::around(|time| stroke.recorded(time)[0], window, [begin, end], moves);
+            let of_splines = stroke.unaveraged.iter().flat_map(Unaveraged::extent);
+            stroke.ends.extend(of_splines.filter(|time| *time > begin && *time < end));
+            stroke.ends.sort_by(f64::total_cmp);
+            stroke.ends.dedup_by(|later, earlier| *later - *earlier < 1e-9);
         }
-        Self { ends, ..stroke }
+        stroke
     }
 
     /// Number of stretches without a corner.
@@ -100,7 +97,7 @@ impl<'a> TrueStroke<'a> {
     /// The stroke at a time on a stretch.
     #[inline]
     pub fn at(&self, stretch: usize, time: f64) -> Moment {
-        if let Some(spline) = self.spline_at(time) {
+        if let Some(spline) = unaveraged::standing_at(&self.unaveraged, time) {
             let unaveraged::At { derivatives, by_window } = spline.at(time);
             return self.before_filter(derivatives, by_window);
         }
@@ -110,21 +107,6 @@ impl<'a> TrueStroke<'a> {
             self.recorded(time)
         };
         self.before_filter(recorded, [0.0; 2])
-    }
-
-    /// The spline that stands for the stroke at a time, if any.
-    #[inline]
-    fn spline_at(&self, time: f64) -> Option<&Unaveraged> {
-        let is_there = |spline: &&Unaveraged| {
-            let [begin, end] = spline.extent();
-            (begin..=end).contains(&time)
-        };
-        let last = self.near.spline.get();
-        self.unaveraged.get(last).filter(is_there).or_else(|| {
-            let next = self.unaveraged.partition_point(|spline| spline.extent()[1] < time);
-            self.near.spline.set(next);
-            self.unaveraged.get(next).filter(is_there)
-        })
     }
 
     /// What has passed the low-pass, taken back: position, m, velocity, m/s, and acceleration, m/s², behind it.
@@ -145,7 +127,7 @@ impl<'a> TrueStroke<'a> {
     /// Position, m, velocity, m/s, and acceleration, m/s², of the record.
     #[inline(always)]
     pub fn recorded(&self, time: f64) -> [f64; 3] {
-        let (segments, Near { segment, piece, .. }) = (&self.motion.segments, &self.near);
+        let (segments, Near { segment, piece }) = (&self.motion.segments, &self.near);
         let last = segment.get();
         let is_there = time <= segments[last].to_s && (last == 0 || segments[last - 1].to_s < time);
         if !is_there {
@@ -153,18 +135,6 @@ impl<'a> TrueStroke<'a> {
         }
         segments[segment.get()].stroke.bent(time, piece)
     }
-}
-
-/// The motions of a record, from one time to another, s: those that are near enough for one stroke behind their averages are one.
-fn motions(motion: &Motion, window: f64) -> Vec<[f64; 2]> {
-    let mut motions: Vec<[f64; 2]> = Vec::new();
-    for s in motion.segments.iter().filter(|s| s.phase == Phase::Move) {
-        match motions.last_mut() {
-            Some([_, to]) if s.from_s - *to < unaveraged::APART * window => *to = s.to_s,
-            _ => motions.push([s.from_s, s.to_s]),
-        }
-    }
-    motions
 }
 
 #[cfg(test)]
