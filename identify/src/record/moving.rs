@@ -16,8 +16,10 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     const FEWEST_MEANS: usize = 500;
     /// ...nor in fewer than these where no number of them shows its moves whole.
     const FEWEST_IN_PIECES: usize = 2000;
-    /// A held piston wanders by no more of the record's way.
+    /// A held piston wanders by no more of the record's way, ...
     const MOST_OF_WAY: f64 = 0.02;
+    /// ...nor creeps by more.
+    const MOST_CREPT: f64 = 0.05;
     let mut averaged = 1;
     let mut in_pieces = Vec::new();
     loop {
@@ -30,7 +32,10 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
         widen(&mut moving, &means, noise_m);
         let whole = |(first, end, moves): (usize, usize, bool)| match moves {
             true => end - first >= FEWEST_ROWS,
-            false => way_off_line(&means[first..end]) < MOST_OF_WAY * (high - low),
+            false => {
+                let [off, along] = ways(&means[first..end]);
+                off < MOST_OF_WAY * (high - low) && along < MOST_CREPT * (high - low)
+            }
         };
         let is_whole = moving.contains(&true) && ranges(&moving).into_iter().all(whole);
         let rows = moving.iter().flat_map(|moves| [*moves].repeat(averaged)).take(position_m.len()).collect();
@@ -67,16 +72,17 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     moving
 }
 
-/// The farthest that means of a stop's rows lie from their straight line, m.
-fn way_off_line(position_m: &[f64]) -> f64 {
+/// The farthest that means of a stop's rows lie from their straight line, and how far it goes, m.
+fn ways(position_m: &[f64]) -> [f64; 2] {
     const PARTS: usize = 20;
     if position_m.len() < 2 * PARTS {
-        return 0.0;
+        return [0.0; 2];
     }
     let means: Vec<f64> = position_m.chunks_exact(position_m.len() / PARTS).map(mean).collect();
     let index: Vec<f64> = (0..means.len()).map(|i| i as f64).collect();
     let line = Line::through(&index, &means);
-    index.iter().zip(&means).map(|(i, x)| (x - line.at(*i)).abs()).fold(0.0, f64::max)
+    let off = index.iter().zip(&means).map(|(i, x)| (x - line.at(*i)).abs()).fold(0.0, f64::max);
+    [off, line.slope.abs() * means.len() as f64]
 }
 
 /// Makes one of moves between which the piston turns without a stop, and gives those at the record's ends the turns that they begin
@@ -128,15 +134,16 @@ fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
         if moves {
             continue;
         }
-        if k > 0 {
-            let rows = unsettled(&position_m[first..end], length(k - 1), noise_m);
-            moving[first..first + rows].fill(true);
-        }
-        if k + 1 < parts.len() {
-            let backwards: Vec<f64> = position_m[first..end].iter().rev().copied().collect();
-            let rows = unsettled(&backwards, length(k + 1), noise_m);
-            moving[end - rows..end].fill(true);
-        }
+        let [before, after] = [k.checked_sub(1).map_or(0, length), length(k + 1)];
+        let backwards: Vec<f64> = position_m[first..end].iter().rev().copied().collect();
+        // The gentle begin of the next move is not where the piston is held, nor is the end of the one before.
+        let rows = end - first;
+        let beside = |length: usize| length.min(rows / 4);
+        let late = unsettled(&backwards[..rows - beside(before)], after, noise_m);
+        let early = unsettled(&position_m[first..end - if late == 0 { beside(after) } else { late }], before, noise_m);
+        let late = unsettled(&backwards[..rows - early], after, noise_m);
+        moving[first..first + early].fill(true);
+        moving[end - late..end].fill(true);
     }
 }
 

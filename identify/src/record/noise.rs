@@ -174,9 +174,9 @@ impl Noise {
             neighbours += values.len() - 1;
             differences.extend(values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9));
         }
-        let step_pa = stated_step_pa.unwrap_or_else(|| match lattice(&mut differences) {
-            step if step > 0.0 => step,
-            _ => records.iter().map(|q| plateau_lattice(q.pressure_pa)).fold(0.0, f64::max),
+        // Interpolation between rounded readings leaves finer changes than their steps, but not where the pressure stands.
+        let step_pa = stated_step_pa.unwrap_or_else(|| {
+            records.iter().map(|q| plateau_lattice(q.pressure_pa)).fold(lattice(&mut differences), f64::max)
         });
         let least_pa = least(records.iter().flat_map(|q| q.pressure_pa).copied().fold(0.0, f64::max));
         let floor = step_pa / 12.0f64.sqrt();
@@ -262,8 +262,7 @@ fn freedom(windows: &[(&Quiet<'_>, Vec<usize>)], coefficients: usize) -> f64 {
     windows.iter().map(|(_, rows)| (rows.len() - coefficients) as f64).sum()
 }
 
-/// The spacing of the levels that readings stay on for several rows, Pa: interpolation between rounded readings leaves these
-/// where the pressure stands.
+/// The spacing of the levels that readings stay on for several rows, Pa.
 fn plateau_lattice(pressure_pa: &[f64]) -> f64 {
     const ROWS: usize = 4;
     const FEWEST_LEVELS: usize = 8;
@@ -424,5 +423,23 @@ mod tests {
         assert!((lattice(&mut rounded) - 15.25).abs() < 1e-6);
         let mut smooth: Vec<f64> = (0..3000).map(|_| (random.normal() * 60.0).abs()).collect();
         assert_eq!(lattice(&mut smooth), 0.0);
+    }
+
+    #[test]
+    fn rounded_readings_that_were_interpolated_anew_keep_the_step_at_which_they_stand() {
+        const STEP_PA: f64 = 689.0;
+        // Read 43 times a second, given out 50 times: between two readings a twentieth of a step may stand.
+        let pressure = |t: f64| 1e5 * (9.0 - 0.005 * t + 0.03 * (-t / 4.0).exp());
+        let read = |k: usize| (pressure(k as f64 / 43.0) / STEP_PA).round();
+        let given = |t: f64| {
+            let (k, share) = ((t * 43.0) as usize, (t * 43.0).fract());
+            STEP_PA * (20.0 * (read(k) * (1.0 - share) + read(k + 1) * share)).round() / 20.0
+        };
+        let time_s: Vec<f64> = (0..1000).map(|i| 0.02 * i as f64).collect();
+        let pressure_pa: Vec<f64> = time_s.iter().map(|t| given(*t)).collect();
+        let (motion, readout) = (Motion::detect(&time_s, &vec![0.1; time_s.len()]), Readout::every_row());
+        let quiet = Quiet { time_s: &time_s, pressure_pa: &pressure_pa, motion: &motion, readout: &readout };
+        let noise = Noise::from_quiet_parts(&[quiet], None, None);
+        assert!(noise.sticks && (noise.step_pa / STEP_PA - 1.0).abs() < 1e-6, "{noise:?}");
     }
 }

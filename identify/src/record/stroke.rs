@@ -187,37 +187,36 @@ impl Motion {
     }
 }
 
-/// A hold: a straight line through its rows, since a held piston creeps; its mean where no slope shows; where it clearly moves
-/// otherwise a spline through the means of twenty parts.
+/// A hold: a straight line through its rows, since a held piston creeps; its mean where no slope shows; a curve near its rows where
+/// it clearly moves otherwise.
 fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
-    const PARTS: usize = 20;
     /// A slope of so many standard errors is creep.
     const SLOPE_SHOWS: f64 = 4.0;
     let n = position_m.len();
     let constant = || Spline::through(vec![time_s[0]], vec![mean(position_m)], [None, None]);
-    if n < PARTS {
+    if n < FEWEST_READINGS_OF_HOLD {
         return constant();
     }
     let line = Line::through(time_s, position_m);
-    let ends = [time_s[0], time_s[n - 1]];
-    let size = n / PARTS;
-    if size >= 5 {
-        let parts: Vec<(f64, f64)> = (0..PARTS)
-            .map(|k| {
-                let rows = k * size..if k + 1 == PARTS { n } else { (k + 1) * size };
-                (mean(&time_s[rows.clone()]), mean(&position_m[rows]))
-            })
-            .collect();
-        let spread = parts.iter().map(|(t, x)| (x - line.at(*t)).abs()).fold(0.0, f64::max);
-        if spread > 6.0 * noise_m / (size as f64).sqrt() && spread > 2.0 * noise_m {
-            let (mut t, x): (Vec<f64>, Vec<f64>) = parts.into_iter().unzip();
-            (t[0], t[PARTS - 1]) = (ends[0], ends[1]);
-            return Spline::through(t, x, [Some(0.0), Some(0.0)]);
-        }
+    if is_off(&line, time_s, position_m, noise_m) {
+        return thinned::through(time_s, position_m, [None, None], noise_m);
     }
     // Rounded positions scatter less about a line than their error is.
+    let ends = [time_s[0], time_s[n - 1]];
     let error = line.slope_error.max(noise_m * 12.0f64.sqrt() / ((ends[1] - ends[0]) * (n as f64).sqrt()));
     if line.slope.abs() > SLOPE_SHOWS * error { Spline::line(ends, ends.map(|t| line.at(t))) } else { constant() }
+}
+
+/// Whether the mean of one of a hold's parts lies off its line by more than the noise of its rows.
+fn is_off(line: &Line, time_s: &[f64], position_m: &[f64], noise_m: f64) -> bool {
+    const PARTS: usize = 20;
+    const FEWEST_ROWS: usize = 5;
+    /// In standard errors of the mean, and in those of a row.
+    const DEVIATIONS: [f64; 2] = [6.0, 2.0];
+    let size = (position_m.len() / PARTS).max(FEWEST_ROWS);
+    let limit = noise_m * (DEVIATIONS[0] / (size as f64).sqrt()).max(DEVIATIONS[1]);
+    let parts = time_s.chunks_exact(size).zip(position_m.chunks_exact(size));
+    parts.into_iter().any(|(t, x)| (mean(x) - line.at(mean(t))).abs() > limit)
 }
 
 /// A move: a spline near its rows that meets the holds before and after it.
@@ -432,6 +431,30 @@ mod tests {
             // At the record's ends the curve goes through single rows.
             assert!(worst < 3e-5, "{frequency_hz} Hz: {worst}");
         }
+    }
+
+    #[test]
+    fn a_hold_between_two_gentle_moves_has_neither_the_end_of_one_nor_the_begin_of_the_other() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        for (length_s, row_s, rows) in [(0.9, 1e-3, 5500), (2.0, 5e-4, 15_000), (1.0, 2e-4, 28_000)] {
+            let way = |t: f64, begin: f64, length_s: f64| smooth(((t - begin) / length_s).clamp(0.0, 1.0));
+            let back = 1.3 + length_s;
+            let stroke = |t: f64| 0.04 - 0.028 * (way(t, 0.3, length_s) - way(t, back, 1.4 * length_s));
+            let (motion, worst) = worst_of(stroke, rows, row_s, 1e-5);
+            let phases: Vec<Phase> = motion.segments.iter().map(|s| s.phase).collect();
+            assert_eq!(phases, [Phase::Rest, Phase::Move, Phase::Hold, Phase::Move, Phase::Hold], "{length_s} s");
+            assert!(worst < 4e-5, "{length_s} s: {worst}");
+        }
+    }
+
+    #[test]
+    fn a_piston_that_sticks_and_slips_in_a_hold_is_followed() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        // 1.5 mm in a second and a half of a hold after 40 mm.
+        let slip = |t: f64| 7e-4 * (smooth((t - 1.4).clamp(0.0, 1.0)) + smooth(((t - 2.1) / 0.8).clamp(0.0, 1.0)));
+        let stroke = |t: f64| 0.1 - 0.04 * smooth(((t - 0.5) / 0.6).clamp(0.0, 1.0)) - slip(t);
+        let (motion, worst) = worst_of(stroke, 200, 0.02, 5e-6);
+        assert!(motion.segments.len() >= 3 && worst < 3e-5, "{worst} {:?}", motion.segments.len());
     }
 
     #[test]
