@@ -20,9 +20,10 @@ Example:
 
 The verdict:
   adequate     the residual of the paper's model is noise, or below the accuracy asked for
-  explained    with the named effects the residual is noise
-  improved     the named effects predict left-out data decisively better, but the residual is more than noise
-  unexplained  no known effect predicts left-out data better")]
+  explained    with the named effects the residual is noise, or under 2 % of that without them
+  improved     named effects or a curve predict left-out data decisively better, but need not be the
+               cause: mostly because the residual is more than noise
+  unexplained  no known effect predicts left-out data decisively better")]
 pub struct Args {
     /// The rig file, or the folder that holds its rig.toml
     rig: PathBuf,
