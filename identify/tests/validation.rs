@@ -80,7 +80,7 @@ fn a_first_reading_far_off_is_left_out_and_named_and_changes_nothing() {
     let with = of(&rig);
     assert!((with.rmse_pa / without.rmse_pa - 1.0).abs() < 0.02, "{} {}", with.rmse_pa, without.rmse_pa);
     assert!(
-        with.notes[0].ends_with("one reading far off is left out (at 0.000 s from its first row)"),
+        with.notes[0].ends_with("one reading far off is left out (0.000 s after the first row)"),
         "{:?}",
         with.notes
     );

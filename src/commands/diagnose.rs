@@ -275,7 +275,7 @@ mod tests {
         assert!(meaning(&d).ends_with("12.0 Pa rms remains, and nothing points to one of the balances"));
         (d.verdict, d.remaining_pa) = (Verdict::Improved, 0.0);
         d.remainder =
-            "what remains, though smaller than the accuracy of 30 Pa, has a shape that noise has not".to_owned();
+            "what remains is smaller than the accuracy of 30 Pa, but has a shape that noise does not have".to_owned();
         assert!(!meaning(&d).contains("misfit of 0 Pa"), "{}", meaning(&d));
     }
 }

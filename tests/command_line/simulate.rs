@@ -158,7 +158,7 @@ fn a_reading_far_off_before_the_movement_is_left_out_of_the_start_and_named() {
     bench.file("motion.csv", motion().replacen("101300.0", "301300.0", 1));
     let output = bench.call(0, &CALL);
     assert!((rows(&output.stdout)[0][1] / plain - 1.0).abs() < 1e-9);
-    let says = "motion.csv: one reading far off is left out (line 2, at 0.000 s from its first row)";
+    let says = "motion.csv: one reading far off is left out (line 2, 0.000 s after the first row)";
     assert!(text(&output.stderr).contains(says), "{}", text(&output.stderr));
 }
 

@@ -41,11 +41,14 @@ pub struct Undetermined {
 impl Undetermined {
     /// The combination and how far it is off, for people.
     pub fn words(&self) -> String {
-        let parts: Vec<String> = self.parameters.iter().map(|(name, share)| format!("{share:+.2} {name}")).collect();
         let how = match self.relative_deviation {
-            far if far > 100.0 => "not at all".to_owned(),
-            near => format!("relative deviation {}", digits(near, 2)),
+            far if far > 100.0 => "not determined at all".to_owned(),
+            near => format!("relative standard deviation {}", digits(near, 2)),
         };
+        if let [(name, _)] = self.parameters.as_slice() {
+            return format!("{name} ({how})");
+        }
+        let parts: Vec<String> = self.parameters.iter().map(|(name, share)| format!("{share:+.2} {name}")).collect();
         format!("{} ({how})", parts.join(" "))
     }
 }

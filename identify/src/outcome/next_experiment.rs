@@ -51,8 +51,8 @@ fn separating(data: &Data, tests: &[Test], a: &Candidate, b: &Candidate) -> Opti
         .filter_map(|test| Some((test, difference(test, a, b)? / data.noise.total_pa())))
         .max_by(|x, y| x.1.total_cmp(&y.1))?;
     let test = if best.1 < TOO_SMALL {
-        "no push and hold that these records show the rig to do makes a difference; try a faster push, sampled faster. \
-         Until then either of them describes these data"
+        "no push and hold within the strokes, speeds and pressures of these records separates them; try a faster push, \
+         sampled faster. Until then either of them describes these data"
             .to_owned()
     } else {
         best.0.words.clone()

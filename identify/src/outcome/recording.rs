@@ -95,20 +95,20 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let mut out = Vec::new();
     if data.ambient_temperature_assumed {
         out.push(format!(
-            "the ambient temperature is not stated: {:.2} K assumed, ± {:.0} K; pressures alone do not determine it (lambda0 follows it to the power 1.5, and its interval includes that)",
+            "the ambient temperature is not stated: {:.2} ± {:.0} K is assumed. Pressures alone do not determine it; lambda0 goes with its power 1.5, and the interval of lambda0 includes that",
             data.ambient_temperature_k, data.tolerance.ambient_temperature_k
         ));
     }
     if !USUAL_AMBIENT_PA.contains(&data.ambient_pressure_pa) {
         out.push(format!(
-            "the pressure of the surroundings is stated as {} bar, and weather and altitude make 0.5 to 1.1 bar of it: check [ambient] pressure_pa (1 bar is 1e5, 1 mbar 100)",
+            "the pressure of the surroundings is stated as {} bar, but with weather and altitude it is 0.5 to 1.1 bar: check [ambient] pressure_pa (1 bar is 1e5, 1 mbar 100)",
             digits(data.ambient_pressure_pa * 1e-5, 3)
         ));
     }
     let highest = data.highest_pressure_pa();
     if highest < data.ambient_pressure_pa && data.unit_doubt.is_none() {
         out.push(format!(
-            "no pressure reaches that of the surroundings: {} bar at most, of {} bar; check the unit of the pressure column",
+            "no pressure reaches that of the surroundings: the highest is {} bar, and the surroundings have {} bar; check the unit of the pressure column",
             digits(highest * 1e-5, 3),
             digits(data.ambient_pressure_pa * 1e-5, 3)
         ));
@@ -116,13 +116,16 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     out.extend(data.unit_doubt.iter().map(Doubt::sentence));
     if let Some(jitter_s) = data.clock_jitter_s() {
         out.push(format!(
-            "the rows were read up to {} ms (rms) before or after the times that stand beside them: positions and pressures show it alike while the piston moves, and those rows have the times at which the positions say that they were read",
+            "the rows were read unevenly, up to {} ms (rms) before or after their times in the file. Positions and pressures show it alike while the piston moves; there the rows have the times that the positions tell",
             digits(jitter_s * 1e3, 2)
         ));
     }
     let noise = &data.noise;
     if let Some(stated) = noise.stated_pa.filter(|s| (s / noise.total_pa() - 1.0).abs() > 0.2) {
-        out.push(format!("the rig states a noise of {stated:.1} Pa, the records show {:.1} Pa", noise.total_pa()));
+        out.push(format!(
+            "the rig states a noise of {stated:.1} Pa, the records show {:.1} Pa, which is used",
+            noise.total_pa()
+        ));
     }
     if noise.sticks {
         out.push(format!(
@@ -147,21 +150,19 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
     if let Some(open) = between_rows.map(open).reduce(f64::max) {
         out.push(format!(
-            "the pressures show the stroke between the rows of its record, which leave up to {} Pa open in fast moves: those pressures count less",
+            "in fast moves the pressures depend on the stroke between two rows, which leaves them uncertain by up to {} Pa: they count less",
             digits(open, 2)
         ));
     }
     let open = averaged.clone().map(open).fold(0.0, f64::max);
     if let Some(window_s) = averaged.map(|t| t.look.window_s).reduce(f64::max) {
         out.push(format!(
-            "the positions look like averages over {} s, which hides the course of moves hardly longer than that: the pressures in such moves, uncertain by up to {} Pa, count less",
+            "the positions look like averages over {} s, which hide the course of moves hardly longer than that: the pressures in such moves are uncertain by up to {} Pa and count less",
             digits(window_s, 2),
             digits(open, 2)
         ));
     }
-    for t in data.traces.iter().filter(|t| !t.starts_at_rest) {
-        out.push(format!("{} starts in motion: its initial temperature is fitted", t.path.display()));
-    }
+    out.extend(in_motion(data));
     if let Some(found) = found {
         out.extend(of_search(data, found));
     }
@@ -173,10 +174,33 @@ pub fn left_out(data: &Data) -> Vec<String> {
     let readings = |t: &Prepared| far_off::sentence(&t.path, &t.readout.outliers, &t.lines, &t.time_s);
     let mut out: Vec<String> = data.traces.iter().filter_map(readings).collect();
     for t in data.traces.iter().filter(|t| t.backward_rows > 0) {
-        out.push(format!("{}: {} rows are left out, as their time does not go on", t.path.display(), t.backward_rows));
+        let rows = match t.backward_rows {
+            1 => "one row is left out, because its time does not increase".to_owned(),
+            count => format!("{count} rows are left out, because their times do not increase"),
+        };
+        out.push(format!("{}: {rows}", t.path.display()));
     }
     out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
     out
+}
+
+/// Which records start in motion.
+fn in_motion(data: &Data) -> Option<String> {
+    /// How many are named.
+    const NAMED: usize = 5;
+    let paths: Vec<String> =
+        data.traces.iter().filter(|t| !t.starts_at_rest).map(|t| t.path.display().to_string()).collect();
+    let more = if paths.len() > NAMED { ", …" } else { "" };
+    match paths.as_slice() {
+        [] => None,
+        [one] => Some(format!("{one} starts in motion: its initial temperature is fitted")),
+        several => Some(format!(
+            "{} of {} records start in motion: their initial temperatures are fitted ({}{more})",
+            several.len(),
+            data.traces.len(),
+            several[..several.len().min(NAMED)].join(", ")
+        )),
+    }
 }
 
 /// What is no reading among the positions.
@@ -192,7 +216,7 @@ fn positions(data: &Data) -> Vec<String> {
             ),
         };
         let named = far_off::named(&first.positions.outliers, &first.lines, &first.time_s);
-        out.push(format!("{what} ({}: {named} from its first row)", first.path.display()));
+        out.push(format!("{what} ({}: {named} after the first row)", first.path.display()));
     }
     let slow: Vec<&Prepared> = data.traces.iter().filter(|t| t.positions.between != Between::Nothing).collect();
     if let Some(t) = slow.first() {
@@ -221,13 +245,13 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     if let Some(effects) = found.by_geometry {
         let names: Vec<&str> = effects.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
-            "{} would explain part of the residual, but so would a bore or position scale a few tolerances off: check those first",
+            "{} would explain part of the residual, but so would a bore, position scale or ambient temperature a few tolerances off: check those first",
             names.join(" and ")
         ));
     }
     if let Some(r) = found.read_off.as_ref().filter(|r| !r.accepted) {
         out.push(format!(
-            "no curve is kept: it would have to halve what left-out data show beyond noise; the best, a {} over the {}, changes their error from {} to {} Pa",
+            "no curve is kept, since it would have to halve the error beyond noise on left-out data; with the best, a {} over the {}, the error there goes from {} to {} Pa",
             discrepancy::quantity(r.first_order.balance),
             r.first_order.variable.name().0,
             digits(r.left_out_pa[0], 3),
@@ -235,12 +259,12 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         ));
     }
     if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
-        out.push("the records differ in how they were recorded (see records), not in physics".to_owned());
+        out.push("the records differ in how they were recorded (the report and `records` in the JSON show it), not in physics".to_owned());
     }
     if let Some(other) = found.coefficient_stands_for() {
         let of = |fit: &Fit| digits(fit.chamber().heat_transfer.coefficient, 3);
         out.push(format!(
-            "lambda0 = {} W/(m2 K) is none that a gas in a cylinder has, and stands for what the paper's model lacks: with {} it is {}",
+            "lambda0 = {} W/(m2 K) is not possible for a gas in a cylinder: it makes up for what the paper's model lacks. With {} it is {}",
             of(&found.baseline.fit),
             other.model.words(),
             of(&other.fit)
@@ -251,7 +275,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     if found.follows_the_test {
         let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
-            "{} of the records: alike in the repeats of a test, another from test to test; something of the rig stands behind it",
+            "{} of the records: alike in the repeats of each test, but different from test to test, so a property of the rig causes it",
             names.join(" and ")
         ));
     }
@@ -264,10 +288,10 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         ));
     }
     if let Some(number) = found.chosen.fit.exhausted() {
-        out.push(format!("{} is next to the most that it can be: something else stands behind it", number.name()));
+        out.push(format!("{} is nearly at the limit of its effect: something else is the likely cause", number.name()));
     }
     if !found.chosen.fit.converged {
-        out.push("the last fit did not settle within its iterations: take its numbers with care".to_owned());
+        out.push("the last fit did not converge: take its numbers with care".to_owned());
     }
     out
 }
@@ -297,7 +321,7 @@ fn common_start(data: &Data, fit: &Fit) -> Option<String> {
     (warmer_k.len() > 2 && mean.abs() > DEVIATIONS * (variance / count).sqrt()).then(|| {
         let (how, other) = if mean < 0.0 { ("colder", "warmer") } else { ("warmer", "colder") };
         format!(
-            "the gas begins {:.1} K {how} than the wall in the mean of the records: it may not have reached the wall's temperature before they begin, or the wall is {other} than the stated surroundings, which pressures alone do not determine (lambda0 follows the wall's temperature to the power 1.5)",
+            "in the mean of the records the gas begins {:.1} K {how} than the wall. It may not have reached the wall's temperature before they begin, or the wall is {other} than the stated surroundings; pressures alone do not tell which (lambda0 goes with the power 1.5 of the wall's temperature)",
             mean.abs()
         )
     })

@@ -13,7 +13,7 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     }
     if !left.is_noise {
         return format!(
-            "what remains, though smaller than the accuracy of {} Pa, has a shape that noise has not",
+            "what remains is smaller than the accuracy of {} Pa, but has a shape that noise does not have",
             digits(data.accuracy_pa(), 2)
         );
     }
@@ -21,10 +21,10 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
         return "on records left out whole it errs much more than on those it is fitted to".to_owned();
     }
     if found.follows_the_test {
-        return "what each record has for itself is another from test to test".to_owned();
+        return "what each record has for itself differs from test to test".to_owned();
     }
     match found.settled().fit.exhausted() {
-        Some(number) => format!("{} is next to the most that it can be", number.name()),
+        Some(number) => format!("{} is nearly at the limit of its effect", number.name()),
         None => "what remains is noise".to_owned(),
     }
 }

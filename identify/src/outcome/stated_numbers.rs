@@ -25,7 +25,7 @@ fn words(slot: Slot, by: f64, bore_mm: f64) -> String {
     let either = |more: &'static str, less: &'static str| if by < 0.0 { less } else { more };
     let amount = by.abs();
     match slot {
-        Slot::Bore => format!("a bore of {:.2} mm for {bore_mm:.2} mm", bore_mm * (1.0 + by)),
+        Slot::Bore => format!("a bore of {:.2} mm instead of {bore_mm:.2} mm", bore_mm * (1.0 + by)),
         Slot::PositionScale => {
             format!("positions {:.2} % {} than recorded", 100.0 * amount, either("larger", "smaller"))
         }
@@ -61,6 +61,6 @@ mod tests {
         assert_eq!(words(Slot::PositionScale, -0.025, 40.0), "positions 2.50 % smaller than recorded");
         assert_eq!(words(Slot::PositionScale, 0.025, 40.0), "positions 2.50 % larger than recorded");
         assert_eq!(words(Slot::AmbientTemperature, -7.0, 40.0), "surroundings 7.0 K colder than stated");
-        assert_eq!(words(Slot::Bore, -0.025, 40.0), "a bore of 39.00 mm for 40.00 mm");
+        assert_eq!(words(Slot::Bore, -0.025, 40.0), "a bore of 39.00 mm instead of 40.00 mm");
     }
 }

@@ -13,7 +13,7 @@ pub fn sentence(path: &Path, rows: &[usize], lines: &LineNumbers, time_s: &[f64]
         1 => "one reading far off is left out".to_owned(),
         count => format!("{count} readings far off are left out"),
     };
-    Some(format!("{}: {readings} ({} from its first row)", path.display(), named(rows, lines, time_s)))
+    Some(format!("{}: {readings} ({} after the first row)", path.display(), named(rows, lines, time_s)))
 }
 
 /// The first of some rows: their lines, where the record is of a file, and their times from the first row, s.
@@ -21,12 +21,12 @@ pub fn named(rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> String {
     let more = if rows.len() > NAMED { ", …" } else { "" };
     let named = &rows[..rows.len().min(NAMED)];
     let times: Vec<String> = named.iter().map(|&row| format!("{:.3} s", time_s[row] - time_s[0])).collect();
-    let times = format!("at {}{more}", times.join(", "));
+    let times = format!("{}{more}", times.join(", "));
     let lines: Vec<String> = named.iter().filter_map(|&row| Some(lines.of(row)?.to_string())).collect();
     match lines.len() {
         0 => times,
         1 => format!("line {}, {times}", lines[0]),
-        _ => format!("lines {}{more}, {times}", lines.join(", ")),
+        _ => format!("lines {}{more}; {times}", lines.join(", ")),
     }
 }
 
@@ -40,10 +40,10 @@ mod tests {
         let lines: LineNumbers = [2, 3, 7, 8].into_iter().collect();
         let said = |rows: &[usize], lines: &LineNumbers| sentence(Path::new("a.csv"), rows, lines, &time_s);
         assert_eq!(said(&[], &lines), None);
-        let one = "a.csv: one reading far off is left out (line 2, at 0.000 s from its first row)";
+        let one = "a.csv: one reading far off is left out (line 2, 0.000 s after the first row)";
         assert_eq!(said(&[0], &lines).as_deref(), Some(one));
-        let two = "a.csv: 2 readings far off are left out (lines 3, 7, at 0.100 s, 0.200 s from its first row)";
+        let two = "a.csv: 2 readings far off are left out (lines 3, 7; 0.100 s, 0.200 s after the first row)";
         assert_eq!(said(&[1, 2], &lines).as_deref(), Some(two));
-        assert!(said(&[1], &LineNumbers::default()).unwrap().ends_with("left out (at 0.100 s from its first row)"));
+        assert!(said(&[1], &LineNumbers::default()).unwrap().ends_with("left out (0.100 s after the first row)"));
     }
 }

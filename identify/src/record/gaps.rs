@@ -136,7 +136,7 @@ pub fn sentence(path: &Path, motion: &Motion, lines: &LineNumbers, time_s: &[f64
     let gaps: Vec<String> = motion.segments.iter().filter(|s| s.lost).map(gap).collect();
     (!gaps.is_empty()).then(|| {
         format!(
-            "{}: rows are missing while the piston moves ({} from its first row): how it moved there is not known, so that the gas's temperature behind it is fitted and the rows next to it are left out",
+            "{}: rows are missing while the piston moves ({} after the first row). Its course in such a gap is not known: the gas's temperature at the end of the gap is fitted, and the rows next to the gap are left out",
             path.display(),
             gaps.join("; ")
         )
@@ -307,7 +307,7 @@ mod tests {
         let said = sentence(Path::new("a.csv"), &motion, &lines, &time_s).unwrap();
         assert!(said.starts_with("a.csv: rows are missing while the piston moves (lines 92 to 93, 0.900 s to 1.560 s"));
         let said = sentence(Path::new("a.csv"), &motion, &LineNumbers::default(), &time_s).unwrap();
-        assert!(said.contains("(0.900 s to 1.560 s from its first row)"));
+        assert!(said.contains("(0.900 s to 1.560 s after the first row)"));
         assert_eq!(sentence(Path::new("a.csv"), &motion_of(&[]).1, &lines, &time_s), None);
     }
 }

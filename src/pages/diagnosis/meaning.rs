@@ -25,7 +25,7 @@ pub fn sentence(m: &Unnamed, ambient_pa: f64) -> String {
         ("share of the heat transfer coefficient", "piston position") => {
             "The coefficient depends on the position of the piston. This suggests an effect of the length of the gas column, of the wall of the dead volume, or a wrong bore.".to_owned()
         }
-        ("share of the heat transfer coefficient", "amount of the piston speed") if grows => {
+        ("share of the heat transfer coefficient", "absolute piston speed") if grows => {
             "The coefficient is larger while the piston moves. This suggests forced convection.".to_owned()
         }
         ("share of the heat transfer coefficient", "time since the last move began") if !grows => {
