@@ -4,7 +4,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`policy`] | every threshold, with its reason |
+//! | [`policy`] | the thresholds of the search and of the verdict, each with its reason |
 //! | [`record`] | from rows to blocks: moves, holds, noise, bad input |
 //! | [`parameters`], [`forward`] | what is free; the model's pressure along a record, with exact sensitivities |
 //! | [`fit`] | least squares over all records, intervals |

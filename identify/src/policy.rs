@@ -1,4 +1,4 @@
-//! Every threshold of a diagnosis, with its reason.
+//! The thresholds that decide what a diagnosis believes, each with its reason. Those that a single step needs stand beside it.
 
 /// ΔBIC from which on a term may enter: "very strong" evidence (R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995)
 /// 773); the logarithm of the number of candidates comes on top, as the best of many is chosen.
@@ -90,8 +90,8 @@ pub const AT_AMBIENT: f64 = 0.02;
 /// Absolute pressures at which chambers on compressed air rest, Pa: from a vacuum generator's to that of a net of 10 bar.
 pub const COMPRESSED_AIR_PA: std::ops::RangeInclusive<f64> = 2.5e4..=1.2e6;
 
-/// The paper's model's error, of the white noise, from which on records are looked at for those of another rig: a wrong volume
-/// or coefficient makes much more.
+/// The paper's model's error, of the white noise (or the step between readings, if that is more), from which on records are looked
+/// at for those of another rig: a wrong volume or coefficient makes much more.
 pub const APART_FROM: f64 = 3.0;
 /// What two groups of records leave of that error's square when each is fitted alone, below which they are of two rigs.
 pub const APART: f64 = 0.1;

@@ -1,9 +1,9 @@
 //! Intervals of what was fitted, and what the data does not determine.
 //!
 //! Covariance: inverse of the normal matrix (the records' own numbers eliminated), whose weights carry the noise's colour and
-//! the position's noise. Where the residual is more than noise, the variance between traces is the larger truth (sandwich
-//! estimator with traces as clusters; blocks in a single trace): the wider of the two is reported. The tolerances of what
-//! the rig states are carried through the fit and added.
+//! the position's noise. Where the residual is more than noise, each variance is the larger of two: this one times the sum of squares
+//! over its expectation, and that of the sandwich estimator, whose clusters are the records, or parts of them where there are fewer
+//! than six. The tolerances of what the rig states are carried through the fit and added (JCGM 100:2008, equation 10).
 
 use crate::fit::Fit;
 use crate::parameters::{Axis, Slot};

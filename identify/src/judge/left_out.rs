@@ -1,12 +1,13 @@
-//! The error on data that took no part in the fit: repeats left out in turn; without repeats, records left out in turn; of a
-//! single record the last third, simulated on from its beginning.
+//! The error on data that took no part in the fit, Pa rms: repeats left out in turn; without repeats, records left out in turn, in
+//! four groups at most; of a single record the last third, simulated on from its beginning.
 //!
 //! What is left out of several records are whole ones, since the last third of a long hold shows nothing of an effect that acts
 //! in moves only.
 //!
 //! A left-out record brings its own initial pressure (and temperature, where it starts in motion): no row is judged by
 //! what it helped to find, but each half of a record's rows, in alternating runs, with the numbers of its own that the other
-//! half asks for, given what is known of them beforehand. The mean before the first move alone would be a few rows' noise, several times as large after a push.
+//! half asks for, given what is known of them beforehand. The mean before the first move alone would be a few rows' noise, several
+//! times as large after a push.
 
 use crate::fit::{self, Fit, readings};
 use crate::parameters::{Hypothesis, Own};

@@ -1,4 +1,6 @@
-//! Contradictions that only a fit shows: gauge pressure taken for absolute or absolute for gauge, a dead volume below zero by far.
+//! Contradictions that only a fit shows: a heat transfer coefficient that no gas in a cylinder has, a dead volume far below zero,
+//! gauge pressure taken for absolute or absolute for gauge, and gauge pressure in another unit than declared. Pressures in Pa, volumes
+//! in m³, coefficients in W/(m² K).
 
 use crate::error::Error;
 use crate::fit::covariance::covariance;

@@ -1,4 +1,5 @@
 //! Bends of a column: where its rows do not lie on straight lines, as those between the readings of an interpolated one do.
+//! Pressures in Pa, positions in µm.
 
 use super::lattice::{self, lattice};
 

@@ -1,9 +1,10 @@
-//! The steps of an analogue-to-digital converter or of an encoder, from the differences that occur between readings.
+//! The steps of an analogue-to-digital converter or of an encoder, in the readings' unit, from the differences that occur between
+//! readings.
 
 use super::spline::extent;
 use records::bends;
 
-/// The spacing of the readings' lattice, Pa: the smallest common difference, zero where differences are not its multiples.
+/// The spacing of the readings' lattice: the smallest common difference, zero where differences are not its multiples.
 pub fn lattice(differences: &mut [f64]) -> f64 {
     const NEARLY: f64 = 0.1;
     differences.sort_by(f64::total_cmp);

@@ -1,8 +1,9 @@
 //! How a search ends: terms that nothing needs go out again, what is left is judged, and where it is more than noise the missing
 //! term is read off as a curve.
 //!
-//! A term stays if it is decisive beside the others, and with the geometry far more uncertain than stated: an effect that a wrong
-//! bore could imitate is not named.
+//! A term stays if it is decisive beside the others, and with the stated numbers far more uncertain than stated: an effect that a
+//! wrong bore could imitate is not named. At last the numbers of the reported model are checked for contradictions
+//! ([`sanity`]).
 
 use super::starts::{as_stated, fit_model};
 use super::{Candidate, Found, Search, Verdict, distinct, terms};

@@ -2,11 +2,13 @@
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
 //! better sets with every further term (a beam of all sets and one of those without terms of single records; those are fitted
-//! whose first step promises most) and, where none helps alone, with two of them, until what is left is adequate, nothing
-//! enters, or [`policy::MOST_TERMS`] are in. A term is an effect of the rig, an effect of the recording that each record has for
-//! itself, or initial temperatures. It enters by decisive evidence and a lower error on left-out data (`entry`); at the end each
-//! has to be decisive beside the others and with the geometry far more uncertain than stated, or it goes out again. Where that
-//! leaves more than noise, the missing term is read off the residual as a curve ([`curve`]).
+//! whose first step promises most), and pairs of the better ones. It ends where what is left is adequate or next to nothing, where
+//! nothing enters and no set of the rig's effects can catch up, or at sets of [`policy::MOST_IN_ALL`] terms. A term is an effect of
+//! the rig, an effect of the recording that each record has for itself, or initial temperatures. It enters by decisive evidence and
+//! a lower error on left-out data (`entry`). What the records have for themselves may become one number of the rig (`fold`), and
+//! data are weighed anew as better models show their noise (`anew`). At the end each term has to be decisive beside the others and
+//! with the stated numbers far more uncertain than stated, or it goes out again (`conclude`). Where that leaves more than noise, the
+//! missing term is read off the residual as a curve ([`curve`]).
 
 mod anew;
 pub mod baseline;
@@ -54,13 +56,13 @@ pub struct Found {
     pub baseline: Candidate,
     /// What it leaves.
     pub baseline_adequacy: Adequacy,
-    /// Every model tried, best evidence first.
+    /// Every model tried, best evidence first, but a curve that was accepted before all others.
     pub tried: Vec<Candidate>,
     /// The model to go on with; the paper's where nothing entered.
     pub chosen: Candidate,
     /// What that leaves.
     pub chosen_adequacy: Adequacy,
-    /// The way to the chosen model, the paper's first, each with one term more.
+    /// The models chosen on the way, from the paper's to the last: mostly a term more than the one before, or another in its place.
     pub steps: Vec<Candidate>,
     /// Models with as many terms as the chosen one that the data cannot tell from it.
     pub alike: Vec<Model>,
