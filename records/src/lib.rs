@@ -50,7 +50,7 @@ pub use gas::NamedGas;
 pub use layout::Layout;
 pub use measurement::{Sensor, Tolerance};
 pub use model::Model;
-pub use names::{nearest, repeated};
+pub use names::{listed, nearest, repeated};
 pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use statistics::{bends, correlation, noise_of_bends, turned_back};

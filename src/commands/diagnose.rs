@@ -6,7 +6,7 @@ use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::unnamed::Unnamed;
-use records::{Rig, Verdict};
+use records::{Rig, Verdict, listed};
 use report::{digits, seconds};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -84,15 +84,15 @@ fn meaning(d: &Diagnosis) -> String {
             if d.terms().is_empty() { String::new() } else { format!(", with {},", d.terms()) },
             digits(d.accuracy_pa, 2)
         ),
-        Verdict::Explained => format!("the residual is explained by {}", d.effects.join(" and ")),
+        Verdict::Explained => format!("the residual is explained by {}", listed(&d.effects)),
         Verdict::Improved if d.has_curve() => format!(
             "with {} the model predicts left-out experiments decisively better; the curve describes the records and names no cause ({})",
-            d.effects_of_model().join(" and "),
+            listed(d.effects_of_model()),
             d.remainder
         ),
         Verdict::Improved => format!(
-            "with {} the model predicts left-out data decisively better, but {}: it describes the records, and its effects need not be the cause",
-            d.effects_of_model().join(" and "),
+            "with {} the model predicts left-out data decisively better, but {}. It describes the records; its effects need not be the cause",
+            listed(d.effects_of_model()),
             d.remainder
         ),
         Verdict::Unexplained => {
@@ -134,7 +134,7 @@ fn errors(out: &mut String, d: &Diagnosis) {
     };
     let _ = writeln!(out, "error, Pa rms        fit     left out     (noise of the recording {:.1})", d.noise_pa);
     for step in &d.steps {
-        let name = if step.terms.is_empty() { "the paper's model".to_owned() } else { format!("+ {}", step.terms) };
+        let name = if step.terms.is_empty() { "the paper's model".to_owned() } else { format!("with {}", step.terms) };
         let _ = writeln!(out, "{}   {name}", error(&step.rmse_pa));
     }
     out.push('\n');
@@ -199,9 +199,11 @@ fn empirical(out: &mut String, e: &Empirical) {
         digits(e.left_out_rmse_pa.without, 3),
         digits(e.left_out_rmse_pa.with, 3)
     );
+    let [variable_unit, unit] = [e.variable_unit, e.unit].map(shown);
     for ((at, value), [low, high]) in e.knots.iter().zip(&e.values).zip(&e.ci95) {
         let (at, value, low, high) = (digits(*at, 4), digits(*value, 3), digits(*low, 3), digits(*high, 3));
-        let _ = writeln!(out, "   at {at:>11} {:<5} {value:>11} {} ({low} … {high})", e.variable_unit, e.unit);
+        let line = format!("   at {at:>11} {variable_unit:<5} {value:>11} ({low} … {high}) {unit}");
+        let _ = writeln!(out, "{}", line.trim_end());
     }
 }
 
@@ -209,23 +211,23 @@ fn empirical(out: &mut String, e: &Empirical) {
 fn missing(out: &mut String, m: &Unnamed) {
     let _ = writeln!(
         out,
-        "\n{} as a function of {} would explain {:.0} % of the residual beyond noise ({} balance)",
+        "\na {} as a function of {} would explain {:.0} % of the residual beyond noise ({} balance)",
         m.quantity,
         m.variable,
         100.0 * m.share,
         m.balance
     );
+    let [variable_unit, unit] = [m.variable_unit, m.unit].map(shown);
     for ((at, value), sd) in m.at.iter().zip(&m.value).zip(&m.sd) {
-        let _ = writeln!(
-            out,
-            "   at {:>11} {:<5} {:>11} ± {} {}",
-            digits(*at, 4),
-            m.variable_unit,
-            digits(*value, 3),
-            digits(*sd, 2),
-            m.unit
-        );
+        let (at, value, sd) = (digits(*at, 4), digits(*value, 3), digits(*sd, 2));
+        let line = format!("   at {at:>11} {variable_unit:<5} {value:>11} ± {sd} {unit}");
+        let _ = writeln!(out, "{}", line.trim_end());
     }
+}
+
+/// A unit as it stands behind a number: nothing of a ratio's, which is 1.
+fn shown(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
 }
 
 #[cfg(test)]

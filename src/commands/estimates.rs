@@ -6,16 +6,17 @@ use std::fmt::Write;
 
 /// Parameters, one a line, with interval and unit.
 pub fn parameters(out: &mut String, parameters: &[(String, Estimate)]) {
-    let _ = writeln!(out, "{:<44} {:>13}   {:<28} unit", "parameter", "value", "95 % interval");
+    let width = parameters.iter().map(|(name, _)| name.len()).fold(44, usize::max);
+    let _ = writeln!(out, "{:<width$} {:>13}   {:<28} unit", "parameter", "value", "95 % interval");
     for (name, e) in parameters {
-        let _ = writeln!(out, "{name:<44} {:>13}   {:<28} {}", digits(e.value, 5), e.interval(), e.unit);
+        let _ = writeln!(out, "{name:<width$} {:>13}   {:<28} {}", digits(e.value, 5), e.interval(), e.unit);
     }
 }
 
 /// Parameters that the data do not determine, and what was assumed.
 pub fn notes(out: &mut String, undetermined: &[Undetermined], assumptions: &[String]) {
     for u in undetermined {
-        let _ = writeln!(out, "poorly determined by these traces: {}", u.words());
+        let _ = writeln!(out, "poorly determined by these records: {}", u.words());
     }
     for a in assumptions {
         let _ = writeln!(out, "note: {a}");

@@ -13,7 +13,7 @@ use course::Course;
 use identify::record::checks;
 use identify::record::unit::Declared;
 use records::layout::Quantity;
-use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
+use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window, listed};
 use std::path::{Path, PathBuf};
 use stroke::Stroke;
 
@@ -80,7 +80,7 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
         notes.push(format!(
             "{}: the piston is held where it rests and moves along smooth curves, since its positions {}",
             motion.path.display(),
-            stroke.faults.join(" and ")
+            listed(&stroke.faults)
         ));
     }
     let course = Course::new(&motion, stroke, request.initial_pressure_pa);

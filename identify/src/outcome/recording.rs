@@ -15,6 +15,7 @@ use crate::record::readout::Between;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
 use chamber::effects::{CARDS, EffectSet};
+use records::listed;
 use report::digits;
 use serde::Serialize;
 
@@ -246,7 +247,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         let names: Vec<&str> = effects.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
             "{} would explain part of the residual, but so would a bore, position scale or ambient temperature a few tolerances off: check those first",
-            names.join(" and ")
+            listed(&names)
         ));
     }
     if let Some(r) = found.read_off.as_ref().filter(|r| !r.accepted) {
@@ -276,7 +277,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
             "{} of the records: alike in the repeats of each test, but different from test to test, so a property of the rig causes it",
-            names.join(" and ")
+            listed(&names)
         ));
     }
     if let Some(left_out) =

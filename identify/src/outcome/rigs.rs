@@ -63,7 +63,7 @@ pub fn apart(data: &Data, rms_pa: f64, needed: Overlap) -> Option<String> {
         )
     };
     Some(format!(
-        "{} do not belong with the other {} records: fitted apart, the paper's model is off by {} rather than {} Pa rms, with {} for these and {} for the others; are they of another rig?",
+        "{} do not fit the other {} records. Fitted apart, the paper's model errs by {} instead of {} Pa rms, with {} for these and {} for the others. Are they of another rig?",
         few.iter().map(name).collect::<Vec<_>>().join(", "),
         many.len(),
         digits(left_pa, 3),

@@ -13,8 +13,8 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     /// No move is shorter, once it has its gentle begin and end.
     const FEWEST_ROWS: usize = 10;
     /// A record is not looked at in fewer means, ...
-    const FEWEST_MEANS: usize = 500;
-    /// ...nor in fewer than these where no number of them shows its moves whole.
+    const FEWEST_MEANS: usize = 200;
+    /// ...nor in fewer than these where no number of them shows its moves whole, and more show any.
     const FEWEST_IN_PIECES: usize = 2000;
     /// A held piston wanders by no more of the record's way, ...
     const MOST_OF_WAY: f64 = 0.02;
@@ -42,7 +42,7 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
         if is_whole {
             return rows;
         }
-        if averaged == 1 || means.len() >= FEWEST_IN_PIECES {
+        if means.len() >= FEWEST_IN_PIECES || !in_pieces.contains(&true) {
             in_pieces = rows;
         }
         if means.len() < 2 * FEWEST_MEANS {

@@ -5,6 +5,7 @@
 //! wrong bore could imitate is not named. At last the numbers of the reported model are checked for contradictions
 //! ([`sanity`]).
 
+use super::entry::is_credible;
 use super::starts::{as_stated, fit_model};
 use super::{Candidate, Found, Search, Verdict, distinct, terms};
 use crate::error::Error;
@@ -23,13 +24,11 @@ impl Search {
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
         let mut by_geometry = None;
         while self.chosen.model.terms() > 0 {
-            let weakest = self
-                .without_one()
-                .into_iter()
-                .min_by(|a, b| self.needed(a).total_cmp(&self.needed(b)))
-                .map(|less| (self.needed(&less), self.needed_in_wide_geometry(&less), less));
+            let asked = |less: Candidate| (self.needed(&less), self.needed_in_wide_geometry(&less), less);
+            let least = |(needed, wide, _): &(f64, f64, Candidate)| needed.min(*wide);
+            let weakest = self.without_one().into_iter().map(asked).min_by(|a, b| least(a).total_cmp(&least(b)));
             let Some((needed, wide, less)) = weakest else { break };
-            if needed > policy::DECISIVE && wide > policy::DECISIVE {
+            if needed.min(wide) > policy::DECISIVE {
                 break;
             }
             if needed > policy::DECISIVE {
@@ -174,14 +173,13 @@ impl Search {
         left_out_pa < policy::CARRIES_OVER * misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit))
     }
 
+    /// Other sets of as many terms with about the same evidence or more, whose numbers can be a rig's.
     fn alike(&self) -> Vec<Model> {
         let chosen = self.chosen.model.with_nothing_freed();
         let is_other = |m: &Model| m.terms() == chosen.terms() && m.with_nothing_freed() != chosen;
-        let alike = self
-            .tried
-            .iter()
-            .filter(|c| is_other(&c.model) && self.chosen.delta_bic - c.delta_bic < policy::INDISTINGUISHABLE);
-        distinct(alike.map(|c| c.model).collect())
+        let is_near = |c: &&Candidate| self.chosen.delta_bic - c.delta_bic < policy::INDISTINGUISHABLE;
+        let others = self.tried.iter().filter(|c| is_other(&c.model)).filter(is_near);
+        distinct(others.filter(|c| is_credible(&c.fit) && c.fit.exhausted().is_none()).map(|c| c.model).collect())
     }
 }
 

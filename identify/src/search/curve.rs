@@ -8,6 +8,7 @@
 //! [`policy::PREDICTS_BETTER`]. Two or more named effects that together leave no more than noise give way to a curve that alone
 //! is decisively more likely: they only imitated it.
 
+use super::entry::is_credible;
 use super::{Candidate, Search, terms};
 use crate::discrepancy::{self, Missing};
 use crate::fit::{Fit, Until};
@@ -78,8 +79,10 @@ impl Search {
     /// decisively better shows that the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
         let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE, 0.0);
-        let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
-        Some(self.told(self.settled(best), self.left_out(named)?, true))
+        let named_pa = self.left_out(named)?;
+        let better = curves.into_iter().filter(|c| c.is_evident && c.left_out_pa < named_pa);
+        let best = better.max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
+        Some(self.told(self.settled(best), named_pa, true))
     }
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
@@ -112,7 +115,14 @@ impl Search {
         let accepted = curves.iter().filter(acceptable).filter(alike).min_by(by_terms);
         let told = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
         let best = if accepted.is_some() { self.pruned(self.settled(told.clone())) } else { told.clone() };
-        Some(self.told(best, settled_pa, accepted.is_some()))
+        let accepted = accepted.is_some() && !self.has_likelier_names(&best.candidate);
+        Some(self.told(best, settled_pa, accepted))
+    }
+
+    /// Whether as few names as a model with a curve has terms are more likely than it.
+    fn has_likelier_names(&self, with_curve: &Candidate) -> bool {
+        let as_few = self.tried.iter().filter(|c| c.model.terms() <= with_curve.model.terms());
+        as_few.into_iter().any(|c| c.delta_bic > with_curve.delta_bic && is_credible(&c.fit))
     }
 
     fn told(&self, curve: Judged, settled_pa: f64, accepted: bool) -> ReadOff {

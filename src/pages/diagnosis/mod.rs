@@ -13,7 +13,7 @@ use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::recording::RecordFound;
-use records::Verdict;
+use records::{Verdict, listed};
 use report::Error;
 use report::document::{Block, Section, Table};
 use report::{digits, page};
@@ -55,7 +55,7 @@ pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
 }
 
 fn effect_names(names: &[&str]) -> String {
-    names.iter().map(|n| format!("**{}**", spaced(n))).collect::<Vec<_>>().join(" and ")
+    listed(&names.iter().map(|n| format!("**{}**", spaced(n))).collect::<Vec<_>>())
 }
 
 fn documented(names: &[&str]) -> String {
@@ -97,7 +97,7 @@ fn verdict_text(d: &Diagnosis) -> String {
             pressure(d.accuracy_pa, 2)
         ),
         Verdict::Explained => format!(
-            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, the residual is noise.",
+            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or next to nothing.",
             effect_names(&d.effects),
             documented(&d.effects)
         ),
@@ -110,7 +110,7 @@ fn verdict_text(d: &Diagnosis) -> String {
         ),
         Verdict::Improved => format!(
             "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better, \
-             but {}: the model describes the records, and its effects need not be the cause.",
+             but {}. The model describes the records; its effects need not be the cause.",
             effect_names(d.effects_of_model()),
             documented(d.effects_of_model()),
             d.remainder
