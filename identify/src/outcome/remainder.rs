@@ -49,7 +49,7 @@ mod tests {
             ..noise.clone()
         };
         assert_eq!(of(&data, &found, &left(123.4, false, false)), "a systematic misfit of 123 Pa rms remains");
-        assert!(of(&data, &found, &left(0.0, false, true)).contains("a shape that noise has not"));
+        assert!(of(&data, &found, &left(0.0, false, true)).contains("a shape that noise does not have"));
         assert_eq!(of(&data, &found, &left(0.0, true, true)), "what remains is noise");
         found.carries_over = false;
         assert!(of(&data, &found, &left(0.0, true, true)).contains("records left out whole"));

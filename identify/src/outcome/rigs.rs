@@ -160,7 +160,7 @@ mod tests {
     fn records_of_another_rig_are_named() {
         for as_repeats in [false, true] {
             let note = note(&two_rigs(1, 2, as_repeats)).expect("two rigs");
-            let named = note.split(" do not belong").next().unwrap();
+            let named = note.split(" do not fit the other").next().unwrap();
             let others = named.split(", ").filter(|name| name.starts_with("other-")).count();
             assert!(others == 0 || others == named.split(", ").count(), "{note}");
             assert_eq!(named.split(", ").count(), 10, "{note}");
