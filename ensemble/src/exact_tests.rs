@@ -126,10 +126,9 @@ impl Tests {
     /// 1/T at the nodes of each part of the push, into `nodes`; temperatures at its end, K.
     #[inline(always)]
     pub fn nodes(&self, heat: &impl Heat<Lanes>, nodes: &mut Vec<[Lanes; NODES]>) -> Lanes {
-        nodes.clear();
+        nodes.resize(self.most_parts(), [Lanes::ZERO; NODES]);
         let mut inverse = self.start.recip();
         for index in 0..self.most_parts() {
-            nodes.push([Lanes::ZERO; NODES]);
             let next = self.part(index).nodes(heat, inverse, black_box(&mut nodes[index]));
             inverse = black_box((self.parts - index as f64).where_positive(next, inverse));
         }

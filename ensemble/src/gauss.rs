@@ -1,5 +1,8 @@
 //! What 16-point Gauss–Legendre quadrature makes of a quantity beside its integral: the integrals up to each node, by a
 //! matrix, and the polynomial through the values. Places are shares of an interval, from 0 to 1.
+//!
+//! Nodes lie in pairs, each the mirror image of the other about the middle. What is even about it depends on the sums of a
+//! pair's values alone, what is odd on their differences: matrices of half the size each way.
 
 use crate::math::in_powers;
 use chamber::exact::GAUSS_16;
@@ -10,35 +13,66 @@ use std::sync::LazyLock;
 /// Nodes of the rule.
 pub const NODES: usize = 16;
 
+/// Pairs of nodes.
+const PAIRS: usize = NODES / 2;
+
 /// What the rule makes of values at its nodes.
 pub struct Rule {
-    /// Its own integrals, from 0 to each node, of the polynomials through them: to be multiplied by their values.
-    up_to_node: [[f64; NODES]; NODES],
+    /// The integrals of the polynomials through them: of the even part from the middle to the later node of a pair, of the odd
+    /// one from 0 to either; to be multiplied by [`Mirrored`].
+    up_to_node: [[[f64; PAIRS]; PAIRS]; 2],
     /// The coefficients of Legendre's polynomials in them, likewise.
-    legendre: [[f64; NODES]; NODES],
+    legendre: [[f64; PAIRS]; NODES],
     /// The coefficients of powers in Legendre's polynomials.
     powers: [[f64; NODES]; NODES],
 }
 
-impl Rule {
-    /// The integral from 0 to a node of the polynomial that has these values at the nodes.
+/// Sums and differences of a quantity's values at each pair of nodes.
+pub struct Mirrored<R>([[R; PAIRS]; 2]);
+
+impl<R: Real> Mirrored<R> {
+    /// Of these values.
     #[inline(always)]
-    pub fn up_to_node<R: Real>(&self, values: &[R; NODES], index: usize) -> R {
-        weighted(values, &self.up_to_node[index])
+    pub fn new(values: &[R; NODES]) -> Self {
+        // Results pass through memory: else the compiler vectorises the loop by gathering numbers from all lanes.
+        let mut parts = [[R::ZERO; PAIRS]; 2];
+        for pair in 0..black_box(PAIRS) {
+            let [early, late] = [values[2 * pair], values[2 * pair + 1]];
+            parts[0][pair] = black_box(early + late);
+            parts[1][pair] = black_box(late - early);
+        }
+        Self(parts)
+    }
+}
+
+impl Rule {
+    /// Its own integrals, from 0 to each node, of the polynomial that has these values at the nodes.
+    #[inline(always)]
+    pub fn up_to_nodes<R: Real>(&self, Mirrored([sums, differences]): &Mirrored<R>, out: &mut [R; NODES]) {
+        let mut half = R::ZERO;
+        for pair in 0..PAIRS {
+            half += sums[pair] * (0.25 * GAUSS_16[pair].1);
+        }
+        for pair in 0..black_box(PAIRS) {
+            let even = weighted(sums, &self.up_to_node[0][pair]);
+            let odd = half + weighted(differences, &self.up_to_node[1][pair]);
+            out[2 * pair] = black_box(odd - even);
+            out[2 * pair + 1] = black_box(odd + even);
+        }
     }
 
     /// The coefficient of Legendre's polynomial of that order in the polynomial that has these values at the nodes.
     #[inline(always)]
-    pub fn legendre<R: Real>(&self, values: &[R; NODES], order: usize) -> R {
-        weighted(values, &self.legendre[order])
+    pub fn legendre<R: Real>(&self, values: &Mirrored<R>, order: usize) -> R {
+        weighted(&values.0[order % 2], &self.legendre[order])
     }
 }
 
 #[inline(always)]
-fn weighted<R: Real>(values: &[R; NODES], weights: &[f64; NODES]) -> R {
+fn weighted<R: Real>(values: &[R; PAIRS], weights: &[f64; PAIRS]) -> R {
     let mut sum = R::ZERO;
-    for node in 0..NODES {
-        sum += values[node] * weights[node];
+    for pair in 0..PAIRS {
+        sum += values[pair] * weights[pair];
     }
     sum
 }
@@ -55,15 +89,21 @@ pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
         }
         p
     };
-    let up_to_node = nodes.map(|(x, _)| {
-        let up_to = legendre(x);
-        nodes.map(|(y, weight)| {
-            let at = legendre(y);
-            let series: f64 = (1..NODES).map(|n| at[n] * (up_to[n + 1] - up_to[n - 1])).sum();
-            weight * (x + 0.5 * series)
+    // Of a pair's later node, which stands for both.
+    let later: [(f64, f64); PAIRS] = core::array::from_fn(|pair| nodes[2 * pair + 1]);
+    // Even polynomials of Legendre have odd integrals, and those of odd ones are even.
+    let up_to_node = [0, 1].map(|parity| {
+        later.map(|(x, _)| {
+            let up_to = legendre(x);
+            later.map(|(y, weight)| {
+                let at = legendre(y);
+                let constant = if parity == 0 { x - 0.5 } else { 0.0 };
+                let series = |n: usize| at[n] * (up_to[n + 1] - up_to[n - 1]);
+                weight * (constant + 0.5 * (1..NODES).filter(|n| n % 2 == parity).map(series).sum::<f64>())
+            })
         })
     });
-    let coefficient = |order| nodes.map(|(x, weight)| (2 * order + 1) as f64 * weight * legendre(x)[order]);
+    let coefficient = |order| later.map(|(x, weight)| (2 * order + 1) as f64 * weight * legendre(x)[order]);
     let mut powers = [[0.0; NODES]; NODES];
     (powers[0][0], powers[1][1]) = (1.0, 1.0);
     for n in 1..NODES - 1 {
@@ -93,11 +133,12 @@ impl<R: Real> Panel<R> {
     pub fn through(values: &[R; NODES], rule: &Rule) -> Self {
         // Inner loops are sums: any other the compiler would vectorise by gathering numbers from all lanes.
         let [mut terms, mut powers] = [[R::ZERO; NODES]; 2];
+        let values = Mirrored::new(values);
         for order in 0..black_box(NODES) {
-            terms[order] = rule.legendre(values, order);
+            terms[order] = rule.legendre(&values, order);
         }
         for power in 0..black_box(NODES) {
-            for order in power..NODES {
+            for order in (power..NODES).step_by(2) {
                 powers[power] += terms[order] * rule.powers[order][power];
             }
         }
@@ -108,6 +149,17 @@ impl<R: Real> Panel<R> {
     #[inline(always)]
     pub fn at(&self, share: R) -> R {
         in_powers(&self.0, share * 2.0 - 1.0)
+    }
+
+    /// Its value there, and the slope over the share.
+    #[inline(always)]
+    pub fn with_slope(&self, share: R) -> [R; 2] {
+        let (place, mut value, mut slope) = (share * 2.0 - 1.0, self.0[NODES - 1], R::ZERO);
+        for power in (0..NODES - 1).rev() {
+            slope = slope * place + value;
+            value = value * place + self.0[power];
+        }
+        [value, slope * 2.0]
     }
 }
 
@@ -122,17 +174,20 @@ mod tests {
         let values = core::array::from_fn(|index| quantity(node(index).0));
         let panel = Panel::through(&values, &RULE);
         for x in [0.0, 0.3, 1.0f64] {
+            let ([value, slope], rise) = (panel.with_slope(x), 0.8 * quantity(x) / (1.0 + x));
             assert!((panel.at(x) - quantity(x)).abs() < 2e-14, "{x}");
+            assert!((value - quantity(x)).abs() < 2e-14 && (slope - rise).abs() < 1e-11, "{x} {slope} {rise}");
         }
     }
 
     #[test]
     fn what_is_integrated_up_to_a_node_is_exact_for_polynomials() {
-        for (index, row) in RULE.up_to_node.iter().enumerate() {
-            let (x, _) = node(index);
-            for degree in 0..NODES as i32 {
-                let found: f64 = row.iter().enumerate().map(|(j, w)| w * node(j).0.powi(degree)).sum();
-                assert!((found - x.powi(degree + 1) / f64::from(degree + 1)).abs() < 1e-15, "{index} {degree}");
+        for degree in 0..NODES as i32 {
+            let (values, mut found) = (core::array::from_fn(|index| node(index).0.powi(degree)), [0.0; NODES]);
+            RULE.up_to_nodes(&Mirrored::new(&values), &mut found);
+            for (index, found) in found.iter().enumerate() {
+                let expected = node(index).0.powi(degree + 1) / f64::from(degree + 1);
+                assert!((found - expected).abs() < 1e-15, "{index} {degree}");
             }
         }
     }

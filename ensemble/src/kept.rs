@@ -9,7 +9,7 @@
 //!
 //! Where c f A is linear in V the equation is the paper's with other constants, and so is its solution ([`Exchange::line`]).
 
-use crate::gauss::{NODES, RULE, node};
+use crate::gauss::{Mirrored, NODES, RULE, node};
 use chamber::balance::{Balance, Boundary, Conditions, Contents};
 use chamber::card::ClosedForm;
 use chamber::effects::{self, EffectSet, OWN_STATES};
@@ -150,11 +150,12 @@ impl<R: Real> Part<R> {
     /// 1/T at its end, from that at its begin.
     #[inline(always)]
     pub fn end(&self, heat: &impl Heat<R>, inverse: R) -> R {
-        let [mut exchange, mut rates] = [[R::ZERO; NODES]; 2];
-        let total = self.along(heat, &mut exchange, &mut rates);
-        let (rule, mut integral) = (&*RULE, R::ZERO);
+        let [mut exchange, mut grown] = [[R::ZERO; NODES]; 2];
+        let total = self.along(heat, &mut exchange, &mut grown);
+        RULE.up_to_nodes(&Mirrored::new(&grown), &mut grown);
+        let mut integral = R::ZERO;
         for index in 0..black_box(NODES) {
-            integral += exchange[index] * rule.up_to_node(&rates, index).exp() * node(index).1;
+            integral += exchange[index] * grown[index].exp() * node(index).1;
         }
         (inverse + integral) / total
     }
@@ -162,16 +163,17 @@ impl<R: Real> Part<R> {
     /// 1/T at its nodes, from that at its begin, into `values`, and at its end.
     #[inline(always)]
     pub fn nodes(&self, heat: &impl Heat<R>, inverse: R, values: &mut [R; NODES]) -> R {
-        let [mut source, mut rates, mut growth] = [[R::ZERO; NODES]; 3];
-        let total = self.along(heat, &mut source, &mut rates);
-        let (rule, mut integral) = (&*RULE, R::ZERO);
+        let (rule, mut grown, mut integral) = (&*RULE, [R::ZERO; NODES], R::ZERO);
+        let total = self.along(heat, values, &mut grown);
+        rule.up_to_nodes(&Mirrored::new(&grown), &mut grown);
         for index in 0..black_box(NODES) {
-            growth[index] = rule.up_to_node(&rates, index).exp();
-            source[index] = source[index] * growth[index];
-            integral += source[index] * node(index).1;
+            grown[index] = black_box(grown[index].exp());
+            values[index] = black_box(values[index] * grown[index]);
+            integral += values[index] * node(index).1;
         }
+        rule.up_to_nodes(&Mirrored::new(values), values);
         for index in 0..black_box(NODES) {
-            values[index] = (inverse + rule.up_to_node(&source, index)) / growth[index];
+            values[index] = black_box((inverse + values[index]) / grown[index]);
         }
         (inverse + integral) / total
     }

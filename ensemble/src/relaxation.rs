@@ -9,7 +9,7 @@
 //! Temperatures in K, times in s since the push.
 
 use crate::fit;
-use crate::gauss::{NODES, Panel, RULE, node};
+use crate::gauss::{Mirrored, NODES, Panel, RULE, node};
 use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
@@ -239,11 +239,9 @@ impl<'a> WithSimd for Solve<'_, 'a> {
                 slowness[index] = black_box(gas.slowness(from + length * share) * length);
                 total += slowness[index] * weight;
             }
-            let rule = &*RULE;
+            let (rule, slowness) = (&*RULE, Mirrored::new(&slowness));
             let mut times = [Lanes::ZERO; NODES];
-            for index in 0..black_box(NODES) {
-                times[index] = rule.up_to_node(&slowness, index);
-            }
+            rule.up_to_nodes(&slowness, &mut times);
             let [one, other] = [NODES - 2, NODES - 1].map(|order| rule.legendre(&slowness, order).abs());
             // An error of the time is one of the temperature by as much as the latter still moves.
             let moves = gas.excess.abs() * (-from).exp();

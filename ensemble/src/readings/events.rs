@@ -15,6 +15,7 @@ use pulp::{Simd, WithSimd};
 /// Rounds of Newton's method at most, and the share of a relaxation or a lag that a step of it must be shorter than to be the last.
 const ROUNDS: usize = 6;
 const NEARLY: f64 = 1e-6;
+const NEARLY_TURNED: f64 = 3e-4;
 
 /// Where records turn inside a piece.
 #[derive(Clone, Copy, Debug)]
@@ -54,15 +55,20 @@ impl WithSimd for TurnBehind<'_> {
     fn with_simd<I: Simd>(self, _: I) -> [Lanes; 3] {
         let Self { gas, behind, sensors, times: [begin, end] } = self;
         let (mut time, mut shown, mut open) = (begin, Lanes::ZERO, Lanes::ONE);
-        let per_rest = gas.at_rest.recip();
+        let [per_rest, per_lag] = [gas.at_rest, sensors.lag].map(|all| all.recip());
         for _ in 0..ROUNDS {
             let [reading, slope] = black_box(behind.shown(time - sensors.delay));
-            shown = open.where_positive(reading + sensors.beside(time), shown);
             let pressure = reading + slope * sensors.lag;
-            let gas_slope = gas.rate * pressure * (Lanes::ONE - pressure * per_rest);
+            let (way, left) = (pressure * per_rest, Lanes::ONE - pressure * per_rest);
+            let gas_slope = gas.rate * pressure * left;
             let lags = (Lanes::ONE - slope / gas_slope).max(Lanes::from(f64::MIN_POSITIVE)).ln();
-            time = open.where_positive((time + lags * sensors.lag).max(begin).min(end), time);
-            open = (Lanes::from(NEARLY) - lags.abs()).where_positive(Lanes::ZERO, open);
+            // How fast the logarithm falls, as P″ = −k (2 P/Pf − 1) P'.
+            let bend = gas.rate * (way * 2.0 - 1.0) * slope / (gas_slope - slope);
+            let step = (lags / (per_lag + bend)).max(begin - time).min(end - time);
+            // On the way to the turn the slope goes to zero.
+            shown = open.where_positive(reading + slope * step * 0.5 + sensors.beside(time), shown);
+            time = open.where_positive(time + step, time);
+            open = (Lanes::from(NEARLY_TURNED) - lags.abs()).where_positive(Lanes::ZERO, open);
             if !open.any_positive() {
                 break;
             }

@@ -3,8 +3,8 @@
 //! While the piston rests P = Pf/(1 − z), z = ε e^(−kt); while it moves P = m R/(u V) with u = 1/T from the nodes of the
 //! quadrature ([`Panel`]). The record shows it a delay later, behind a lag, with an offset and a drift. Without a lag it turns
 //! where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. Behind a lag the push is integrated ([`push`])
-//! and the hold has a closed form ([`hold`]). What a late record still shows of the push is cut into pieces over which the
-//! pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
+//! and the hold has a closed form ([`hold`]). What a late record still shows of the push is cut into pieces, over which behind a
+//! lag the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
 
 mod events;
 mod hold;
@@ -25,11 +25,10 @@ use crate::reader::ROUNDING;
 use crate::regression::Regression;
 use crate::scenario::Scenario;
 use chamber::effects::{self, EffectSet};
-use chamber::exact::Closed;
 use chamber::real::Real;
 use events::{Enter, Events, Found, Turn, TurnBehind};
 use hold::{HoldRecord, Relaxation};
-use pieces::{Build, Corners, Piece, Polynomial, Shown};
+use pieces::{Build, Corners, Piece, Polynomial, Push, Shown};
 use pulp::Arch;
 use sensors::Sensors;
 
@@ -77,11 +76,13 @@ impl Behind {
             return true;
         }
         let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
-        let [first, last] =
-            [scenario.initial_position_m, scenario.final_position_m].map(|x| chamber.geometry.volume(x));
-        let pressure = initial_pressure_pa * first / last;
-        let at_rest = Closed::filled(chamber, pressure, *ambient, last, *ambient);
-        scenario.push_time_s * at_rest.rate(last) < MOST_RELAXATIONS
+        let (geometry, law) = (&chamber.geometry, &chamber.heat_transfer);
+        let [first, last] = [scenario.initial_position_m, scenario.final_position_m].map(|x| geometry.volume(x));
+        // [`Closed::rate`] of that gas at rest times the push, by their squares: without roots and divisions.
+        let exchanged = law.coefficient * geometry.heat_transfer_area(last) * (chamber.gas.heat_capacity_ratio - 1.0);
+        let rate = scenario.push_time_s * exchanged * ambient;
+        let most = MOST_RELAXATIONS * MOST_RELAXATIONS * law.reference_pressure * law.reference_temperature;
+        rate * rate * ambient < most * initial_pressure_pa * first * last
     }
 }
 
@@ -109,8 +110,10 @@ pub struct Memory {
     pub nodes: Vec<[Lanes; NODES]>,
     panels: Vec<Panel<Lanes>>,
     pieces: Vec<Piece>,
-    /// Of the first pieces, those of the push.
+    /// Of those of the push, of sensors that lag.
     polynomials: Vec<Polynomial>,
+    /// How many of the first pieces are of the push.
+    in_push: usize,
     /// By piece, where the records turn inside.
     turns: Vec<Turn>,
     to_powers: ToPowers,
@@ -152,6 +155,7 @@ impl<'a> Readings<'a> {
         let sensors = Sensors { lag, delay, offset, drift };
         memory.pieces.clear();
         memory.polynomials.clear();
+        memory.in_push = 0;
         let hold = HoldRecord { gas, behind: None };
         let mut readings = Self { arch, tests, memory, hold, sensors, duration: tests.hold };
         if sensors.lag() || sensors.are_late() {
@@ -180,17 +184,20 @@ impl<'a> Readings<'a> {
 
     /// A piece of each lane, not the same one of all.
     fn gather(&self, piece: impl Fn(usize) -> usize) -> Shown<'_> {
-        let Memory { pieces, polynomials, .. } = &*self.memory;
+        let Memory { nodes, panels, pieces, polynomials, in_push, .. } = &*self.memory;
         let piece: [usize; WIDTH] = core::array::from_fn(piece);
         let times = [0, 1].map(|end| Lanes::from_fn(|lane| pieces[piece[lane]].times[end][lane]));
-        let pushed = Lanes::from_fn(|lane| if piece[lane] < polynomials.len() { 1.0 } else { 0.0 });
-        let any_pushed = piece.iter().any(|piece| *piece < polynomials.len());
-        let polynomial = any_pushed.then(|| {
+        let pushed = Lanes::from_fn(|lane| if piece[lane] < *in_push { 1.0 } else { 0.0 });
+        let any_pushed = piece.iter().any(|piece| *piece < *in_push);
+        let push = any_pushed.then(|| {
+            if !self.sensors.lag() {
+                return Push::Gas(self.tests, nodes, panels);
+            }
             let of = |lane: usize| &polynomials[piece[lane].min(polynomials.len() - 1)];
             let gas = core::array::from_fn(|term| Lanes::from_fn(|lane| of(lane).gas[term][lane]));
-            Polynomial { gas, lagged: Lanes::from_fn(|lane| of(lane).lagged[lane]) }
+            Push::Behind(Polynomial { gas, lagged: Lanes::from_fn(|lane| of(lane).lagged[lane]) })
         });
-        Shown { times, pushed, polynomial, hold: &self.hold, sensors: &self.sensors }
+        Shown { times, pushed, push, hold: &self.hold, sensors: &self.sensors }
     }
 
     /// Where the records turn round inside a piece: of each lane the first such piece, then the second, and so on.
@@ -213,7 +220,7 @@ impl<'a> Readings<'a> {
             if let Some(behind) = behind {
                 found = arch.dispatch(TurnBehind { gas, behind, sensors, times: reading.times });
             }
-            let in_push = memory.polynomials.len();
+            let in_push = memory.in_push;
             let quick = |lane: usize| found[2][lane] > 0.0 && sensors.drift[lane] == 0.0 && next[lane] >= in_push;
             let open: [bool; WIDTH] = core::array::from_fn(|lane| next[lane] < count && !quick(lane));
             if open.contains(&true) {
@@ -238,7 +245,7 @@ impl<'a> Readings<'a> {
         let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
         let Found { last, between, band, .. } = found;
         // The hold is searched only of sensors that drift.
-        let of_hold = |lane: usize| found.piece[lane] >= self.memory.polynomials.len() as f64;
+        let of_hold = |lane: usize| found.piece[lane] >= self.memory.in_push as f64;
         let enter = Enter { hold: &self.hold, sensors: &self.sensors, found: &found };
         let [mut settled, good] = self.arch.dispatch(enter);
         let closed = |lane: usize| good[lane] > 0.0 && self.sensors.drift[lane] == 0.0 && of_hold(lane);

@@ -4,7 +4,9 @@ use super::hold::{BehindLag, HoldRecord};
 use super::push::Pushed;
 use super::sensors::Sensors;
 use super::{Memory, Readings};
+use crate::exact_tests::Tests;
 use crate::filter::{Lagged, TERMS, ToPowers};
+use crate::gauss::{NODES, Panel};
 use crate::lanes::{Lanes, each_lane};
 use crate::look::Reading;
 use crate::root::Curve;
@@ -14,9 +16,12 @@ use pulp::{Simd, WithSimd};
 
 /// Pieces, over which the pressure is a polynomial, of a part of the push.
 const PIECES_OF_A_PART: usize = 6;
-/// Pieces of the hold behind a lag, and of one without a drift, which turns once at most.
+/// Pieces of the hold behind a lag, and of one without a drift, which turns once at most; and where the lag is at most this
+/// share of the relaxation, so that it turns before as many lags.
 const PIECES_OF_A_HOLD: usize = 12;
 const PIECES_WITHOUT_A_DRIFT: usize = 6;
+const PIECES_OF_A_QUICK_ONE: usize = 2;
+const QUICK: f64 = 0.1;
 /// A length, s, to divide by where there is none.
 const SHORTEST: f64 = 1e-300;
 
@@ -30,7 +35,7 @@ pub struct Piece {
     pub slopes: [Lanes; 2],
 }
 
-/// The gas during a piece of the push.
+/// The gas during a piece of the push of sensors that lag.
 #[derive(Clone, Copy, Debug)]
 pub struct Polynomial {
     /// Coefficients of its pressure, Pa, in powers of the share of the piece.
@@ -47,9 +52,19 @@ pub struct Shown<'a> {
     /// 1 where it is of the push, 0 where of the hold.
     pub pushed: Lanes,
     /// That of the push, where any of the pieces is of it.
-    pub polynomial: Option<Polynomial>,
+    pub push: Option<Push<'a>>,
     pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,
+}
+
+/// Pieces of the push, one a lane.
+#[derive(Clone, Copy)]
+#[allow(clippy::large_enum_variant, reason = "one lives at a time")]
+pub enum Push<'a> {
+    /// Of sensors that lag.
+    Behind(Polynomial),
+    /// Of sensors that show the gas late: the tests, and 1/T at the nodes and along the parts of their pushes.
+    Gas(&'a Tests, &'a [[Lanes; NODES]], &'a [Panel<Lanes>]),
 }
 
 impl Shown<'_> {
@@ -57,10 +72,10 @@ impl Shown<'_> {
     #[inline(always)]
     fn reading(&self, time: Lanes) -> [Lanes; 2] {
         let held = self.hold.shown(time - self.sensors.delay);
-        match &self.polynomial {
+        match &self.push {
             None => held,
-            Some(polynomial) => {
-                let pushed = self.of_push(polynomial, time);
+            Some(push) => {
+                let pushed = self.of_push(push, time);
                 let [reading, rise] = held;
                 [self.pushed.where_positive(pushed[0], reading), self.pushed.where_positive(pushed[1], rise)]
             }
@@ -69,17 +84,19 @@ impl Shown<'_> {
 
     /// The same in the push.
     #[inline(always)]
-    fn of_push(&self, polynomial: &Polynomial, time: Lanes) -> [Lanes; 2] {
-        let Polynomial { gas, lagged } = polynomial;
+    fn of_push(&self, push: &Push, time: Lanes) -> [Lanes; 2] {
+        let Polynomial { gas, lagged } = match push {
+            Push::Behind(polynomial) => polynomial,
+            Push::Gas(tests, nodes, panels) => {
+                let pushed = Pushed::new(tests, self.sensors, nodes, panels);
+                return pushed.shown((time - self.sensors.delay).max(-tests.push).min(Lanes::ZERO));
+            }
+        };
         let length = (self.times[1] - self.times[0]).max(Lanes::from(SHORTEST));
         let share = (time - self.times[0]) / length;
-        let (mut pressure, mut rise) = (gas[TERMS - 1], Lanes::ZERO);
+        let mut pressure = gas[TERMS - 1];
         for term in (0..TERMS - 1).rev() {
-            rise = rise * share + pressure;
             pressure = pressure * share + gas[term];
-        }
-        if !self.sensors.lag() {
-            return [pressure, rise / length];
         }
         let lag = self.sensors.lag;
         let reading = Lagged { pressure: *gas, begin: *lagged, stiffness: length / lag }.at(share);
@@ -122,7 +139,8 @@ impl WithSimd for Build<'_, '_> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) {
         let Readings { tests, memory, hold, sensors, duration, .. } = self.readings;
-        let Memory { nodes, panels, pieces, polynomials, to_powers, .. } = &mut **memory;
+        let Memory { nodes, panels, pieces, in_push, polynomials, to_powers, .. } = &mut **memory;
+        Pushed::panels(tests, sensors, nodes, panels);
         let pushed = Pushed::new(tests, sensors, nodes, panels);
         let mut writer = Writer { to_powers, sensors, reading: self.before, pieces, polynomials };
         // The record shows this moment at the end of the push.
@@ -135,22 +153,35 @@ impl WithSimd for Build<'_, '_> {
             let left = Lanes::ONE - begin;
             let fine = tests.parts * left * PIECES_OF_A_PART as f64;
             let per_count = each_lane!(i => 1.0 / fine.0[i].ceil().max(1.0));
-            let mut from = first;
+            let (mut from, mut shown) = (first, pushed.shown(first));
             for index in 0..tests.most_parts() * PIECES_OF_A_PART {
                 let done = (per_count * (index + 1) as f64).min(Lanes::ONE);
                 let to = pushed.time(begin + left * done);
-                writer.add(&pushed, [from, to]);
+                if !(to - from).any_positive() {
+                    continue;
+                }
+                if sensors.lag() {
+                    writer.add_behind(&pushed, [from, to]);
+                } else {
+                    let next = black_box(pushed.shown(to));
+                    writer.push([from, to], [shown[0], next[0]], [shown[1], next[1]]);
+                    shown = next;
+                }
                 from = to;
             }
+            *in_push = writer.pieces.len();
         }
         if sensors.lag() {
-            let behind = black_box(BehindLag::new(hold.gas, sensors.lag, writer.reading));
-            let (mut since, mut from) = (Lanes::ZERO, behind.shown(Lanes::ZERO));
+            let HoldRecord { gas, behind } = hold;
+            let behind = black_box(behind.insert(BehindLag::new(*gas, sensors.lag, writer.reading)));
+            let begin = gas.at_rest / (Lanes::ONE - gas.excess);
+            let (mut since, mut from) = (Lanes::ZERO, [writer.reading, (begin - writer.reading) / sensors.lag]);
             let pieces = |count: usize| Lanes::from(count as f64);
-            let counts = sensors.drift.abs();
-            let counts = counts.where_positive(pieces(PIECES_OF_A_HOLD), pieces(PIECES_WITHOUT_A_DRIFT));
+            let quick = Lanes::from(QUICK) - gas.rate * sensors.lag;
+            let counts = quick.where_positive(pieces(PIECES_OF_A_QUICK_ONE), pieces(PIECES_WITHOUT_A_DRIFT));
+            let counts = sensors.drift.abs().where_positive(pieces(PIECES_OF_A_HOLD), counts);
             let end = *duration - sensors.delay;
-            for to in black_box(&hold_ends::<PIECES_OF_A_HOLD>(hold.gas.rate, sensors.lag, end, counts)) {
+            for to in black_box(&hold_ends::<PIECES_OF_A_HOLD>(gas.rate, sensors.lag, end, counts)) {
                 if !(end - since).any_positive() {
                     break;
                 }
@@ -158,17 +189,16 @@ impl WithSimd for Build<'_, '_> {
                 writer.push([since, *to], [from[0], shown[0]], [from[1], shown[1]]);
                 (since, from) = (*to, shown);
             }
-            hold.behind = Some(behind);
         }
     }
 }
 
 /// Ends of the hold's pieces behind a lag, of which there are `counts`: in equal ratios from half of the shorter to 13 times the
-/// longer one of lag and relaxation, none after the record's end; the last is that.
+/// longer one of lag and relaxation, none after the record's end; the last is that. Of two the first is 13 times the shorter.
 #[inline(always)]
 pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, counts: Lanes) -> [Lanes; COUNT] {
     let slowness = rate.recip();
-    let mut end = slowness.min(lag) * 0.5;
+    let mut end = slowness.min(lag) * (counts - 2.0).where_positive(Lanes::from(0.5), Lanes::from(13.0));
     let ratio = ((slowness.max(lag) * 13.0 / end).ln() / (counts - 2.0)).exp();
     let mut ends = [length; COUNT];
     for (index, to) in ends.iter_mut().enumerate() {
@@ -190,34 +220,18 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// A piece of the push between two times of the gas.
+    /// A piece of the push between two times of the gas, of sensors that lag.
     #[inline(always)]
-    fn add(&mut self, pressure: &impl Curve, times: [Lanes; 2]) {
-        let length = times[1] - times[0];
-        if !length.any_positive() {
-            return;
-        }
+    fn add_behind(&mut self, pressure: &impl Curve, times: [Lanes; 2]) {
+        let (begin, lag, length) = (self.reading, self.sensors.lag, times[1] - times[0]);
         let gas = black_box(self.to_powers.of(pressure, times[0], length));
         let mut end = Lanes::ZERO;
-        let mut rise = Lanes::ZERO;
         for term in 0..TERMS {
             end += gas[term];
-            rise += gas[term] * term as f64;
         }
-        let begin = self.reading;
-        let (readings, slopes) = if self.sensors.lag() {
-            let lag = self.sensors.lag;
-            let reading = Lagged { pressure: gas, begin, stiffness: length / lag }.at(Lanes::ONE);
-            ([begin, reading], [(gas[0] - begin) / lag, (end - reading) / lag])
-        } else {
-            // A piece without length, which others beside it ask for, shows what the one before has shown.
-            let readings = [length.where_positive(gas[0], begin), length.where_positive(end, begin)];
-            let per_length = length.max(Lanes::from(SHORTEST)).recip();
-            (readings, [gas[1] * per_length, rise * per_length])
-        };
-        self.reading = readings[1];
+        self.reading = Lagged { pressure: gas, begin, stiffness: length / lag }.at(Lanes::ONE);
         self.polynomials.push(black_box(Polynomial { gas, lagged: begin }));
-        self.push(times, readings, slopes);
+        self.push(times, [begin, self.reading], [(gas[0] - begin) / lag, (end - self.reading) / lag]);
     }
 
     /// Adds a piece between two times of the gas, with what a sensor without offset and drift shows there.

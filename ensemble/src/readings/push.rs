@@ -35,22 +35,27 @@ pub struct Pushed<'a> {
 }
 
 impl<'a> Pushed<'a> {
-    /// From 1/T at the nodes of each part of the push; `panels` are made where these sensors need them.
+    /// What is positive where the nodes are enough.
     #[inline(always)]
-    pub fn new(
-        tests: &'a Tests,
-        sensors: &Sensors,
-        nodes: &'a [[Lanes; NODES]],
-        panels: &'a mut Vec<Panel<Lanes>>,
-    ) -> Self {
-        let last_window = sensors.lag * WINDOWS[1][0];
-        let by_nodes = if sensors.are_late() { Lanes::ZERO } else { last_window - tests.push };
+    fn by_nodes(tests: &Tests, sensors: &Sensors) -> Lanes {
+        if sensors.are_late() { Lanes::ZERO } else { sensors.lag * WINDOWS[1][0] - tests.push }
+    }
+
+    /// 1/T along the parts of the push from that at their nodes, where these sensors need it.
+    #[inline(always)]
+    pub fn panels(tests: &Tests, sensors: &Sensors, nodes: &[[Lanes; NODES]], panels: &mut Vec<Panel<Lanes>>) {
         panels.clear();
-        if by_nodes.where_positive(Lanes::ZERO, Lanes::ONE).any_positive() {
+        if Self::by_nodes(tests, sensors).where_positive(Lanes::ZERO, Lanes::ONE).any_positive() {
             for values in nodes {
                 panels.push(black_box(Panel::through(values, &RULE)));
             }
         }
+    }
+
+    /// From 1/T at the nodes of the parts, and along them where [`Pushed::panels`] has made that.
+    #[inline(always)]
+    pub fn new(tests: &'a Tests, sensors: &Sensors, nodes: &'a [[Lanes; NODES]], panels: &'a [Panel<Lanes>]) -> Self {
+        let by_nodes = Self::by_nodes(tests, sensors);
         let [root, end] = [tests.from.sqrt(), tests.to.sqrt()];
         let (per_sum, per_push) = ((root + end).recip(), tests.push.recip());
         Self { tests, nodes, panels, by_nodes, root, rise: end - root, per_sum, per_push }
@@ -76,7 +81,12 @@ impl<'a> Pushed<'a> {
         let parts = self.tests.parts;
         let mut reading = before * filter::kept((until + self.tests.push) / lag);
         for index in 0..self.nodes.len() {
-            let ends = [index, index + 1].map(|end| self.time((Lanes::from(end as f64) / parts).min(Lanes::ONE)));
+            // No closures, which would be compiled for any machine.
+            let [begin, end] = [index as f64, (index + 1) as f64];
+            let ends = [
+                self.time((Lanes::from(begin) / parts).min(Lanes::ONE)),
+                self.time((Lanes::from(end) / parts).min(Lanes::ONE)),
+            ];
             for [early, late] in black_box(&WINDOWS) {
                 let (from, to) = (ends[0].max(until - lag * *early), ends[1].min(until - lag * *late));
                 if (to - from).any_positive() {
@@ -91,16 +101,19 @@ impl<'a> Pushed<'a> {
     /// What the pressure between two times in a part of the push adds to that reading, Pa.
     #[inline(always)]
     fn fed(&self, part: usize, times: [Lanes; 2], lag: Lanes, until: Lanes) -> Lanes {
-        let [begin, end] = times.map(|time| self.share(time)[0]);
+        let [begin, end] = [self.share(times[0])[0], self.share(times[1])[0]];
         let (parts, per_lag) = (self.tests.parts, lag.recip());
         // dt/dx = 2 (duration) √V/(√V0 + √V1), by the share x of √V's way.
-        let scale = (end - begin) * (self.tests.push * 2.0 * self.per_sum) * per_lag;
+        let per_root = self.tests.push * self.per_sum * per_lag;
+        let (scale, first, second) = ((end - begin) * per_root * 2.0, self.root * per_root * 2.0, self.rise * per_root);
+        let since = (self.tests.push + until) * per_lag;
         let mut sum = Lanes::ZERO;
         for index in 0..black_box(NODES) {
             let (place, weight) = node(index);
             let share = begin + (end - begin) * place;
             let root = self.root + self.rise * share;
-            let faded = filter::kept((until - self.time(share)) * per_lag);
+            // e^(−(t1 − t)/τ).
+            let faded = ((first + second * share) * share - since).exp();
             let mut inverse = self.nodes[part][index];
             if let Some(panel) = self.panels.get(part) {
                 inverse = self.by_nodes.where_positive(inverse, panel.at(share * parts - part as f64));
@@ -112,16 +125,32 @@ impl<'a> Pushed<'a> {
     }
 }
 
+impl Pushed<'_> {
+    /// The pressure at a time, s, Pa, and its slope, Pa/s: P'/P = −u'/u − V'/V.
+    #[inline(always)]
+    pub fn shown(&self, time: Lanes) -> [Lanes; 2] {
+        let Tests { closed, parts, from, to, .. } = self.tests;
+        let [share, root] = self.share(time);
+        let place = share.min(Lanes::ONE) * *parts;
+        let [mut inverse, mut slope] = self.panels[0].with_slope(place);
+        for index in 1..self.panels.len() {
+            let inside = place - index as f64;
+            let here = self.panels[index].with_slope(inside);
+            inverse = inside.where_positive(here[0], inverse);
+            slope = inside.where_positive(here[1], slope);
+        }
+        let volume = root * root;
+        let pressure = closed.mass_gas_constant / (inverse * volume);
+        // dt/dx = 2 (duration) √V/(√V0 + √V1), by the share x of √V's way.
+        let per_share = *parts * self.per_push / (root * 2.0 * self.per_sum);
+        let expanded = (*to - *from) * self.per_push / volume;
+        [pressure, -(pressure * (slope * per_share / inverse + expanded))]
+    }
+}
+
 impl Curve for Pushed<'_> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
-        let [share, root] = self.share(time);
-        let place = share.min(Lanes::ONE) * self.tests.parts;
-        let mut inverse = self.panels[0].at(place);
-        for index in 1..self.panels.len() {
-            let inside = place - index as f64;
-            inverse = inside.where_positive(self.panels[index].at(inside), inverse);
-        }
-        self.tests.closed.mass_gas_constant / (inverse * root * root)
+        self.shown(time)[0]
     }
 }

@@ -1,6 +1,6 @@
 //! The samples of records from their peaks on, laid out for the regression.
 
-use super::pieces::{Piece, Polynomial, Shown, hold_ends};
+use super::pieces::{Piece, Push, Shown, hold_ends};
 use super::{Answer, Memory, Readings};
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::look::{Look, Question};
@@ -61,10 +61,12 @@ impl WithSimd for Sample<'_, '_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(mut self, _: I) {
-        let Readings { memory, hold, sensors, duration, .. } = self.readings;
-        let Memory { pieces, polynomials, .. } = &**memory;
-        for (piece, polynomial) in pieces.iter().zip(polynomials) {
-            self.add(black_box(piece.times), Some(*black_box(polynomial)));
+        let Readings { tests, memory, hold, sensors, duration, .. } = self.readings;
+        let Memory { nodes, panels, pieces, polynomials, in_push, .. } = &**memory;
+        for (index, piece) in pieces[..*in_push].iter().enumerate() {
+            let gas = Push::Gas(tests, nodes, panels);
+            let push = polynomials.get(index).map_or(gas, |polynomial| Push::Behind(*black_box(polynomial)));
+            self.add(black_box(piece.times), Some(push));
         }
         // The hold's pieces are as long as from turn to turn.
         let (rate, length) = (hold.gas.rate, *duration - sensors.delay);
@@ -85,18 +87,18 @@ impl WithSimd for Sample<'_, '_> {
 
 impl Sample<'_, '_> {
     #[inline(always)]
-    fn add(&mut self, times: [Lanes; 2], polynomial: Option<Polynomial>) {
+    fn add(&mut self, times: [Lanes; 2], push: Option<Push>) {
         let Readings { tests, hold, sensors, .. } = self.readings;
-        let (push, first) = (tests.push, black_box(self.first));
-        let end = black_box(push + times[1]);
+        let (push_end, first) = (tests.push, black_box(self.first));
+        let end = black_box(push_end + times[1]);
         let next = black_box(each_lane!(i => samples::after(end.0[i])));
         let count = black_box((next - first).max(Lanes::ZERO));
         let nodes = black_box(Samples { first, count }.nodes());
-        let pushed = if polynomial.is_some() { Lanes::ONE } else { Lanes::ZERO };
-        let curve = Shown { times, pushed, polynomial, hold, sensors };
+        let pushed = if push.is_some() { Lanes::ONE } else { Lanes::ZERO };
+        let curve = Shown { times, pushed, push, hold, sensors };
         let mut pressure = [Lanes::ZERO; POINTS];
         for k in 0..black_box(POINTS) {
-            let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
+            let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push_end;
             // Nodes without weight may stand anywhere.
             pressure[k] = black_box(curve.at(time.max(times[0]).min(times[1])));
         }
