@@ -3,17 +3,20 @@
 //!
 //! dT/ds = T (q |(T − Tw)/20 K|^n − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T)
 //!
-//! and from near T = Tw, where that has no power series, by the bent clock. The hold is that of [`crate::relaxation`] or, by
-//! the integrator, of the same equation with w' = 0.
+//! and from near T = Tw, where that has no power series, by the bent clock. The hold is a series ([`convective_hold`]), where
+//! there is none that of [`crate::relaxation`], or, by the integrator, of the same equation with w' = 0.
 
 use crate::Batch;
 use crate::advance::{FIRST_OF_BENT, Loadable, Nobody, Problem, advance};
-use crate::lanes::Lanes;
+use crate::convective_hold::{self, Holds, Record, Solve};
+use crate::instructions::Wide;
+use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome};
 use crate::plan::starts_singular;
+use crate::regression::Records;
 use crate::relaxing_rows::{self, AfterPush};
 use crate::scenario::Scenario;
-use crate::sealed::{self, Holding, OwnTest, Test};
+use crate::sealed::{self, Ending, Holding, OwnTest, Test};
 use crate::step::{LaneSystem, Moment, View};
 use chamber::effects::EffectSet;
 use chamber::effects::natural_convection::{REFERENCE_DIFFERENCE_K, SMALLEST_DIFFERENCE_K};
@@ -29,7 +32,10 @@ const NAME: &str = "natural_convection";
 pub struct Memory {
     tests: Vec<ConvectiveTest>,
     problems: Vec<Problem<1>>,
+    /// Those whose holds are series, with the numbers of their tests, and others.
+    in_series: Vec<(usize, AfterPush)>,
     pushed: Vec<AfterPush>,
+    records: Records,
     relaxing: relaxing_rows::Memory,
 }
 
@@ -98,7 +104,7 @@ impl OwnTest<1> for ConvectiveTest {
 /// Runs tests whose numbers are checked, all of one area law; with durations in s.
 pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
-    let Memory { tests, problems, pushed, relaxing } = memory;
+    let Memory { tests, problems, in_series, pushed, records, relaxing } = memory;
     tests.clear();
     problems.clear();
     for &(row, _) in rows {
@@ -113,13 +119,14 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
     }
     advance(arch, &ConvectiveTest::moving(tests), problems, options.relative_tolerance, &mut Nobody);
     pushed.clear();
-    for ((problem, test), &(row, duration)) in problems.iter().zip(&*tests).zip(rows) {
+    in_series.clear();
+    for (index, ((problem, test), &(row, duration))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
         let Test { closed, rate, .. } = test.gas;
         let (s, temperature) = (&scenarios[row as usize], problem.state[0] * problem.state[0]);
         let capacity = closed.mass_gas_constant / closed.expansion;
         let [received, work] = problem.energy.map(|energy| capacity * energy);
         let is_gas = temperature > 0.0 && temperature < f64::INFINITY;
-        pushed.push(AfterPush {
+        let after = AfterPush {
             row,
             duration,
             relaxations: (duration - s.push_time_s) * rate,
@@ -127,9 +134,45 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
             energy: [s.initial_temperature_k, temperature].map(|temperature| capacity * temperature),
             received: [received - work, work.abs()],
             failure: problem.failure.or((!is_gas).then_some(Failure::Empty)),
-        });
+        };
+        if is_gas && convective_hold::has_series(test.exponent, temperature, closed.ambient_temperature) {
+            in_series.push((index, after));
+        } else {
+            pushed.push(after);
+        }
     }
     relaxing_rows::run(batch, relaxing, EFFECTS, pushed, out);
+    for group in in_series.chunks(WIDTH) {
+        let at = |lane: usize| &group[lane.min(group.len() - 1)];
+        let test = |lane: usize| &tests[at(lane).0];
+        let scenario = |lane: usize| &scenarios[at(lane).1.row as usize];
+        let per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
+        let holds = Holds {
+            exponent: Lanes::from_fn(|lane| test(lane).exponent),
+            rate: Lanes::from_fn(|lane| test(lane).gas.rate),
+            wall: Lanes::from_fn(|lane| test(lane).gas.closed.ambient_temperature),
+            pushed: Lanes::from_fn(|lane| problems[at(lane).0].state[0] * problems[at(lane).0].state[0]),
+            push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
+            hold: Lanes::from_fn(|lane| at(lane).1.duration - scenario(lane).push_time_s),
+        };
+        let ends = arch.dispatch(Wide(Solve(&holds)));
+        let found = options.fit.then(|| {
+            let guess = arch.dispatch(Wide(Record { holds: &holds, ends: &ends, per_temperature, records }));
+            records.fit(arch, guess)
+        });
+        for (lane, (_, after)) in group.iter().enumerate() {
+            out[after.row as usize] = after.outcome(&Ending {
+                scenario: scenario(lane),
+                duration: after.duration,
+                wall: holds.wall[lane],
+                pushed: holds.pushed[lane],
+                end: ends.end[lane],
+                pressure_per_temperature: per_temperature[lane],
+                settling: ends.settling[lane],
+                regression: found.as_ref().and_then(|found| found.lane(lane)),
+            });
+        }
+    }
 }
 
 /// |d/20 K|^n of temperature differences, K. It passes through memory: else the compiler computes it lane by lane.

@@ -10,6 +10,10 @@ use core::hint::black_box;
 /// by each the distance from the equilibrium falls by a factor e. The last ends with the record.
 pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
 
+/// The same of one that slows down: λ ∝ |T − Tw|² makes each relaxation take seven times as long as the one before.
+pub const SLOWING_ENDS: &[f64] =
+    &[0.25, 0.5, 0.8, 1.1, 1.5, 1.9, 2.4, 3.0, 3.6, 4.4, 5.3, 6.5, 8.0, 13.0, f64::INFINITY];
+
 /// The pressure while the piston rests, one a lane.
 pub trait Relaxing {
     /// Ends of the parts in which its record is laid out, in relaxations.

@@ -14,7 +14,7 @@ use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
 use crate::regression::Records;
-use crate::root::{Curve, root};
+use crate::root::{Curve, Left, root};
 use chamber::balance::{Balance, Boundary, Contents, Tight};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
@@ -181,19 +181,6 @@ impl Curve for Time<'_> {
     }
 }
 
-/// The time that is left until one.
-struct Left<'a, C> {
-    curve: &'a C,
-    until: Lanes,
-}
-
-impl<C: Curve> Curve for Left<'_, C> {
-    #[inline(always)]
-    fn at(&self, place: Lanes) -> Lanes {
-        self.until - self.curve.at(place)
-    }
-}
-
 /// A time over the share of a part.
 impl Curve for Part {
     #[inline(always)]
@@ -311,9 +298,7 @@ struct Followed<'a> {
 }
 
 impl Relaxing for Followed<'_> {
-    // λ ∝ |T − Tw|² makes each relaxation take seven times as long as the one before.
-    const ENDS: &'static [f64] =
-        &[0.25, 0.5, 0.8, 1.1, 1.5, 1.9, 2.4, 3.0, 3.6, 4.4, 5.3, 6.5, 8.0, 13.0, f64::INFINITY];
+    const ENDS: &'static [f64] = record::SLOWING_ENDS;
     const IS_LONG: bool = true;
 
     #[inline(always)]

@@ -30,6 +30,18 @@ pub struct AfterPush {
     pub failure: Option<Failure>,
 }
 
+impl AfterPush {
+    /// The outcome of a test that has ended so.
+    pub fn outcome(&self, ending: &Ending) -> Outcome {
+        let ([start, energy], [received, work]) = (self.energy, self.received);
+        match self.failure {
+            Some(reason) => Outcome::failed(reason),
+            None if !ending.end.is_finite() => Outcome::failed(Failure::TooManySteps),
+            None => Outcome { energy_error: closure(start, energy, received, work), exact: false, ..ending.outcome() },
+        }
+    }
+}
+
 /// What is kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
@@ -76,14 +88,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
                 settling: ends.settling[lane],
                 regression: found.as_ref().and_then(|found| found.lane(lane)),
             };
-            let ([start, energy], [received, work]) = (after.energy, after.received);
-            out[after.row as usize] = match after.failure {
-                Some(reason) => Outcome::failed(reason),
-                None if !ends.end[lane].is_finite() => Outcome::failed(Failure::TooManySteps),
-                None => {
-                    Outcome { energy_error: closure(start, energy, received, work), exact: false, ..ending.outcome() }
-                }
-            };
+            out[after.row as usize] = after.outcome(&ending);
         }
     }
 }

@@ -16,8 +16,8 @@ use pulp::{Simd, WithSimd};
 
 /// Pieces, over which the pressure is a polynomial, of a part of the push.
 const PIECES_OF_A_PART: usize = 6;
-/// Pieces of the hold behind a lag, and of one without a drift, which turns once at most; and where the lag is at most this
-/// share of the relaxation, so that it turns before as many lags.
+/// Pieces of the hold behind a lag; of one without a drift, which turns once at most; and of such a one behind a lag of at most
+/// this share of the relaxation, which turns in the first 13 lags.
 const PIECES_OF_A_HOLD: usize = 12;
 const PIECES_WITHOUT_A_DRIFT: usize = 6;
 const PIECES_OF_A_QUICK_ONE: usize = 2;

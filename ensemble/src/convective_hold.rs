@@ -1,0 +1,257 @@
+//! The hold under λ ∝ √(P T) |T − Tw|^n, 0 < n, by a series. With v = (T − Tw)/(T + Tw) and L = ln(v0/v), the relaxations so far,
+//!
+//! r t = ∫₀^L e^(nL) (1 − v)^n/(1 + v) dL,  r = c Aq/√V Tw |v0 Tw/10 K|^n
+//!
+//! The quotient is a power series Σ h_j v^j, the nearest places where it has none are v = ±1, where T vanishes or is infinite. With
+//! v = v0 ζ, ζ = e^(−L) and d_j = h_j v0^j/(n − j),
+//!
+//! r t = e^(nL) Σ d_j ζ^j − Σ d_j
+//!
+//! Over p = (e^(nL) − 1)/n that has the slope (1 − v)^n/(1 + v), which changes little: L at a time follows by Newton's method in p.
+//! Not for n near to a whole number, where a term has no such integral, nor for gas far from the wall's temperature
+//! ([`has_series`]). Temperatures in K, times in s since the push.
+
+use crate::fit;
+use crate::lanes::Lanes;
+use crate::math::in_powers;
+use crate::outcome::SETTLED;
+use crate::record::{self, Relaxing};
+use crate::regression::Records;
+use crate::root::{Curve, Left, root};
+use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// Terms of the series, and the largest |v| for which they give eleven digits of the time.
+const TERMS: usize = 32;
+const FARTHEST: f64 = 0.45;
+/// How near n may be to a whole number.
+const NEAREST: f64 = 0.01;
+/// Rounds of Newton's method at most, and the share of p that a step must be shorter than to be the last.
+const ROUNDS: usize = 12;
+const NEARLY: f64 = 1e-7;
+
+/// Whether the hold has this series, of that n and from that temperature on, K, in front of that wall.
+pub fn has_series(exponent: f64, temperature: f64, wall: f64) -> bool {
+    let v = ((temperature - wall) / (temperature + wall)).abs();
+    exponent > 0.0 && (exponent - exponent.round()).abs() > NEAREST && v > 0.0 && v < FARTHEST
+}
+
+/// Holds, one a lane.
+pub struct Holds {
+    /// n.
+    pub exponent: Lanes,
+    /// c Aq/√V Tw, 1/s.
+    pub rate: Lanes,
+    /// Temperature of the wall, K.
+    pub wall: Lanes,
+    /// Temperature at the begin, K.
+    pub pushed: Lanes,
+    /// Lengths of push and hold, s.
+    pub push: Lanes,
+    pub hold: Lanes,
+}
+
+/// How they go on.
+pub struct Ends {
+    /// Temperature at the end, K.
+    pub end: Lanes,
+    /// From when on the temperature is within 1 % of its way from its end, s.
+    pub settling: Lanes,
+    relaxations: Lanes,
+    series: Series,
+}
+
+/// The time over relaxations.
+struct Series {
+    exponent: Lanes,
+    wall: Lanes,
+    /// v0.
+    first: Lanes,
+    /// One over r, s.
+    slowness: Lanes,
+    /// h_j v0^j, and d_j.
+    slopes: [Lanes; TERMS],
+    terms: [Lanes; TERMS],
+    /// Σ d_j.
+    sum: Lanes,
+}
+
+impl Series {
+    #[inline(always)]
+    fn new(holds: &Holds) -> Self {
+        let Holds { exponent, rate, wall, pushed, .. } = *holds;
+        let first = (pushed - wall) / (pushed + wall);
+        let strength = first.abs() * wall * (2.0 / REFERENCE_DIFFERENCE_K);
+        let slowness = (rate * (exponent * strength.ln()).exp()).recip();
+        let [mut slopes, mut terms] = [[Lanes::ZERO; TERMS]; 2];
+        // Of (1 − v)^n, of the quotient, and the power of v0.
+        let (mut binomial, mut quotient, mut power) = (Lanes::ONE, Lanes::ZERO, Lanes::ONE);
+        for j in 0..TERMS {
+            if j > 0 {
+                binomial = binomial * ((Lanes::from((j - 1) as f64) - exponent) * (1.0 / j as f64));
+                power = power * first;
+            }
+            quotient = binomial - quotient;
+            slopes[j] = black_box(quotient * power);
+            terms[j] = black_box(slopes[j] / (exponent - j as f64));
+        }
+        let sum = in_powers(&terms, Lanes::ONE);
+        Self { exponent, wall, first, slowness, slopes, terms, sum }
+    }
+
+    /// The temperature after so many relaxations.
+    #[inline(always)]
+    fn temperature(&self, relaxations: Lanes) -> Lanes {
+        let v = self.first * (-relaxations).exp();
+        self.wall * (Lanes::ONE + v) / (Lanes::ONE - v)
+    }
+
+    /// Relaxations until that temperature.
+    #[inline(always)]
+    fn relaxations(&self, temperature: Lanes) -> Lanes {
+        (self.first * (temperature + self.wall) / (temperature - self.wall)).ln()
+    }
+
+    /// Relaxations after a time.
+    #[inline(always)]
+    fn after(&self, time: Lanes) -> Lanes {
+        let (asked, per_exponent) = (time / self.slowness, self.exponent.recip());
+        // Between the times by the steepest and the flattest slope, by the terms that do not fade.
+        let at_first = in_powers(&self.slopes, Lanes::ONE);
+        let [fast, slow] = [asked / at_first.max(Lanes::ONE), asked / at_first.min(Lanes::ONE)];
+        let mut p = (asked + self.sum - self.terms[0]).max(fast).min(slow);
+        let (mut relaxations, mut open) = (Lanes::ZERO, Lanes::ONE);
+        for _ in 0..black_box(ROUNDS) {
+            let grown = Lanes::ONE + self.exponent * p;
+            relaxations = open.where_positive(grown.ln() * per_exponent, relaxations);
+            let left = (-relaxations).exp();
+            let missing = asked + self.sum - grown * in_powers(&self.terms, left);
+            let step = missing / in_powers(&self.slopes, left);
+            relaxations += open.where_positive(step / grown, Lanes::ZERO);
+            open = (step.abs() - p * NEARLY).where_positive(open, Lanes::ZERO);
+            p = open.where_positive((p + step).max(fast).min(slow), p);
+            if !open.any_positive() {
+                break;
+            }
+        }
+        relaxations
+    }
+}
+
+impl Curve for Series {
+    #[inline(always)]
+    fn at(&self, relaxations: Lanes) -> Lanes {
+        let (left, grown) = ((-relaxations).exp(), (self.exponent * relaxations).exp());
+        (grown * in_powers(&self.terms, left) - self.sum) * self.slowness
+    }
+}
+
+/// Follows holds to their ends.
+pub struct Solve<'a>(pub &'a Holds);
+
+impl WithSimd for Solve<'_> {
+    type Output = Ends;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Ends {
+        let holds = black_box(self.0);
+        let series = black_box(Series::new(holds));
+        let relaxations = series.after(holds.hold);
+        let end = series.temperature(relaxations);
+        let settling = series.at(series.relaxations(end + (holds.pushed - end) * SETTLED));
+        Ends { end, settling, relaxations, series }
+    }
+}
+
+/// Lays out their records; the answer is a guess of τ, s.
+pub struct Record<'a> {
+    pub holds: &'a Holds,
+    pub ends: &'a Ends,
+    /// P/T, Pa/K.
+    pub per_temperature: Lanes,
+    /// Where the records go.
+    pub records: &'a mut Records,
+}
+
+impl WithSimd for Record<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+        let Self { holds, ends, per_temperature, records } = self;
+        let Holds { wall, pushed, push, hold, .. } = *black_box(holds);
+        record::lay_out(&Followed { ends, hold, per_temperature }, push, push + hold, records);
+        fit::time_constant(ends.series.slowness.recip(), Lanes::ONE - wall / pushed)
+    }
+}
+
+/// Holds that were followed to their ends.
+struct Followed<'a> {
+    ends: &'a Ends,
+    hold: Lanes,
+    per_temperature: Lanes,
+}
+
+impl Relaxing for Followed<'_> {
+    const ENDS: &'static [f64] = record::SLOWING_ENDS;
+    const IS_LONG: bool = true;
+
+    #[inline(always)]
+    fn time(&self, relaxations: f64) -> Lanes {
+        let Ends { relaxations: last, series, .. } = self.ends;
+        let goes_on = *last - relaxations;
+        goes_on.where_positive(series.at(last.min(Lanes::from(relaxations))), self.hold)
+    }
+
+    #[inline(always)]
+    fn pressure(&self, time: Lanes, between: [f64; 2]) -> Lanes {
+        let Ends { relaxations: last, series, .. } = self.ends;
+        let [low, high] = [last.min(Lanes::from(between[0])), last.min(Lanes::from(between[1]))];
+        let until = time.max(series.at(low)).min(series.at(high));
+        series.temperature(root(&Left { curve: series, until }, low, high)) * self.per_temperature
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chamber::exact::GAUSS_16;
+    use proptest::prelude::*;
+    use pulp::Scalar;
+
+    /// Time, s, from one temperature to another: dt = −dT/(c T (T − Tw) |(T − Tw)/20 K|^n) over ln |T − Tw|, by Gauss–Legendre
+    /// quadrature in parts.
+    fn between(exponent: f64, rate: f64, wall: f64, [from, to]: [f64; 2]) -> f64 {
+        let way = ((from - wall) / (to - wall)).ln();
+        let parts = (4.0 * way).ceil();
+        let nodes = |part: f64| {
+            let places = GAUSS_16.iter().flat_map(|(x, w)| [(0.5 - 0.5 * x, 0.5 * w), (0.5 + 0.5 * x, 0.5 * w)]);
+            places.map(move |(x, w)| ((part + x) / parts, w / parts)).collect::<Vec<_>>()
+        };
+        let slowness = |share: f64| {
+            let difference = (from - wall) * (-way * share).exp();
+            wall / (rate * (wall + difference) * (difference.abs() / REFERENCE_DIFFERENCE_K).powf(exponent))
+        };
+        (0..parts as usize).flat_map(|part| nodes(part as f64)).map(|(x, w)| w * way * slowness(x)).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn the_series_is_the_integral_of_the_heat_balance(
+            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.6f64, left in 1e-3..0.99f64,
+        ) {
+            let (from, to) = (wall * ratio, wall + wall * (ratio - 1.0) * left);
+            prop_assume!(has_series(exponent, from, wall));
+            let hold = between(exponent, rate, wall, [from, to]);
+            let [exponent, rate, wall, pushed, hold] = [exponent, rate, wall, from, hold].map(Lanes::from);
+            let holds = Holds { exponent, rate, wall, pushed, push: Lanes::ONE, hold };
+            let Ends { end, settling, .. } = Solve(&holds).with_simd(Scalar::new());
+            prop_assert!((end[3] / to - 1.0).abs() < 2e-12, "{} {to}", end[3]);
+            let edge = to + (from - to) * SETTLED;
+            let expected = between(exponent[3], rate[3], wall[3], [from, edge]);
+            prop_assert!((settling[3] / expected - 1.0).abs() < 1e-10, "{} {expected}", settling[3]);
+        }
+    }
+}
