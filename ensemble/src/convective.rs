@@ -11,6 +11,7 @@ use crate::advance::{FIRST_OF_BENT, Loadable, Nobody, Problem, advance};
 use crate::convective_hold::{self, Holds, Record, Solve};
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
+use crate::math;
 use crate::outcome::{Failure, Outcome};
 use crate::plan::starts_singular;
 use crate::regression::Records;
@@ -179,7 +180,7 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
 #[inline(always)]
 fn power(difference: Lanes, exponent: Lanes) -> Lanes {
     let difference = black_box(difference).abs().max(Lanes::from(SMALLEST_DIFFERENCE_K));
-    black_box((exponent * (difference * (1.0 / REFERENCE_DIFFERENCE_K)).ln()).exp())
+    black_box(math::power(difference * (1.0 / REFERENCE_DIFFERENCE_K), exponent))
 }
 
 /// Tests, one a lane, while their pistons move.
