@@ -13,11 +13,10 @@
 
 use crate::fit;
 use crate::lanes::Lanes;
-use crate::math::in_powers;
+use crate::math::in_powers_fused;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
 use crate::regression::Records;
-use crate::root::{Curve, Left, root};
 use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -28,9 +27,9 @@ const TERMS: usize = 32;
 const FARTHEST: f64 = 0.45;
 /// How near n may be to a whole number.
 const NEAREST: f64 = 0.01;
-/// Rounds of Newton's method at most, and the share of p that a step must be shorter than to be the last.
+/// Rounds of Newton's method at most, and the relaxations that a step must be shorter than to be the last.
 const ROUNDS: usize = 12;
-const NEARLY: f64 = 1e-7;
+const NEARLY: f64 = 5e-7;
 
 /// Whether the hold has this series, of that n and from that temperature on, K, in front of that wall.
 pub fn has_series(exponent: f64, temperature: f64, wall: f64) -> bool {
@@ -74,7 +73,8 @@ struct Series {
     /// h_j v0^j, and d_j.
     slopes: [Lanes; TERMS],
     terms: [Lanes; TERMS],
-    /// Σ d_j.
+    /// Σ h_j v0^j, and Σ d_j.
+    first_slope: Lanes,
     sum: Lanes,
 }
 
@@ -97,8 +97,8 @@ impl Series {
             slopes[j] = black_box(quotient * power);
             terms[j] = black_box(slopes[j] / (exponent - j as f64));
         }
-        let sum = in_powers(&terms, Lanes::ONE);
-        Self { exponent, wall, first, slowness, slopes, terms, sum }
+        let [first_slope, sum] = [in_powers_fused(&slopes, Lanes::ONE), in_powers_fused(&terms, Lanes::ONE)];
+        Self { exponent, wall, first, slowness, slopes, terms, first_slope, sum }
     }
 
     /// The temperature after so many relaxations.
@@ -118,19 +118,23 @@ impl Series {
     #[inline(always)]
     fn after(&self, time: Lanes) -> Lanes {
         let (asked, per_exponent) = (time / self.slowness, self.exponent.recip());
-        // Between the times by the steepest and the flattest slope, by the terms that do not fade.
-        let at_first = in_powers(&self.slopes, Lanes::ONE);
-        let [fast, slow] = [asked / at_first.max(Lanes::ONE), asked / at_first.min(Lanes::ONE)];
-        let mut p = (asked + self.sum - self.terms[0]).max(fast).min(slow);
+        // At first p goes by the first slope, at last by that of one, which is `ahead` of it: between the two by a hyperbola, and
+        // within what any slope between them gives.
+        let begun = asked / self.first_slope;
+        let (gained, ahead) = (begun - asked, self.sum - self.terms[0]);
+        let [fast, slow] = [begun.min(asked), begun.max(asked)];
+        let mut p = (asked + gained * ahead / (gained + ahead)).max(fast).min(slow);
         let (mut relaxations, mut open) = (Lanes::ZERO, Lanes::ONE);
         for _ in 0..black_box(ROUNDS) {
             let grown = Lanes::ONE + self.exponent * p;
             relaxations = open.where_positive(grown.ln() * per_exponent, relaxations);
             let left = (-relaxations).exp();
-            let missing = asked + self.sum - grown * in_powers(&self.terms, left);
-            let step = missing / in_powers(&self.slopes, left);
+            // Read where they are: else the compiler first copies them all.
+            let [terms, slopes] = black_box([&self.terms, &self.slopes]);
+            let missing = asked + self.sum - grown * in_powers_fused(terms, left);
+            let step = missing / in_powers_fused(slopes, left);
             relaxations += open.where_positive(step / grown, Lanes::ZERO);
-            open = (step.abs() - p * NEARLY).where_positive(open, Lanes::ZERO);
+            open = (step.abs() - grown * NEARLY).where_positive(open, Lanes::ZERO);
             p = open.where_positive((p + step).max(fast).min(slow), p);
             if !open.any_positive() {
                 break;
@@ -138,13 +142,12 @@ impl Series {
         }
         relaxations
     }
-}
 
-impl Curve for Series {
+    /// Time after so many relaxations.
     #[inline(always)]
-    fn at(&self, relaxations: Lanes) -> Lanes {
+    fn time(&self, relaxations: Lanes) -> Lanes {
         let (left, grown) = ((-relaxations).exp(), (self.exponent * relaxations).exp());
-        (grown * in_powers(&self.terms, left) - self.sum) * self.slowness
+        (grown * in_powers_fused(&self.terms, left) - self.sum) * self.slowness
     }
 }
 
@@ -160,7 +163,7 @@ impl WithSimd for Solve<'_> {
         let series = black_box(Series::new(holds));
         let relaxations = series.after(holds.hold);
         let end = series.temperature(relaxations);
-        let settling = series.at(series.relaxations(end + (holds.pushed - end) * SETTLED));
+        let settling = series.time(series.relaxations(end + (holds.pushed - end) * SETTLED));
         Ends { end, settling, relaxations, series }
     }
 }
@@ -202,15 +205,13 @@ impl Relaxing for Followed<'_> {
     fn time(&self, relaxations: f64) -> Lanes {
         let Ends { relaxations: last, series, .. } = self.ends;
         let goes_on = *last - relaxations;
-        goes_on.where_positive(series.at(last.min(Lanes::from(relaxations))), self.hold)
+        goes_on.where_positive(series.time(last.min(Lanes::from(relaxations))), self.hold)
     }
 
     #[inline(always)]
-    fn pressure(&self, time: Lanes, between: [f64; 2]) -> Lanes {
-        let Ends { relaxations: last, series, .. } = self.ends;
-        let [low, high] = [last.min(Lanes::from(between[0])), last.min(Lanes::from(between[1]))];
-        let until = time.max(series.at(low)).min(series.at(high));
-        series.temperature(root(&Left { curve: series, until }, low, high)) * self.per_temperature
+    fn pressure(&self, time: Lanes, _: [f64; 2]) -> Lanes {
+        let series = &self.ends.series;
+        series.temperature(series.after(time.max(Lanes::ZERO).min(self.hold))) * self.per_temperature
     }
 }
 

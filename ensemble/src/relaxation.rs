@@ -14,7 +14,7 @@ use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
 use crate::regression::Records;
-use crate::root::{Curve, Left, root};
+use crate::root::{Curve, root};
 use chamber::balance::{Balance, Boundary, Contents, Tight};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
@@ -178,6 +178,19 @@ impl Curve for Time<'_> {
             time = since.min(part.length).where_positive(here, time);
         }
         time
+    }
+}
+
+/// The time that is left until one.
+struct Left<'a, C> {
+    curve: &'a C,
+    until: Lanes,
+}
+
+impl<C: Curve> Curve for Left<'_, C> {
+    #[inline(always)]
+    fn at(&self, place: Lanes) -> Lanes {
+        self.until - self.curve.at(place)
     }
 }
 

@@ -21,19 +21,6 @@ pub trait Curve {
     }
 }
 
-/// What is left of a curve until a value.
-pub struct Left<'a, C> {
-    pub curve: &'a C,
-    pub until: Lanes,
-}
-
-impl<C: Curve> Curve for Left<'_, C> {
-    #[inline(always)]
-    fn at(&self, place: Lanes) -> Lanes {
-        self.until - self.curve.at(place)
-    }
-}
-
 /// A root between `low`, where the curve is positive, and `high`, where it is not.
 #[inline(always)]
 pub fn root(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {
