@@ -5,6 +5,8 @@
 pub const DECISIVE: f64 = 10.0;
 /// ΔBIC below which two sets of terms cannot be told apart ("positive" evidence ends there).
 pub const INDISTINGUISHABLE: f64 = 6.0;
+/// The same where they differ in what happens within half a row: the stroke between rows is not known so well.
+pub const INDISTINGUISHABLE_WITHIN_A_ROW: f64 = 20.0;
 /// Most effects of the gas and its wall in a model: more are a fit to anything.
 pub const MOST_TERMS: usize = 4;
 /// Most terms in a model, those of the recording included: a rig's logger may well have two of its own.

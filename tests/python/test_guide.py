@@ -172,6 +172,7 @@ MADE = {"chamber/src/effects/seal_film.rs"}
 POLICY = {
     "DECISIVE: f64 = 10.0": "ΔBIC above 10 is very strong evidence",
     "INDISTINGUISHABLE: f64 = 6.0": "whose BIC is within 6 of its BIC",
+    "INDISTINGUISHABLE_WITHIN_A_ROW: f64 = 20.0": "each of them by less than half a row, within 20",
     "MOST_TERMS: usize = 4": "more than four effects of the gas and its wall",
     "MOST_IN_ALL: usize = 6": "more than six terms",
     "GO_ON: usize = 3": "the three best of all, and the three best without",

@@ -7,16 +7,16 @@
 
 use super::entry::is_credible;
 use super::starts::{as_stated, fit_model};
-use super::{Candidate, Found, Search, Verdict, distinct, terms};
+use super::{Candidate, Found, Search, Verdict, distinct, sort, terms};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::evidence::bic_widened;
 use crate::judge::{adequacy, kinds, left_out, misfit, sanity};
-use crate::parameters::Model;
+use crate::parameters::{Model, is_timing};
 use crate::policy;
 use crate::record::data::Data;
 use chamber::card::Balance;
-use chamber::effects::CARDS;
+use chamber::effects::{CARDS, EffectSet};
 use rayon::prelude::*;
 
 impl Search {
@@ -50,6 +50,9 @@ impl Search {
                 .into_iter()
                 .flatten()
                 .try_for_each(|c| sanity::reference(&self.data, &c.fit))?;
+        }
+        if verdict == Verdict::Explained {
+            self.try_other_timings();
         }
         let mut alike = self.alike();
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
@@ -173,14 +176,47 @@ impl Search {
         left_out_pa < policy::CARRIES_OVER * misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit))
     }
 
+    /// Tries the sets beside the chosen one that shift or smear the records in time otherwise: within a row a delay and a lag are
+    /// hardly told apart, and the search need not have come to both.
+    fn try_other_timings(&mut self) {
+        let models = terms::with_other_timing(&self.chosen.model);
+        let fresh: Vec<Model> =
+            models.into_iter().filter(|m| self.tried.iter().all(|c| c.model.with_nothing_freed() != *m)).collect();
+        let fitted = self.fit_all(&fresh);
+        self.tried.extend(fitted);
+        sort(&mut self.tried);
+    }
+
+    /// Whether a set shifts or smears the records in time otherwise than the chosen one, and each of them by less than half a row:
+    /// the stroke between rows, and by it what tells one from the other, is not known so well.
+    fn differs_within_a_row(&self, other: &Candidate) -> bool {
+        let row_s = self.data.traces.iter().map(|t| t.course.motion.row_s()).fold(f64::INFINITY, f64::min);
+        let [ours, theirs] = [self.chosen.model.of_rig(), other.model.of_rig()];
+        let (gone, new) = (ours.without(theirs), theirs.without(ours));
+        let is_one_of_time = |set: EffectSet| set.iter().count() == 1 && set.iter().all(|e| is_timing(&CARDS[e]));
+        is_one_of_time(gone)
+            && is_one_of_time(new)
+            && seconds(&self.chosen, gone).max(seconds(other, new)) < 0.5 * row_s
+    }
+
     /// Other sets of as many terms with about the same evidence or more, whose numbers can be a rig's.
     fn alike(&self) -> Vec<Model> {
         let chosen = self.chosen.model.with_nothing_freed();
         let is_other = |m: &Model| m.terms() == chosen.terms() && m.with_nothing_freed() != chosen;
-        let is_near = |c: &&Candidate| self.chosen.delta_bic - c.delta_bic < policy::INDISTINGUISHABLE;
+        let is_near = |c: &&Candidate| {
+            let by = self.chosen.delta_bic - c.delta_bic;
+            by < policy::INDISTINGUISHABLE
+                || by < policy::INDISTINGUISHABLE_WITHIN_A_ROW && self.differs_within_a_row(c)
+        };
         let others = self.tried.iter().filter(|c| is_other(&c.model)).filter(is_near);
         distinct(others.filter(|c| is_credible(&c.fit) && c.fit.exhausted().is_none()).map(|c| c.model).collect())
     }
+}
+
+/// How far effects shift or smear the records in time, s.
+fn seconds(c: &Candidate, effects: EffectSet) -> f64 {
+    let chamber = c.fit.chamber();
+    effects.iter().map(|e: usize| chamber.effects.of(e)[0]).fold(0.0, f64::max)
 }
 
 /// Whether the rig alone loses or gains gas, and nothing is taken up by terms of single records.
@@ -193,7 +229,7 @@ mod tests {
     use super::*;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, find};
+    use chamber::effects::find;
 
     #[test]
     fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {
@@ -213,6 +249,20 @@ mod tests {
         assert!(search.needed(less) < policy::DECISIVE, "{}", search.needed(less));
         let plain = search.part_refitted(Model::with(leak)).unwrap();
         assert!(search.needed(&plain) > policy::DECISIVE, "{}", search.needed(&plain));
+    }
+
+    #[test]
+    fn a_delay_within_a_row_is_alike_to_a_lag_that_the_search_did_not_come_to() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("sensor_lag", &[1.5e-3]) };
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        let single = |name: &str| Model::with(EffectSet::one(find(name).unwrap().0));
+        let fit = fit_model(&search.data, single("record_delay"), &search.baseline.fit, &search.sizes).unwrap();
+        search.chosen = search.candidate(fit);
+        assert_eq!(search.alike(), []);
+        search.try_other_timings();
+        assert!(search.alike().contains(&single("sensor_lag")), "{:?}", search.alike());
     }
 
     #[test]

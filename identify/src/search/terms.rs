@@ -77,6 +77,19 @@ pub fn without_one(model: &Model) -> Vec<Model> {
     out
 }
 
+/// The model with one of the rig's effects that shift or smear records in time exchanged for another one, each way there is.
+pub fn with_other_timing(model: &Model) -> Vec<Model> {
+    let timings: Vec<usize> =
+        effects::all().filter(|(_, card)| card.candidate && parameters::is_timing(card)).map(|(e, _)| e).collect();
+    let (there, absent): (Vec<usize>, _) = timings.into_iter().partition(|e| model.effects.has(*e));
+    let exchanged = |gone: &usize, new: &usize| {
+        let effects = model.effects.without(EffectSet::one(*gone)).union(EffectSet::one(*new));
+        Model { effects, secondary: EffectSet::NONE, ..*model }
+    };
+    let of_rig = there.iter().filter(|e| model.of_rig().has(**e));
+    of_rig.flat_map(|gone| absent.iter().map(move |new| exchanged(gone, new))).collect()
+}
+
 /// Whether every term of `part` is one of `whole`, in the same scope.
 pub fn is_part(part: &Model, whole: &Model) -> bool {
     whole.effects.contains(part.effects)
