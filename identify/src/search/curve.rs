@@ -79,10 +79,8 @@ impl Search {
     /// decisively better shows that the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
         let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE, 0.0);
-        let named_pa = self.left_out(named)?;
-        let better = curves.into_iter().filter(|c| c.is_evident && c.left_out_pa < named_pa);
-        let best = better.max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
-        Some(self.told(self.settled(best), named_pa, true))
+        let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
+        Some(self.told(self.settled(best), self.left_out(named)?, true))
     }
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
