@@ -1,7 +1,7 @@
 //! The noise of a recording: white, coloured, hum, and the step of its readings.
 //!
 //! y = Q[h(gas) + coloured + hum + white]. Coloured noise is a sum of at most two Ornstein–Uhlenbeck processes, each with
-//! a standard deviation in Pa and a correlation time in s; two of them stand for 1/f wander over the scales of a record
+//! a standard deviation in Pa and a correlation time in s; five of them stand for 1/f wander over the scales of a record
 //! (M. S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white
 //! part from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals. Of records
 //! without noise, the white part is [`least`]: as much as nobody knows a pressure better than.

@@ -215,8 +215,8 @@ fn is_off(line: &Line, time_s: &[f64], position_m: &[f64], noise_m: f64) -> bool
     const DEVIATIONS: [f64; 2] = [6.0, 2.0];
     let size = (position_m.len() / PARTS).max(FEWEST_ROWS);
     let limit = noise_m * (DEVIATIONS[0] / (size as f64).sqrt()).max(DEVIATIONS[1]);
-    let parts = time_s.chunks_exact(size).zip(position_m.chunks_exact(size));
-    parts.into_iter().any(|(t, x)| (mean(x) - line.at(mean(t))).abs() > limit)
+    let mut parts = time_s.chunks_exact(size).zip(position_m.chunks_exact(size));
+    parts.any(|(t, x)| (mean(x) - line.at(mean(t))).abs() > limit)
 }
 
 /// A move: a spline near its rows that meets the holds before and after it.

@@ -119,8 +119,8 @@ impl Search {
 
     /// Whether as few names as a model with a curve has terms are more likely than it.
     fn has_likelier_names(&self, with_curve: &Candidate) -> bool {
-        let as_few = self.tried.iter().filter(|c| c.model.terms() <= with_curve.model.terms());
-        as_few.into_iter().any(|c| c.delta_bic > with_curve.delta_bic && is_credible(&c.fit))
+        let mut as_few = self.tried.iter().filter(|c| c.model.terms() <= with_curve.model.terms());
+        as_few.any(|c| c.delta_bic > with_curve.delta_bic && is_credible(&c.fit))
     }
 
     fn told(&self, curve: Judged, settled_pa: f64, accepted: bool) -> ReadOff {
