@@ -28,7 +28,7 @@ pub enum Phase {
     Hold,
 }
 
-/// One part of a record: rows `from..to` and times in between.
+/// One part of a record: its rows `first..end`, and the times at which it begins and ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
     /// What the piston does.
