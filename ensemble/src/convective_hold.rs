@@ -17,6 +17,7 @@ use crate::math::in_powers_fused;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
 use crate::regression::Records;
+use crate::root::Curve;
 use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -62,7 +63,7 @@ pub struct Ends {
     series: Series,
 }
 
-/// The time over relaxations.
+/// The time over relaxations, s: see [`Curve::at`].
 struct Series {
     exponent: Lanes,
     wall: Lanes,
@@ -142,10 +143,11 @@ impl Series {
         }
         relaxations
     }
+}
 
-    /// Time after so many relaxations.
+impl Curve for Series {
     #[inline(always)]
-    fn time(&self, relaxations: Lanes) -> Lanes {
+    fn at(&self, relaxations: Lanes) -> Lanes {
         let (left, grown) = ((-relaxations).exp(), (self.exponent * relaxations).exp());
         (grown * in_powers_fused(&self.terms, left) - self.sum) * self.slowness
     }
@@ -163,7 +165,7 @@ impl WithSimd for Solve<'_> {
         let series = black_box(Series::new(holds));
         let relaxations = series.after(holds.hold);
         let end = series.temperature(relaxations);
-        let settling = series.time(series.relaxations(end + (holds.pushed - end) * SETTLED));
+        let settling = series.at(series.relaxations(end + (holds.pushed - end) * SETTLED));
         Ends { end, settling, relaxations, series }
     }
 }
@@ -203,9 +205,7 @@ impl Relaxing for Followed<'_> {
 
     #[inline(always)]
     fn time(&self, relaxations: f64) -> Lanes {
-        let Ends { relaxations: last, series, .. } = self.ends;
-        let goes_on = *last - relaxations;
-        goes_on.where_positive(series.time(last.min(Lanes::from(relaxations))), self.hold)
+        record::time_of(&self.ends.series, relaxations, self.ends.relaxations, self.hold)
     }
 
     #[inline(always)]

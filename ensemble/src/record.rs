@@ -2,6 +2,7 @@
 
 use crate::lanes::{Lanes, each_lane};
 use crate::regression::Records;
+use crate::root::Curve;
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -24,6 +25,14 @@ pub trait Relaxing {
     fn time(&self, relaxations: f64) -> Lanes;
     /// Pressure, Pa, at a time since the push, s, between two numbers of relaxations.
     fn pressure(&self, time: Lanes, between: [f64; 2]) -> Lanes;
+}
+
+/// Time since the push, s, after so many relaxations, by the curve of that over relaxations; the length of a hold that has `last`
+/// of them and no more.
+#[inline(always)]
+pub fn time_of(curve: &impl Curve, relaxations: f64, last: Lanes, hold: Lanes) -> Lanes {
+    let goes_on = last - relaxations;
+    goes_on.where_positive(curve.at(last.min(Lanes::from(relaxations))), hold)
 }
 
 /// Lays the records out, of tests with pushes and durations of so many s.

@@ -316,8 +316,7 @@ impl Relaxing for Followed<'_> {
 
     #[inline(always)]
     fn time(&self, relaxations: f64) -> Lanes {
-        let goes_on = self.relaxations - relaxations;
-        goes_on.where_positive(self.time.at(self.relaxations.min(Lanes::from(relaxations))), self.hold)
+        record::time_of(&self.time, relaxations, self.relaxations, self.hold)
     }
 
     #[inline(always)]

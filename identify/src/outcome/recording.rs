@@ -187,11 +187,9 @@ pub fn left_out(data: &Data) -> Vec<String> {
 
 /// Which records start in motion.
 fn in_motion(data: &Data) -> Option<String> {
-    /// How many are named.
-    const NAMED: usize = 5;
     let paths: Vec<String> =
         data.traces.iter().filter(|t| !t.starts_at_rest).map(|t| t.path.display().to_string()).collect();
-    let more = if paths.len() > NAMED { ", …" } else { "" };
+    let (named, more) = far_off::first_few(&paths);
     match paths.as_slice() {
         [] => None,
         [one] => Some(format!("{one} starts in motion: its initial temperature is fitted")),
@@ -199,7 +197,7 @@ fn in_motion(data: &Data) -> Option<String> {
             "{} of {} records start in motion: their initial temperatures are fitted ({}{more})",
             several.len(),
             data.traces.len(),
-            several[..several.len().min(NAMED)].join(", ")
+            named.join(", ")
         )),
     }
 }

@@ -3,7 +3,7 @@
 use records::LineNumbers;
 use std::path::Path;
 
-/// How many readings are named.
+/// How many are named.
 const NAMED: usize = 5;
 
 /// What of a record is left out, if anything: `rows`, with the lines of its rows where it is of a file, and their times, s.
@@ -16,10 +16,14 @@ pub fn sentence(path: &Path, rows: &[usize], lines: &LineNumbers, time_s: &[f64]
     Some(format!("{}: {readings} ({} after the first row)", path.display(), named(rows, lines, time_s)))
 }
 
+/// The first of what a sentence names, and what it says behind them where there are more.
+pub fn first_few<T>(all: &[T]) -> (&[T], &'static str) {
+    if all.len() > NAMED { (&all[..NAMED], ", …") } else { (all, "") }
+}
+
 /// The first of some rows: their lines, where the record is of a file, and their times from the first row, s.
 pub fn named(rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> String {
-    let more = if rows.len() > NAMED { ", …" } else { "" };
-    let named = &rows[..rows.len().min(NAMED)];
+    let (named, more) = first_few(rows);
     let times: Vec<String> = named.iter().map(|&row| format!("{:.3} s", time_s[row] - time_s[0])).collect();
     let times = format!("{}{more}", times.join(", "));
     let lines: Vec<String> = named.iter().filter_map(|&row| Some(lines.of(row)?.to_string())).collect();

@@ -140,8 +140,9 @@ fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
         let rows = end - first;
         let beside = |length: usize| length.min(rows / 4);
         let late = unsettled(&backwards[..rows - beside(before)], after, noise_m);
-        let early = unsettled(&position_m[first..end - if late == 0 { beside(after) } else { late }], before, noise_m);
-        let late = unsettled(&backwards[..rows - early], after, noise_m);
+        let next = if late == 0 { beside(after) } else { late };
+        let early = unsettled(&position_m[first..end - next], before, noise_m);
+        let late = if early == beside(before) { late } else { unsettled(&backwards[..rows - early], after, noise_m) };
         moving[first..first + early].fill(true);
         moving[end - late..end].fill(true);
     }
@@ -150,7 +151,7 @@ fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
 /// How many of a hold's rows, counted from a move of so many rows, still belong to it: those whose means over a window differ from
 /// where the piston is held, and one window more, in which a mean would not show them either. A piston that swings to its stop
 /// passes its place in between. It is held along the straight line of the half of the rows that is farther from the move; no row if
-/// it does not get there.
+/// it does not get there, or where there is no move.
 fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     const SHORTEST_WINDOW: usize = 8;
     /// Windows in a move, and in a hold at the least.
@@ -163,7 +164,7 @@ fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     const LONGEST: usize = 8;
     let window = (length / WINDOWS[0]).min(rows.len() / WINDOWS[1]).max(SHORTEST_WINDOW);
     let half = rows.len() / 2;
-    if half < window {
+    if length == 0 || half < window {
         return 0;
     }
     let index: Vec<f64> = (0..rows.len()).map(|i| i as f64).collect();

@@ -79,15 +79,16 @@ pub fn without_one(model: &Model) -> Vec<Model> {
 
 /// The model with one of the rig's effects that shift or smear records in time exchanged for another one, each way there is.
 pub fn with_other_timing(model: &Model) -> Vec<Model> {
-    let timings: Vec<usize> =
-        effects::all().filter(|(_, card)| card.candidate && parameters::is_timing(card)).map(|(e, _)| e).collect();
-    let (there, absent): (Vec<usize>, _) = timings.into_iter().partition(|e| model.effects.has(*e));
-    let exchanged = |gone: &usize, new: &usize| {
-        let effects = model.effects.without(EffectSet::one(*gone)).union(EffectSet::one(*new));
-        Model { effects, secondary: EffectSet::NONE, ..*model }
-    };
-    let of_rig = there.iter().filter(|e| model.of_rig().has(**e));
-    of_rig.flat_map(|gone| absent.iter().map(move |new| exchanged(gone, new))).collect()
+    let is_of_time = |card: &Card| card.candidate && parameters::is_timing(card);
+    let timings: EffectSet = effects::all().filter(|(_, card)| is_of_time(card)).map(|(e, _)| e).collect();
+    let mut out = Vec::new();
+    for gone in model.of_rig().iter().filter(|e| timings.has(*e)) {
+        for new in timings.without(model.effects).iter() {
+            let effects = model.effects.without(EffectSet::one(gone)).union(EffectSet::one(new));
+            out.push(Model { effects, secondary: EffectSet::NONE, ..*model });
+        }
+    }
+    out
 }
 
 /// Whether every term of `part` is one of `whole`, in the same scope.
