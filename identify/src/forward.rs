@@ -5,6 +5,7 @@
 //! sensor lag costs no integration steps ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual
 //! numbers give exact sensitivities.
 
+use crate::characteristic::Characteristic;
 use crate::isentrope::Isentrope;
 use crate::record::gaps;
 use crate::record::stroke::{Motion, Spline};
@@ -39,13 +40,16 @@ pub struct Correction<R> {
     pub warmer: R,
     /// Positions, and speeds, over the recorded ones.
     pub position_times: R,
+    /// How far positions lie off that straight line, if at all.
+    pub characteristic: Option<Characteristic<R>>,
     /// Temperature of the gas behind each gap of the record, over that which the stroke taken for it leads to.
     pub behind_gaps: [R; gaps::MOST],
 }
 
 impl<R: Real> Correction<R> {
     /// All is as recorded.
-    pub const NONE: Self = Self { warmer: R::ZERO, position_times: R::ONE, behind_gaps: [R::ONE; gaps::MOST] };
+    pub const NONE: Self =
+        Self { warmer: R::ZERO, position_times: R::ONE, characteristic: None, behind_gaps: [R::ONE; gaps::MOST] };
 }
 
 /// Rows of a recorded mass flow that a step may cover: it changes from row to row.
@@ -123,8 +127,8 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
     #[inline]
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R> {
         let course = self.course;
-        let Moment { position, velocity, by_window, by_filter } = self.stroke_at(stretch, time);
-        let (mut position, mut velocity) = (R::from(position), R::from(velocity));
+        let Moment { position: recorded, velocity: speed, by_window, by_filter } = self.stroke_at(stretch, time);
+        let (mut position, mut velocity) = (R::from(recorded), R::from(speed));
         for (number, by) in [(self.window, by_window), (self.filter, by_filter)] {
             // Zero but for its derivatives, which a number without effect does not have.
             let change = number - number.value();
@@ -132,12 +136,18 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
             velocity += change * by[1];
         }
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
-        let Correction { warmer, position_times, .. } = self.correction;
+        let Correction { warmer, position_times, characteristic, .. } = self.correction;
         let ambient_temperature = warmer + ambient_temperature;
         let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
+        position = position * position_times;
+        velocity = velocity * position_times;
+        if let Some([off, slope]) = characteristic.map(|characteristic| characteristic.off(recorded)) {
+            position += off;
+            velocity += slope * speed;
+        }
         Boundary {
-            position: position * position_times,
-            velocity: velocity * position_times,
+            position,
+            velocity,
             mass_flow_in: R::from(flow.max(0.0)),
             temperature_in: ambient_temperature,
             mass_flow_out: R::from((-flow).max(0.0)),

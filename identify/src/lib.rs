@@ -14,6 +14,7 @@
 //! | [`outcome`] | results for programs and reports |
 //! | [`synthetic`] | rigs with a known truth, for tests and the Monte Carlo study |
 
+pub mod characteristic;
 pub mod discrepancy;
 pub mod error;
 pub mod fit;

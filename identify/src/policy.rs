@@ -87,6 +87,9 @@ pub const CARRIES_OVER: f64 = 1.3;
 /// A systematic misfit below this share of that of the paper's model is next to nothing beside it: the course of a fast
 /// stroke between two rows, and the like.
 pub const NEXT_TO_NOTHING: f64 = 0.02;
+/// The same where it is below the accuracy asked for, too: the error of a stroke, of a position sensor or of a law has a shape that
+/// shows in long records, and nobody minds it.
+pub const LITTLE: f64 = 0.1;
 
 /// A rest that, read in another unit, is within this share of the pressure of the surroundings may be one with the port
 /// open: the weather moves a barometer by so much.

@@ -82,6 +82,17 @@ fn diagnosed(name: &str, recipe: Recipe) -> (Verdict, Vec<&'static str>) {
 }
 
 #[test]
+fn a_position_sensor_that_is_not_quite_straight_is_no_misfit_unless_it_is_stated_to_be_straight() {
+    let bent = recording::ALL.iter().find(|r| r.name == "position-bent").unwrap();
+    let verdict = |rig: &Rig| identify::diagnose(rig, &|_, _| ()).unwrap().diagnosis.verdict;
+    // Whose tests end at several places.
+    let mut rig = bent.apply(Recipe::wide(8)).rig();
+    assert_eq!(verdict(&rig), Verdict::Adequate);
+    rig.tolerance.position_linearity = 0.0;
+    assert_ne!(verdict(&rig), Verdict::Adequate);
+}
+
+#[test]
 fn a_position_of_which_hardly_a_reading_falls_into_the_moves_names_no_effect() {
     for (name, seed) in [("position-held", 3), ("position-interpolated", 3), ("position-held", 12)] {
         assert_eq!(diagnosed(name, Recipe::wide(seed)), (Verdict::Adequate, Vec::new()), "{name} {seed}");

@@ -8,6 +8,9 @@ use crate::table::Table;
 const BORE_SHARE: f64 = 0.005;
 /// Default standard deviation of the position sensor's scale factor.
 const POSITION_SCALE: f64 = 0.005;
+/// Default standard deviation of the waves by which the position sensor's characteristic lies off a straight line, as a share of the
+/// way that the records show.
+const POSITION_LINEARITY: f64 = 5e-4;
 /// Default standard deviation of the position's zero, m.
 const POSITION_OFFSET_M: f64 = 0.5e-3;
 /// Default standard deviation of an ambient temperature that is stated or recorded, K.
@@ -62,6 +65,9 @@ pub struct Tolerance {
     pub bore_m: f64,
     /// Of the position sensor's scale factor, 1: 0.005 unless stated.
     pub position_scale: f64,
+    /// Of each of the four waves by which positions lie off a straight line, as a share of the way that the records show: 0.0005
+    /// unless stated.
+    pub position_linearity: f64,
     /// Of the position's zero, m: 0.5 mm unless stated.
     pub position_offset_m: f64,
     /// Of the ambient temperature, K. Unless stated: 2 K where the temperature is stated or recorded, else 5 K.
@@ -74,6 +80,7 @@ impl Tolerance {
         Self {
             bore_m: BORE_SHARE * bore_m,
             position_scale: POSITION_SCALE,
+            position_linearity: POSITION_LINEARITY,
             position_offset_m: POSITION_OFFSET_M,
             ambient_temperature_k: if ambient_known { STATED_TEMPERATURE_K } else { UNSTATED_TEMPERATURE_K },
         }
@@ -88,6 +95,8 @@ pub struct StatedTolerance {
     /// As in [`Tolerance`].
     pub position_scale: Option<f64>,
     /// As in [`Tolerance`].
+    pub position_linearity: Option<f64>,
+    /// As in [`Tolerance`].
     pub position_offset_m: Option<f64>,
     /// As in [`Tolerance`].
     pub ambient_temperature_k: Option<f64>,
@@ -96,7 +105,13 @@ pub struct StatedTolerance {
 impl StatedTolerance {
     pub(crate) fn read(root: &Table<'_>, bore_m: f64) -> Result<Self, Error> {
         let Some(table) = root.table("tolerance")? else { return Ok(Self::default()) };
-        table.allow(&["bore_m", "position_scale", "position_offset_m", "ambient_temperature_k"])?;
+        table.allow(&[
+            "bore_m",
+            "position_scale",
+            "position_linearity",
+            "position_offset_m",
+            "ambient_temperature_k",
+        ])?;
         let bore = table.number("bore_m", &BORE_BOUNDS)?;
         if let Some(tolerance) = bore.filter(|tolerance| *tolerance >= 0.5 * bore_m) {
             let problem =
@@ -106,6 +121,7 @@ impl StatedTolerance {
         Ok(Self {
             bore_m: bore,
             position_scale: table.number("position_scale", &SCALE_BOUNDS)?,
+            position_linearity: table.number("position_linearity", &SCALE_BOUNDS)?,
             position_offset_m: table.number("position_offset_m", &OFFSET_BOUNDS)?,
             ambient_temperature_k: table.number("ambient_temperature_k", &TEMPERATURE_BOUNDS)?,
         })
@@ -116,6 +132,7 @@ impl StatedTolerance {
         Tolerance {
             bore_m: self.bore_m.unwrap_or(default.bore_m),
             position_scale: self.position_scale.unwrap_or(default.position_scale),
+            position_linearity: self.position_linearity.unwrap_or(default.position_linearity),
             position_offset_m: self.position_offset_m.unwrap_or(default.position_offset_m),
             ambient_temperature_k: self.ambient_temperature_k.unwrap_or(default.ambient_temperature_k),
         }

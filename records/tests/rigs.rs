@@ -79,11 +79,18 @@ fn a_gas_is_a_name_or_its_constants() {
 #[test]
 fn sensor_accuracy_and_tolerances_are_read() {
     let text = "[cylinder]\nbore_m = 0.04\n[sensor]\nstep_pa = 390\nreadout_hz = 10\n[accuracy]\npressure_pa = 50\n\
-                [tolerance]\nbore_m = 1e-5\nposition_scale = 0.001\nposition_offset_m = 0\nambient_temperature_k = 0.3\n";
+                [tolerance]\nbore_m = 1e-5\nposition_scale = 0.001\nposition_linearity = 0\n\
+                position_offset_m = 0\nambient_temperature_k = 0.3\n";
     let rig = parse(text).unwrap().rig;
     assert_eq!(rig.sensor, records::Sensor { noise_pa: None, step_pa: Some(390.0), readout_hz: Some(10.0) });
     assert_eq!(rig.accuracy_pa, Some(50.0));
-    let stated = Tolerance { bore_m: 1e-5, position_scale: 0.001, position_offset_m: 0.0, ambient_temperature_k: 0.3 };
+    let stated = Tolerance {
+        bore_m: 1e-5,
+        position_scale: 0.001,
+        position_linearity: 0.0,
+        position_offset_m: 0.0,
+        ambient_temperature_k: 0.3,
+    };
     assert_eq!(rig.tolerance, stated);
     refusal(
         "[cylinder]\nbore_m = 0.04\n[tolerance]\nbore_m = 0.04\n",
@@ -101,8 +108,13 @@ fn sensor_accuracy_and_tolerances_are_read() {
 #[test]
 fn tolerances_that_a_rig_leaves_out_follow_from_the_rest() {
     let unstated = parse("[cylinder]\nbore_m = 0.04\n").unwrap().rig;
-    let default =
-        Tolerance { bore_m: 2e-4, position_scale: 0.005, position_offset_m: 0.5e-3, ambient_temperature_k: 5.0 };
+    let default = Tolerance {
+        bore_m: 2e-4,
+        position_scale: 0.005,
+        position_linearity: 5e-4,
+        position_offset_m: 0.5e-3,
+        ambient_temperature_k: 5.0,
+    };
     assert_eq!((unstated.tolerance, unstated.accuracy_pa), (default, None));
     let stated = parse("[cylinder]\nbore_m = 0.04\n[ambient]\ntemperature_k = 293\n").unwrap().rig;
     assert_eq!(stated.tolerance, Tolerance { ambient_temperature_k: 2.0, ..default });

@@ -20,7 +20,8 @@ Example:
 
 The verdict:
   adequate     the residual of the paper's model is noise, or below the accuracy asked for
-  explained    with the named effects the residual is noise, or under 2 % of that without them
+  explained    with the named effects the residual is noise, or under 2 % of that without them,
+               or under 10 % and below the accuracy asked for
   improved     named effects or a curve predict left-out data decisively better, but need not be the
                cause: mostly because the residual is more than noise
   unexplained  no known effect predicts left-out data decisively better")]

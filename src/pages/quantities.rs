@@ -67,6 +67,7 @@ fn name(path: &str) -> String {
         "rest_temperature_k" => "temperature of the gas at rest".to_owned(),
         "bore_m" => "bore".to_owned(),
         "position_scale" => "scale of the position".to_owned(),
+        "position_linearity" => "linearity of the position sensor".to_owned(),
         "position_offset_m" => "zero of the position".to_owned(),
         _ => behind_gap(path).or_else(|| of_effect(path)).unwrap_or_else(|| spaced(path)),
     }

@@ -75,6 +75,8 @@ class Logger:
     position_low_pass: float = 0.0
     position_readout: tuple | None = None  # Hz, "held" or "interpolated"
     position_lost: float = 0.0  # share of the readings
+    position_wave: tuple | None = None  # off a straight line: amplitude over the travel, angle at its begin and along it
+    travel: tuple = (0.0, 1.0)  # from where to where the tests go
     creep: float = 0.0
     ambient_rise: float = 0.0
     pressure_unit: float = 1.0
@@ -214,6 +216,7 @@ RECORDINGS = [
     Recording("position-held", set_to(position_readout=(25.0, "held"))),
     Recording("position-interpolated", set_to(position_readout=(25.0, "interpolated"))),
     Recording("position-lost", set_to(position_lost=0.005)),
+    Recording("position-bent", set_to(position_wave=lambda g: (5e-4, g.uniform(0, math.tau), g.uniform(0.5, 1.5) * math.tau))),
 ]
 
 
@@ -283,6 +286,10 @@ def trace(chamber, logger, moves, pressure, end, rate, position_noise, g):
     seen[bad] += g.choice([-1, 1], bad.sum()) * g.uniform(4e3, 2e4, bad.sum())
     seen = read_out(rows, seen, logger.readout, rate)
     where = np.interp(read - logger.position_delay, grid, filtered(positions, grid[1], logger.position_low_pass))
+    if logger.position_wave:
+        share, begin, turn = logger.position_wave
+        low, high = logger.travel
+        where = where + share * (high - low) * np.sin(begin + turn * (where - low) / (high - low))
     where = where * logger.scale + logger.position_offset + g.normal(0, position_noise, len(rows))
     where = read_out(rows, where, logger.position_readout, rate)
     if logger.position_lost:
@@ -308,6 +315,8 @@ def write(folder, recording, number, truth="none"):
     recording.change(chamber, logger, g)
     position_noise = getattr(logger, "position", min(r["logger"]["position"], 5e-6))
     rate = 100
+    ends = [x for _, ends, _, _ in r["tests"].values() for x in ends]
+    logger.travel = (min(ends), max(ends))
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
         f"[cylinder]\nbore_m = {chamber.bore * logger.bore:.6g}",

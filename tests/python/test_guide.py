@@ -201,6 +201,7 @@ POLICY = {
     "PREDICTS_BETTER: f64 = 0.5": "the effects at least halve the systematic error",
     "CARRIES_OVER: f64 = 1.3": "not more than 1.3 times the error on the records it is fitted to",
     "NEXT_TO_NOTHING: f64 = 0.02": "leaves less than 2 % of the systematic misfit",
+    "LITTLE: f64 = 0.1": "leaves less than a tenth of that and is good enough",
     "AT_AMBIENT: f64 = 0.02": "within 2 % of the pressure of the surroundings",
     "COMPRESSED_AIR_PA: std::ops::RangeInclusive<f64> = 2.5e4..=1.2e6": "outside 0.25 to 12 bar",
     "APART_FROM: f64 = 3.0": "more than three times the white noise",

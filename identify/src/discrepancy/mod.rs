@@ -164,7 +164,7 @@ impl<'a> Search<'a> {
         for k in free..g {
             jj[(k, k)] += 1.0;
         }
-        let free: Vec<usize> = (0..g).filter(|&i| self.fit.adapts(i) && jj[(i, i)] > 0.0).collect();
+        let free: Vec<usize> = (0..g).filter(|&i| self.fit.adapts[i] && jj[(i, i)] > 0.0).collect();
         if !free.is_empty() {
             let square = DMatrix::from_fn(free.len(), free.len(), |i, j| jj[(free[i], free[j])]);
             let cross = DMatrix::from_fn(KNOTS, free.len(), |i, j| wj[(i, free[j])]);

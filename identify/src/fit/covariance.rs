@@ -78,10 +78,14 @@ pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
 pub fn budget(fit: &Fit, coordinate: usize, residual_is_noise: bool) -> Vec<(String, f64)> {
     let Some(parts) = Parts::of(fit, residual_is_noise) else { return Vec::new() };
     let Some(place) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
-    let stated = fit.hypothesis.stated.iter().map(|axis| axis.slot.name());
-    let theirs = stated.zip(parts.by_stated.row(place).iter().map(|by| by * by).collect::<Vec<f64>>());
-    let shares: Vec<(String, f64)> =
-        std::iter::once(("records".to_owned(), parts.records[(place, place)])).chain(theirs).collect();
+    let mut shares = vec![("records".to_owned(), parts.records[(place, place)])];
+    for (axis, by) in fit.hypothesis.stated.iter().zip(parts.by_stated.row(place).iter()) {
+        let name = axis.slot.name();
+        match shares.last_mut().filter(|(last, _)| *last == name) {
+            Some((_, share)) => *share += by * by,
+            None => shares.push((name, by * by)),
+        }
+    }
     let sum: f64 = shares.iter().map(|(_, v)| v).sum();
     shares.into_iter().map(|(name, v)| (name, if sum > 0.0 { v / sum } else { 0.0 })).collect()
 }

@@ -37,6 +37,9 @@ pub struct Fit {
     pub information: DMatrix<f64>,
     /// Free numbers of the rig that ended at a bound.
     pub at_bound: Vec<bool>,
+    /// Numbers of the linearised problem, free or stated, that may move to where the records ask for them: not one at a bound, nor
+    /// one that a card states.
+    pub adapts: Vec<bool>,
     /// Iterations used.
     pub iterations: usize,
     /// Whether the iteration ended at a minimum rather than at its limit.
@@ -116,37 +119,20 @@ impl Fit {
         for k in free..all {
             matrix[(k, k)] += 1.0 / (factor * factor);
         }
-        best_move(&matrix, &right, |i| self.adapts(i)).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
-    }
-
-    /// Whether a number of the linearised problem, free or stated by the rig, may move to where the records ask for it: it does
-    /// not stand at a bound.
-    pub fn adapts(&self, place: usize) -> bool {
-        adapts(&self.hypothesis, &self.at_bound, place)
+        best_move(&matrix, &right, &self.adapts).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
     }
 
     /// Number of free parameters beyond those that every record has.
     pub fn freedom(&self) -> usize {
-        self.hypothesis.freedom(self.linear.iter().filter(|l| l.blocks > 0).count())
-    }
-}
-
-/// See [`Fit::adapts`].
-pub fn adapts(hypothesis: &Hypothesis, at_bound: &[bool], place: usize) -> bool {
-    match at_bound.get(place) {
-        Some(is_at_bound) => !is_at_bound,
-        None => place - at_bound.len() < hypothesis.stated_by_rig(),
+        let takes_part = |k: &usize| self.linear[*k].blocks > 0;
+        self.hypothesis.freedom((0..self.own.len()).filter(takes_part))
     }
 }
 
 /// How much of χ² the best move of all numbers that adapt takes away, and that move.
-pub fn best_move(
-    matrix: &DMatrix<f64>,
-    right: &DVector<f64>,
-    adapts: impl Fn(usize) -> bool,
-) -> Option<(f64, Vec<f64>)> {
+pub fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
     let n = right.len();
-    let free: Vec<usize> = (0..n).filter(|&i| adapts(i) && matrix[(i, i)] > 0.0).collect();
+    let free: Vec<usize> = (0..n).filter(|&i| adapts[i] && matrix[(i, i)] > 0.0).collect();
     let scale: Vec<f64> = free.iter().map(|&i| 1.0 / matrix[(i, i)].sqrt()).collect();
     let m = free.len();
     let sub = DMatrix::from_fn(m, m, |i, j| {

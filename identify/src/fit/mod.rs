@@ -19,11 +19,12 @@ mod linear;
 pub mod whiten;
 
 use crate::parameters::{Hypothesis, Model};
+use crate::policy;
 use crate::record::data::Data;
 use bordered::System;
 pub use descent::{Descent, Until, descend};
 pub use found::Fit;
-use found::{adapts, best_move};
+use found::best_move;
 pub use linear::{Failure, Linear, Linearised, Selection, all_blocks, mean, points, readings, run};
 use linear::{linearise, linearise_in_all, total};
 use nalgebra::DMatrix;
@@ -84,13 +85,25 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
     let (free, stated) = (hypothesis.axes.len(), hypothesis.stated.len());
     let at_bound: Vec<bool> =
         rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
+    let by_rig = hypothesis.stated_by_rig();
+    let mut adapts: Vec<bool> = at_bound.iter().map(|is_at_bound| !is_at_bound).collect();
+    adapts.extend((0..stated).map(|i| i < by_rig));
     let mut information = DMatrix::zeros(free + stated, free + stated);
     let (mut marginal, mut shift, mut follow) = (chi2, vec![0.0; stated], vec![0.0; free]);
     if let Some((mut matrix, right)) = System::new(&linear, free + stated).reduced(0.0) {
         for k in free..free + stated {
             matrix[(k, k)] += 1.0;
         }
-        if let Some((gain, x)) = best_move(&matrix, &right, |i| adapts(hypothesis, &at_bound, i)) {
+        let mut best = best_move(&matrix, &right, &adapts);
+        // No sensor is so crooked: what asks for it has another cause.
+        let waves: Vec<usize> =
+            (free..).zip(&hypothesis.stated).filter(|(_, axis)| axis.slot.is_wave()).map(|(i, _)| i).collect();
+        let is_too_far = |(_, x): &(f64, Vec<f64>)| waves.iter().any(|i| x[*i].abs() > policy::TOLERANCES);
+        if best.as_ref().is_some_and(is_too_far) {
+            waves.iter().for_each(|i| adapts[*i] = false);
+            best = best_move(&matrix, &right, &adapts);
+        }
+        if let Some((gain, x)) = best {
             marginal = (chi2 - gain).max(0.0);
             shift = x[free..].to_vec();
             follow = x[..free].to_vec();
@@ -110,6 +123,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         own,
         linear,
         at_bound,
+        adapts,
         iterations,
         converged,
     })

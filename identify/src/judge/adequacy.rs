@@ -7,7 +7,7 @@
 use crate::discrepancy::{Missing, Search};
 use crate::fit::Fit;
 use crate::judge::misfit;
-use crate::policy::{FAMILY_PROBABILITY, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS, TOLERANCES};
+use crate::policy::{FAMILY_PROBABILITY, LITTLE, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS, TOLERANCES};
 use crate::record::data::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -30,10 +30,7 @@ pub struct Adequacy {
 
 /// Tests a fit's residual.
 pub fn test(data: &Data, fit: &Fit) -> Adequacy {
-    let own: usize = fit.own.iter().map(Vec::len).sum();
-    let freedom = (fit.blocks as f64 - fit.hypothesis.axes.len() as f64 - own as f64).max(1.0);
-    let uncertain = freedom * data.noise.variance_error.max(NOISE_MODEL_SHARE);
-    let squares_deviations = (fit.marginal - freedom) / (2.0 * freedom + uncertain * uncertain).sqrt();
+    let squares_deviations = squares_deviations(data, fit);
     let mut families = Search::new(data, fit).map(|s| s.all()).unwrap_or_default();
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
     let family_probability = families.first().map_or(1.0, probability);
@@ -52,6 +49,19 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     }
 }
 
+/// Sum of squares of a fit's whitened blocks above its expectation, in standard deviations.
+fn squares_deviations(data: &Data, fit: &Fit) -> f64 {
+    let own: usize = fit.own.iter().map(Vec::len).sum();
+    let freedom = (fit.blocks as f64 - fit.hypothesis.axes.len() as f64 - own as f64).max(1.0);
+    let uncertain = freedom * data.noise.variance_error.max(NOISE_MODEL_SHARE);
+    (fit.marginal - freedom) / (2.0 * freedom + uncertain * uncertain).sqrt()
+}
+
+/// Whether the sum of a fit's squares is no more than that of noise: the part of the test that costs nothing.
+pub fn has_squares_of_noise(data: &Data, fit: &Fit) -> bool {
+    squares_deviations(data, fit) < SQUARES_DEVIATIONS
+}
+
 impl Adequacy {
     /// Whether the model will do: what remains is noise, or nobody minds it.
     pub fn is_adequate(&self) -> bool {
@@ -63,10 +73,12 @@ impl Adequacy {
         self.is_adequate() || self.is_next_to_nothing(before)
     }
 
-    /// Whether it explains what `before` left: noise remains, or next to nothing beside that. To be good enough is not enough: a
-    /// remainder with a shape, however small, says that something else is at work, which the named effects may imitate.
+    /// Whether it explains what `before` left: noise remains, or next to nothing beside that, or little that is good enough. To be
+    /// good enough alone is not enough: a remainder with a shape that is a good part of what there was says that something else is
+    /// at work, which the named effects may imitate.
     pub fn explains(&self, before: &Adequacy) -> bool {
-        self.is_noise || self.is_next_to_nothing(before)
+        let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before.systematic_pa;
+        self.is_noise || self.is_next_to_nothing(before) || is_little
     }
 
     fn is_next_to_nothing(&self, before: &Adequacy) -> bool {
@@ -84,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_nobody_minds_settles_a_misfit_and_explains_it_only_where_it_is_noise_or_next_to_nothing() {
+    fn what_nobody_minds_settles_a_misfit_and_explains_it_only_where_it_is_noise_or_little_of_it() {
         let left = |systematic_pa, is_noise| Adequacy {
             is_noise,
             systematic_pa,
@@ -97,6 +109,7 @@ mod tests {
         let judged = |after: Adequacy| (after.settles(&before), after.explains(&before));
         assert_eq!(judged(left(15.0, false)), (true, false));
         assert_eq!(judged(left(15.0, true)), (true, true));
+        assert_eq!(judged(left(8.0, false)), (true, true));
         assert_eq!(judged(left(1.5, false)), (true, true));
         assert_eq!(judged(left(30.0, false)), (false, false));
     }

@@ -4,6 +4,7 @@ use crate::discrepancy::{Path, Search};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::fit::covariance::{self, Undetermined};
+use crate::judge::adequacy::has_squares_of_noise;
 use crate::judge::misfit;
 use crate::outcome::estimates::{Estimates, Rmse, as_map, parameters, uncertainty};
 use crate::outcome::next_experiment::{self, NextExperiment};
@@ -33,7 +34,7 @@ pub struct Side {
     pub parameters: Estimates,
 }
 
-/// One step of the search: a model with one term more than the step before it.
+/// One step of the search: mostly a model with one term more than the step before it, or with another in its place.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
     /// Names of the effects in the model of this step.
@@ -175,8 +176,7 @@ impl Diagnosed {
 
     /// How well that chamber's numbers are known.
     pub fn uncertainty(&self) -> records::Uncertainty {
-        let is_noise = matches!(self.found.verdict, Verdict::Adequate | Verdict::Explained);
-        let mut known = uncertainty(&self.found.settled().fit, is_noise);
+        let mut known = uncertainty(&self.found.settled().fit, self.found.adequacy().is_adequate());
         let told = &self.diagnosis.after.parameters;
         for (name, ci95) in known.parameters.iter().zip(&mut known.ci95) {
             if let Some((_, estimate)) = told.iter().find(|(other, _)| other == name) {
@@ -199,8 +199,7 @@ pub fn diagnose(rig: &records::Rig, progress: &(dyn Fn(&str, f64) + Sync)) -> Re
 /// Puts a finished search into words and numbers.
 pub fn describe(data: Data, found: Found) -> Diagnosed {
     let after = found.settled();
-    let adequacy =
-        if found.verdict == Verdict::Unexplained { &found.baseline_adequacy } else { &found.chosen_adequacy };
+    let adequacy = found.adequacy();
     let residuals_before = misfit::residuals(&data, &found.baseline.fit);
     let residuals_after =
         if after.model == Model::PAPER { residuals_before.clone() } else { misfit::residuals(&data, &after.fit) };
@@ -296,7 +295,7 @@ fn tried(data: &Data, c: &Candidate) -> Tried {
         effect: c.model.words(),
         delta_bic: c.delta_bic,
         held_out_rmse_pa: c.held_out_pa,
-        parameters: parameters(data, &c.fit, c.fit.marginal < 1.2 * c.fit.blocks as f64),
+        parameters: parameters(data, &c.fit, has_squares_of_noise(data, &c.fit)),
     }
 }
 

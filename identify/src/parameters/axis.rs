@@ -16,6 +16,8 @@ pub enum Slot {
     Bore,
     /// Scale of the measured position.
     PositionScale,
+    /// Amplitude of a wave by which the measured position lies off a straight line: [`crate::characteristic`].
+    PositionLinearity(usize),
     /// Zero of the measured position; where the dead volume is free it is part of that.
     PositionZero,
     /// Ambient temperature less the stated one.
@@ -33,10 +35,16 @@ impl Slot {
             Slot::Effect(e, p) => format!("{}.{}", CARDS[e].name, CARDS[e].parameters[p].key()),
             Slot::Bore => "bore_m".to_owned(),
             Slot::PositionScale => "position_scale".to_owned(),
+            Slot::PositionLinearity(_) => "position_linearity".to_owned(),
             Slot::PositionZero => "position_offset_m".to_owned(),
             Slot::AmbientTemperature => "ambient_temperature_k".to_owned(),
             Slot::RestTemperature => "rest_temperature_k".to_owned(),
         }
+    }
+
+    /// Whether it is a wave of the position sensor's characteristic.
+    pub fn is_wave(self) -> bool {
+        matches!(self, Slot::PositionLinearity(_))
     }
 
     /// Its unit's symbol.
@@ -45,7 +53,7 @@ impl Slot {
             Slot::Lambda0 => "W/(m2.K)",
             Slot::DeadVolume => "m3",
             Slot::Effect(e, p) => CARDS[e].parameters[p].unit.symbol(),
-            Slot::Bore | Slot::PositionZero => "m",
+            Slot::Bore | Slot::PositionZero | Slot::PositionLinearity(_) => "m",
             Slot::PositionScale => "1",
             Slot::AmbientTemperature | Slot::RestTemperature => "K",
         }

@@ -5,6 +5,7 @@ use super::curve::{self, axis_of_value, curve_of};
 use super::model::{Model, delays_pressure};
 use super::sizes::Sizes;
 use super::stated::{REST_DEVIATION_K, stated};
+use crate::characteristic::Characteristic;
 use crate::forward::Correction;
 use crate::policy;
 use crate::record::data::{Data, Prepared};
@@ -32,13 +33,18 @@ pub struct Hypothesis {
     pub own: Vec<Axis<Own>>,
     /// What is not free, and the start of what is.
     pub base: Chamber,
+    /// Lowest and highest position of all records, m.
+    pub positions_m: [f64; 2],
+    /// Which records begin at rest.
+    pub at_rest: Vec<bool>,
 }
 
 impl Hypothesis {
-    /// Number of free parameters with so many records, beyond those that every record has.
-    pub fn freedom(&self, records: usize) -> usize {
-        let temperatures = if self.model.initial_temperature { records } else { 0 };
-        self.axes.len() + self.own.len() * records + temperatures
+    /// Number of free parameters with these records, beyond those that each has whatever the model: its initial pressure, and where
+    /// it begins in motion its initial temperature.
+    pub fn freedom(&self, records: impl Iterator<Item = usize>) -> usize {
+        let of_record = |k: usize| self.own.len() + usize::from(self.model.initial_temperature && self.at_rest[k]);
+        self.axes.len() + records.map(of_record).sum::<usize>()
     }
 
     /// That model on a rig; begins from `base` (its free numbers too).
@@ -87,7 +93,9 @@ impl Hypothesis {
                 }
             }
         }
-        Self { model, axes, stated: stated(data, &model), own, base: *base }
+        let (stated, positions_m) = (stated(data, &model), data.positions_m());
+        let at_rest = data.traces.iter().map(|t| t.starts_at_rest).collect();
+        Self { model, axes, stated, own, base: *base, positions_m, at_rest }
     }
 
     /// How many of the stated numbers are the rig's.
@@ -181,6 +189,10 @@ impl Hypothesis {
                     geometry.piston_area = geometry.piston_area * factor * factor;
                 }
                 Slot::PositionScale => correction.position_times = value + 1.0,
+                Slot::PositionLinearity(wave) => {
+                    let straight = || Characteristic::straight(self.positions_m);
+                    correction.characteristic.get_or_insert_with(straight).amplitudes_m[wave] = value;
+                }
                 Slot::PositionZero => geometry.dead_volume += geometry.piston_area * value,
                 Slot::AmbientTemperature => correction.warmer = value,
                 Slot::RestTemperature if trace.starts_at_rest => at_rest = value,
@@ -227,7 +239,12 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
             let of_list = |q: &Parameter| q.name == parameters[p].name && matches!(q.kind, Kind::Place { .. });
             places.take_while(|(q, _)| of_list(q)).for_each(|(_, rest)| *rest = value);
         }
-        Slot::Bore | Slot::PositionScale | Slot::PositionZero | Slot::AmbientTemperature | Slot::RestTemperature => {}
+        Slot::Bore
+        | Slot::PositionScale
+        | Slot::PositionLinearity(_)
+        | Slot::PositionZero
+        | Slot::AmbientTemperature
+        | Slot::RestTemperature => {}
     }
 }
 

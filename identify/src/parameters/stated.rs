@@ -2,6 +2,7 @@
 
 use super::axis::{Axis, Slot};
 use super::model::Model;
+use crate::characteristic::WAVES;
 use crate::record::data::Data;
 use chamber::effects::CARDS;
 
@@ -21,17 +22,17 @@ fn by_rig(data: &Data, model: &Model) -> Vec<Axis> {
     let t = &data.tolerance;
     let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };
     let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
-    [
+    let [low_m, high_m] = data.positions_m();
+    let wave = |k| (Slot::PositionLinearity(k), t.position_linearity * (high_m - low_m));
+    let numbers = [
         (Slot::Bore, t.bore_m / data.cylinder.bore_m),
         (Slot::PositionScale, t.position_scale),
         (Slot::PositionZero, zero),
         (Slot::AmbientTemperature, t.ambient_temperature_k),
         (Slot::RestTemperature, rest),
-    ]
-    .into_iter()
-    .filter(|(_, scale)| *scale > 0.0)
-    .map(|(slot, scale)| within_tolerance(slot, scale))
-    .collect()
+    ];
+    let all = numbers.into_iter().chain((0..WAVES).map(wave)).filter(|(_, scale)| *scale > 0.0);
+    all.map(|(slot, scale)| within_tolerance(slot, scale)).collect()
 }
 
 /// Secondary parameters that are not free, in units of how far they are known beforehand.

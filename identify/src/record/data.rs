@@ -9,7 +9,7 @@ use crate::record::gaps;
 use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
-use crate::record::stroke::Phase;
+use crate::record::stroke::{Phase, Spline};
 use crate::record::unit::Doubt;
 use crate::record::unresolved;
 use chamber::Gas;
@@ -277,6 +277,11 @@ impl Data {
     pub fn smallest_position_m(&self) -> f64 {
         smallest_position(&self.traces)
     }
+
+    /// Smallest and largest position in any trace, m.
+    pub fn positions_m(&self) -> [f64; 2] {
+        [self.smallest_position_m(), strokes(&self.traces).map(Spline::highest).fold(f64::NEG_INFINITY, f64::max)]
+    }
 }
 
 /// Time from row to row, s, where no row was lost.
@@ -294,8 +299,11 @@ pub(super) fn usual_row_s(time_s: &[f64]) -> f64 {
 }
 
 pub(super) fn smallest_position(traces: &[Prepared]) -> f64 {
-    let segments = traces.iter().flat_map(|t| &t.course.motion.segments);
-    segments.map(|s| s.stroke.lowest()).fold(f64::INFINITY, f64::min)
+    strokes(traces).map(Spline::lowest).fold(f64::INFINITY, f64::min)
+}
+
+fn strokes(traces: &[Prepared]) -> impl Iterator<Item = &Spline> {
+    traces.iter().flat_map(|t| &t.course.motion.segments).map(|segment| &segment.stroke)
 }
 
 #[cfg(test)]

@@ -131,6 +131,11 @@ impl Spline {
         extent(&self.value).0
     }
 
+    /// Largest of its knots' values.
+    pub fn highest(&self) -> f64 {
+        extent(&self.value).1
+    }
+
     /// Value and slope at time `t`; `near` remembers the last piece.
     #[inline]
     pub fn at(&self, t: f64, near: &Cell<usize>) -> (f64, f64) {

@@ -82,6 +82,11 @@ impl Found {
         if self.verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen }
     }
 
+    /// What the settled model leaves.
+    pub fn adequacy(&self) -> &Adequacy {
+        if self.verdict == Verdict::Unexplained { &self.baseline_adequacy } else { &self.chosen_adequacy }
+    }
+
     /// Where nothing explains the records and the coefficient of the paper's model is none that a gas can have: the best set, much
     /// better than that model, with which it is one. Then it stands for what the model lacks and not for a wrong unit.
     pub fn coefficient_stands_for(&self) -> Option<&Candidate> {

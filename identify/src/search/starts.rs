@@ -91,7 +91,7 @@ pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: 
 pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
     let promised = |(h, start): (Hypothesis, Descent)| {
         let squares = fit::promise(data, &h, &start.rig, &start.own)? + fit::smoothed(data, &model);
-        Some(evidence::of_squares(squares, part.blocks, h.freedom(data.traces.len())))
+        Some(evidence::of_squares(squares, part.blocks, h.freedom(0..data.traces.len())))
     };
     let begun = bases(data, part, &model).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));
     begun.filter_map(promised).min_by(f64::total_cmp)

@@ -349,6 +349,14 @@ impl Recipe {
         }
     }
 
+    /// By how much the position is recorded off a straight line there, m.
+    fn off_a_straight_line(&self, position_m: f64) -> f64 {
+        let Some((share, [begin, end])) = self.faults.position_wave else { return 0.0 };
+        let places = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        share * (high - low) * (begin + (end - begin) * (position_m - low) / (high - low)).sin()
+    }
+
     fn trace(&self, test: usize, repeat: usize) -> Trace {
         if self.faults.open_port {
             return self.two_cycles(test, repeat);
@@ -397,6 +405,7 @@ impl Recipe {
             times.iter().map(|t| averaged(*t, faults.position_window_s, |t| stroke.at(t, t).0)).collect()
         })
         .into_iter()
+        .map(|x| x + self.off_a_straight_line(x))
         .map(|x| x * stated.position_times + stated.position_offset_m)
         .map(|x| noisy(x, self.position_noise_m, self.position_step_m))
         .collect();

@@ -87,6 +87,9 @@ pub struct Faults {
     pub readout: Option<(f64, Filled)>,
     /// Standard deviation of the times at which rows are read about their stamps, over the time from row to row.
     pub jitter: f64,
+    /// By how much positions lie off a straight line: amplitude of a wave over the way of all experiments, and its angle at both
+    /// ends of that.
+    pub position_wave: Option<(f64, [f64; 2])>,
     /// How late the position is recorded, s.
     pub position_delay_s: f64,
     /// Time constant of a low-pass that the position passes, s.
@@ -120,6 +123,7 @@ impl Default for Faults {
             one_reading_pa: None,
             readout: None,
             jitter: 0.0,
+            position_wave: None,
             position_delay_s: 0.0,
             position_low_pass_s: 0.0,
             position_window_s: 0.0,

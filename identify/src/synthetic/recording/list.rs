@@ -2,6 +2,7 @@
 
 use super::{Disturbance, Expected, Filled, Random, Recipe, Recording, Scattered, Stated};
 use crate::synthetic::Outside;
+use std::f64::consts::TAU;
 
 /// Step of a converter of 12 bit over 16 bar, Pa.
 const TWELVE_BIT_PA: f64 = 1.6e6 / 4096.0;
@@ -336,6 +337,15 @@ pub const ALL: &[Recording] = &[
         name: "position-lost",
         what: "0.5 % of the positions lost (zero) or off by 1–20 mm",
         changes: |r, _| r.faults.position_spikes = 0.005,
+        ..PLAIN
+    },
+    Recording {
+        name: "position-bent",
+        what: "positions off a straight line by 0.05 % of the way, along half a wave to one and a half",
+        changes: |r, random| {
+            let begin = random.uniform() * TAU;
+            r.faults.position_wave = Some((5e-4, [begin, begin + (0.5 + random.uniform()) * TAU]));
+        },
         ..PLAIN
     },
 ];
