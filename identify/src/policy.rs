@@ -84,6 +84,9 @@ pub const PREDICTS_BETTER: f64 = 0.5;
 /// Named effects explain the records if their error on records left out whole is less than so many times that on the fitted
 /// ones; otherwise they only describe those.
 pub const CARRIES_OVER: f64 = 1.3;
+/// The same of few records, each of which may show what no other does, if the systematic error on left-out data falls below this
+/// share of that of the paper's model.
+pub const MOST_GONE: f64 = 0.25;
 /// A systematic misfit below this share of that of the paper's model is next to nothing beside it: the course of a fast
 /// stroke between two rows, and the like.
 pub const NEXT_TO_NOTHING: f64 = 0.02;
