@@ -52,7 +52,8 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     }
 }
 
-/// Rows within reach of a change of position larger than `threshold`, and holds of fewer rows than `shortest_hold`.
+/// Rows within reach of a change of position larger than `threshold`, and holds of fewer rows than `shortest_hold`. Before a record's
+/// first move any row that is not within that reach shows a rest.
 fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<bool> {
     let n = position_m.len();
     let mut moving: Vec<bool> = (0..n)
@@ -64,7 +65,8 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     let mut start = 0;
     while start < n {
         let end = (start..n).find(|&i| moving[i] != moving[start]).unwrap_or(n);
-        if !moving[start] && end - start < shortest_hold {
+        let shortest = if start == 0 { 1 } else { shortest_hold };
+        if !moving[start] && end - start < shortest {
             moving[start..end].fill(true);
         }
         start = end;

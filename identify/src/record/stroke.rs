@@ -331,6 +331,30 @@ mod tests {
     }
 
     #[test]
+    fn a_record_begins_at_rest_however_few_rows_of_it_show_that_and_in_motion_where_none_does() {
+        let steady = |u: f64| u;
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let moves: [&dyn Fn(f64) -> f64; 2] = [&steady, &smooth];
+        for (way, noise_m) in moves.into_iter().zip([1e-5, 2e-6]) {
+            for rest in 0..12u32 {
+                let push = |i: f64| 0.1 - 0.05 * way(((i - f64::from(rest)) / 30.0).clamp(0.0, 1.0));
+                let mut random = crate::synthetic::Random::new(u64::from(rest));
+                // Row by row, the first one from within the push where there is no rest.
+                let first = if rest == 0 { 10.0 } else { 0.0 };
+                let (t, x): (Vec<f64>, Vec<f64>) =
+                    (0..300).map(f64::from).map(|i| (0.01 * i, push(first + i) + noise_m * random.normal())).unzip();
+                let motion = Motion::detect(&t, &x);
+                // A row is seen to stand by the three after it.
+                match rest {
+                    0 => assert!(!motion.starts_at_rest()),
+                    5.. => assert!(motion.starts_at_rest(), "{rest} {noise_m}"),
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    #[test]
     fn small_steps_of_a_hand_before_a_push_are_moves_however_fast_the_rows_follow() {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         let step = |t: f64, begin: f64, way: f64| way * smooth(((t - begin) / 0.065).clamp(0.0, 1.0));

@@ -3,7 +3,9 @@
 //!
 //! It turns where one smooth curve, a polynomial of degree four, goes through the rows of the stop and half as many of each move
 //! beside it, besides those in which that may stand yet, as closely as the noise lets it. The corners of a stop do not lie on such
-//! a curve, nor does a stop that lasts. At an end of the record, where one move lies beside it, the stop's own rows have to show a way. Positions in m.
+//! a curve, nor does a stop that lasts. At an end of the record, where one move lies beside it, the stop's own rows have to show a way;
+//! where a record begins with so few rows of a stop that they cannot, the curve has to go through three times as many of the move.
+//! Positions in m.
 
 use crate::record::spline::{extent, mean};
 use nalgebra::{DMatrix, DVector};
@@ -16,6 +18,8 @@ const COEFFICIENTS: usize = 5;
 /// A part's mean is as far from the curve as noise puts one in fifteen thousand.
 const DEVIATIONS: f64 = 4.0;
 
+/// A stop of fewer rows shows no way.
+const FEW_ROWS: usize = 10;
 /// Way of a turn at an end of the record, over the noise.
 const LEAST_WAY: f64 = 5.0;
 
@@ -25,14 +29,15 @@ pub const REACH: usize = 3;
 /// Whether the piston turns in a stop of these rows, where it and the moves beside it take the rows `around`.
 pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noise_m: f64) -> bool {
     let [at_begin, at_end] = [stop.start == around.start, stop.end == around.end];
-    if at_begin || at_end {
+    let is_short = at_begin && stop.len() < FEW_ROWS;
+    if (at_begin || at_end) && !is_short {
         let without = |is_end: bool| if is_end { 0 } else { REACH };
         let stands = stop.start + without(at_begin)..stop.end - without(at_end);
         if stands.is_empty() || way(&position_m[stands]) < LEAST_WAY * noise_m {
             return false;
         }
     }
-    let beside = REACH + stop.len().div_ceil(2);
+    let beside = if is_short { 3 * (stop.len() + REACH) } else { REACH + stop.len().div_ceil(2) };
     let first = stop.start.saturating_sub(beside).max(around.start);
     let end = (stop.end + beside).min(around.end);
     let size = ((end - first) / PARTS).max(1);
