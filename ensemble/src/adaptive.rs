@@ -9,7 +9,7 @@ use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::log::Attempted;
 use crate::outcome::{Failure, Outcome, closure};
-use crate::regression::Records;
+use crate::regression::{Guess, Records};
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::sealed::{Ending, Holding, OwnTest, Within};
 use crate::turns;
@@ -197,7 +197,7 @@ fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Attem
     }
 }
 
-/// The records through the hold, a part for each step. The answer is a guess of τ, s.
+/// The records through the hold, a part for each step. The answer is a guess of τ.
 struct Record<'a, const N: usize, H> {
     system: &'a H,
     knots: &'a [Knot<N>],
@@ -208,10 +208,10 @@ struct Record<'a, const N: usize, H> {
 }
 
 impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
-    type Output = Lanes;
+    type Output = Guess;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, simd: I) -> Lanes {
+    fn with_simd<I: Simd>(self, simd: I) -> Guess {
         let Self { system, knots, begin, pressure_per_reading, records } = self;
         records.clear();
         let mut from = knots[0];
@@ -226,6 +226,10 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let end = black_box(begin + time);
             let next = black_box(each_lane!(i => samples::after(end.0[i])));
             let length = black_box(time - from.time);
+            if !records.takes(next - first) {
+                from = Knot { time, state };
+                continue;
+            }
             let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
             let nodes = black_box(Samples { first, count: next - first }.nodes());
             let since = black_box(begin + from.time);
@@ -239,6 +243,6 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             first = next;
             from = Knot { time, state };
         }
-        system.time_constant([black_box(&knots[0].state), black_box(&from.state)])
+        system.guess([black_box(&knots[0].state), black_box(&from.state)], black_box(begin))
     }
 }

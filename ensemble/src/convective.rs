@@ -14,7 +14,7 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::math;
 use crate::outcome::{Failure, Outcome};
 use crate::plan::starts_singular;
-use crate::regression::Records;
+use crate::regression::{Guess, Records};
 use crate::relaxing_rows::{self, AfterPush};
 use crate::scenario::Scenario;
 use crate::sealed::{self, Ending, Holding, OwnTest, Test};
@@ -247,8 +247,8 @@ impl LaneSystem<1> for Held<'_> {
 
 impl Holding<1> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, [state, _]: [&[Lanes; 1]; 2]) -> Lanes {
-        self.gas.time_constant_from(state[0] * state[0])
+    fn guess(&self, [state, _]: [&[Lanes; 1]; 2], begin: Lanes) -> Guess {
+        self.gas.guess_from(state[0] * state[0], begin)
     }
 
     /// By the equation's recursion; that of f = |d|^n is k d f_k = Σ (n j − (k − j)) d_j f_(k−j) over j from 1 to k.

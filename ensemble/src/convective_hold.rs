@@ -11,12 +11,11 @@
 //! Not for n near to a whole number, where a term has no such integral, nor for gas far from the wall's temperature
 //! ([`has_series`]). Temperatures in K, times in s since the push.
 
-use crate::fit;
 use crate::lanes::Lanes;
 use crate::math::in_powers_fused;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
-use crate::regression::Records;
+use crate::regression::{Guess, Records};
 use crate::root::Curve;
 use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
 use chamber::real::Real;
@@ -170,7 +169,7 @@ impl WithSimd for Solve<'_> {
     }
 }
 
-/// Lays out their records; the answer is a guess of τ, s.
+/// Lays out their records; the answer is a guess of τ.
 pub struct Record<'a> {
     pub holds: &'a Holds,
     pub ends: &'a Ends,
@@ -181,14 +180,14 @@ pub struct Record<'a> {
 }
 
 impl WithSimd for Record<'_> {
-    type Output = Lanes;
+    type Output = Guess;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+    fn with_simd<I: Simd>(self, _: I) -> Guess {
         let Self { holds, ends, per_temperature, records } = self;
         let Holds { wall, pushed, push, hold, .. } = *black_box(holds);
         record::lay_out(&Followed { ends, hold, per_temperature }, push, push + hold, records);
-        fit::time_constant(ends.series.slowness.recip(), Lanes::ONE - wall / pushed)
+        Guess::Relaxation { rate: ends.series.slowness.recip(), excess: Lanes::ONE - wall / pushed, from: push }
     }
 }
 

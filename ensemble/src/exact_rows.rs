@@ -5,15 +5,14 @@
 use crate::Batch;
 use crate::chambers::Chambers;
 use crate::exact_tests::{Ends, ExactTest, Tests};
-use crate::fit;
 use crate::gauss::NODES;
 use crate::kept::Exchange;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::SETTLED;
 use crate::outcome::{Failure, Outcome};
 use crate::readings::{self, Behind, Readings};
-use crate::record::{self, Relaxing};
-use crate::regression::{Records, Regression, decay};
+use crate::record::{self, ENDS, Relaxing};
+use crate::regression::{Guess, Records, Regression, decay};
 use crate::scenario::Scenario;
 use crate::sealed::Ending;
 use chamber::balance::Balance;
@@ -60,11 +59,16 @@ pub fn run(
     } else {
         exchange(arch, chambers, set, &mut all, scenarios);
     }
-    // Lanes that wait for one with more parts are few where neighbours have as many.
+    // Lanes that wait for one with more parts are few where neighbours have as many: of the push, and of the record.
+    let kind = |test: &ExactTest| {
+        let relaxations = test.rate * (test.duration - test.push);
+        let of_record = if options.fit { ENDS.iter().filter(|end| **end < relaxations).count() } else { 0 };
+        (test.is_bent, test.parts as u32, of_record)
+    };
+    let kinds: Vec<_> = all.iter().map(kind).collect();
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
-    let kind = |test: u32| (all[test as usize].is_bent, all[test as usize].parts as u32);
-    order.sort_unstable_by_key(|&test| kind(test));
-    let (straight, bent) = order.split_at(order.partition_point(|&test| !kind(test).0));
+    order.sort_unstable_by_key(|&test| kinds[test as usize]);
+    let (straight, bent) = order.split_at(order.partition_point(|&test| !kinds[test as usize].0));
     let groups = straight.chunks(WIDTH).map(|order| (EffectSet::NONE, order));
     for (set, order) in groups.chain(bent.chunks(WIDTH).map(|order| (set, order))) {
         let tests = Tests::new(&all, order);
@@ -249,7 +253,8 @@ impl Solved<'_> {
         let answers = readings.answers();
         let found = fit.then(|| {
             readings.lay_out(&answers, records);
-            records.fit(arch, ends.rate.recip())
+            let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / ends.pushed[lane]);
+            records.fit(arch, Guess::Relaxation { rate: ends.rate, excess, from: tests.push })
         });
         for lane in 0..WIDTH {
             let (scenario, answer) = (scenario(lane), &answers[lane]);
@@ -279,7 +284,7 @@ impl<const FUSED: bool> Relaxing for Hold<FUSED> {
     }
 }
 
-/// Lays their records out; the answer is a guess of τ, s.
+/// Lays their records out; the answer is a guess of τ.
 struct Record<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
@@ -287,17 +292,17 @@ struct Record<'a> {
 }
 
 impl WithSimd for Record<'_> {
-    type Output = Lanes;
+    type Output = Guess;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+    fn with_simd<I: Simd>(self, _: I) -> Guess {
         if I::IS_SCALAR { self.fill::<false>() } else { self.fill::<true>() }
     }
 }
 
 impl Record<'_> {
     #[inline(always)]
-    fn fill<const FUSED: bool>(self) -> Lanes {
+    fn fill<const FUSED: bool>(self) -> Guess {
         let Self { tests: t, ends, records } = self;
         let wall = t.closed.ambient_temperature;
         let excess = black_box(Lanes::ONE - wall / ends.pushed);
@@ -308,6 +313,6 @@ impl Record<'_> {
             slowness: black_box(ends.rate.recip()),
         };
         record::lay_out(&hold, t.push, black_box(t.push + t.hold), records);
-        fit::time_constant(ends.rate, excess)
+        Guess::Relaxation { rate: ends.rate, excess, from: t.push }
     }
 }

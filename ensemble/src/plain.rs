@@ -6,7 +6,7 @@ use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome};
 use crate::plan::{Plan, Stretch};
 use crate::reader::Bends;
-use crate::regression::{Part, Records};
+use crate::regression::{Guess, Part, Records};
 use crate::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::{Options, Scenario};
 use chamber::Chamber;
@@ -197,7 +197,7 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<crate::outcome:
         volume,
         scenario.ambient_temperature_k,
     );
-    let guess = Lanes::from(1.0 / closed.rate(volume));
+    let guess = Guess::TimeConstant(Lanes::from(1.0 / closed.rate(volume)));
     let regression = records.fit(pulp::Arch::new(), guess).lane(0)?;
     fit::steps(scenario, [plan.stretches[0].position, end], scenario.initial_pressure_pa, regression)
 }

@@ -45,6 +45,10 @@ pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records:
         let until = black_box((push + relaxing.time(*end)).min(duration));
         let next = black_box(each_lane!(i => samples::after(until.0[i])));
         let count = black_box((next - first).max(Lanes::ZERO));
+        if !records.takes(count) {
+            begin = *end;
+            continue;
+        }
         let nodes = black_box(Samples { first, count }.nodes());
         let mut pressure = [Lanes::ZERO; POINTS];
         for k in 0..if R::IS_LONG { black_box(POINTS) } else { POINTS } {

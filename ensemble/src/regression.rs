@@ -2,8 +2,9 @@
 //!
 //! A record stands in parts: samples in a row over which it is smooth, summed by the few nodes of [`samples`](crate::samples).
 //! Pf and ΔP enter linearly and are eliminated (variable projection: G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10
-//! (1973) 413); what is left is Newton's method in ln τ. Pressures in Pa, times in s.
+//! (1973) 413); what is left is Newton's method in ln τ, which from a good guess takes one step. Pressures in Pa, times in s.
 
+use crate::fit;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::step::multiply_add;
@@ -38,12 +39,36 @@ impl Part<Lanes> {
         Self { samples: Samples { first: Lanes::ZERO, count: Lanes::ZERO }, pressure: [Lanes::ZERO; POINTS] };
 }
 
-/// A node of all records: time after the first sample, pressure less the first one, and how many samples it stands for.
+/// A node of all records: time after the first sample, pressure less the first one, how many samples it stands for, and e^(−t/τ)
+/// with the last τ.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     time: Lanes,
     pressure: Lanes,
     weight: Lanes,
+    decay: Lanes,
+}
+
+impl Node {
+    const NONE: Self = Self { time: Lanes::ZERO, pressure: Lanes::ZERO, weight: Lanes::ZERO, decay: Lanes::ONE };
+}
+
+/// Where the search for τ begins.
+// Made once for as many records as there are lanes, and not kept.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug)]
+pub enum Guess {
+    /// At this τ, s.
+    TimeConstant(Lanes),
+    /// At that of a sealed relaxation, whose ε = 1 − Pf/P decays with this rate.
+    Relaxation {
+        /// k, 1/s.
+        rate: Lanes,
+        /// ε at the time `from`.
+        excess: Lanes,
+        /// From the begin of the test on, s.
+        from: Lanes,
+    },
 }
 
 /// Pressure records to regress, one in each lane, as parts of a curve.
@@ -97,6 +122,12 @@ impl Records {
         self.lengths = [0; WIDTH];
     }
 
+    /// Whether a part with so many samples of each record is to be appended: the first, or one that is not empty in all of them.
+    #[inline(always)]
+    pub fn takes(&self, count: Lanes) -> bool {
+        self.nodes.is_empty() || count.any_positive()
+    }
+
     /// Appends a part to each record: its first sample, the nodes of its sum and the pressures there.
     #[inline(always)]
     pub fn push(&mut self, first: Lanes, nodes: &Nodes<Lanes>, pressure: &[Lanes; POINTS]) {
@@ -104,11 +135,12 @@ impl Records {
             self.begin = [first, pressure[0]];
         }
         let [origin, reference] = black_box(self.begin);
-        let mut all = [Node { time: Lanes::ZERO, pressure: Lanes::ZERO, weight: Lanes::ZERO }; POINTS];
+        let mut all = [Node::NONE; POINTS];
         for k in 0..POINTS {
             // Nodes without weight may stand anywhere, but not where e^(−t/τ) has no value.
             let time = ((nodes.numbers[k] - origin) * (1.0 / SAMPLE_RATE_HZ)).max(Lanes::ZERO);
-            all[k] = black_box(Node { time, pressure: pressure[k] - reference, weight: nodes.weights[k] });
+            all[k] =
+                black_box(Node { time, pressure: pressure[k] - reference, weight: nodes.weights[k], ..Node::NONE });
         }
         self.nodes.push(all);
     }
@@ -130,7 +162,7 @@ impl Records {
     }
 
     /// Least squares from a guess of τ on.
-    pub fn fit(&mut self, arch: Arch, guess: Lanes) -> Found {
+    pub fn fit(&mut self, arch: Arch, guess: Guess) -> Found {
         arch.dispatch(Fitting { records: self, guess })
     }
 
@@ -148,7 +180,7 @@ impl Records {
 
 struct Fitting<'a> {
     records: &'a mut Records,
-    guess: Lanes,
+    guess: Guess,
 }
 
 impl WithSimd for Fitting<'_> {
@@ -157,11 +189,11 @@ impl WithSimd for Fitting<'_> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Found {
         self.records.lay_out();
-        let Records { nodes, begin: [_, reference], .. } = self.records;
+        let Records { nodes, begin, .. } = self.records;
         if I::IS_SCALAR {
-            least_squares::<false>(nodes, *reference, self.guess)
+            least_squares::<false>(nodes, *begin, &self.guess)
         } else {
-            least_squares::<true>(nodes, *reference, self.guess)
+            least_squares::<true>(nodes, *begin, &self.guess)
         }
     }
 }
@@ -212,10 +244,11 @@ impl Sums {
     };
 
     #[inline(always)]
-    fn add<const FUSED: bool>(&mut self, node: &Node, rate: Lanes) {
+    fn add<const FUSED: bool>(&mut self, node: &mut Node, rate: Lanes) {
         let (p, w) = (node.pressure, node.weight);
         let x = node.time * rate;
         let e = decay::<FUSED>(x);
+        node.decay = e;
         let g = x * e;
         let (we, wg) = (w * e, w * g);
         let wh = wg * x;
@@ -264,27 +297,40 @@ fn newton(s: &Sums, count: Lanes, pressure: Lanes) -> Solution {
 
 /// The least squares, lane by lane as if it were alone.
 #[inline(always)]
-fn least_squares<const FUSED: bool>(nodes: &[[Node; POINTS]], reference: Lanes, guess: Lanes) -> Found {
+fn least_squares<const FUSED: bool>(
+    nodes: &mut [[Node; POINTS]],
+    [first, reference]: [Lanes; 2],
+    guess: &Guess,
+) -> Found {
     let (mut count, mut pressure) = (Lanes::ZERO, Lanes::ZERO);
     for node in nodes.as_flattened() {
         count += node.weight;
         pressure = multiply_add::<FUSED>(node.weight, node.pressure, pressure);
     }
-    let begin = guess.ln();
+    let begin = black_box(match *black_box(guess) {
+        Guess::TimeConstant(tau) => tau.ln(),
+        Guess::Relaxation { rate, excess, from } => {
+            // The sum over the samples is the integral from half an interval before the first to half of one after the last.
+            let since = (first - 0.5) * (1.0 / SAMPLE_RATE_HZ) - from;
+            fit::log_time_constant(rate, excess * (-(rate * since)).exp(), count * (1.0 / SAMPLE_RATE_HZ))
+        }
+    });
     let mut log_tau = begin;
     let mut found = [Lanes::from(f64::NAN); 3];
     // The step before, and how long the next may be: each turn back at most half as long.
     let (mut last, mut longest) = (Lanes::ZERO, Lanes::ONE);
     // Positive where the search goes on.
     let mut open = black_box(count - (FEWEST - 0.5)).where_positive(Lanes::ONE, Lanes::ZERO);
+    let mut rate = Lanes::ZERO;
+    let mut last_step = Lanes::ZERO;
     for _ in 0..ITERATIONS {
-        let rate = black_box((-log_tau).exp());
+        rate = black_box((-log_tau).exp());
         let mut sums = Sums::NONE;
-        for nodes in nodes {
+        for nodes in &mut *nodes {
             // Keeps the compiler from adding lane by lane.
             let sums = black_box(&mut sums);
             for k in 0..POINTS {
-                sums.add::<FUSED>(&nodes[k], rate);
+                sums.add::<FUSED>(&mut nodes[k], rate);
             }
         }
         let Solution { step, linear: [rise, rest] } = newton(black_box(&sums), count, pressure);
@@ -293,22 +339,29 @@ fn least_squares<const FUSED: bool>(nodes: &[[Node; POINTS]], reference: Lanes, 
         found[0] = there.where_positive(reference + rest, found[0]);
         found[1] = there.where_positive(rise, found[1]);
         found[2] = there.where_positive(log_tau + step, found[2]);
+        last_step = there.where_positive(step, last_step);
         longest = (-(last * step)).where_positive(last.abs() * 0.5, longest);
         last = step.max(-longest).min(longest);
-        log_tau += last;
+        // A lane that is there keeps its τ, whatever others need: its nodes keep their e^(−t/τ).
+        open -= there;
+        log_tau = open.where_positive(log_tau + last, log_tau);
         // A step that is no number ends the search.
         let away = (log_tau - begin).abs() + size * 0.0;
-        open = (open - there) * each_lane!(i => if away.0[i] < FARTHEST { 1.0 } else { 0.0 });
+        open = open * each_lane!(i => if away.0[i] < FARTHEST { 1.0 } else { 0.0 });
         if !black_box(open).any_positive() {
             break;
         }
     }
     let [pressure, rise, log_tau] = found;
-    let rate = black_box((-log_tau).exp());
     let rest = pressure - reference;
+    // The last step s is so small that e^(−t/τ) goes on by a factor e^d = 1 + d + d²/2 with d = (t/τ) (s − s²/2).
+    let further = black_box(rate * (last_step - last_step * last_step * 0.5));
     let (mut farthest, mut span) = (Lanes::ZERO, [Lanes::ZERO; 2]);
     for node in nodes.as_flattened() {
-        let misfit = node.pressure - rest - rise * decay::<FUSED>(node.time * rate);
+        let d = node.time * further;
+        let bend = multiply_add::<FUSED>(d * 0.5, d, d);
+        let decay = multiply_add::<FUSED>(node.decay, bend, node.decay);
+        let misfit = node.pressure - rest - rise * decay;
         // Nodes without weight are none of the record's.
         let there = (node.weight - NO_WEIGHT).where_positive(Lanes::ONE, Lanes::ZERO);
         farthest = farthest.max(misfit.abs() * there);
@@ -366,7 +419,7 @@ mod tests {
             let mut records = Records::default();
             sampled(&mut records, (lane + 3) % WIDTH, &pressures[..count / 2]);
             sampled(&mut records, lane, &pressures);
-            let found = records.fit(Arch::new(), Lanes::from(tau * off)).lane(lane).unwrap();
+            let found = records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(tau * off))).lane(lane).unwrap();
             let expected = best(&pressures, tau);
             prop_assert!((found.time_constant / expected - 1.0).abs() < 2e-5, "{found:?} {expected}");
         }
@@ -391,7 +444,7 @@ mod tests {
             first += count;
         }
         let Regression { final_pressure: pf, rise, time_constant: found, .. } =
-            records.fit(Arch::new(), Lanes::from(tau * off)).lane(4).unwrap();
+            records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(tau * off))).lane(4).unwrap();
         assert!((found / tau - 1.0).abs() < 1e-5, "{found} {tau}");
         assert!((pf / 2e5 - 1.0).abs() < 1e-5 && (rise / 7e4 - 1.0).abs() < 1e-5, "{pf} {rise}");
     }
@@ -406,7 +459,7 @@ mod tests {
         for (lane, leak) in leaks.into_iter().enumerate() {
             sampled(&mut records, lane, &record(leak));
         }
-        let found = records.fit(Arch::new(), Lanes::from(0.5));
+        let found = records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(0.5)));
         for (lane, leak) in leaks.into_iter().enumerate() {
             let Regression { final_pressure, rise, time_constant, misfit } = found.lane(lane).unwrap();
             let exponential = |k: usize| final_pressure + rise * (-(k as f64) / SAMPLE_RATE_HZ / time_constant).exp();
@@ -437,7 +490,7 @@ mod tests {
         sampled(&mut records, 0, &[1e5; 50]);
         sampled(&mut records, 1, &[2e5, 1.5e5, 1.2e5, 1.1e5]);
         sampled(&mut records, 3, &[2e5, 1.5e5, 1.25e5, 1.125e5, 1.0625e5, 1.031_25e5]);
-        let found = records.fit(Arch::new(), Lanes::from(0.02));
+        let found = records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(0.02)));
         assert!([0, 1, 2].into_iter().all(|lane| found.lane(lane).is_none()));
         let tau = found.lane(3).unwrap().time_constant;
         assert!((tau - 0.01 / 2f64.ln()).abs() < 1e-9, "{tau}");

@@ -8,12 +8,11 @@
 //! integrated over panels by Gauss–Legendre quadrature, and a panel is cut where the last of Legendre's terms count.
 //! Temperatures in K, times in s since the push.
 
-use crate::fit;
 use crate::gauss::{Mirrored, NODES, Panel, RULE, node};
 use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
-use crate::regression::Records;
+use crate::regression::{Guess, Records};
 use crate::root::{Curve, root};
 use chamber::balance::{Balance, Boundary, Contents, Tight};
 use chamber::effects::{self, EffectSet};
@@ -274,7 +273,7 @@ impl<'a> WithSimd for Solve<'_, 'a> {
     }
 }
 
-/// Lays out the records of holds that were followed to their ends; the answer is a guess of τ, s.
+/// Lays out the records of holds that were followed to their ends; the answer is a guess of τ.
 pub struct Record<'a> {
     /// Where they begin.
     pub pushed: &'a Pushed<'a>,
@@ -286,17 +285,18 @@ pub struct Record<'a> {
 }
 
 impl WithSimd for Record<'_> {
-    type Output = Lanes;
+    type Output = Guess;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Lanes {
+    fn with_simd<I: Simd>(self, _: I) -> Guess {
         let Self { pushed, ends, parts, records } = self;
         let Ends { gas, relaxations, .. } = black_box(ends);
         let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
         let Pushed { push, hold, .. } = *pushed;
         let followed = Followed { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
         record::lay_out(&followed, push, push + hold, records);
-        fit::time_constant(gas.slowness(Lanes::ZERO).recip(), Lanes::ONE - gas.wall / gas.pushed)
+        let rate = gas.slowness(Lanes::ZERO).recip();
+        Guess::Relaxation { rate, excess: Lanes::ONE - gas.wall / gas.pushed, from: push }
     }
 }
 

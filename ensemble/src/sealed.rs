@@ -18,7 +18,7 @@ use crate::hermite::Hermite;
 use crate::lanes::Lanes;
 use crate::outcome::Outcome;
 use crate::outcome::SETTLED;
-use crate::regression::Regression;
+use crate::regression::{Guess, Regression};
 use crate::scenario::Scenario;
 use crate::step::{LaneSystem, Moment, View};
 use chamber::exact::Closed;
@@ -106,8 +106,8 @@ pub trait OwnTest<const N: usize>: Sized {
 pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
     /// Whether the code of [`Holding::within`] is so long that there should be one copy.
     const IS_LONG: bool = false;
-    /// τ, s, of the paper's exponential near to a hold from some states to others.
-    fn time_constant(&self, ends: [&[Lanes; N]; 2]) -> Lanes;
+    /// A guess of the paper's exponential near to a hold from some states to others, that begins at a time of the test, s.
+    fn guess(&self, ends: [&[Lanes; N]; 2], begin: Lanes) -> Guess;
     /// What the record shows of some states, in the unit of [`OwnTest::start_reading`].
     #[inline(always)]
     fn reading<R: Real>(states: &[R; N]) -> R {
@@ -351,17 +351,17 @@ impl Held<'_> {
         self.wall[lane] = test.closed.ambient_temperature;
     }
 
-    /// τ, s, of the paper's exponential near to a hold that begins at a temperature, K.
+    /// A guess of the paper's exponential near to a hold that begins at a temperature, K, and a time of the test, s.
     #[inline(always)]
-    pub fn time_constant_from(&self, peak: Lanes) -> Lanes {
-        fit::time_constant(self.exchange * self.wall, Lanes::ONE - self.wall / peak)
+    pub fn guess_from(&self, peak: Lanes, from: Lanes) -> Guess {
+        Guess::Relaxation { rate: self.exchange * self.wall, excess: Lanes::ONE - self.wall / peak, from }
     }
 }
 
 impl Holding<1> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, [state, _]: [&[Lanes; 1]; 2]) -> Lanes {
-        self.time_constant_from(state[0] * state[0])
+    fn guess(&self, [state, _]: [&[Lanes; 1]; 2], begin: Lanes) -> Guess {
+        self.guess_from(state[0] * state[0], begin)
     }
 
     #[inline(always)]

@@ -11,6 +11,7 @@
 
 use crate::advance::Loadable;
 use crate::lanes::Lanes;
+use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};
 use crate::step::{LaneSystem, Moment, View};
@@ -150,8 +151,8 @@ impl LaneSystem<2> for Held<'_> {
 
 impl Holding<2> for Held<'_> {
     #[inline(always)]
-    fn time_constant(&self, [state, _]: [&[Lanes; 2]; 2]) -> Lanes {
-        self.gas.time_constant_from(state[0] * state[0])
+    fn guess(&self, [state, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
+        self.gas.guess_from(state[0] * state[0], begin)
     }
 
     /// By the equations' recursion: each coefficient follows from those of lower powers.

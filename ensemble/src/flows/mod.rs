@@ -23,6 +23,7 @@ use crate::advance::{LONGEST, Loadable};
 use crate::corner::{self, Corners};
 use crate::hermite::Hermite;
 use crate::lanes::Lanes;
+use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};
 use crate::series::Series;
@@ -333,9 +334,9 @@ impl<L: Law> Holding<2> for Held<'_, L> {
     const IS_LONG: bool = true;
 
     #[inline(always)]
-    fn time_constant(&self, [_, end]: [&[Lanes; 2]; 2]) -> Lanes {
+    fn guess(&self, [_, end]: [&[Lanes; 2]; 2], _: Lanes) -> Guess {
         // τ of what is left at last: a record that turns round is no exponential, and what fits it depends on the guess.
-        (self.gas.exchange * 2.0 * end[0] * self.gas.wall).recip()
+        Guess::TimeConstant((self.gas.exchange * 2.0 * end[0] * self.gas.wall).recip())
     }
 
     #[inline(always)]

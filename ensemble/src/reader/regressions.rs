@@ -3,7 +3,7 @@
 use super::{Answer, Cut, Job, Memory, Trace, Traces};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::Question;
-use crate::regression::{Part, Regression};
+use crate::regression::{Guess, Part, Regression};
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use pulp::Arch;
 
@@ -111,7 +111,7 @@ impl Traces<'_> {
                 }
             }
             let last = group.end - 1;
-            let found = records.fit(arch, Lanes::from_fn(|lane| guess((base + lane).min(last))));
+            let found = records.fit(arch, Guess::TimeConstant(Lanes::from_fn(|lane| guess((base + lane).min(last)))));
             for row in group {
                 out[row] = firsts[row].and(found.lane(row - base));
             }

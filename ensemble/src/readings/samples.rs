@@ -93,6 +93,9 @@ impl Sample<'_, '_> {
         let end = black_box(push_end + times[1]);
         let next = black_box(each_lane!(i => samples::after(end.0[i])));
         let count = black_box((next - first).max(Lanes::ZERO));
+        if !self.records.takes(count) {
+            return;
+        }
         let nodes = black_box(Samples { first, count }.nodes());
         let pushed = if push.is_some() { Lanes::ONE } else { Lanes::ZERO };
         let curve = Shown { times, pushed, push, hold, sensors };
