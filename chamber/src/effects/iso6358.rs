@@ -104,6 +104,15 @@ pub fn relative_inflow<R: Real>(ratio: R, critical_ratio: R) -> R {
     if near.any_positive() { flow * near.where_positive(fade(ratio.recip()), R::ONE) } else { flow }
 }
 
+/// [`relative_inflow`] where r is more than one, else [`relative_outflow`], by one root: to the last digit the same.
+#[inline(always)]
+pub fn relative_flow<R: Real>(ratio: R, critical_ratio: R) -> R {
+    let (upstream, downstream) = (ratio.max(R::ONE), ratio.min(R::ONE));
+    let flow = flow_function(upstream, downstream, critical_ratio).sqrt();
+    let near = downstream - upstream * LINEAR_ABOVE;
+    if near.any_positive() { flow * near.where_positive(fade(downstream / upstream), R::ONE) } else { flow }
+}
+
 /// The first pressure after `from` and before `to`, Pa, at which the flow has a corner, with `outside` on the other side:
 /// where it chokes, where ψ turns linear, where it turns round; and on the way there two places more.
 #[inline(always)]
@@ -163,6 +172,16 @@ fn fade<R: Real>(ratio: R) -> R {
 mod tests {
     fn flow_function(ratio: f64, critical: f64) -> f64 {
         super::flow_function(1.0, ratio, critical).sqrt() / (1.0 - critical) * super::fade(ratio)
+    }
+
+    #[test]
+    fn a_flow_of_either_direction_is_that_out_or_in() {
+        for critical in [0.0, 0.3, 0.5] {
+            for ratio in [0.01, 0.29, 0.4, 0.95, 0.9991, 1.0, 1.0004, 1.002, 1.5, 2.7, 40.0] {
+                let one = if ratio > 1.0 { super::relative_inflow } else { super::relative_outflow };
+                assert_eq!(super::relative_flow(ratio, critical), one(ratio, critical), "{ratio} {critical}");
+            }
+        }
     }
 
     #[test]

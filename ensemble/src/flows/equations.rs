@@ -109,12 +109,11 @@ impl<R: Real> Constants<R> {
             (mass, cold, enthalpy) = (scale, self.heat_capacity_ratio - 1.0, self.heat_capacity_ratio);
         } else {
             let warm = self.heat_capacity_ratio * self.wall * (per_root * per_root);
-            let mut both = L::inflow(&self.passage, &gas, self.per_root_wall);
-            if (-inward).any_positive() {
-                let out = L::outflow(&self.passage, &gas);
-                both = [inward.where_positive(both[0], out[0]), inward.where_positive(both[1], out[1])];
-            }
-            [flow, scale] = both;
+            [flow, scale] = if (-inward).any_positive() {
+                L::flow(&self.passage, &gas, inward, self.per_root_wall)
+            } else {
+                L::inflow(&self.passage, &gas, self.per_root_wall)
+            };
             mass = inward.where_positive(-scale, scale);
             cold = inward.where_positive(R::ONE - warm, self.heat_capacity_ratio - 1.0);
             enthalpy = inward.where_positive(-warm, self.heat_capacity_ratio);

@@ -45,6 +45,12 @@ pub trait Law: Copy + Sync {
     fn outflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>) -> [R; 2];
     /// The flow in, where 1/√T of the outside is `per_root_outside`.
     fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2];
+    /// The flow in where `inward` is positive, else the flow out.
+    #[inline(always)]
+    fn flow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, inward: R, per_root_outside: R) -> [R; 2] {
+        let (into, out) = (Self::inflow(passage, gas, per_root_outside), Self::outflow(passage, gas));
+        [inward.where_positive(into[0], out[0]), inward.where_positive(into[1], out[1])]
+    }
     /// As [`Corners::corner`].
     fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes;
     /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
@@ -83,6 +89,12 @@ impl Law for Orifice {
     #[inline(always)]
     fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2] {
         [iso6358::relative_inflow(gas.ratio, passage.critical_ratio), gas.temperature * per_root_outside]
+    }
+
+    #[inline(always)]
+    fn flow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, inward: R, per_root_outside: R) -> [R; 2] {
+        let scale = inward.where_positive(gas.temperature * per_root_outside, gas.root);
+        [iso6358::relative_flow(gas.ratio, passage.critical_ratio), scale]
     }
 
     #[inline(always)]
