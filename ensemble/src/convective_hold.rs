@@ -8,13 +8,15 @@
 //! r t = e^(nL) Σ d_j ζ^j − Σ d_j
 //!
 //! Over p = (e^(nL) − 1)/n that has the slope (1 − v)^n/(1 + v), which changes little: L at a time follows by Newton's method in p.
+//! For the samples of a record L over time is a polynomial between moments ([`crate::followed`]).
 //! Not for n near to a whole number, where a term has no such integral, nor for gas far from the wall's temperature
 //! ([`has_series`]). Temperatures in K, times in s since the push.
 
+use crate::followed::{self, Followed, Moment};
 use crate::lanes::Lanes;
 use crate::math::in_powers_fused;
 use crate::outcome::SETTLED;
-use crate::record::{self, Relaxing};
+use crate::record;
 use crate::regression::{Guess, Records};
 use crate::root::Curve;
 use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
@@ -142,6 +144,22 @@ impl Series {
         }
         relaxations
     }
+
+    /// The time over relaxations and its first three derivatives: r t' = e^(nL) (1 − v)^n/(1 + v), and v' = −v.
+    #[inline(always)]
+    fn with_slopes(&self, relaxations: Lanes) -> [Lanes; 4] {
+        let n = self.exponent;
+        let (left, grown) = ((-relaxations).exp(), (n * relaxations).exp());
+        let [terms, slopes] = black_box([&self.terms, &self.slopes]);
+        let time = (grown * in_powers_fused(terms, left) - self.sum) * self.slowness;
+        let first = grown * in_powers_fused(slopes, left) * self.slowness;
+        // Of ln t'.
+        let v = self.first * left;
+        let [per_less, per_more] = [(Lanes::ONE - v).recip(), (Lanes::ONE + v).recip()];
+        let growth = n + v * (n * per_less + per_more);
+        let bend = -(v * (n * (per_less * per_less) + per_more * per_more));
+        [time, first, first * growth, first * (growth * growth + bend)]
+    }
 }
 
 impl Curve for Series {
@@ -186,37 +204,38 @@ impl WithSimd for Record<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Guess {
         let Self { holds, ends, per_temperature, records } = self;
         let Holds { wall, pushed, push, hold, .. } = *black_box(holds);
-        record::lay_out(&Followed { ends, hold, per_temperature }, push, push + hold, records);
+        record::lay_out(&followed::Record(&Held { ends, hold, per_temperature }), push, push + hold, records);
         Guess::Relaxation { rate: ends.series.slowness.recip(), excess: Lanes::ONE - wall / pushed, from: push }
     }
 }
 
 /// Holds that were followed to their ends.
-struct Followed<'a> {
+struct Held<'a> {
     ends: &'a Ends,
     hold: Lanes,
     per_temperature: Lanes,
 }
 
-impl Relaxing for Followed<'_> {
-    const ENDS: &'static [f64] = record::SLOWING_ENDS;
-    const IS_LONG: bool = true;
-
+impl Followed for Held<'_> {
     #[inline(always)]
-    fn time(&self, relaxations: f64) -> Lanes {
-        record::time_of(&self.ends.series, relaxations, self.ends.relaxations, self.hold)
+    fn moment(&self, relaxations: f64) -> Moment {
+        let Ends { series, relaxations: last, .. } = self.ends;
+        let goes_on = *last - relaxations;
+        let at = last.min(Lanes::from(relaxations));
+        let [time, slopes @ ..] = series.with_slopes(at);
+        Moment::new(goes_on.where_positive(time, self.hold), at, slopes)
     }
 
     #[inline(always)]
-    fn pressure(&self, time: Lanes, _: [f64; 2]) -> Lanes {
-        let series = &self.ends.series;
-        series.temperature(series.after(time.max(Lanes::ZERO).min(self.hold))) * self.per_temperature
+    fn pressure(&self, relaxations: Lanes) -> Lanes {
+        self.ends.series.temperature(relaxations) * self.per_temperature
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::Relaxing;
     use chamber::exact::GAUSS_16;
     use proptest::prelude::*;
     use pulp::Scalar;
@@ -252,6 +271,33 @@ mod tests {
             let edge = to + (from - to) * SETTLED;
             let expected = between(exponent[3], rate[3], wall[3], [from, edge]);
             prop_assert!((settling[3] / expected - 1.0).abs() < 1e-10, "{} {expected}", settling[3]);
+        }
+
+        #[test]
+        fn the_record_from_part_to_part_is_the_series(
+            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.6f64, left in 1e-6..0.99f64,
+        ) {
+            let from = wall * ratio;
+            prop_assume!(has_series(exponent, from, wall));
+            let hold = between(exponent, rate, wall, [from, wall + (from - wall) * left]);
+            let [exponent, rate, wall, pushed, hold] = [exponent, rate, wall, from, hold].map(Lanes::from);
+            let holds = Holds { exponent, rate, wall, pushed, push: Lanes::ONE, hold };
+            let ends = Solve(&holds).with_simd(Scalar::new());
+            let held = Held { ends: &ends, hold, per_temperature: Lanes::ONE };
+            let record = followed::Record(&held);
+            let mut begin = record.knot(0.0);
+            for relaxations in record::SLOWING_ENDS {
+                let end = record.knot(*relaxations);
+                let course = record.course([&begin, &end]);
+                for share in [0.0, 0.2, 0.5, 0.9, 1.0] {
+                    let [from, to] = [&begin, &end].map(|knot| followed::Record::<Held>::time(knot)[3]);
+                    let time = Lanes::from(from + (to - from) * share);
+                    let (found, expected) = (course.at(time)[3], ends.series.temperature(ends.series.after(time))[3]);
+                    let allowed = 1e-7 * (from - to).abs().min(1.0).max((pushed[3] - wall[3]).abs());
+                    prop_assert!((found - expected).abs() < allowed, "{relaxations} {share}: {found} {expected}");
+                }
+                begin = end;
+            }
         }
     }
 }

@@ -13,6 +13,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::readings::{self, Behind, Readings};
 use crate::record::{self, ENDS, Relaxing};
 use crate::regression::{Guess, Records, Regression, decay};
+use crate::root::Curve;
 use crate::scenario::Scenario;
 use crate::sealed::Ending;
 use chamber::balance::Balance;
@@ -273,13 +274,28 @@ struct Hold<const FUSED: bool> {
 }
 
 impl<const FUSED: bool> Relaxing for Hold<FUSED> {
+    type Knot = Lanes;
+    type Course<'a> = &'a Self;
+
     #[inline(always)]
-    fn time(&self, relaxations: f64) -> Lanes {
+    fn knot(&self, relaxations: f64) -> Lanes {
         self.slowness * relaxations
     }
 
     #[inline(always)]
-    fn pressure(&self, time: Lanes, _: [f64; 2]) -> Lanes {
+    fn time(knot: &Lanes) -> Lanes {
+        *knot
+    }
+
+    #[inline(always)]
+    fn course(&self, _: [&Lanes; 2]) -> &Self {
+        self
+    }
+}
+
+impl<const FUSED: bool> Curve for &Hold<FUSED> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
         self.at_rest / (Lanes::ONE - decay::<FUSED>(time * self.rate) * self.excess)
     }
 }

@@ -43,6 +43,7 @@ mod filter;
 mod finish;
 mod fit;
 mod flows;
+mod followed;
 mod gauss;
 mod general;
 mod heated;

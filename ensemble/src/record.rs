@@ -19,44 +19,46 @@ pub const SLOWING_ENDS: &[f64] =
 pub trait Relaxing {
     /// Ends of the parts in which its record is laid out, in relaxations.
     const ENDS: &'static [f64] = &ENDS;
-    /// Whether the code of [`Relaxing::pressure`] is so long that there should be one copy.
+    /// Whether the code of a [`Relaxing::Course`] is so long that there should be one copy.
     const IS_LONG: bool = false;
-    /// Time since the push, s, after so many relaxations.
-    fn time(&self, relaxations: f64) -> Lanes;
-    /// Pressure, Pa, at a time since the push, s, between two numbers of relaxations.
-    fn pressure(&self, time: Lanes, between: [f64; 2]) -> Lanes;
-}
-
-/// Time since the push, s, after so many relaxations, by the curve of that over relaxations; the length of a hold that has `last`
-/// of them and no more.
-#[inline(always)]
-pub fn time_of(curve: &impl Curve, relaxations: f64, last: Lanes, hold: Lanes) -> Lanes {
-    let goes_on = last - relaxations;
-    goes_on.where_positive(curve.at(last.min(Lanes::from(relaxations))), hold)
+    /// What is known of it at the end of a part.
+    type Knot: Copy;
+    /// Its pressure, Pa, in a part, over the time since the push, s.
+    type Course<'a>: Curve
+    where
+        Self: 'a;
+    /// What is known after so many relaxations, or at the end of a hold that has fewer.
+    fn knot(&self, relaxations: f64) -> Self::Knot;
+    /// The time since the push, s, then.
+    fn time(knot: &Self::Knot) -> Lanes;
+    /// Its pressure from one end to another.
+    fn course(&self, ends: [&Self::Knot; 2]) -> Self::Course<'_>;
 }
 
 /// Lays the records out, of tests with pushes and durations of so many s.
 #[inline(always)]
 pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records: &mut Records) {
     let mut first = black_box(each_lane!(i => samples::from(push.0[i])));
-    let mut begin = 0.0;
+    let mut begin = black_box(relaxing.knot(0.0));
     records.clear();
     for end in black_box(R::ENDS) {
-        let until = black_box((push + relaxing.time(*end)).min(duration));
+        let end = black_box(relaxing.knot(*end));
+        let until = black_box((push + R::time(&end)).min(duration));
         let next = black_box(each_lane!(i => samples::after(until.0[i])));
         let count = black_box((next - first).max(Lanes::ZERO));
         if !records.takes(count) {
-            begin = *end;
+            begin = end;
             continue;
         }
         let nodes = black_box(Samples { first, count }.nodes());
+        let course = relaxing.course([&begin, &end]);
         let mut pressure = [Lanes::ZERO; POINTS];
         for k in 0..if R::IS_LONG { black_box(POINTS) } else { POINTS } {
             let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
-            pressure[k] = black_box(relaxing.pressure(since, [begin, *end]));
+            pressure[k] = black_box(course.at(since));
         }
         records.push(first, &nodes, &pressure);
         first = black_box(first.max(next));
-        begin = *end;
+        begin = end;
     }
 }

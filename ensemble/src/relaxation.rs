@@ -293,15 +293,15 @@ impl WithSimd for Record<'_> {
         let Ends { gas, relaxations, .. } = black_box(ends);
         let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
         let Pushed { push, hold, .. } = *pushed;
-        let followed = Followed { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
-        record::lay_out(&followed, push, push + hold, records);
+        let held = Held { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
+        record::lay_out(&held, push, push + hold, records);
         let rate = gas.slowness(Lanes::ZERO).recip();
         Guess::Relaxation { rate, excess: Lanes::ONE - gas.wall / gas.pushed, from: push }
     }
 }
 
 /// Holds that were followed to their ends.
-struct Followed<'a> {
+struct Held<'a> {
     gas: &'a Gas<'a>,
     time: Time<'a>,
     hold: Lanes,
@@ -310,20 +310,48 @@ struct Followed<'a> {
     per_temperature: Lanes,
 }
 
-impl Relaxing for Followed<'_> {
+impl Relaxing for Held<'_> {
     const ENDS: &'static [f64] = record::SLOWING_ENDS;
     const IS_LONG: bool = true;
+    /// Relaxations, the time that they take, and where the part ends: with the hold, in lanes that have no more of them.
+    type Knot = [Lanes; 3];
+    type Course<'a>
+        = Course<'a>
+    where
+        Self: 'a;
 
     #[inline(always)]
-    fn time(&self, relaxations: f64) -> Lanes {
-        record::time_of(&self.time, relaxations, self.relaxations, self.hold)
+    fn knot(&self, relaxations: f64) -> [Lanes; 3] {
+        let at = self.relaxations.min(Lanes::from(relaxations));
+        let time = self.time.at(at);
+        [at, time, (self.relaxations - relaxations).where_positive(time, self.hold)]
     }
 
     #[inline(always)]
-    fn pressure(&self, time: Lanes, between: [f64; 2]) -> Lanes {
-        let [low, high] = between.map(|end| self.relaxations.min(Lanes::from(end)));
-        let until = time.max(self.time.at(low)).min(self.time.at(high));
-        let relaxations = root(&Left { curve: &self.time, until }, low, high);
-        self.gas.temperature(relaxations) * self.per_temperature
+    fn time([.., end]: &[Lanes; 3]) -> Lanes {
+        *end
+    }
+
+    #[inline(always)]
+    fn course(&self, ends: [&[Lanes; 3]; 2]) -> Course<'_> {
+        let [[low, from, _], [high, to, _]] = [*ends[0], *ends[1]];
+        Course { held: self, relaxations: [low, high], times: [from, to] }
+    }
+}
+
+/// Their pressure from one knot to another.
+struct Course<'a> {
+    held: &'a Held<'a>,
+    relaxations: [Lanes; 2],
+    times: [Lanes; 2],
+}
+
+impl Curve for Course<'_> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        let Self { held, relaxations: [low, high], times: [from, to] } = self;
+        let until = time.max(*from).min(*to);
+        let relaxations = root(&Left { curve: &held.time, until }, *low, *high);
+        held.gas.temperature(relaxations) * held.per_temperature
     }
 }
