@@ -13,7 +13,7 @@ use crate::lanes::Lanes;
 use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
 use crate::regression::{Guess, Records};
-use crate::root::{Curve, root};
+use crate::root::{Curve, root, root_between};
 use chamber::balance::{Balance, Boundary, Contents, Tight};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
@@ -351,7 +351,8 @@ impl Curve for Course<'_> {
     fn at(&self, time: Lanes) -> Lanes {
         let Self { held, relaxations: [low, high], times: [from, to] } = self;
         let until = time.max(*from).min(*to);
-        let relaxations = root(&Left { curve: &held.time, until }, *low, *high);
+        let left = [until - *from, until - *to];
+        let relaxations = root_between(&Left { curve: &held.time, until }, [*low, *high], left);
         held.gas.temperature(relaxations) * held.per_temperature
     }
 }

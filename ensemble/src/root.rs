@@ -24,27 +24,40 @@ pub trait Curve {
 /// A root between `low`, where the curve is positive, and `high`, where it is not.
 #[inline(always)]
 pub fn root(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {
-    search::<false>(curve, low, high)
+    search::<false>(curve, low, high, None)
+}
+
+/// The same where the curve's values at both places are known.
+#[inline(always)]
+pub fn root_between(curve: &impl Curve, [low, high]: [Lanes; 2], values: [Lanes; 2]) -> Lanes {
+    search::<false>(curve, low, high, Some(values))
 }
 
 /// A root between places where the curve has either sign.
 #[inline(always)]
 pub fn crossing(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {
-    search::<true>(curve, low, high)
+    search::<true>(curve, low, high, None)
 }
 
 /// A root between places from the first to the second of which the curve falls, or where `EITHER` falls or rises. All its values come
 /// from one place in the code, which so has one copy of the curve: first those at both ends, then in each round that in the middle
 /// and that at the root of the straightened curve.
 #[inline(always)]
-fn search<const EITHER: bool>(curve: &impl Curve, mut low: Lanes, mut high: Lanes) -> Lanes {
+fn search<const EITHER: bool>(curve: &impl Curve, mut low: Lanes, mut high: Lanes, known: Option<[Lanes; 2]>) -> Lanes {
     let [mut at_low, mut at_high, mut nothing, mut middle, mut at_middle] = [Lanes::ZERO; 5];
     // 1 where the curve falls from `low` to `high`, −1 where it rises.
     let mut side = Lanes::ONE;
     let (mut place, mut x) = (low, low);
     // Positive where the root is not found yet: a lane's digits do not depend on how long the others take.
     let mut open = Lanes::ONE;
-    for evaluation in 0..black_box(2 + 2 * ROUNDS) {
+    let mut begin = 0;
+    if let Some(known) = known {
+        [at_low, at_high] = known;
+        nothing = (at_low - at_high) * NOTHING;
+        middle = (low + high) * 0.5;
+        (place, begin) = (middle, 2);
+    }
+    for evaluation in black_box(begin)..black_box(2 + 2 * ROUNDS) {
         let mut value = curve.at(place);
         if EITHER {
             if evaluation == 0 {
