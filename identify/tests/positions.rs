@@ -82,6 +82,16 @@ fn diagnosed(name: &str, recipe: Recipe) -> (Verdict, Vec<&'static str>) {
 }
 
 #[test]
+fn a_note_says_how_much_of_an_error_the_noise_of_the_positions_is() {
+    let notes = |position_noise_m: f64| {
+        let recipe = Recipe { position_noise_m, repeats: 1, ..Recipe::from_seed(21) };
+        identify::identify(&recipe.rig(), Method::Exact).unwrap().assumptions
+    };
+    let says = |notes: Vec<String>| notes.iter().any(|note| note.contains("the positions scatter by up to"));
+    assert!(says(notes(1e-4)) && !says(notes(2e-6)));
+}
+
+#[test]
 fn a_position_sensor_that_is_not_quite_straight_is_no_misfit_unless_it_is_stated_to_be_straight() {
     let bent = recording::ALL.iter().find(|r| r.name == "position-bent").unwrap();
     let verdict = |rig: &Rig| identify::diagnose(rig, &|_, _| ()).unwrap().diagnosis.verdict;

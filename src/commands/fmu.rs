@@ -109,7 +109,9 @@ fn about(model: &Model) -> About {
     let provenance = &model.provenance;
     let verdict = provenance.verdict.map(|verdict| match verdict {
         Verdict::Adequate => "adequate: the residual of the paper's model is noise.".to_owned(),
-        Verdict::Explained => "explained: with the effects that are on, the residual is noise.".to_owned(),
+        Verdict::Explained => {
+            "explained: with the effects that are on, the residual is noise, or little beside what it was.".to_owned()
+        }
         Verdict::Improved | Verdict::Unexplained => doubt(model).unwrap_or_default().to_owned(),
     });
     let error = |rmse: Option<records::Rmse>| rmse.map(|rmse| rmse.held_out.unwrap_or(rmse.fit));

@@ -146,6 +146,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
         ));
     }
     out.extend(positions(data));
+    out.extend(noise_of_positions(data));
     let averaged = data.traces.iter().filter(|t| t.look.window_s > 0.0);
     let between_rows = data.traces.iter().filter(|t| t.look.window_s == 0.0 && t.look != Look::default());
     let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
@@ -234,6 +235,22 @@ fn positions(data: &Data) -> Vec<String> {
         }
     }
     out
+}
+
+/// How much the positions' noise leaves open of the pressures while the piston moves, where that is the larger part of the error.
+fn noise_of_positions(data: &Data) -> Option<String> {
+    /// Over the noise of the pressures.
+    const MUCH: f64 = 2.0;
+    let open_pa = data.open_pa();
+    let is_plain = data.traces.iter().all(|t| t.look == Look::default());
+    (is_plain && open_pa > MUCH * data.noise.total_pa()).then(|| {
+        let noise_m = data.traces.iter().map(|t| t.course.motion.noise_m).fold(0.0, f64::max);
+        format!(
+            "the positions scatter by up to {} µm, which leaves the pressures of moves uncertain by {} Pa rms: they count less, and an error of that size there is noise",
+            digits(1e6 * noise_m, 2),
+            digits(open_pa, 2)
+        )
+    })
 }
 
 /// What the search noticed.

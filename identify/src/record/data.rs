@@ -235,7 +235,7 @@ impl Data {
     }
 
     /// What the positions leave open of the pressures of the moves' rows, Pa rms: what a lag shows of it later is theirs.
-    fn open_pa(&self) -> f64 {
+    pub fn open_pa(&self) -> f64 {
         let blocks = || self.traces.iter().flat_map(|t| &t.blocks);
         let squares: f64 = blocks().map(|b| b.by_position_pa.powi(2)).sum();
         (squares / blocks().filter(|b| b.phase == Phase::Move).count().max(1) as f64).sqrt()

@@ -97,7 +97,7 @@ fn verdict_text(d: &Diagnosis) -> String {
             pressure(d.accuracy_pa, 2)
         ),
         Verdict::Explained => format!(
-            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or next to nothing.",
+            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or little beside what there was.",
             effect_names(&d.effects),
             documented(&d.effects)
         ),
