@@ -10,7 +10,7 @@ const BORE_SHARE: f64 = 0.005;
 const POSITION_SCALE: f64 = 0.005;
 /// Default standard deviation of the waves by which the position sensor's characteristic lies off a straight line, as a share of the
 /// way that the records show.
-const POSITION_LINEARITY: f64 = 5e-4;
+const POSITION_LINEARITY: f64 = 2e-4;
 /// Default standard deviation of the position's zero, m.
 const POSITION_OFFSET_M: f64 = 0.5e-3;
 /// Default standard deviation of an ambient temperature that is stated or recorded, K.
@@ -65,7 +65,7 @@ pub struct Tolerance {
     pub bore_m: f64,
     /// Of the position sensor's scale factor, 1: 0.005 unless stated.
     pub position_scale: f64,
-    /// Of each of the four waves by which positions lie off a straight line, as a share of the way that the records show: 0.0005
+    /// Of each of the four waves by which positions lie off a straight line, as a share of the way that the records show: 0.0002
     /// unless stated.
     pub position_linearity: f64,
     /// Of the position's zero, m: 0.5 mm unless stated.

@@ -111,7 +111,7 @@ fn tolerances_that_a_rig_leaves_out_follow_from_the_rest() {
     let default = Tolerance {
         bore_m: 2e-4,
         position_scale: 0.005,
-        position_linearity: 5e-4,
+        position_linearity: 2e-4,
         position_offset_m: 0.5e-3,
         ambient_temperature_k: 5.0,
     };

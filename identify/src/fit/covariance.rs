@@ -107,7 +107,8 @@ impl Parts {
         let m = free.len();
         let stated = fit.information.ncols() - n;
         let inverse = inverse(&DMatrix::from_fn(m, m, |i, j| fit.information[(free[i], free[j])]))?;
-        let by_stated = &inverse * DMatrix::from_fn(m, stated, |i, k| fit.information[(free[i], n + k)]);
+        let by_stated = DMatrix::from_fn(m, stated, |i, k| fit.information[(free[i], n + k)]);
+        let by_stated = &inverse * by_stated * spread_of_stated(fit);
         let mut records = inverse.clone();
         if !residual_is_noise {
             let robust = &inverse * meat(fit, &free) * &inverse;
@@ -121,6 +122,22 @@ impl Parts {
         }
         Some(Self { free, records, by_stated })
     }
+}
+
+/// How far each stated number may be off, in units of its tolerance: one, but for the waves of a position sensor, of which the records
+/// may tell that they are smaller: the root of the mean square that these leave possible.
+fn spread_of_stated(fit: &Fit) -> DMatrix<f64> {
+    let (free, all) = (fit.rig.len(), fit.information.ncols());
+    let adapting: Vec<usize> = (0..all).filter(|&i| fit.adapts[i] && fit.information[(i, i)] > 0.0).collect();
+    let count = adapting.len();
+    let known = inverse(&DMatrix::from_fn(count, count, |i, j| fit.information[(adapting[i], adapting[j])]));
+    let of_wave = |k: usize| {
+        let is_wave = fit.hypothesis.stated[k].slot.is_wave();
+        let place = adapting.iter().position(|&i| is_wave && i == free + k)?;
+        let variance = known.as_ref()?[(place, place)];
+        Some((variance + fit.moved[k] * fit.moved[k]).sqrt().min(1.0))
+    };
+    DMatrix::from_diagonal(&DVector::from_fn(all - free, |k, _| of_wave(k).unwrap_or(1.0)))
 }
 
 /// Covariance of a record's own coordinates, the rig's uncertainty included.
