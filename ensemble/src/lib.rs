@@ -74,6 +74,7 @@ mod sealed;
 mod series;
 mod step;
 mod tableau;
+mod time_constant;
 mod turns;
 mod walled;
 

@@ -4,10 +4,10 @@
 //! Pf and ΔP enter linearly and are eliminated (variable projection: G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10
 //! (1973) 413); what is left is Newton's method in ln τ, which from a good guess takes one step. Pressures in Pa, times in s.
 
-use crate::fit;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::step::multiply_add;
+use crate::time_constant;
 use chamber::real::Real;
 use core::f64::consts::{LN_2, LOG2_E};
 use core::hint::black_box;
@@ -312,7 +312,7 @@ fn least_squares<const FUSED: bool>(
         Guess::Relaxation { rate, excess, from } => {
             // The sum over the samples is the integral from half an interval before the first to half of one after the last.
             let since = (first - 0.5) * (1.0 / SAMPLE_RATE_HZ) - from;
-            fit::log_time_constant(rate, excess * (-(rate * since)).exp(), count * (1.0 / SAMPLE_RATE_HZ))
+            time_constant::logarithm_of_guess(rate, excess * (-(rate * since)).exp(), count * (1.0 / SAMPLE_RATE_HZ))
         }
     });
     let mut log_tau = begin;
