@@ -129,8 +129,26 @@ impl Fit {
     }
 }
 
+/// The best move, where no wave of a position sensor goes beyond [`policy::TOLERANCES`]: no sensor is so crooked, and what asks for
+/// that has another cause. Then none of them adapts.
+pub fn credible_move(
+    matrix: &DMatrix<f64>,
+    right: &DVector<f64>,
+    hypothesis: &Hypothesis,
+    adapts: &mut [bool],
+) -> Option<(f64, Vec<f64>)> {
+    let best = best_move(matrix, right, adapts)?;
+    let places = (hypothesis.axes.len()..).zip(&hypothesis.stated);
+    let waves: Vec<usize> = places.filter(|(_, axis)| axis.slot.is_wave()).map(|(place, _)| place).collect();
+    if !waves.iter().any(|place| best.1[*place].abs() > policy::TOLERANCES) {
+        return Some(best);
+    }
+    waves.iter().for_each(|place| adapts[*place] = false);
+    best_move(matrix, right, adapts)
+}
+
 /// How much of χ² the best move of all numbers that adapt takes away, and that move.
-pub fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
+fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
     let n = right.len();
     let free: Vec<usize> = (0..n).filter(|&i| adapts[i] && matrix[(i, i)] > 0.0).collect();
     let scale: Vec<f64> = free.iter().map(|&i| 1.0 / matrix[(i, i)].sqrt()).collect();

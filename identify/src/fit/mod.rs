@@ -19,12 +19,11 @@ mod linear;
 pub mod whiten;
 
 use crate::parameters::{Hypothesis, Model};
-use crate::policy;
 use crate::record::data::Data;
 use bordered::System;
 pub use descent::{Descent, Until, descend};
 pub use found::Fit;
-use found::best_move;
+use found::credible_move;
 pub use linear::{Failure, Linear, Linearised, Selection, all_blocks, mean, points, readings, run};
 use linear::{linearise, linearise_in_all, total};
 use nalgebra::DMatrix;
@@ -94,16 +93,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         for k in free..free + stated {
             matrix[(k, k)] += 1.0;
         }
-        let mut best = best_move(&matrix, &right, &adapts);
-        // No sensor is so crooked: what asks for it has another cause.
-        let waves: Vec<usize> =
-            (free..).zip(&hypothesis.stated).filter(|(_, axis)| axis.slot.is_wave()).map(|(i, _)| i).collect();
-        let is_too_far = |(_, x): &(f64, Vec<f64>)| waves.iter().any(|i| x[*i].abs() > policy::TOLERANCES);
-        if best.as_ref().is_some_and(is_too_far) {
-            waves.iter().for_each(|i| adapts[*i] = false);
-            best = best_move(&matrix, &right, &adapts);
-        }
-        if let Some((gain, x)) = best {
+        if let Some((gain, x)) = credible_move(&matrix, &right, hypothesis, &mut adapts) {
             marginal = (chi2 - gain).max(0.0);
             shift = x[free..].to_vec();
             follow = x[..free].to_vec();

@@ -49,11 +49,12 @@ impl Hypothesis {
 
     /// That model on a rig; begins from `base` (its free numbers too).
     pub fn new(data: &Data, model: Model, base: &Chamber, sizes: &Sizes) -> Self {
-        let swept = data.cylinder.piston_area_m2 * data.smallest_position_m();
+        let positions_m = data.positions_m();
+        let swept = data.cylinder.piston_area_m2 * positions_m[0];
         let axis = |slot, logarithmic, scale, bounds| Axis { slot, logarithmic, scale, bounds, prior: None };
         let mut axes = vec![axis(Slot::Lambda0, true, FIRST_LAMBDA0, [-12.0, 12.0])];
         if !data.dead_volume_known {
-            let scale = base.geometry.volume(data.smallest_position_m()).abs().max(1e-12);
+            let scale = base.geometry.volume(positions_m[0]).abs().max(1e-12);
             // Some volume must remain at the smallest position.
             axes.push(axis(Slot::DeadVolume, false, scale, [(-swept + 1e-3 * scale) / scale, 1e4]));
         }
@@ -93,7 +94,7 @@ impl Hypothesis {
                 }
             }
         }
-        let (stated, positions_m) = (stated(data, &model), data.positions_m());
+        let stated = stated(data, &model, positions_m);
         let at_rest = data.traces.iter().map(|t| t.starts_at_rest).collect();
         Self { model, axes, stated, own, base: *base, positions_m, at_rest }
     }

@@ -9,20 +9,20 @@ use chamber::effects::CARDS;
 /// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.
 pub const REST_DEVIATION_K: f64 = 3.0;
 
-/// What the rig states, and behind it what the effects' cards state of secondary parameters that are not free.
-pub fn stated(data: &Data, model: &Model) -> Vec<Axis> {
-    let mut all = by_rig(data, model);
+/// What the rig states, and behind it what the effects' cards state of secondary parameters that are not free; of records between
+/// these positions, m.
+pub fn stated(data: &Data, model: &Model, positions_m: [f64; 2]) -> Vec<Axis> {
+    let mut all = by_rig(data, model, positions_m);
     all.extend(by_cards(data, model));
     all
 }
 
 /// What the rig states, each in units of its tolerance. That gas at rest has the temperature of its surroundings is such a
 /// statement too: where it does not hold it fails in all records alike, for which a wall of another temperature would stand.
-fn by_rig(data: &Data, model: &Model) -> Vec<Axis> {
+fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
     let t = &data.tolerance;
     let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };
     let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
-    let [low_m, high_m] = data.positions_m();
     let wave = |k| (Slot::PositionLinearity(k), t.position_linearity * (high_m - low_m));
     let numbers = [
         (Slot::Bore, t.bore_m / data.cylinder.bore_m),

@@ -280,7 +280,8 @@ impl Data {
 
     /// Smallest and largest position in any trace, m.
     pub fn positions_m(&self) -> [f64; 2] {
-        [self.smallest_position_m(), strokes(&self.traces).map(Spline::highest).fold(f64::NEG_INFINITY, f64::max)]
+        let highest_m = strokes(&self.traces).map(Spline::highest).fold(f64::NEG_INFINITY, f64::max);
+        [self.smallest_position_m(), highest_m]
     }
 }
 

@@ -65,8 +65,7 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     let mut start = 0;
     while start < n {
         let end = (start..n).find(|&i| moving[i] != moving[start]).unwrap_or(n);
-        let shortest = if start == 0 { 1 } else { shortest_hold };
-        if !moving[start] && end - start < shortest {
+        if start > 0 && !moving[start] && end - start < shortest_hold {
             moving[start..end].fill(true);
         }
         start = end;

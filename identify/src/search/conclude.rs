@@ -160,10 +160,15 @@ impl Search {
 
     /// Whether the chosen model leaves less than this share of the paper's model's systematic error on left-out data.
     fn leaves_of_left_out(&self, share: f64) -> bool {
+        let pair = self.baseline.held_out_pa.zip(self.chosen.held_out_pa);
+        pair.is_some_and(|(before, after)| self.leaves_less([before, after], share))
+    }
+
+    /// Whether of an error before, Pa rms, less than this share of what is systematic in it is left after.
+    pub(super) fn leaves_less(&self, [before, after]: [f64; 2], share: f64) -> bool {
         let noise = self.data.noise.total_pa();
         let systematic = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
-        let pair = self.chosen.held_out_pa.zip(self.baseline.held_out_pa);
-        pair.is_some_and(|(after, before)| systematic(after) < share * systematic(before))
+        systematic(after) < share * systematic(before)
     }
 
     /// Whether the chosen model errs on records left out whole hardly more than on those it was fitted to: a cause is at work in

@@ -197,9 +197,7 @@ impl Search {
 
     /// Whether the error on left-out experiments falls decisively, and by more than nobody minds.
     fn predicts_better(&self, [before, after]: [f64; 2]) -> bool {
-        let noise = self.data.noise.total_pa();
-        let systematic = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
-        systematic(after) < policy::PREDICTS_BETTER * systematic(before)
+        self.leaves_less([before, after], policy::PREDICTS_BETTER)
             && before * before - after * after > self.least_gain().powi(2)
     }
 
