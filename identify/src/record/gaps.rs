@@ -107,7 +107,7 @@ fn at_begin(part: &Motion) -> Held {
 
 fn held(segment: &Segment, time_s: f64) -> Held {
     let (position_m, speed) = segment.stroke.at(time_s, &Cell::new(0));
-    Held { time_s, position_m, speed }
+    Held { time_s, position_m, speed, at_once: false }
 }
 
 /// The gaps with rows behind them.

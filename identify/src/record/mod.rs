@@ -6,6 +6,7 @@ pub mod block;
 pub mod checks;
 pub mod clock;
 pub mod colour;
+mod corner;
 pub mod data;
 pub mod far_off;
 mod first_volume;

@@ -28,10 +28,13 @@ pub struct Held {
     pub position_m: f64,
     /// Its speed, m/s.
     pub speed: f64,
+    /// Whether the move begins or ends there at once, and has this speed.
+    pub at_once: bool,
 }
 
 impl Held {
-    fn at(&self, time_s: f64) -> f64 {
+    /// Its position at another time, m.
+    pub fn at(&self, time_s: f64) -> f64 {
         self.position_m + self.speed * (time_s - self.time_s)
     }
 }
@@ -43,8 +46,8 @@ pub fn between(time_s: &[f64], position_m: &[f64], [before, after]: [Held; 2], n
     let noise_m = noise_m.max(FINEST * (high - low));
     let off = |i: usize, held: &Held| ((position_m[i] - held.at(time_s[i])) / noise_m).powi(2);
     let is_held = |i: &usize, held: &Held| off(*i, held) < DEVIATIONS * DEVIATIONS;
-    let first = (1..n).take_while(|i| is_held(i, &before)).count();
-    let last = n - 1 - (1..n).take_while(|i| is_held(&(n - 1 - i), &after)).count();
+    let first = (1..n).take_while(|i| !before.at_once && is_held(i, &before)).count();
+    let last = n - 1 - (1..n).take_while(|i| !after.at_once && is_held(&(n - 1 - i), &after)).count();
     if first >= last {
         return None;
     }

@@ -71,11 +71,12 @@ impl Spline {
         let way = self.range().1 - self.range().0;
         let row = (self.time[n - 1] - self.time[0]) / (n - 1) as f64;
         let near = Cell::new(0);
+        let speeds = [self.time[0], self.time[n - 1]].map(|t| Some(self.at(t, &near).1));
         let worst = (1..3)
             .map(|first| {
                 let kept = |i: usize| i == 0 || i == n - 1 || i % 2 == first % 2;
                 let pick = |v: &[f64]| v.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, v)| *v).collect();
-                let half = Spline::through(pick(&self.time), pick(&self.value), [Some(0.0), Some(0.0)]);
+                let half = Spline::through(pick(&self.time), pick(&self.value), speeds);
                 let missed = (0..n).filter(|i| !kept(*i)).map(|i| self.value[i] - half.at(self.time[i], &near).0);
                 (missed.sum::<f64>() * row).abs()
             })

@@ -3,8 +3,10 @@
 //! A move is a cubic spline near its samples that meets the holds around it, since straight lines between 100 Hz rows
 //! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a short one by `smoothed`,
 //! a long one by `thinned`. A hold is the mean of its samples, so that the position's own noise is averaged away. A move at
-//! constant speed keeps its corners ([`crate::record::ramp`]). Position in m, time in s from the record's start.
+//! constant speed keeps its corners ([`crate::record::ramp`]), as does one that leaves a hold at once or is stopped
+//! ([`crate::record::corner`]). Position in m, time in s from the record's start.
 
+use crate::record::corner;
 use crate::record::line::Line;
 use crate::record::moving::{moving, narrow, ranges};
 use crate::record::position_noise::position_noise;
@@ -219,26 +221,30 @@ fn is_off(line: &Line, time_s: &[f64], position_m: &[f64], noise_m: f64) -> bool
     parts.any(|(t, x)| (mean(x) - line.at(mean(t))).abs() > limit)
 }
 
-/// A move: a spline near its rows that meets the holds before and after it.
+/// A move: a spline near its rows that meets the holds before and after it, or begins and ends at corners with them.
 fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     let segment = &segments[k];
-    let mut time = time_s[segment.first..segment.end].to_vec();
-    let mut value = position_m[segment.first..segment.end].to_vec();
+    let rows = segment.first..segment.end;
+    let (mut time, mut value) = (time_s[rows.clone()].to_vec(), position_m[rows].to_vec());
     let near = Cell::new(0);
     let held = |hold: &Segment, time_s: f64| {
         let (position_m, speed) = hold.stroke.at(time_s, &near);
-        Held { time_s, position_m, speed }
+        Held { time_s, position_m, speed, at_once: false }
     };
-    let before = k.checked_sub(1).map(|k| held(&segments[k], segment.from_s));
-    let after = segments.get(k + 1).map(|next| held(next, time_s[next.first]));
-    if let Some(before) = before {
-        time.insert(0, before.time_s);
-        value.insert(0, before.position_m);
-    }
-    if let Some(after) = after {
+    let before = k.checked_sub(1).map(|k| {
+        let (before, rows) = corner::at_begin(held(&segments[k], segment.from_s), &time, &value, noise_m);
+        time.splice(..rows, [before.time_s]);
+        value.splice(..rows, [before.position_m]);
+        before
+    });
+    let after = segments.get(k + 1).map(|next| {
+        let (after, rows) = corner::at_end(held(next, time_s[next.first]), &time, &value, noise_m);
+        time.truncate(time.len() - rows);
+        value.truncate(value.len() - rows);
         time.push(after.time_s);
         value.push(after.position_m);
-    }
+        after
+    });
     let speeds = [before, after].map(|held| held.map(|held| held.speed));
     let curve = match (before, after) {
         _ if time.len() >= thinned::FEWEST_ROWS => Some(thinned::through(&time, &value, speeds, noise_m)),
@@ -442,6 +448,26 @@ mod tests {
             // The corner lies between two rows.
             let corner = 0.07 / 0.12 * row_s;
             assert!(worst < 1.5e-5 + 0.1 * corner, "{row_s}: {worst}");
+        }
+    }
+
+    #[test]
+    fn the_corner_of_a_piston_that_leaves_at_once_or_is_stopped_is_followed_between_rows() {
+        const NOISE_M: f64 = 5e-6;
+        for (row_s, corner_s) in [(0.02, 0.5031), (0.01, 0.5072), (0.004, 0.5011), (0.002, 0.5007), (2e-4, 0.50013)] {
+            let leaves = |t: f64| 0.07 + 0.07 * (-(t - corner_s).max(0.0) / 0.12).exp();
+            let is_stopped = |t: f64| 0.07 - 0.07 * (-(corner_s - t).max(0.0) / 0.12).exp();
+            let strokes: [&dyn Fn(f64) -> f64; 2] = [&leaves, &is_stopped];
+            for stroke in strokes {
+                let mut random = crate::synthetic::Random::new(6);
+                let times = (0..(2.0 / row_s) as u32).map(|i| f64::from(i) * row_s);
+                let (t, x): (Vec<f64>, Vec<f64>) = times.map(|t| (t, stroke(t) + NOISE_M * random.normal())).unzip();
+                let motion = Motion::detect(&t, &x);
+                let near = Cell::new(0);
+                let off = |t: f64| motion.segments[motion.segment_at(t)].stroke.at(t, &near).0 - stroke(t);
+                let worst = (-200..200).map(|k| off(corner_s + 0.01 * f64::from(k) * row_s).abs()).fold(0.0, f64::max);
+                assert!(worst < 4.0 * NOISE_M, "{row_s}: {worst}");
+            }
         }
     }
 

@@ -1,0 +1,204 @@
+//! The corner at which a piston leaves a hold at once, or is stopped.
+//!
+//! A curve through the rows that meets the hold with the hold's own speed rounds such a corner off, by up to a tenth of what the piston
+//! goes from row to row, and dead volumes and lags make it up. The rows beside a move's end are compared with two curves that begin at
+//! an unknown moment between rows: u (v + a u + b u² + …), a corner, and u² (a + b u + c u² + …), a gentle start; u is the time since
+//! then. There is a corner where the first goes through the rows as closely as their noise lets it and the second, of as many
+//! coefficients, clearly does not.
+//! Positions in m, times in s.
+
+use crate::record::smoothed::Held;
+use nalgebra::{SMatrix, SVector};
+use std::ops::Range;
+
+/// Rows in a row that stand off the hold by so many deviations are under way.
+const UNDER_WAY: (usize, f64) = (2, 5.0);
+/// Rows under way through which the curves go: as many as a curve with a corner follows.
+const ROWS: [usize; 10] = [384, 192, 96, 64, 48, 32, 24, 16, 12, 8];
+/// Coefficients of a curve: no more than the rows ask for.
+const COEFFICIENTS: std::ops::RangeInclusive<usize> = 3..=MOST;
+const MOST: usize = 6;
+/// Rows under way beyond the coefficients.
+const SPARE: usize = 3;
+/// Rows before those that the curves go through too.
+const BEFORE: usize = 1000;
+/// Squares over the noise's own, in their standard deviations, that a curve may leave of the rows under way.
+const DEVIATIONS: f64 = 1.0;
+/// Squares that a gentle start leaves beyond those of a corner where there is one: one in two million is as far off by chance.
+const CLEAR: f64 = 25.0;
+/// Time from a corner to the first row that a curve goes through, in rows: the noise of one right behind it would shake the speed.
+const BEHIND: f64 = 0.5;
+
+/// The hold that a move leaves, moved on to the corner where it does so at once, and how many of the move's rows do not come clearly
+/// behind that corner.
+pub fn at_begin(held: Held, time_s: &[f64], position_m: &[f64], noise_m: f64) -> (Held, usize) {
+    let off: Vec<f64> = time_s.iter().zip(position_m).map(|(t, x)| x - held.at(*t)).collect();
+    let Some(Corner { time_s: begin_s, speed }) = corner(time_s, &off, noise_m) else { return (held, 0) };
+    let at_corner = Held { time_s: begin_s, position_m: held.at(begin_s), speed: held.speed + speed, at_once: true };
+    let row_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+    (at_corner, time_s.partition_point(|t| *t < begin_s + BEHIND * row_s))
+}
+
+/// The same of the hold that a move ends in, with how many of the move's rows do not come clearly before the corner.
+pub fn at_end(held: Held, time_s: &[f64], position_m: &[f64], noise_m: f64) -> (Held, usize) {
+    let turned = |held: Held| Held { time_s: -held.time_s, speed: -held.speed, ..held };
+    let backwards: (Vec<f64>, Vec<f64>) = time_s.iter().zip(position_m).rev().map(|(t, x)| (-t, *x)).unzip();
+    let (held, rows) = at_begin(turned(held), &backwards.0, &backwards.1, noise_m);
+    (turned(held), rows)
+}
+
+/// Where a move begins at once.
+struct Corner {
+    /// Time, s.
+    time_s: f64,
+    /// Speed there over that of the hold, m/s.
+    speed: f64,
+}
+
+/// The corner between a hold and a move, if there is one: by the move's rows from the hold on, whose times grow, and their distances
+/// from where the hold leads, m.
+fn corner(time_s: &[f64], off_m: &[f64], noise_m: f64) -> Option<Corner> {
+    let is_off = |rows: &[f64]| rows.iter().all(|off| off.abs() > UNDER_WAY.1 * noise_m);
+    let begun = off_m.windows(UNDER_WAY.0).position(is_off).filter(|begun| *begun > 0)?;
+    let before = begun.saturating_sub(BEFORE);
+    let moments = time_s[before]..time_s[begun];
+    let rows = ROWS.into_iter().filter(|rows| begun + rows <= time_s.len());
+    let followed = rows.flat_map(|rows| {
+        let near = before..begun + rows;
+        let coefficients = COEFFICIENTS.take_while(move |count| count + SPARE <= rows);
+        coefficients.map(move |count| (near.clone(), count))
+    });
+    let (near, count, curve) = { followed }.find_map(|(near, count)| {
+        let rows = Rows { time_s: &time_s[near.clone()], off_m: &off_m[near.clone()], noise_m };
+        let curve = rows.nearest([1, count], moments.clone());
+        curve.is_within_noise(count).then_some((near, count, curve))
+    })?;
+    let rows = Rows { time_s: &time_s[near.clone()], off_m: &off_m[near], noise_m };
+    let is_corner =
+        curve.first * off_m[begun] > 0.0 && rows.nearest([2, count], moments).squares() > curve.squares() + CLEAR;
+    is_corner.then_some(Corner { time_s: curve.begin_s, speed: curve.first })
+}
+
+/// Rows beside the end of a hold.
+struct Rows<'a> {
+    time_s: &'a [f64],
+    off_m: &'a [f64],
+    noise_m: f64,
+}
+
+/// A curve that leaves the hold.
+struct Curve {
+    begin_s: f64,
+    /// Its coefficient of lowest power.
+    first: f64,
+    /// Rows before it and under way.
+    rows: [usize; 2],
+    /// Squares of their distances from it over their noise.
+    squares_of: [f64; 2],
+}
+
+impl Curve {
+    fn squares(&self) -> f64 {
+        self.squares_of[0] + self.squares_of[1]
+    }
+
+    /// Whether the rows under way are as near to it as noise puts them, where it has so many coefficients.
+    fn is_within_noise(&self, coefficients: usize) -> bool {
+        let free = self.rows[1].saturating_sub(coefficients + 1).max(1) as f64;
+        self.squares_of[1] < free + DEVIATIONS * (2.0 * free).sqrt()
+    }
+}
+
+impl Rows<'_> {
+    /// The curve that comes nearest to the rows, of those of that lowest power and so many coefficients that begin between two moments.
+    fn nearest(&self, form: [usize; 2], moments: Range<f64>) -> Curve {
+        const PARTS: usize = 40;
+        const HALVINGS: usize = 12;
+        let step = (moments.end - moments.start) / PARTS as f64;
+        let curves = (0..PARTS).map(|part| self.curve(form, moments.start + part as f64 * step));
+        let nearer = |p: &Curve, q: &Curve| p.squares().total_cmp(&q.squares());
+        let nearest = curves.min_by(nearer).expect("there are parts");
+        (1..=HALVINGS).fold(nearest, |nearest, halving| {
+            let step = step * 0.5f64.powi(halving as i32);
+            let beside = [-step, step].map(|by| (nearest.begin_s + by).clamp(moments.start, moments.end));
+            let beside = beside.map(|begin_s| self.curve(form, begin_s));
+            beside.into_iter().chain([nearest]).min_by(nearer).expect("there are three")
+        })
+    }
+
+    /// The curve that begins at that moment.
+    fn curve(&self, [lowest, count]: [usize; 2], begin_s: f64) -> Curve {
+        let first = self.time_s.partition_point(|t| *t <= begin_s);
+        let scale = self.time_s[self.time_s.len() - 1] - begin_s;
+        let powers = |t: f64| {
+            let u = (t - begin_s) / scale;
+            let powers = std::iter::successors(Some(u.powi(lowest as i32)), |power| Some(power * u));
+            SVector::<f64, MOST>::from_iterator(
+                powers.enumerate().map(|(k, power)| if k < count { power } else { 0.0 }),
+            )
+        };
+        let rows = || self.time_s[first..].iter().zip(&self.off_m[first..]);
+        // Ones in place of the powers that are not asked for.
+        let unused = SMatrix::from_fn(|i, j| if i == j && i >= count { 1.0 } else { 0.0 });
+        let sums = (unused, SVector::<f64, MOST>::zeros());
+        let (square, right) = rows().fold(sums, |(square, right), (t, off)| {
+            let powers = powers(*t);
+            (square + powers * powers.transpose(), right + powers * *off)
+        });
+        let curve = square.cholesky().map_or(SVector::zeros(), |factor| factor.solve(&right));
+        let held: f64 = self.off_m[..first].iter().map(|off| off * off).sum();
+        let moved: f64 = rows().map(|(t, off)| (off - curve.dot(&powers(*t))).powi(2)).sum();
+        Curve {
+            begin_s,
+            first: curve[0] / scale.powi(lowest as i32),
+            rows: [first, self.time_s.len() - first],
+            squares_of: [held, moved].map(|squares| squares / (self.noise_m * self.noise_m)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    const NOISE_M: f64 = 5e-6;
+
+    fn found(row_s: f64, stroke: impl Fn(f64) -> f64, seed: u64) -> Option<Corner> {
+        let mut random = Random::new(seed);
+        let rows = (1.5 / row_s) as u32;
+        let (time, off): (Vec<f64>, Vec<f64>) =
+            (0..rows).map(|i| f64::from(i) * row_s).map(|t| (t, stroke(t) + NOISE_M * random.normal())).unzip();
+        corner(&time, &off, NOISE_M)
+    }
+
+    #[test]
+    fn a_piston_that_leaves_at_once_has_a_corner_between_two_rows() {
+        for row_s in [0.02, 0.01, 0.004, 0.002, 2e-4] {
+            for seed in 0..6 {
+                let begin = 0.2 + row_s * (0.05 + 0.16 * seed as f64);
+                let tends = |t: f64| 0.07 * (1.0 - (-(t - begin).max(0.0) / 0.12).exp());
+                let found = found(row_s, tends, seed).expect("a corner");
+                let speed = 0.07 / 0.12;
+                let off_m = speed * (found.time_s - begin);
+                let most_m = 0.01 * speed * row_s + 3.0 * NOISE_M;
+                assert!(off_m.abs() < most_m && (found.speed / speed - 1.0).abs() < 0.01, "{row_s} {seed}: {off_m}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_gentle_start_is_no_corner() {
+        let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let sine = |u: f64| 0.5 - 0.5 * (std::f64::consts::PI * u).cos();
+        let forms: [&dyn Fn(f64) -> f64; 2] = [&smooth, &sine];
+        for way in forms {
+            for (row_s, length_s) in [(0.02, 0.6), (0.004, 0.3), (0.002, 1.2), (2e-4, 0.3), (2e-4, 1.2)] {
+                for seed in 0..4 {
+                    let stroke = |t: f64| 0.07 * way(((t - 0.2013) / length_s).clamp(0.0, 1.0));
+                    assert!(found(row_s, stroke, seed).is_none(), "{row_s} {length_s} {seed}");
+                }
+            }
+        }
+    }
+}
