@@ -29,30 +29,59 @@ const CLEAR: f64 = 25.0;
 /// Time from a corner to the first row that a curve goes through, in rows: the noise of one right behind it would shake the speed.
 const BEHIND: f64 = 0.5;
 
-/// The hold that a move leaves, moved on to the corner where it does so at once, and how many of the move's rows do not come clearly
-/// behind that corner.
-pub fn at_begin(held: Held, time_s: &[f64], position_m: &[f64], noise_m: f64) -> (Held, usize) {
-    let off: Vec<f64> = time_s.iter().zip(position_m).map(|(t, x)| x - held.at(*t)).collect();
-    let Some(Corner { time_s: begin_s, speed }) = corner(time_s, &off, noise_m) else { return (held, 0) };
-    let at_corner = Held { time_s: begin_s, position_m: held.at(begin_s), speed: held.speed + speed, at_once: true };
-    let row_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
-    (at_corner, time_s.partition_point(|t| *t < begin_s + BEHIND * row_s))
+/// The hold that a move leaves, moved on to the corner where it does so at once. The move's rows then begin with the corner, and the
+/// first ones lie on the curve from there on, since each of them alone is as far off as the noise.
+pub fn at_begin(held: Held, time_s: &mut Vec<f64>, position_m: &mut Vec<f64>, noise_m: f64) -> Held {
+    let off: Vec<f64> = time_s.iter().zip(position_m.iter()).map(|(t, x)| x - held.at(*t)).collect();
+    let begin = corner(time_s, &off, noise_m).map(|corner| {
+        let row_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+        let first = time_s.partition_point(|t| *t < corner.time_s + BEHIND * row_s);
+        for row in first..corner.followed {
+            position_m[row] = held.at(time_s[row]) + corner.off_at(time_s[row]);
+        }
+        let speed = held.speed + corner.speed();
+        (first, Held { time_s: corner.time_s, position_m: held.at(corner.time_s), speed, at_once: true })
+    });
+    let (rows, held) = begin.unwrap_or((0, held));
+    time_s.splice(..rows, [held.time_s]);
+    position_m.splice(..rows, [held.position_m]);
+    held
 }
 
-/// The same of the hold that a move ends in, with how many of the move's rows do not come clearly before the corner.
-pub fn at_end(held: Held, time_s: &[f64], position_m: &[f64], noise_m: f64) -> (Held, usize) {
+/// The same of the hold that a move ends in, and of the move's end.
+pub fn at_end(held: Held, time_s: &mut Vec<f64>, position_m: &mut Vec<f64>, noise_m: f64) -> Held {
     let turned = |held: Held| Held { time_s: -held.time_s, speed: -held.speed, ..held };
-    let backwards: (Vec<f64>, Vec<f64>) = time_s.iter().zip(position_m).rev().map(|(t, x)| (-t, *x)).unzip();
-    let (held, rows) = at_begin(turned(held), &backwards.0, &backwards.1, noise_m);
-    (turned(held), rows)
+    let turn = |time_s: &mut Vec<f64>, position_m: &mut Vec<f64>| {
+        time_s.reverse();
+        time_s.iter_mut().for_each(|t| *t = -*t);
+        position_m.reverse();
+    };
+    turn(time_s, position_m);
+    let held = turned(at_begin(turned(held), time_s, position_m, noise_m));
+    turn(time_s, position_m);
+    held
 }
 
-/// Where a move begins at once.
+/// Where a move begins at once, and how it goes on from the hold.
 struct Corner {
     /// Time, s.
     time_s: f64,
+    /// Distance from the hold by the powers of the time since then, m/s and on.
+    powers: [f64; MOST],
+    /// One past the last row that lies on this curve for certain.
+    followed: usize,
+}
+
+impl Corner {
     /// Speed there over that of the hold, m/s.
-    speed: f64,
+    fn speed(&self) -> f64 {
+        self.powers[0]
+    }
+
+    fn off_at(&self, time_s: f64) -> f64 {
+        let u = time_s - self.time_s;
+        u * self.powers.iter().rev().fold(0.0, |sum, power| sum * u + power)
+    }
 }
 
 /// The corner between a hold and a move, if there is one: by the move's rows from the hold on, whose times grow, and their distances
@@ -63,20 +92,21 @@ fn corner(time_s: &[f64], off_m: &[f64], noise_m: f64) -> Option<Corner> {
     let before = begun.saturating_sub(BEFORE);
     let moments = time_s[before]..time_s[begun];
     let rows = ROWS.into_iter().filter(|rows| begun + rows <= time_s.len());
-    let followed = rows.flat_map(|rows| {
+    let tried = rows.flat_map(|rows| {
         let near = before..begun + rows;
         let coefficients = COEFFICIENTS.take_while(move |count| count + SPARE <= rows);
         coefficients.map(move |count| (near.clone(), count))
     });
-    let (near, count, curve) = { followed }.find_map(|(near, count)| {
+    let (near, count, curve) = { tried }.find_map(|(near, count)| {
         let rows = Rows { time_s: &time_s[near.clone()], off_m: &off_m[near.clone()], noise_m };
         let curve = rows.nearest([1, count], moments.clone());
         curve.is_within_noise(count).then_some((near, count, curve))
     })?;
-    let rows = Rows { time_s: &time_s[near.clone()], off_m: &off_m[near], noise_m };
+    let rows = Rows { time_s: &time_s[near.clone()], off_m: &off_m[near.clone()], noise_m };
     let is_corner =
-        curve.first * off_m[begun] > 0.0 && rows.nearest([2, count], moments).squares() > curve.squares() + CLEAR;
-    is_corner.then_some(Corner { time_s: curve.begin_s, speed: curve.first })
+        curve.powers[0] * off_m[begun] > 0.0 && rows.nearest([2, count], moments).squares() > curve.squares() + CLEAR;
+    let followed = begun + (near.end - begun) / 2;
+    is_corner.then_some(Corner { time_s: curve.begin_s, powers: curve.powers, followed })
 }
 
 /// Rows beside the end of a hold.
@@ -89,8 +119,8 @@ struct Rows<'a> {
 /// A curve that leaves the hold.
 struct Curve {
     begin_s: f64,
-    /// Its coefficient of lowest power.
-    first: f64,
+    /// Its coefficients, from the lowest power on, with the time in s.
+    powers: [f64; MOST],
     /// Rows before it and under way.
     rows: [usize; 2],
     /// Squares of their distances from it over their noise.
@@ -150,7 +180,7 @@ impl Rows<'_> {
         let moved: f64 = rows().map(|(t, off)| (off - curve.dot(&powers(*t))).powi(2)).sum();
         Curve {
             begin_s,
-            first: curve[0] / scale.powi(lowest as i32),
+            powers: std::array::from_fn(|k| curve[k] / scale.powi((lowest + k) as i32)),
             rows: [first, self.time_s.len() - first],
             squares_of: [held, moved].map(|squares| squares / (self.noise_m * self.noise_m)),
         }
@@ -182,7 +212,7 @@ mod tests {
                 let speed = 0.07 / 0.12;
                 let off_m = speed * (found.time_s - begin);
                 let most_m = 0.01 * speed * row_s + 3.0 * NOISE_M;
-                assert!(off_m.abs() < most_m && (found.speed / speed - 1.0).abs() < 0.01, "{row_s} {seed}: {off_m}");
+                assert!(off_m.abs() < most_m && (found.speed() / speed - 1.0).abs() < 0.01, "{row_s} {seed}: {off_m}");
             }
         }
     }

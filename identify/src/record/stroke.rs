@@ -4,7 +4,7 @@
 //! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a short one by `smoothed`,
 //! a long one by `thinned`. A hold is the mean of its samples, so that the position's own noise is averaged away. A move at
 //! constant speed keeps its corners ([`crate::record::ramp`]), as does one that leaves a hold at once or is stopped
-//! ([`crate::record::corner`]). Position in m, time in s from the record's start.
+//! (`corner`). Position in m, time in s from the record's start.
 
 use crate::record::corner;
 use crate::record::line::Line;
@@ -231,20 +231,10 @@ fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64], noi
         let (position_m, speed) = hold.stroke.at(time_s, &near);
         Held { time_s, position_m, speed, at_once: false }
     };
-    let before = k.checked_sub(1).map(|k| {
-        let (before, rows) = corner::at_begin(held(&segments[k], segment.from_s), &time, &value, noise_m);
-        time.splice(..rows, [before.time_s]);
-        value.splice(..rows, [before.position_m]);
-        before
-    });
-    let after = segments.get(k + 1).map(|next| {
-        let (after, rows) = corner::at_end(held(next, time_s[next.first]), &time, &value, noise_m);
-        time.truncate(time.len() - rows);
-        value.truncate(value.len() - rows);
-        time.push(after.time_s);
-        value.push(after.position_m);
-        after
-    });
+    let before =
+        k.checked_sub(1).map(|k| corner::at_begin(held(&segments[k], segment.from_s), &mut time, &mut value, noise_m));
+    let after =
+        segments.get(k + 1).map(|next| corner::at_end(held(next, time_s[next.first]), &mut time, &mut value, noise_m));
     let speeds = [before, after].map(|held| held.map(|held| held.speed));
     let curve = match (before, after) {
         _ if time.len() >= thinned::FEWEST_ROWS => Some(thinned::through(&time, &value, speeds, noise_m)),
