@@ -11,7 +11,7 @@ use crate::record::smoothed::Held;
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Rows in a row that stand off the hold by so many deviations are under way.
+/// So many rows, one behind the other, that all stand off the hold by so many deviations are under way.
 const UNDER_WAY: (usize, f64) = (2, 5.0);
 /// Rows under way through which the curves go: as many as a curve with a corner follows.
 const ROWS: [usize; 10] = [384, 192, 96, 64, 48, 32, 24, 16, 12, 8];
@@ -91,21 +91,22 @@ fn corner(time_s: &[f64], off_m: &[f64], noise_m: f64) -> Option<Corner> {
     let begun = off_m.windows(UNDER_WAY.0).position(is_off).filter(|begun| *begun > 0)?;
     let before = begun.saturating_sub(BEFORE);
     let moments = time_s[before]..time_s[begun];
-    let rows = ROWS.into_iter().filter(|rows| begun + rows <= time_s.len());
-    let tried = rows.flat_map(|rows| {
-        let near = before..begun + rows;
-        let coefficients = COEFFICIENTS.take_while(move |count| count + SPARE <= rows);
-        coefficients.map(move |count| (near.clone(), count))
+    let beside = |under_way: usize| {
+        let near = before..begun + under_way;
+        Rows { time_s: &time_s[near.clone()], off_m: &off_m[near], noise_m }
+    };
+    let numbers = ROWS.into_iter().filter(|under_way| begun + under_way <= time_s.len());
+    let tried = numbers.flat_map(|under_way| {
+        let coefficients = COEFFICIENTS.take_while(move |count| count + SPARE <= under_way);
+        coefficients.map(move |coefficients| (under_way, Form { lowest: 1, coefficients }))
     });
-    let (near, count, curve) = { tried }.find_map(|(near, count)| {
-        let rows = Rows { time_s: &time_s[near.clone()], off_m: &off_m[near.clone()], noise_m };
-        let curve = rows.nearest([1, count], moments.clone());
-        curve.is_within_noise(count).then_some((near, count, curve))
+    let (under_way, at_once, curve) = { tried }.find_map(|(under_way, at_once)| {
+        let curve = beside(under_way).nearest(at_once, moments.clone());
+        curve.is_within_noise(at_once.coefficients).then_some((under_way, at_once, curve))
     })?;
-    let rows = Rows { time_s: &time_s[near.clone()], off_m: &off_m[near.clone()], noise_m };
-    let is_corner =
-        curve.powers[0] * off_m[begun] > 0.0 && rows.nearest([2, count], moments).squares() > curve.squares() + CLEAR;
-    let followed = begun + (near.end - begun) / 2;
+    let gentle = beside(under_way).nearest(Form { lowest: 2, ..at_once }, moments);
+    let is_corner = curve.powers[0] * off_m[begun] > 0.0 && gentle.squares > curve.squares + CLEAR;
+    let followed = begun + under_way / 2;
     is_corner.then_some(Corner { time_s: curve.begin_s, powers: curve.powers, followed })
 }
 
@@ -116,37 +117,42 @@ struct Rows<'a> {
     noise_m: f64,
 }
 
+/// Powers of the time since a curve begins that it consists of.
+#[derive(Clone, Copy)]
+struct Form {
+    lowest: usize,
+    coefficients: usize,
+}
+
 /// A curve that leaves the hold.
 struct Curve {
     begin_s: f64,
     /// Its coefficients, from the lowest power on, with the time in s.
     powers: [f64; MOST],
-    /// Rows before it and under way.
-    rows: [usize; 2],
-    /// Squares of their distances from it over their noise.
-    squares_of: [f64; 2],
+    /// Rows behind its begin.
+    under_way: usize,
+    /// Squares of their distances from it over their noise, ...
+    squares_under_way: f64,
+    /// ...and of those of all rows, before it from the hold.
+    squares: f64,
 }
 
 impl Curve {
-    fn squares(&self) -> f64 {
-        self.squares_of[0] + self.squares_of[1]
-    }
-
     /// Whether the rows under way are as near to it as noise puts them, where it has so many coefficients.
     fn is_within_noise(&self, coefficients: usize) -> bool {
-        let free = self.rows[1].saturating_sub(coefficients + 1).max(1) as f64;
-        self.squares_of[1] < free + DEVIATIONS * (2.0 * free).sqrt()
+        let free = self.under_way.saturating_sub(coefficients + 1).max(1) as f64;
+        self.squares_under_way < free + DEVIATIONS * (2.0 * free).sqrt()
     }
 }
 
 impl Rows<'_> {
-    /// The curve that comes nearest to the rows, of those of that lowest power and so many coefficients that begin between two moments.
-    fn nearest(&self, form: [usize; 2], moments: Range<f64>) -> Curve {
+    /// The curve that comes nearest to the rows, of those of that form that begin between two moments.
+    fn nearest(&self, form: Form, moments: Range<f64>) -> Curve {
         const PARTS: usize = 40;
         const HALVINGS: usize = 12;
         let step = (moments.end - moments.start) / PARTS as f64;
         let curves = (0..PARTS).map(|part| self.curve(form, moments.start + part as f64 * step));
-        let nearer = |p: &Curve, q: &Curve| p.squares().total_cmp(&q.squares());
+        let nearer = |p: &Curve, q: &Curve| p.squares.total_cmp(&q.squares);
         let nearest = curves.min_by(nearer).expect("there are parts");
         (1..=HALVINGS).fold(nearest, |nearest, halving| {
             let step = step * 0.5f64.powi(halving as i32);
@@ -157,32 +163,34 @@ impl Rows<'_> {
     }
 
     /// The curve that begins at that moment.
-    fn curve(&self, [lowest, count]: [usize; 2], begin_s: f64) -> Curve {
+    fn curve(&self, Form { lowest, coefficients }: Form, begin_s: f64) -> Curve {
         let first = self.time_s.partition_point(|t| *t <= begin_s);
         let scale = self.time_s[self.time_s.len() - 1] - begin_s;
         let powers = |t: f64| {
             let u = (t - begin_s) / scale;
             let powers = std::iter::successors(Some(u.powi(lowest as i32)), |power| Some(power * u));
             SVector::<f64, MOST>::from_iterator(
-                powers.enumerate().map(|(k, power)| if k < count { power } else { 0.0 }),
+                powers.enumerate().map(|(k, power)| if k < coefficients { power } else { 0.0 }),
             )
         };
         let rows = || self.time_s[first..].iter().zip(&self.off_m[first..]);
         // Ones in place of the powers that are not asked for.
-        let unused = SMatrix::from_fn(|i, j| if i == j && i >= count { 1.0 } else { 0.0 });
+        let unused = SMatrix::from_fn(|i, j| if i == j && i >= coefficients { 1.0 } else { 0.0 });
         let sums = (unused, SVector::<f64, MOST>::zeros());
         let (square, right) = rows().fold(sums, |(square, right), (t, off)| {
             let powers = powers(*t);
             (square + powers * powers.transpose(), right + powers * *off)
         });
         let curve = square.cholesky().map_or(SVector::zeros(), |factor| factor.solve(&right));
-        let held: f64 = self.off_m[..first].iter().map(|off| off * off).sum();
-        let moved: f64 = rows().map(|(t, off)| (off - curve.dot(&powers(*t))).powi(2)).sum();
+        let over_noise = |squares: f64| squares / (self.noise_m * self.noise_m);
+        let held = over_noise(self.off_m[..first].iter().map(|off| off * off).sum());
+        let squares_under_way = over_noise(rows().map(|(t, off)| (off - curve.dot(&powers(*t))).powi(2)).sum());
         Curve {
             begin_s,
             powers: std::array::from_fn(|k| curve[k] / scale.powi((lowest + k) as i32)),
-            rows: [first, self.time_s.len() - first],
-            squares_of: [held, moved].map(|squares| squares / (self.noise_m * self.noise_m)),
+            under_way: self.time_s.len() - first,
+            squares_under_way,
+            squares: held + squares_under_way,
         }
     }
 }

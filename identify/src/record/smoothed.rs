@@ -45,9 +45,9 @@ pub fn between(time_s: &[f64], position_m: &[f64], [before, after]: [Held; 2], n
     let (low, high) = extent(position_m);
     let noise_m = noise_m.max(FINEST * (high - low));
     let off = |i: usize, held: &Held| ((position_m[i] - held.at(time_s[i])) / noise_m).powi(2);
-    let is_held = |i: &usize, held: &Held| off(*i, held) < DEVIATIONS * DEVIATIONS;
-    let first = (1..n).take_while(|i| !before.at_once && is_held(i, &before)).count();
-    let last = n - 1 - (1..n).take_while(|i| !after.at_once && is_held(&(n - 1 - i), &after)).count();
+    let is_held = |i: &usize, held: &Held| !held.at_once && off(*i, held) < DEVIATIONS * DEVIATIONS;
+    let first = (1..n).take_while(|i| is_held(i, &before)).count();
+    let last = n - 1 - (1..n).take_while(|i| is_held(&(n - 1 - i), &after)).count();
     if first >= last {
         return None;
     }
