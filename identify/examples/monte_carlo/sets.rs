@@ -1,7 +1,7 @@
 //! The sets of a study: which rig, what is in it.
 
 use chamber::effects::CARDS;
-use identify::synthetic::recording::Stated;
+use identify::synthetic::recording::{Stated, faults::drawn_bent};
 use identify::synthetic::{Random, Recipe, outside, simulated};
 
 /// Strengths of the rates against strength.
@@ -41,8 +41,9 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
     let seed = index + 1_000_000 * (1 + place as u64);
     let mut recipe = if wide { Recipe::wide(seed) } else { Recipe::from_seed(seed) };
     let mut random = Random::new(seed);
-    // Bore, position and ambient temperature are stated as well as their tolerances say.
+    // Bore, position and ambient temperature are stated as well as their tolerances say, and positions as straight.
     recipe.faults.stated = Stated::drawn(&mut random);
+    recipe.faults.position_wave = drawn_bent(&mut Random::new(seed ^ 0xbe7));
     let (recipe, truth, strength) = match study {
         "clean" => (recipe, "none".to_owned(), 0.0),
         "effects" => {

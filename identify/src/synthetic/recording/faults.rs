@@ -5,6 +5,7 @@
 
 use super::disturbance::Disturbance;
 use crate::synthetic::random::Random;
+use std::f64::consts::TAU;
 
 /// A value that all records have in common and a part of its own in each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,6 +61,17 @@ impl Stated {
             ambient_offset_k: 2.0 * random.normal(),
         }
     }
+}
+
+/// Positions off a straight line ([`Faults::position_wave`]): amplitude over the way, drawn along half a wave to one and a half.
+pub fn bent(share: f64, random: &mut Random) -> Option<(f64, [f64; 2])> {
+    let begin = random.uniform() * TAU;
+    Some((share, [begin, begin + (0.5 + random.uniform()) * TAU]))
+}
+
+/// The same as far as the linearity allows that a rig file has by default, 0.02 % (standard deviation).
+pub fn drawn_bent(random: &mut Random) -> Option<(f64, [f64; 2])> {
+    bent(2e-4 * random.normal(), random)
 }
 
 impl Default for Stated {

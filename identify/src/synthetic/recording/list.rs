@@ -1,8 +1,7 @@
 //! The recordings: one entry a kind.
 
-use super::{Disturbance, Expected, Filled, Random, Recipe, Recording, Scattered, Stated};
+use super::{Disturbance, Expected, Filled, Random, Recipe, Recording, Scattered, Stated, faults::bent};
 use crate::synthetic::Outside;
-use std::f64::consts::TAU;
 
 /// Step of a converter of 12 bit over 16 bar, Pa.
 const TWELVE_BIT_PA: f64 = 1.6e6 / 4096.0;
@@ -342,10 +341,7 @@ pub const ALL: &[Recording] = &[
     Recording {
         name: "position-bent",
         what: "positions off a straight line by 0.05 % of the way, along half a wave to one and a half",
-        changes: |r, random| {
-            let begin = random.uniform() * TAU;
-            r.faults.position_wave = Some((5e-4, [begin, begin + (0.5 + random.uniform()) * TAU]));
-        },
+        changes: |r, random| r.faults.position_wave = bent(5e-4, random),
         ..PLAIN
     },
 ];
