@@ -63,15 +63,15 @@ impl Stated {
     }
 }
 
-/// Positions off a straight line ([`Faults::position_wave`]): amplitude over the way, drawn along half a wave to one and a half.
-pub fn bent(share: f64, random: &mut Random) -> Option<(f64, [f64; 2])> {
+/// A [`Faults::position_wave`] of that amplitude over the way, along half a wave to one and a half.
+pub fn wave(amplitude: f64, random: &mut Random) -> (f64, [f64; 2]) {
     let begin = random.uniform() * TAU;
-    Some((share, [begin, begin + (0.5 + random.uniform()) * TAU]))
+    (amplitude, [begin, begin + (0.5 + random.uniform()) * TAU])
 }
 
-/// The same as far as the linearity allows that a rig file has by default, 0.02 % (standard deviation).
-pub fn drawn_bent(random: &mut Random) -> Option<(f64, [f64; 2])> {
-    bent(2e-4 * random.normal(), random)
+/// One with the amplitude drawn from the linearity that a rig file has by default, 0.02 % (standard deviation).
+pub fn drawn_wave(random: &mut Random) -> (f64, [f64; 2]) {
+    wave(2e-4 * random.normal(), random)
 }
 
 impl Default for Stated {
