@@ -302,12 +302,23 @@ impl Recipe {
         self
     }
 
-    /// The chamber with the dead volume that counts from the recorded zero of the position.
+    /// The chamber with the dead volume that counts from the recorded zero of the position, on the straight line through the
+    /// recorded ends of the way.
     pub fn chamber_as_recorded(&self) -> Chamber {
         let mut chamber = self.chamber;
         let stated = &self.faults.stated;
-        chamber.geometry.dead_volume -= chamber.geometry.piston_area * stated.position_offset_m / stated.position_times;
+        let (low, high) = self.way();
+        let [at_low, at_high] = [low, high].map(|x| self.off_a_straight_line(x));
+        let slope = (at_high - at_low) / (high - low);
+        let zero = stated.position_offset_m + at_low - slope * low;
+        chamber.geometry.dead_volume -= chamber.geometry.piston_area * zero / (stated.position_times + slope);
         chamber
+    }
+
+    /// The lowest and the highest position of all tests, m.
+    fn way(&self) -> (f64, f64) {
+        let places = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
+        places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     }
 
     /// The rig with its simulated traces.
@@ -352,8 +363,7 @@ impl Recipe {
     /// By how much the position is recorded off a straight line there, m.
     fn off_a_straight_line(&self, position_m: f64) -> f64 {
         let Some((share, [begin, end])) = self.faults.position_wave else { return 0.0 };
-        let places = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
-        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let (low, high) = self.way();
         share * (high - low) * (begin + (end - begin) * (position_m - low) / (high - low)).sin()
     }
 
