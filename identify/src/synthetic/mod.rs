@@ -310,8 +310,8 @@ impl Recipe {
         let (low, high) = self.way();
         let [at_low, at_high] = [low, high].map(|x| self.off_a_straight_line(x));
         let slope = (at_high - at_low) / (high - low);
-        let zero = stated.position_offset_m + at_low - slope * low;
-        chamber.geometry.dead_volume -= chamber.geometry.piston_area * zero / (stated.position_times + slope);
+        let zero = stated.position_offset_m / stated.position_times + at_low - slope * low;
+        chamber.geometry.dead_volume -= chamber.geometry.piston_area * zero / (1.0 + slope);
         chamber
     }
 

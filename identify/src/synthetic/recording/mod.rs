@@ -159,6 +159,29 @@ mod tests {
     }
 
     #[test]
+    fn the_dead_volume_counts_from_the_recorded_zero_whatever_bends_and_shifts_the_positions() {
+        let mut recipe = Recipe::from_seed(7);
+        (recipe.position_noise_m, recipe.position_step_m) = (0.0, 1e-15);
+        let ends = |recipe: &Recipe| {
+            let rig = recipe.rig();
+            let positions = rig.experiments.iter().flat_map(|e| &e.traces).flat_map(|t| &t.position_m);
+            positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+        };
+        let [low, high] = ends(&recipe);
+        let mut bent = recipe.clone();
+        bent.faults.position_wave = Some((5e-4, [0.4, 1.9]));
+        bent.faults.stated = Stated { position_times: 1.004, position_offset_m: 3e-4, ..Stated::default() };
+        let [recorded_low, recorded_high] = ends(&bent);
+        let per_recorded = (high - low) / (recorded_high - recorded_low);
+        let volume = |recipe: &Recipe, x: f64| {
+            let geometry = recipe.chamber_as_recorded().geometry;
+            geometry.dead_volume + geometry.piston_area * x
+        };
+        let (found, expected) = (volume(&bent, recorded_low * per_recorded), volume(&recipe, low));
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    }
+
+    #[test]
     fn only_the_name_of_what_is_there_is_right() {
         let white = recording("white");
         assert_eq!(white.judge(None, Some(&answer("adequate", &[], &[]))), Outcome::Right);
