@@ -24,8 +24,8 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Terms of the series, and the largest |v| for which they give temperatures within 2e-12 of themselves: those left out are of the
-/// order |v|^32, which at 0.45 was 2.3e-12.
+/// Terms of the series, and the largest |v| for which they give temperatures with a relative error of less than 2e-12: the terms left
+/// out are of the order |v|^32.
 const TERMS: usize = 32;
 const FARTHEST: f64 = 0.43;
 /// How near n may be to a whole number.

@@ -1,7 +1,7 @@
 //! The sets of a study: which rig, what is in it.
 
 use chamber::effects::CARDS;
-use identify::synthetic::recording::{Stated, faults::drawn_wave};
+use identify::synthetic::recording::{Stated, Wave};
 use identify::synthetic::{Random, Recipe, outside, simulated};
 
 /// Strengths of the rates against strength.
@@ -43,7 +43,7 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
     let mut random = Random::new(seed);
     // Bore, position and ambient temperature are stated as well as their tolerances say, and positions as straight.
     recipe.faults.stated = Stated::drawn(&mut random);
-    recipe.faults.position_wave = Some(drawn_wave(&mut Random::new(seed ^ 0xbe7)));
+    recipe.faults.position_wave = Some(Wave::drawn(&mut Random::new(seed ^ 0xbe7)));
     let (recipe, truth, strength) = match study {
         "clean" => (recipe, "none".to_owned(), 0.0),
         "effects" => {

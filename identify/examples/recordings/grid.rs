@@ -2,7 +2,7 @@
 
 use crate::options::{Effects, Options};
 use chamber::effects::CARDS;
-use identify::synthetic::recording::{ALL, Answer, Outcome, Recording, Stated, faults::drawn_wave};
+use identify::synthetic::recording::{ALL, Answer, Outcome, Recording, Stated, Wave};
 use identify::synthetic::{Random, Recipe, simulated, visibility};
 use serde::Serialize;
 use serde_json::Value;
@@ -96,7 +96,7 @@ impl Job {
             recipe.faults.stated = Stated::drawn(&mut Random::new(recipe.seed ^ 0x701e_4a5ce));
         }
         if self.tolerances && recipe.faults.position_wave.is_none() {
-            recipe.faults.position_wave = Some(drawn_wave(&mut Random::new(recipe.seed ^ 0xbe7)));
+            recipe.faults.position_wave = Some(Wave::drawn(&mut Random::new(recipe.seed ^ 0xbe7)));
         }
         let Some(e) = self.effect else { return (recipe, None) };
         let mut at = (0.0, 0.0);

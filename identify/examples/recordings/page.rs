@@ -11,8 +11,8 @@ const VERDICTS: [&str; 5] = ["adequate", "explained", "improved", "unexplained",
 pub fn page(options: &Options, rows: &[Row]) -> String {
     let stated = if options.tolerances {
         "Every rig file states bore, position and ambient temperature with errors drawn from their default tolerances \
-         (standard deviations 0.5 %, 0.5 % and 0.5 mm, 2 K), and its positions lie off a straight line by a wave as high \
-         as the default linearity allows (0.02 % of the way)."
+         (standard deviations 0.5 %, 0.5 % and 0.5 mm, 2 K), and its positions lie off a straight line by a wave \
+         drawn from the default linearity (0.02 % of the way)."
     } else {
         "Rig files state bore, position and ambient temperature exactly where the row does not say otherwise."
     };

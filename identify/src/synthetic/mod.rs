@@ -17,6 +17,7 @@ pub use random::Random;
 pub use recording::{Faults, Recording};
 pub use stroke::{Move, Shape, Stroke};
 
+use crate::record::spline::extent;
 use chamber::effects::{self, CARDS, PARAMETER_OFFSETS};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use rayon::prelude::*;
@@ -240,13 +241,7 @@ impl Recipe {
     /// Sonic conductance of a leak at a strength, m³/(s Pa): 1 loses 1 % of the gas in a relaxation time at 3 bar.
     pub fn leak_of(&self, strength: f64) -> f64 {
         let (_, relaxation) = self.scales();
-        1e-2 * self.chamber.geometry.volume(self.shortest_m()) / 1e5 / relaxation * strength
-    }
-
-    /// Smallest position of any test, m.
-    fn shortest_m(&self) -> f64 {
-        let ends = |t: &Test| t.moves.iter().map(|m| m.0).fold(t.from_m, f64::min);
-        self.tests.iter().map(ends).fold(f64::INFINITY, f64::min)
+        1e-2 * self.chamber.geometry.volume(self.way().0) / 1e5 / relaxation * strength
     }
 
     fn scales_at(&self, position: f64) -> (f64, f64) {
@@ -258,13 +253,13 @@ impl Recipe {
 
     /// Heat capacity of the gas at 3 bar, J/K, and its relaxation time, s: scales for strengths.
     fn scales(&self) -> (f64, f64) {
-        self.scales_at(self.shortest_m())
+        self.scales_at(self.way().0)
     }
 
     /// An effect of the list at a strength: 1 is about what a worn bench shows.
     pub fn with_strength(self, effect: usize, strength: f64) -> Self {
         let (capacity, relaxation) = self.scales();
-        let volume = self.chamber.geometry.volume(self.shortest_m());
+        let volume = self.chamber.geometry.volume(self.way().0);
         let values: Vec<f64> = match CARDS[effect].name {
             "leakage" => vec![self.leak_of(strength)],
             "wall_heating" => vec![8.0 * capacity / strength, 0.3 * capacity / relaxation],
@@ -308,7 +303,7 @@ impl Recipe {
         let mut chamber = self.chamber;
         let stated = &self.faults.stated;
         let (low, high) = self.way();
-        let [at_low, at_high] = [low, high].map(|x| self.off_a_straight_line(x));
+        let [at_low, at_high] = [low, high].map(self.off_a_straight_line());
         let slope = (at_high - at_low) / (high - low);
         let zero = stated.position_offset_m / stated.position_times + at_low - slope * low;
         chamber.geometry.dead_volume -= chamber.geometry.piston_area * zero / (1.0 + slope);
@@ -318,7 +313,7 @@ impl Recipe {
     /// The lowest and the highest position of all tests, m.
     fn way(&self) -> (f64, f64) {
         let places = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
-        places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        extent(&places.collect::<Vec<_>>())
     }
 
     /// The rig with its simulated traces.
@@ -360,11 +355,10 @@ impl Recipe {
         }
     }
 
-    /// By how much the position is recorded off a straight line there, m.
-    fn off_a_straight_line(&self, position_m: f64) -> f64 {
-        let Some((share, [begin, end])) = self.faults.position_wave else { return 0.0 };
-        let (low, high) = self.way();
-        share * (high - low) * (begin + (end - begin) * (position_m - low) / (high - low)).sin()
+    /// By how much positions are recorded off a straight line, m, over the position.
+    fn off_a_straight_line(&self) -> impl Fn(f64) -> f64 {
+        let (wave, way) = (self.faults.position_wave, self.way());
+        move |x| wave.map_or(0.0, |wave| wave.at(x, way))
     }
 
     fn trace(&self, test: usize, repeat: usize) -> Trace {
@@ -411,11 +405,12 @@ impl Recipe {
         let mut noisy = |value: f64, sd: f64, step: f64| rounded(value + sd * random.normal(), step);
         let mut pressure_pa: Vec<f64> = shown.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect();
         let stated = &faults.stated;
+        let off_a_straight_line = self.off_a_straight_line();
         let mut position_m: Vec<f64> = sampled(&read_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
             times.iter().map(|t| averaged(*t, faults.position_window_s, |t| stroke.at(t, t).0)).collect()
         })
         .into_iter()
-        .map(|x| x + self.off_a_straight_line(x))
+        .map(|x| x + off_a_straight_line(x))
         .map(|x| x * stated.position_times + stated.position_offset_m)
         .map(|x| noisy(x, self.position_noise_m, self.position_step_m))
         .collect();

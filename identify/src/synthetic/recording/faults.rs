@@ -63,20 +63,37 @@ impl Stated {
     }
 }
 
-/// A [`Faults::position_wave`] of that amplitude over the way, along half a wave to one and a half.
-pub fn wave(amplitude: f64, random: &mut Random) -> (f64, [f64; 2]) {
-    let begin = random.uniform() * TAU;
-    (amplitude, [begin, begin + (0.5 + random.uniform()) * TAU])
-}
-
-/// One with the amplitude drawn from the linearity that a rig file has by default, 0.02 % (standard deviation).
-pub fn drawn_wave(random: &mut Random) -> (f64, [f64; 2]) {
-    wave(2e-4 * random.normal(), random)
-}
-
 impl Default for Stated {
     fn default() -> Self {
         Self { bore_times: 1.0, position_times: 1.0, position_offset_m: 0.0, ambient_offset_k: 0.0 }
+    }
+}
+
+/// By how much positions lie off a straight line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// Amplitude over the way of all experiments.
+    pub amplitude: f64,
+    /// Angle at both ends of the way.
+    pub angles: [f64; 2],
+}
+
+impl Wave {
+    /// One of that amplitude along half a wave to one and a half.
+    pub fn along(amplitude: f64, random: &mut Random) -> Self {
+        let begin = random.uniform() * TAU;
+        Self { amplitude, angles: [begin, begin + (0.5 + random.uniform()) * TAU] }
+    }
+
+    /// One whose amplitude is drawn from the linearity that a rig file has by default (standard deviation): 0.02 % of the way.
+    pub fn drawn(random: &mut Random) -> Self {
+        Self::along(2e-4 * random.normal(), random)
+    }
+
+    /// Its height at a position of a way, m.
+    pub fn at(&self, position_m: f64, (low, high): (f64, f64)) -> f64 {
+        let [begin, end] = self.angles;
+        self.amplitude * (high - low) * (begin + (end - begin) * (position_m - low) / (high - low)).sin()
     }
 }
 
@@ -99,9 +116,8 @@ pub struct Faults {
     pub readout: Option<(f64, Filled)>,
     /// Standard deviation of the times at which rows are read about their stamps, over the time from row to row.
     pub jitter: f64,
-    /// By how much positions lie off a straight line: amplitude of a wave over the way of all experiments, and its angle at both
-    /// ends of that.
-    pub position_wave: Option<(f64, [f64; 2])>,
+    /// By how much positions lie off a straight line.
+    pub position_wave: Option<Wave>,
     /// How late the position is recorded, s.
     pub position_delay_s: f64,
     /// Time constant of a low-pass that the position passes, s.

@@ -1,6 +1,6 @@
 //! The recordings: one entry a kind.
 
-use super::{Disturbance, Expected, Filled, Random, Recipe, Recording, Scattered, Stated, faults::wave};
+use super::{Disturbance, Expected, Filled, Random, Recipe, Recording, Scattered, Stated, Wave};
 use crate::synthetic::Outside;
 
 /// Step of a converter of 12 bit over 16 bar, Pa.
@@ -341,7 +341,7 @@ pub const ALL: &[Recording] = &[
     Recording {
         name: "position-bent",
         what: "positions off a straight line by 0.05 % of the way, along half a wave to one and a half",
-        changes: |r, random| r.faults.position_wave = Some(wave(5e-4, random)),
+        changes: |r, random| r.faults.position_wave = Some(Wave::along(5e-4, random)),
         ..PLAIN
     },
 ];

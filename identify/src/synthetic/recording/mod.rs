@@ -8,7 +8,7 @@ pub mod faults;
 mod list;
 
 pub use disturbance::Disturbance;
-pub use faults::{Faults, Filled, Scattered, Stated, slow_readout};
+pub use faults::{Faults, Filled, Scattered, Stated, Wave, slow_readout};
 pub use list::ALL;
 
 use super::{Random, Recipe};
@@ -139,6 +139,7 @@ impl Recording {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::spline::extent;
 
     fn recording(name: &str) -> &'static Recording {
         ALL.iter().find(|r| r.name == name).unwrap()
@@ -164,14 +165,14 @@ mod tests {
         (recipe.position_noise_m, recipe.position_step_m) = (0.0, 1e-15);
         let ends = |recipe: &Recipe| {
             let rig = recipe.rig();
-            let positions = rig.experiments.iter().flat_map(|e| &e.traces).flat_map(|t| &t.position_m);
-            positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+            let traces = rig.experiments.iter().flat_map(|e| &e.traces);
+            extent(&traces.flat_map(|t| t.position_m.iter().copied()).collect::<Vec<_>>())
         };
-        let [low, high] = ends(&recipe);
+        let (low, high) = ends(&recipe);
         let mut bent = recipe.clone();
-        bent.faults.position_wave = Some((5e-4, [0.4, 1.9]));
+        bent.faults.position_wave = Some(Wave { amplitude: 5e-4, angles: [0.4, 1.9] });
         bent.faults.stated = Stated { position_times: 1.004, position_offset_m: 3e-4, ..Stated::default() };
-        let [recorded_low, recorded_high] = ends(&bent);
+        let (recorded_low, recorded_high) = ends(&bent);
         let per_recorded = (high - low) / (recorded_high - recorded_low);
         let volume = |recipe: &Recipe, x: f64| {
             let geometry = recipe.chamber_as_recorded().geometry;
