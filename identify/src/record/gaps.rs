@@ -40,9 +40,13 @@ pub fn motion(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Moti
     if parts.first().is_none_or(|first| first.start > 0 || first.end == time_s.len()) {
         return Motion::through(time_s, position_m, positions);
     }
+    // A part may have too few rows at rest to show it.
+    let noise_m = position_noise(&positions.readings(position_m));
+    let travel = extent(position_m);
     let mut whole: Option<Motion> = None;
     for rows in parts {
-        let mut part = Motion::through(&time_s[rows.clone()], &position_m[rows.clone()], &positions.of_rows(&rows));
+        let of_part = positions.of_rows(&rows);
+        let mut part = Motion::through_in(&time_s[rows.clone()], &position_m[rows.clone()], &of_part, noise_m);
         for segment in &mut part.segments {
             (segment.first, segment.end) = (segment.first + rows.start, segment.end + rows.start);
         }
@@ -54,10 +58,7 @@ pub fn motion(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Moti
             part.segments[0].phase = Phase::Hold;
         }
         let gap = before.rows()..rows.start;
-        if rows.len() > before.rows() {
-            before.noise_m = part.noise_m;
-        }
-        before.segments.push(lost(gap, course([at_end(before), at_begin(&part)], extent(position_m))));
+        before.segments.push(lost(gap, course([at_end(before), at_begin(&part)], travel)));
         before.segments.append(&mut part.segments);
     }
     let mut whole = whole.unwrap_or_else(|| Motion::through(time_s, position_m, positions));
@@ -242,6 +243,27 @@ mod tests {
             assert!((at - stroke(t)).abs() < 2e-5, "{t}: {at} {}", stroke(t));
         }
         assert_eq!(of(&motion).count(), 1);
+    }
+
+    #[test]
+    fn a_move_begins_where_it_does_though_a_gap_leaves_few_rows_before_it_that_were_read_unevenly() {
+        // 0.25 s at rest, then speed up in 0.2 s.
+        let stroke = |t: f64| {
+            let u = (t - 0.25).max(0.0);
+            0.36 - if u < 0.2 { 0.9 * u * u } else { 0.36 * (u - 0.1) }
+        };
+        let stroke = |t: f64| if t < 1.2 { stroke(t) } else { stroke(1.2) };
+        let mut random = Random::new(4);
+        let rows = (0..300).map(|i| 0.02 * f64::from(i) + 0.006 * random.normal()).collect::<Vec<f64>>();
+        let rows = rows.into_iter().filter(|t| !(0.67..1.05).contains(t));
+        let (time_s, position_m): (Vec<f64>, Vec<f64>) = rows.map(|t| (t, stroke(t) + 8e-6 * random.normal())).unzip();
+        let motion = motion(&time_s, &position_m, &Positions::of(&position_m));
+        assert_eq!(of(&motion).count(), 1);
+        let near = Cell::new(0);
+        for t in time_s.into_iter().filter(|t| (0.1..0.67).contains(t)) {
+            let at = motion.segments[motion.segment_at(t)].stroke.at(t, &near).0;
+            assert!((at - stroke(t)).abs() < 4e-5, "{t}: {at} {}", stroke(t));
+        }
     }
 
     #[test]

@@ -5,11 +5,11 @@ use crate::record::position_noise::position_noise;
 use crate::record::spline::{extent, mean};
 use crate::record::turn::{REACH, is_turn};
 
-/// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one.
+/// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one, and positions have that noise, m.
 ///
 /// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows, or none, or moves where the piston
 /// seems to be held: then means of rows are looked at instead, of twice as many until the moves are whole.
-pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
+pub fn moving(position_m: &[f64], shortest_hold: usize, noise_m: f64) -> Vec<bool> {
     /// No move is shorter, once it has its gentle begin and end.
     const FEWEST_ROWS: usize = 10;
     /// A record is not looked at in fewer means, ...
@@ -24,7 +24,7 @@ pub fn moving(position_m: &[f64], shortest_hold: usize) -> Vec<bool> {
     let mut in_pieces = Vec::new();
     loop {
         let means: Vec<f64> = position_m.chunks(averaged).map(mean).collect();
-        let noise_m = position_noise(&means);
+        let noise_m = if averaged == 1 { noise_m } else { position_noise(&means).min(noise_m) };
         let (low, high) = extent(&means);
         let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)), shortest_hold);
         without_turns(&mut moving, &means, noise_m);

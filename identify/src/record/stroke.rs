@@ -84,11 +84,16 @@ pub struct Motion {
 impl Motion {
     /// Splits a stroke, m at times in s, into moves and holds.
     pub fn detect(time_s: &[f64], position_m: &[f64]) -> Self {
-        let moving = moving(position_m, SHORTEST_HOLD);
-        Self::of_ranges(&ranges(&moving), time_s, position_m, position_noise(position_m))
+        Self::detect_in(time_s, position_m, position_noise(position_m))
     }
 
-    /// The same where the rows that belong together are known, and the noise of the positions, m.
+    /// The same with a known noise of the positions, m.
+    fn detect_in(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Self {
+        let moving = moving(position_m, SHORTEST_HOLD, noise_m);
+        Self::of_ranges(&ranges(&moving), time_s, position_m, noise_m)
+    }
+
+    /// The same where the rows that belong together are known, too.
     fn of_ranges(ranges: &[(usize, usize, bool)], time_s: &[f64], position_m: &[f64], noise_m: f64) -> Self {
         let mut segments: Vec<Segment> = Vec::with_capacity(ranges.len());
         let n = time_s.len();
@@ -119,16 +124,19 @@ impl Motion {
 
     /// The same of the rows that are readings of the position; its segments count all rows.
     pub fn through(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Self {
+        Self::through_in(time_s, position_m, positions, position_noise(&positions.readings(position_m)))
+    }
+
+    /// The same with a known noise of the readings, m.
+    pub fn through_in(time_s: &[f64], position_m: &[f64], positions: &Positions, noise_m: f64) -> Self {
         let rows = &positions.rows;
         if rows.len() == time_s.len() {
-            return Self::detect(time_s, position_m);
+            return Self::detect_in(time_s, position_m, noise_m);
         }
-        let of_readings = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
         let rows_per_reading = positions.rows_per_reading();
         let shortest = (SHORTEST_HOLD / rows_per_reading).max(FEWEST_READINGS_OF_HOLD);
-        let (time_of_readings_s, readings_m) = (of_readings(time_s), of_readings(position_m));
-        let mut moving = moving(&readings_m, shortest);
-        let noise_m = position_noise(&readings_m);
+        let (time_of_readings_s, readings_m) = (positions.readings(time_s), positions.readings(position_m));
+        let mut moving = moving(&readings_m, shortest, noise_m);
         narrow(&mut moving, &readings_m, noise_m);
         let mut motion = Self::of_ranges(&ranges(&moving), &time_of_readings_s, &readings_m, noise_m);
         motion.rows_per_reading = rows_per_reading;

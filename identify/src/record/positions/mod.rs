@@ -76,6 +76,11 @@ impl Positions {
         }
     }
 
+    /// What a column of the record has in these rows.
+    pub fn readings(&self, column: &[f64]) -> Vec<f64> {
+        self.rows.iter().map(|&row| column[row]).collect()
+    }
+
     /// Those among some rows of the record.
     pub fn in_rows(&self, rows: &Range<usize>) -> &[usize] {
         let [first, end] = [rows.start, rows.end].map(|of| self.rows.partition_point(|row| *row < of));
