@@ -99,6 +99,23 @@ fn positions_that_count_from_a_little_too_far_leave_no_negative_dead_volume() {
 }
 
 #[test]
+fn a_negative_dead_volume_that_the_tolerance_of_the_positions_zero_allows_is_no_contradiction() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(7) };
+    let geometry = recipe.chamber.geometry;
+    let mut rig = recipe.rig();
+    let traces = rig.experiments.iter().flat_map(|e| &e.traces).flat_map(|t| &t.position_m);
+    let smallest = traces.copied().fold(f64::INFINITY, f64::min);
+    let too_far_m = 0.2 * smallest;
+    let by_m = geometry.dead_volume / geometry.piston_area + too_far_m;
+    for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
+        t.position_m.iter_mut().for_each(|x| *x += by_m);
+    }
+    assert!(matches!(identify::diagnose(&rig, &|_, _| ()), Err(Error::NegativeDeadVolume { .. })));
+    rig.tolerance.position_offset_m = 0.5 * too_far_m;
+    assert_eq!(identify::diagnose(&rig, &|_, _| ()).unwrap().chamber().geometry.dead_volume, 0.0);
+}
+
+#[test]
 fn a_saturated_sensor_is_told_with_value_and_time() {
     let error = spoilt(|t| {
         let p = pressures(t);

@@ -13,6 +13,8 @@ use std::time::Instant;
 const PLAIN: f64 = 2.0;
 /// … at one of these strengths.
 const STRENGTHS: [f64; 3] = [1.0, 2.0, 4.0];
+/// Rigs of a row at the most.
+const MOST_RIGS: u64 = 1000;
 
 /// One diagnosis to be made.
 pub struct Job {
@@ -29,7 +31,7 @@ pub struct Job {
 pub struct Row {
     /// Name of the recording.
     pub recording: &'static str,
-    /// Number of the rig.
+    /// Number of the rig within its row.
     pub rig: u64,
     /// `bench` or `wide`.
     pub kind: &'static str,
@@ -67,10 +69,11 @@ pub fn jobs(options: &Options) -> Vec<Job> {
     let chosen = |r: &&Recording| options.only.is_empty() || options.only.iter().any(|name| name == r.name);
     let mut jobs = Vec::new();
     for (number, recording) in ALL.iter().enumerate().filter(|(_, r)| chosen(r)) {
-        for rig in 0..options.rigs {
-            let seed = options.seed + rig;
+        for rig in options.first..options.first + options.rigs {
+            // So that no two rows have a rig, or what its file states, in common.
+            let seed = number as u64 * MOST_RIGS + rig;
             let (kind, base) =
-                if rig % 3 == 2 { ("wide", Recipe::wide(seed)) } else { ("bench", Recipe::from_seed(seed)) };
+                if rig % 3 == 0 { ("wide", Recipe::wide(seed)) } else { ("bench", Recipe::from_seed(seed)) };
             let visible = |e: &&usize| !recording.hides.contains(&CARDS[**e].name);
             let effects: Vec<usize> = simulated.iter().filter(visible).copied().collect();
             let turn = (number * 5 + rig as usize) % effects.len();

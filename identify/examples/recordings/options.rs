@@ -21,8 +21,8 @@ pub struct Options {
     pub rigs: u64,
     /// Names of the recordings; empty: all.
     pub only: Vec<String>,
-    /// Seed of the first rig.
-    pub seed: u64,
+    /// Number of the first rig of each recording.
+    pub first: u64,
     /// Effects.
     pub effects: Effects,
     /// Whether every rig file has errors drawn from its tolerances.
@@ -34,7 +34,7 @@ pub struct Options {
 }
 
 const USAGE: &str =
-    "options: --rigs N, --only NAME[,NAME…], --seed S, --effects none|one|all, --tolerances, --out FOLDER";
+    "options: --rigs N, --only NAME[,NAME…], --first N, --effects none|one|all, --tolerances, --out FOLDER";
 
 impl Options {
     /// From the command line.
@@ -43,7 +43,7 @@ impl Options {
         let mut options = Self {
             rigs: 3,
             only: Vec::new(),
-            seed: 1,
+            first: 1,
             effects: Effects::One,
             tolerances: false,
             out: None,
@@ -55,7 +55,7 @@ impl Options {
             let number = |text: &String| text.parse().map_err(|_| format!("{name} {text}: not a number; {USAGE}"));
             match name.as_str() {
                 "--rigs" => options.rigs = number(value()?)?,
-                "--seed" => options.seed = number(value()?)?,
+                "--first" => options.first = number(value()?)?,
                 "--only" => options.only = value()?.split(',').map(str::to_owned).collect(),
                 "--tolerances" => options.tolerances = true,
                 "--out" => {

@@ -18,7 +18,7 @@ pub fn page(options: &Options, rows: &[Row]) -> String {
     };
     let mut out = format!(
         "# Diagnosis of recordings as benches make them\n\n\
-         Written by `cargo run --release -p pneutherm-identify --example recordings -- {}` (every rig in `recordings.json`): {} rigs a row, \
+         Written by `cargo run --release -p pneutherm-identify --example recordings -- {}` (every rig in `recordings.json`): {} rigs a row, no two rows with the same ones, \
          two of three *bench* rigs (five experiments of three repeats, 100 Hz), one of three *wide* (`identify::synthetic`). {stated} Right: what such a \
          recording deserves (`identify::synthetic::recording`). Inside: the 95 % interval of λ0 holds the truth, where the model is the true one, or cannot be told from it, and the rig \
          file allows it. Error: median of |λ0 − truth|. Times are of diagnoses that run beside each other.\n\n",

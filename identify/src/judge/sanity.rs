@@ -11,16 +11,17 @@ use crate::record::data::Data;
 use crate::record::unit;
 use rayon::prelude::*;
 
-/// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume.
+/// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume, or what the
+/// tolerance of the position's zero makes of it where that is more.
 pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let h = &fitted.hypothesis;
     let Some(i) = h.axes.iter().position(|a| a.slot == Slot::DeadVolume) else { return Ok(()) };
     let dead_volume_m3 = h.axes[i].value(fitted.rig[i]);
     let half_width_m3 = 1.96 * covariance(fitted, false)[(i, i)].sqrt() * h.axes[i].scale;
-    let swept_m3 = data.cylinder.piston_area_m2 * data.smallest_position_m();
-    if swept_m3 > 0.0
-        && (dead_volume_m3 + half_width_m3 < -0.05 * swept_m3 || (fitted.at_bound[i] && dead_volume_m3 < 0.0))
-    {
+    let area_m2 = data.cylinder.piston_area_m2;
+    let swept_m3 = area_m2 * data.smallest_position_m();
+    let open_m3 = half_width_m3 + (0.05 * swept_m3).max(policy::TOLERANCES * data.tolerance.position_offset_m * area_m2);
+    if swept_m3 > 0.0 && dead_volume_m3 < 0.0 && (dead_volume_m3 < -open_m3 || fitted.at_bound[i]) {
         return Err(Error::NegativeDeadVolume { dead_volume_m3, half_width_m3, swept_m3 });
     }
     Ok(())

@@ -9,8 +9,10 @@ use crate::record::data::{Data, Prepared};
 use crate::record::hampel::{accidental, middle_and_scatter};
 use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
-use crate::record::stroke::{Motion, Phase};
+use crate::record::stroke::{Phase, Segment};
 use statrs::distribution::{Binomial, DiscreteCDF};
+use std::cell::Cell;
+use std::ops::Range;
 
 /// A reading this many standard deviations from both its neighbours stands out.
 const FROM_NEIGHBOURS: f64 = 9.0;
@@ -95,7 +97,7 @@ impl Far {
     fn of(t: &Prepared, residual: &[f64], noise_pa: f64) -> Self {
         let rows: Vec<usize> =
             (0..residual.len()).filter(|&i| t.readout.is_reading(i) && t.spikes.binary_search(&i).is_err()).collect();
-        let at_moves = reach_of_moves(&t.course.motion, &rows);
+        let at_moves = reach_of_moves(t, &rows);
         let far = far_from_median(&rows, residual, noise_pa);
         let is_far = |k: usize| far.binary_search(&k).is_ok();
         let is_alone = |k: usize| {
@@ -121,14 +123,30 @@ impl Far {
 
 /// Which of these rows an error of the model at a move can reach that is too short for the median of [`REACH`] rows on each
 /// side: it begins no more than so many rows before the move, where the position is late, and ends no more than twice as many
-/// after it.
-fn reach_of_moves(motion: &Motion, rows: &[usize]) -> Vec<bool> {
+/// after it. What counts as a move may begin and end with many rows in which the piston stands: an error is no farther from those
+/// in which it is seen to move than it moves long.
+fn reach_of_moves(t: &Prepared, rows: &[usize]) -> Vec<bool> {
     let mut out = vec![false; rows.len()];
-    for s in motion.segments.iter().filter(|s| s.phase == Phase::Move) {
-        let [first, end] = [s.first, s.end].map(|of| rows.partition_point(|row| *row < of));
+    for s in t.course.motion.segments.iter().filter(|s| s.phase == Phase::Move) {
+        let seen = seen_to_move(t, s);
+        let first = s.first.max(seen.start.saturating_sub(seen.len()));
+        let end = s.end.min(seen.end + seen.len());
+        let [first, end] = [first, end].map(|of| rows.partition_point(|row| *row < of));
         out[first.saturating_sub(REACH)..(end + 2 * REACH).min(rows.len())].fill(true);
     }
     out
+}
+
+/// The rows of a move from the first that differs from its begin to the last that does from its end.
+fn seen_to_move(t: &Prepared, s: &Segment) -> Range<usize> {
+    /// Of the position's noise.
+    const DEVIATIONS: f64 = 5.0;
+    let [begin_m, end_m] = [s.from_s, s.to_s].map(|time_s| s.stroke.at(time_s, &Cell::new(0)).0);
+    let least_m = DEVIATIONS * t.course.motion.noise_m;
+    let differs = |row: usize, place_m: f64| (t.position_m[row] - place_m).abs() > least_m;
+    let first = (s.first..s.end).find(|row| differs(*row, begin_m)).unwrap_or(s.end);
+    let end = (first..s.end).rfind(|row| differs(*row, end_m)).map_or(first, |last| last + 1);
+    first..end
 }
 
 /// Places among these rows whose residual is far from the median of those around it.
@@ -188,6 +206,23 @@ mod tests {
         let found = in_residuals(&data, &residuals);
         assert_eq!(found[..2], [vec![at_move], vec![at_rest]]);
         assert!(found[2..].iter().all(Vec::is_empty), "{found:?}");
+    }
+
+    #[test]
+    fn two_spikes_together_are_left_out_also_in_the_quiet_end_of_what_counts_as_a_move() {
+        let (mut data, mut residuals, _) = noise_of_a_rig();
+        let sd_pa = data.noise.white_pa;
+        let (place, quiet) = {
+            let motion = &mut data.traces[0].course.motion;
+            let place = motion.segments.iter().position(|s| s.phase == Phase::Move).unwrap();
+            let end = motion.segments[place].end + 60;
+            (motion.segments[place].end, motion.segments[place + 1].first) = (end, end);
+            (place, end - 20)
+        };
+        assert!(data.traces[0].course.motion.segments[place].end > quiet);
+        residuals[0][quiet] += 40.0 * sd_pa;
+        residuals[0][quiet + 1] += 20.0 * sd_pa;
+        assert_eq!(in_residuals(&data, &residuals)[0], [quiet, quiet + 1]);
     }
 
     #[test]

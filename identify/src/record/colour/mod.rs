@@ -29,7 +29,7 @@ const FEWEST_POINTS: usize = 120;
 /// Periods of a hum that the longest window has at least where there are no repeats: fewer may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
 /// Periods that show a line at all: enough in a contrast, which is free of the gas.
-const FEWEST_SEEN: f64 = 0.5;
+const FEWEST_SEEN: f64 = 1.0;
 
 /// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
 /// change: step, what the rig states.

@@ -3,6 +3,7 @@
 use super::super::hampel::{accidental, middle_and_scatter};
 use super::super::position_noise::position_noise;
 use super::super::spline::extent;
+use super::without;
 
 /// A reading this many standard deviations of the noise from the median of those around it stands out...
 const FROM_MEDIAN: f64 = 9.0;
@@ -16,10 +17,25 @@ const REACH: usize = 2;
 /// of the stroke leaves a sixth.
 const LEFT: f64 = 0.14;
 
+/// Those of the rows whose position stands out of those around it. Beside one that does another may not be seen: without those
+/// that were found the others are looked at again.
+pub fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
+    let mut all = Vec::new();
+    loop {
+        let found = stand_out_at_once(&without(rows, &all), position_m);
+        let mut more = accidental([&all[..], &found[..]].concat(), rows.len());
+        if found.is_empty() || more.is_empty() {
+            return all;
+        }
+        more.sort_unstable();
+        all = more;
+    }
+}
+
 /// Those of the rows whose position is far from what the two on either side say: from their median, which is near the middle one
 /// of five in a piston's way, however fast it goes (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383), or, in a smooth move,
 /// from the cubic through them.
-pub fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
+fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
     let (low, high) = extent(&readings);
     let noise_m = position_noise(&readings);
@@ -40,8 +56,7 @@ pub fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
         !(near(REACH - 1) && near(REACH + 1))
             && (off_median(five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
     };
-    let found: Vec<usize> = (0..=last).filter(stands_out).map(|k| rows[k]).collect();
-    accidental(found, rows.len())
+    (0..=last).filter(stands_out).map(|k| rows[k]).collect()
 }
 
 /// How far the middle one of five is from their median; zero where half of them are as far.

@@ -220,6 +220,10 @@ mod tests {
         let mut position_m = good.clone();
         position_m[65] -= 0.0015;
         assert_eq!(Positions::of(&position_m).outliers, [65]);
+        // One after the other, off by different ways.
+        let mut position_m = good.clone();
+        (position_m[64], position_m[65]) = (0.0, position_m[65] + 0.011);
+        assert_eq!(Positions::of(&position_m).outliers, [64, 65]);
         let stop = |i: usize| if (60..63).contains(&i) { 59 } else { i };
         let with_a_stop: Vec<f64> = (0..300).map(|i| good[stop(i)]).collect();
         assert!(Positions::of(&with_a_stop).are_all());
