@@ -68,21 +68,21 @@ impl Adequacy {
         self.is_noise || self.is_good_enough
     }
 
-    /// Whether what `before` left is accounted for: adequate, or next to nothing beside it.
-    pub fn settles(&self, before: &Adequacy) -> bool {
-        self.is_adequate() || self.is_next_to_nothing(before)
+    /// Whether a systematic misfit of so many Pa before is accounted for: adequate, or next to nothing beside it.
+    pub fn settles(&self, before_pa: f64) -> bool {
+        self.is_adequate() || self.is_next_to_nothing(before_pa)
     }
 
-    /// Whether it explains what `before` left: noise remains, or next to nothing beside that, or little that is good enough. To be
+    /// Whether it explains a systematic misfit of so many Pa before: noise remains, or next to nothing beside that, or little that is good enough. To be
     /// good enough alone is not enough: a remainder with a shape that is a good part of what there was says that something else is
     /// at work, which the named effects may imitate.
-    pub fn explains(&self, before: &Adequacy) -> bool {
-        let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before.systematic_pa;
-        self.is_noise || self.is_next_to_nothing(before) || is_little
+    pub fn explains(&self, before_pa: f64) -> bool {
+        let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before_pa;
+        self.is_noise || self.is_next_to_nothing(before_pa) || is_little
     }
 
-    fn is_next_to_nothing(&self, before: &Adequacy) -> bool {
-        self.systematic_pa < NEXT_TO_NOTHING * before.systematic_pa
+    fn is_next_to_nothing(&self, before_pa: f64) -> bool {
+        self.systematic_pa < NEXT_TO_NOTHING * before_pa
     }
 }
 
@@ -105,8 +105,7 @@ mod tests {
             family_probability: if is_noise { 0.1 } else { 1e-9 },
             families: Vec::new(),
         };
-        let before = left(100.0, false);
-        let judged = |after: Adequacy| (after.settles(&before), after.explains(&before));
+        let judged = |after: Adequacy| (after.settles(100.0), after.explains(100.0));
         assert_eq!(judged(left(15.0, false)), (true, false));
         assert_eq!(judged(left(15.0, true)), (true, true));
         assert_eq!(judged(left(8.0, false)), (true, true));

@@ -147,8 +147,9 @@ impl Search {
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
-        if !follows_the_test && self.chosen_adequacy.settles(&self.baseline_adequacy) {
-            return match self.chosen_adequacy.explains(&self.baseline_adequacy) {
+        let before_pa = self.to_be_explained_pa();
+        if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
+            return match self.chosen_adequacy.explains(before_pa) {
                 _ if nothing_named => Verdict::Adequate,
                 _ if self.chosen.fit.exhausted().is_some() => Verdict::Improved,
                 true if carries_over => Verdict::Explained,
@@ -156,6 +157,18 @@ impl Search {
             };
         }
         if self.leaves_of_left_out(policy::PREDICTS_BETTER) { Verdict::Improved } else { Verdict::Unexplained }
+    }
+
+    /// The systematic misfit, Pa, that the chosen terms have to account for: that of the paper's model, or, where a timing is among
+    /// them, that which the timing alone leaves. In a fast move a wrong timing makes an error beside which all others are nothing.
+    fn to_be_explained_pa(&self) -> f64 {
+        let all_pa = self.baseline_adequacy.systematic_pa;
+        let timing = terms::timing_of(&self.chosen.model);
+        if timing.terms() == 0 || timing.terms() == self.chosen.model.terms() {
+            return all_pa;
+        }
+        let left = |c: Candidate| misfit::systematic(&self.data, &misfit::residuals(&self.data, &c.fit));
+        self.part_refitted(timing).map_or(all_pa, |c| left(c).min(all_pa))
     }
 
     /// Whether the chosen model leaves less than this share of the paper's model's systematic error on left-out data.

@@ -226,7 +226,7 @@ impl Search {
         // Next to nothing, and less than noise: there the interpolation of a stroke counts that is taken back from an average or
         // a low-pass.
         let is_next_to_nothing = self.chosen_adequacy.systematic_pa < self.data.noise.total_pa()
-            && self.chosen_adequacy.settles(&self.baseline_adequacy);
+            && self.chosen_adequacy.settles(self.baseline_adequacy.systematic_pa);
         !(terms::takes_back_the_stroke(model) && is_next_to_nothing)
     }
 
@@ -234,7 +234,7 @@ impl Search {
     /// what the names took off. Otherwise they may imitate what leaves it, however little that is.
     pub(super) fn needs_no_more_names(&self) -> bool {
         let left = &self.chosen_adequacy;
-        let explains = self.chosen.model.of_rig().is_empty() || left.explains(&self.baseline_adequacy);
+        let explains = self.chosen.model.of_rig().is_empty() || left.explains(self.baseline_adequacy.systematic_pa);
         left.is_noise || left.is_good_enough && explains
     }
 

@@ -98,6 +98,13 @@ pub fn is_part(part: &Model, whole: &Model) -> bool {
         && (whole.initial_temperature || !part.initial_temperature)
 }
 
+/// Those terms of a model that shift or smear the records in time.
+pub fn timing_of(model: &Model) -> Model {
+    let part = |set: EffectSet| set.intersection(of_timing());
+    let Model { effects, own, secondary, .. } = *model;
+    Model { effects: part(effects), own: part(own), secondary: part(secondary), initial_temperature: false }
+}
+
 /// Effects of the recording, which each record may have for itself.
 pub fn of_record() -> EffectSet {
     effects::all().filter(|(_, card)| is_of_record(card)).map(|(e, _)| e).collect()

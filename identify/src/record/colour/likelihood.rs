@@ -231,8 +231,9 @@ impl Likelihood<'_> {
                 }
             }
         }
-        // A random walk is the limit of a memory far longer than the record.
-        self.improved(best, 20.0 * longest_s)
+        // Within a record a memory of two of them is a random walk. With a longer one its whole level would count as noise: what a
+        // model errs by in the same way throughout.
+        self.improved(best, 2.0 * longest_s)
     }
 
     /// Every colour's size and time moved, up and down by factors that shrink, as long as that helps.
