@@ -49,7 +49,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// The least and the greatest value.
-pub(crate) fn extremes(values: &[f64]) -> (f64, f64) {
+pub fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }
 

@@ -7,7 +7,8 @@
 use identify::record::gaps;
 use identify::record::positions::Positions;
 use identify::record::readout::Between;
-use identify::record::stroke::{Motion, Phase, Segment, extent};
+use identify::record::stroke::{Motion, Phase, Segment};
+use records::extremes;
 use report::digits;
 use std::cell::Cell;
 
@@ -87,7 +88,7 @@ fn faults(positions: &Positions, motion: &Motion, position_m: &[f64]) -> Vec<Str
 /// Whether the positions go to and fro at rest: most of their changes take back the one before, be they of every row or the few of
 /// an encoder that toggles between two steps. Neither a held plan does so, nor one that moves slowly in rounded steps.
 fn scatters_at_rest(motion: &Motion, position_m: &[f64]) -> bool {
-    let (low, high) = extent(position_m);
+    let (low, high) = extremes(position_m);
     let (mut rows, mut changes, mut reversals) = (0, 0, 0);
     for segment in motion.segments.iter().filter(|segment| segment.phase != Phase::Move) {
         let own = &position_m[segment.first..segment.end];

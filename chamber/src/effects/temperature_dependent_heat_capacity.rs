@@ -27,6 +27,12 @@ fn slope_of(gas: &Gas) -> Normal {
     }
 }
 
+/// The curvature is none in a monatomic gas, whose molecules can only fly; in any other what vibrations make of it.
+fn curvature_of(gas: &Gas) -> Normal {
+    let is_monatomic = gas.heat_capacity_slope() == Some(0.0);
+    Normal { mean: 0.0, standard_deviation: if is_monatomic { 1e-9 } else { 7e-7 } }
+}
+
 /// Temperatures, K, and what cv is there.
 struct Law<R> {
     slope: R,
@@ -111,7 +117,7 @@ impl Effect for TemperatureDependentHeatCapacity {
                 bounds: -1.5e-6..=4e-6,
                 typical: 5e-7,
                 fitted: false,
-                prior: Prior::Normal(Normal { mean: 0.0, standard_deviation: 7e-7 }),
+                prior: Prior::OfGas(curvature_of),
                 doc: "Curvature c of the heat capacity, where its slope is that at 293 K; for air about 5e-7, with a slope of 6e-5",
                 ..Parameter::DEFAULT
             },
@@ -172,6 +178,8 @@ mod tests {
     fn each_named_gas_has_the_slope_of_its_kind_of_molecule() {
         let of = |name: &str| slope_of(&Gas::named(name).unwrap()).mean;
         assert_eq!((of("argon"), of("helium")), (0.0, 0.0));
+        let curvature = |name: &str| curvature_of(&Gas::named(name).unwrap()).standard_deviation;
+        assert!(curvature("helium") < 1e-3 * curvature("air"));
         assert!(of("air") > of("nitrogen") && of("oxygen") > of("air") && of("carbon_dioxide") > 1e-3);
     }
 }

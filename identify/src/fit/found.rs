@@ -122,6 +122,22 @@ impl Fit {
         best_move(&matrix, &right, &self.adapts).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
     }
 
+    /// [`Fit::marginal`] where positions may lie off a straight line so many times as far as stated, and how far they then do, in
+    /// tolerances.
+    pub fn marginal_of_crooked_positions(&self, factor: f64) -> Option<(f64, f64)> {
+        let (free, all) = (self.rig.len(), self.information.nrows());
+        let (mut matrix, right) = System::new(&self.linear, all).reduced(0.0)?;
+        let waves = waves(&self.hypothesis);
+        let mut adapts = self.adapts.clone();
+        for k in free..all {
+            matrix[(k, k)] += if waves.contains(&k) { 1.0 / (factor * factor) } else { 1.0 };
+            adapts[k] |= waves.contains(&k);
+        }
+        let (gain, x) = best_move(&matrix, &right, &adapts)?;
+        let farthest = waves.iter().map(|place| x[*place].abs()).fold(0.0, f64::max);
+        Some(((self.chi2 - gain).max(0.0), farthest))
+    }
+
     /// Number of free parameters beyond those that every record has.
     pub fn freedom(&self) -> usize {
         let takes_part = |k: &usize| self.linear[*k].blocks > 0;
@@ -129,8 +145,9 @@ impl Fit {
     }
 }
 
-/// The best move, where no wave of a position sensor goes beyond [`policy::TOLERANCES`]: no sensor is so crooked, and what asks for
-/// that has another cause. Then none of them adapts.
+/// The best move, where the waves of a position sensor are believed up to [`policy::TOLERANCES`]: what asks for more has another
+/// cause. Up to one tolerance beyond they have that much less of a tolerance, and from there on none of them adapts: were they believed
+/// at once or not, any number that brings one below the limit would gain all that the waves do.
 pub fn credible_move(
     matrix: &DMatrix<f64>,
     right: &DVector<f64>,
@@ -138,13 +155,27 @@ pub fn credible_move(
     adapts: &mut [bool],
 ) -> Option<(f64, Vec<f64>)> {
     let best = best_move(matrix, right, adapts)?;
-    let places = (hypothesis.axes.len()..).zip(&hypothesis.stated);
-    let waves: Vec<usize> = places.filter(|(_, axis)| axis.slot.is_wave()).map(|(place, _)| place).collect();
-    if !waves.iter().any(|place| best.1[*place].abs() > policy::TOLERANCES) {
+    let waves = waves(hypothesis);
+    let asked = waves.iter().map(|place| best.1[*place].abs()).fold(0.0, f64::max);
+    let belief = policy::TOLERANCES + 1.0 - asked;
+    if belief >= 1.0 {
         return Some(best);
     }
-    waves.iter().for_each(|place| adapts[*place] = false);
-    best_move(matrix, right, adapts)
+    let mut matrix = matrix.clone();
+    for place in waves {
+        if belief > 0.0 {
+            matrix[(place, place)] += 1.0 / (belief * belief) - 1.0;
+        } else {
+            adapts[place] = false;
+        }
+    }
+    best_move(&matrix, right, adapts)
+}
+
+/// Places of the waves of a position sensor in the linearised problem.
+fn waves(hypothesis: &Hypothesis) -> Vec<usize> {
+    let places = (hypothesis.axes.len()..).zip(&hypothesis.stated);
+    places.filter(|(_, axis)| axis.slot.is_wave()).map(|(place, _)| place).collect()
 }
 
 /// How much of χ² the best move of all numbers that adapt takes away, and that move.
@@ -163,4 +194,27 @@ fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, adapts: &[bool]) -> Op
         x[f] = solution[i] * scale[i];
     }
     Some((solution.dot(&rhs), x))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::record::data::Data;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+    use crate::synthetic::recording::Wave;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn positions_farther_off_a_straight_line_than_is_believed_take_off_less_and_less_and_at_last_nothing() {
+        let left = |tolerances: f64| {
+            let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+            recipe.faults.position_wave = Some(Wave { amplitude: 2e-4 * tolerances, angles: [0.0, TAU] });
+            let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+            assert_eq!(data.tolerance.position_linearity, 2e-4);
+            (fit.marginal - fit.blocks as f64) / (fit.chi2 - fit.blocks as f64)
+        };
+        let left: Vec<f64> = (0..12).map(|k| left(2.7 + 0.15 * f64::from(k))).collect();
+        assert!(left[0] < 0.05 && left[11] > 0.9, "{left:?}");
+        assert!(left.windows(2).all(|pair| pair[1] - pair[0] < 0.6), "{left:?}");
+    }
 }

@@ -30,13 +30,14 @@ pub struct Adequacy {
 
 /// Tests a fit's residual.
 pub fn test(data: &Data, fit: &Fit) -> Adequacy {
-    let squares_deviations = squares_deviations(data, fit);
+    let squares_deviations = squares_deviations(data, fit, fit.marginal);
     let mut families = Search::new(data, fit).map(|s| s.all()).unwrap_or_default();
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
     let family_probability = families.first().map_or(1.0, probability);
     let mut systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit));
-    // Stated numbers may move within their tolerances, not anywhere.
-    if fit.moved.iter().all(|x| x.abs() < TOLERANCES) {
+    // Stated numbers may move within their tolerances, not anywhere; waves of the positions go no farther than they are believed.
+    let mut moves = fit.hypothesis.stated.iter().zip(&fit.moved);
+    if moves.all(|(axis, moved)| axis.slot.is_wave() || moved.abs() < TOLERANCES) {
         systematic_pa = systematic_pa.min(misfit::systematic(data, &misfit::residuals_moved(data, fit)));
     }
     Adequacy {
@@ -50,16 +51,21 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
 }
 
 /// Sum of squares of a fit's whitened blocks above its expectation, in standard deviations.
-fn squares_deviations(data: &Data, fit: &Fit) -> f64 {
+fn squares_deviations(data: &Data, fit: &Fit, squares: f64) -> f64 {
     let own: usize = fit.own.iter().map(Vec::len).sum();
     let freedom = (fit.blocks as f64 - fit.hypothesis.axes.len() as f64 - own as f64).max(1.0);
     let uncertain = freedom * data.noise.variance_error.max(NOISE_MODEL_SHARE);
-    (fit.marginal - freedom) / (2.0 * freedom + uncertain * uncertain).sqrt()
+    (squares - freedom) / (2.0 * freedom + uncertain * uncertain).sqrt()
 }
 
 /// Whether the sum of a fit's squares is no more than that of noise: the part of the test that costs nothing.
 pub fn has_squares_of_noise(data: &Data, fit: &Fit) -> bool {
-    squares_deviations(data, fit) < SQUARES_DEVIATIONS
+    are_squares_of_noise(data, fit, fit.marginal)
+}
+
+/// Whether so many squares of a fit's whitened blocks are no more than those of noise.
+pub fn are_squares_of_noise(data: &Data, fit: &Fit, squares: f64) -> bool {
+    squares_deviations(data, fit, squares) < SQUARES_DEVIATIONS
 }
 
 impl Adequacy {

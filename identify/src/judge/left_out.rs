@@ -12,11 +12,11 @@
 use crate::fit::{self, Fit, readings};
 use crate::parameters::{Hypothesis, Own};
 use crate::record::data::{Data, Prepared};
-use crate::record::stroke::extent;
 use chamber::dual::Dual;
 use chamber::integrate::IntegrationError;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
+use records::extremes;
 
 /// One way of leaving data out: the blocks that are fitted, and the rows that are judged.
 #[derive(Clone, Debug)]
@@ -169,7 +169,7 @@ const RUNS_IN_RANGE: f64 = 16.0;
 /// To which of two halves each row belongs, in alternating runs: of so many rows, or fewer where the pressure of the model
 /// changes fast. What a record's delay or average does shows in its moves, of which each half has to see its part.
 fn alternating(model: &[f64], rows: usize) -> Vec<usize> {
-    let (low, high) = extent(model);
+    let (low, high) = extremes(model);
     let change = ((high - low) / RUNS_IN_RANGE).max(f64::MIN_POSITIVE);
     let mut half = 0;
     let (mut begun, mut way) = (0, 0.0);

@@ -20,7 +20,8 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let half_width_m3 = 1.96 * covariance(fitted, false)[(i, i)].sqrt() * h.axes[i].scale;
     let area_m2 = data.cylinder.piston_area_m2;
     let swept_m3 = area_m2 * data.smallest_position_m();
-    let open_m3 = half_width_m3 + (0.05 * swept_m3).max(policy::TOLERANCES * data.tolerance.position_offset_m * area_m2);
+    let open_m3 =
+        half_width_m3 + (0.05 * swept_m3).max(policy::TOLERANCES * data.tolerance.position_offset_m * area_m2);
     if swept_m3 > 0.0 && dead_volume_m3 < 0.0 && (dead_volume_m3 < -open_m3 || fitted.at_bound[i]) {
         return Err(Error::NegativeDeadVolume { dead_volume_m3, half_width_m3, swept_m3 });
     }

@@ -5,9 +5,10 @@
 
 use crate::forward::{Correction, Course, Run};
 use crate::record::data::{Data, Prepared};
-use crate::record::stroke::{Motion, Phase, extent};
+use crate::record::stroke::{Motion, Phase};
 use crate::search::{Candidate, Found, Verdict};
 use chamber::simulate::Start;
+use records::extremes;
 use report::digits;
 use serde::Serialize;
 
@@ -86,9 +87,9 @@ fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
 /// and more slowly, as long as its longest record and longer.
 fn tests(data: &Data) -> Vec<Test> {
     let segments = || data.traces.iter().flat_map(|t| &t.course.motion.segments);
-    let of_traces = |value: fn(&Prepared) -> f64| extent(&data.traces.iter().map(value).collect::<Vec<f64>>());
+    let of_traces = |value: fn(&Prepared) -> f64| extremes(&data.traces.iter().map(value).collect::<Vec<f64>>());
     let ends: Vec<f64> = segments().map(|s| s.stroke.range()).flat_map(|(low, high)| [low, high]).collect();
-    let (low, high) = extent(&ends);
+    let (low, high) = extremes(&ends);
     let (lowest_pa, highest_pa) = of_traces(|t| t.initial_pressure_pa);
     let (_, longest_s) = of_traces(|t| t.time_s.last().copied().unwrap_or(0.0));
     let moves = segments().filter(|s| s.phase == Phase::Move && s.to_s > s.from_s);

@@ -258,6 +258,9 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     let mut out = Vec::new();
     let fit = &found.chosen.fit;
     out.extend(stated_numbers::sentence(data, fit));
+    if found.verdict != Verdict::Adequate {
+        out.extend(stated_numbers::crooked_positions(data, &found.baseline.fit));
+    }
     if let Some(effects) = found.by_geometry {
         let names: Vec<&str> = effects.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(

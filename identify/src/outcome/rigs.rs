@@ -7,10 +7,11 @@
 use crate::judge::misfit;
 use crate::policy::{APART, APART_FROM};
 use crate::record::data::{Data, Prepared};
-use crate::record::stroke::{Phase, extent};
+use crate::record::stroke::Phase;
 use crate::search::baseline;
 use chamber::Chamber;
 use rayon::prelude::*;
+use records::extremes;
 use report::digits;
 
 /// Fewest records of a group.
@@ -105,7 +106,7 @@ fn overlap(data: &Data, [few, many]: &[Vec<usize>; 2], needed: Overlap) -> bool 
     let inside = |these: &[[f64; 3]], others: &[[f64; 3]]| {
         let is_inside = |test: &&[f64; 3]| {
             (0..variables).all(|i| {
-                let (low, high) = extent(&others.iter().map(|other| other[i]).collect::<Vec<_>>());
+                let (low, high) = extremes(&others.iter().map(|other| other[i]).collect::<Vec<_>>());
                 (low - NEARLY..=high + NEARLY).contains(&test[i])
             })
         };

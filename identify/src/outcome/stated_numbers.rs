@@ -2,9 +2,11 @@
 //! belong together. Moves that leave nearly all of the misfit are no answer to it, and nothing is said: what makes it is not there.
 
 use crate::fit::Fit;
+use crate::judge::adequacy::are_squares_of_noise;
 use crate::parameters::Slot;
 use crate::policy::TOLERANCES;
 use crate::record::data::Data;
+use report::digits;
 
 /// What a fit asks of the stated numbers, if anything.
 pub fn sentence(data: &Data, fit: &Fit) -> Option<String> {
@@ -14,10 +16,26 @@ pub fn sentence(data: &Data, fit: &Fit) -> Option<String> {
     };
     let moves =
         fit.hypothesis.stated.iter().zip(&fit.moved).map(|(axis, moved)| (axis.slot, *moved, moved * axis.scale));
-    let far: Vec<String> = moves.filter(|(_, moved, _)| moved.abs() > TOLERANCES).map(asked).collect();
+    let far: Vec<String> =
+        moves.filter(|(slot, moved, _)| moved.abs() > TOLERANCES && !slot.is_wave()).map(asked).collect();
     let check = if far.len() > 1 { "check them" } else { "check it" };
     (!far.is_empty() && fit.is_eased_by_moves())
         .then(|| format!("the records ask for {}: {check}", far.join(", and for ")))
+}
+
+/// What a position sensor farther from straight than its tolerance allows would make of the paper's model, where it would account for
+/// the records alone.
+pub fn crooked_positions(data: &Data, paper: &Fit) -> Option<String> {
+    /// Tolerances: 0.2 % of the way by default, as far as a plain potentiometer may be off.
+    const MOST: f64 = 10.0;
+    let (squares, tolerances) = paper.marginal_of_crooked_positions(MOST)?;
+    let is_open = (TOLERANCES..MOST).contains(&tolerances) && are_squares_of_noise(data, paper, squares);
+    is_open.then(|| {
+        format!(
+            "positions that lie {} % of their way off a straight line would account for the records without any effect: check the position sensor's linearity, and state position_linearity if it may be so much",
+            digits(100.0 * tolerances * data.tolerance.position_linearity, 1)
+        )
+    })
 }
 
 /// A number that is to be moved by that much, of a rig with this stated bore, mm.
@@ -42,6 +60,7 @@ mod tests {
     use super::*;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
+    use crate::synthetic::recording::Wave;
 
     #[test]
     fn a_stated_number_is_doubted_where_another_one_takes_away_most_of_the_misfit() {
@@ -54,6 +73,25 @@ mod tests {
         // The same moves, which leave nearly all of a misfit that has another cause.
         (fit.chi2, fit.marginal) = (100.0 * fit.blocks as f64, 90.0 * fit.blocks as f64);
         assert_eq!(sentence(&data, &fit), None);
+    }
+
+    #[test]
+    fn crooked_positions_are_told_where_they_account_for_the_records_and_not_beside_a_leak() {
+        let said = |change: fn(&mut Recipe)| {
+            let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) };
+            change(&mut recipe);
+            let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+            crooked_positions(&data, &fit)
+        };
+        assert_eq!(said(|_| ()), None);
+        let bent = said(|recipe| recipe.faults.position_wave = Some(Wave { amplitude: 1e-3, angles: [0.0, 6.28] }));
+        assert!(bent.is_some_and(|said| said.contains("0.1 % of their way")));
+        assert_eq!(
+            said(|recipe| recipe.faults.position_wave = Some(Wave { amplitude: 2e-4, angles: [0.0, 6.28] })),
+            None
+        );
+        let leakage = |recipe: &mut Recipe| *recipe = recipe.clone().with("leakage", &[2e-11]);
+        assert_eq!(said(leakage), None);
     }
 
     #[test]

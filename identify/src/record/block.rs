@@ -6,8 +6,9 @@
 use crate::record::between_rows::{BetweenRows, Look};
 use crate::record::position_noise::{self, rounding_of_mean};
 use crate::record::readout::Readout;
-use crate::record::stroke::{Motion, Phase, Segment, extent};
+use crate::record::stroke::{Motion, Phase, Segment};
 use crate::record::unresolved::Unresolved;
+use records::extremes;
 
 /// A run of rows and the mean of those that are data.
 #[derive(Clone, Debug)]
@@ -95,7 +96,7 @@ pub fn blocks(
     // Somewhere in these rows of a move it begins or ends: a mean over a corner would not be that of two points.
     const CORNER_ROWS: usize = 20;
     let mut out = Vec::new();
-    let (low, high) = extent(position_m);
+    let (low, high) = extremes(position_m);
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.period as f64;
     let unresolved = Unresolved::new(motion, look.window_s);
     let between_rows = BetweenRows::new(motion, look);
@@ -141,7 +142,7 @@ pub fn blocks(
             let by_clock_pa = by_clock(time_s, pressure_pa, own, &readout.open_s) * positions(own.len()).sqrt();
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
-            let range_pa: [f64; 2] = extent(&values).into();
+            let range_pa: [f64; 2] = extremes(&values).into();
             out.push(Block {
                 first: own[0],
                 end: own[own.len() - 1] + 1,

@@ -5,9 +5,9 @@ use crate::record::lattice;
 use crate::record::line::Line;
 use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
-use crate::record::stroke::{Motion, Phase, Segment, extent};
+use crate::record::stroke::{Motion, Phase, Segment};
 use crate::record::unit::Declared;
-use records::{Cylinder, Trace, correlation, turned_back};
+use records::{Cylinder, Trace, correlation, extremes, turned_back};
 use std::iter;
 use std::ops::Range;
 use std::path::Path;
@@ -54,11 +54,11 @@ pub fn trace(
     let path = || trace.path.clone();
     level(&trace.path, pressure_pa, declared)?;
     stroke(trace, cylinder)?;
-    let (low, high) = extent(&trace.position_m);
+    let (low, high) = extremes(&trace.position_m);
     if !motion.segments.iter().any(|s| s.phase == Phase::Move) || high - low < 20.0 * motion.noise_m {
         return Err(Error::NoMove { trace: path(), range_m: high - low, noise_m: motion.noise_m });
     }
-    let (least, most) = extent(pressure_pa);
+    let (least, most) = extremes(pressure_pa);
     if most - least < 0.1 * (high - low) / high.abs().max(low.abs()) * least {
         let units = if low > 0.0 { declared.of_answer((least, most), high / low) } else { Vec::new() };
         return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low, units });
@@ -92,7 +92,7 @@ pub fn level(trace: &Path, pressure_pa: &[f64], declared: Declared) -> Result<()
 
 /// Positions that no cylinder of that bore has, where the rig does not state so long a stroke: their unit is wrong, or the bore's.
 fn stroke(trace: &Trace, cylinder: &Cylinder) -> Result<(), Error> {
-    let (low, high) = extent(&trace.position_m);
+    let (low, high) = extremes(&trace.position_m);
     let (reach_m, bore_m) = (high.max(-low), cylinder.bore_m);
     if cylinder.stroke_m.is_some() || reach_m <= LONGEST_STROKE_IN_BORES * bore_m {
         return Ok(());
@@ -116,7 +116,7 @@ fn saturation(
     let equal = rows.windows(2).filter(|w| pressure_pa[w[0]] == pressure_pa[w[1]]).count();
     let still = equal as f64 / (rows.len() - 1).max(1) as f64;
     let way = |rows: Range<usize>| {
-        let (low, high) = extent(&trace.position_m[rows]);
+        let (low, high) = extremes(&trace.position_m[rows]);
         high - low
     };
     let travel = way(0..trace.position_m.len());
@@ -185,7 +185,7 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
             let of = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
             let time_s = of(&trace.time_s);
             let mut line = Line::towards(&time_s, &of(pressure_pa));
-            let (begin_s, end_s) = extent(&time_s);
+            let (begin_s, end_s) = extremes(&time_s);
             line.slope_error = line.slope_error.max(step_pa / (end_s - begin_s));
             (end_s, place, line)
         })

@@ -2,7 +2,7 @@
 //! positions count from near the end of the travel, that which the pressures before and after the moves speak for.
 
 use crate::record::data::{Prepared, smallest_position};
-use crate::record::stroke::extent;
+use records::extremes;
 
 /// Of the smallest swept volume.
 const SHARE: f64 = 0.05;
@@ -14,7 +14,7 @@ const LEAST_LEFT: f64 = 0.02;
 /// A first guess of the dead volume, m³, that leaves some volume at the smallest position.
 pub fn first_guess(traces: &[Prepared], piston_area_m2: f64) -> f64 {
     let smallest = smallest_position(traces);
-    let positions = traces.iter().map(|t| extent(&t.position_m));
+    let positions = traces.iter().map(|t| extremes(&t.position_m));
     let travel = positions.map(|(low, high)| high - low).fold(0.0, f64::max);
     if smallest >= NEAR_ZERO * travel {
         return SHARE * piston_area_m2 * smallest;

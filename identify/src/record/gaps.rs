@@ -11,9 +11,8 @@ use crate::policy;
 use crate::record::position_noise::position_noise;
 use crate::record::positions::Positions;
 use crate::record::smoothed::Held;
-use crate::record::spline::extent;
 use crate::record::stroke::{Motion, Phase, Segment, Spline};
-use records::LineNumbers;
+use records::{LineNumbers, extremes};
 use std::cell::Cell;
 use std::ops::Range;
 use std::path::Path;
@@ -42,7 +41,7 @@ pub fn motion(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Moti
     }
     // A part may have too few rows at rest to show it.
     let noise_m = position_noise(&positions.readings(position_m));
-    let travel = extent(position_m);
+    let travel = extremes(position_m);
     let mut whole: Option<Motion> = None;
     for rows in parts {
         let of_part = positions.of_rows(&rows);
@@ -169,7 +168,7 @@ fn cuts(time_s: &[f64], position_m: &[f64]) -> Vec<usize> {
     if long.is_empty() {
         return long;
     }
-    let (low, high) = extent(position_m);
+    let (low, high) = extremes(position_m);
     let least_m = DEVIATIONS * std::f64::consts::SQRT_2 * position_noise(position_m);
     let moves = |k: &usize| {
         let way = |from: usize, to: usize| {

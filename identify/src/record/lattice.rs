@@ -1,8 +1,7 @@
 //! The steps of an analogue-to-digital converter or of an encoder, in the readings' unit, from the differences that occur between
 //! readings.
 
-use super::spline::extent;
-use records::bends;
+use records::{bends, extremes};
 
 /// The spacing of the readings' lattice: the smallest common difference, zero where differences are not its multiples.
 pub fn lattice(differences: &mut [f64]) -> f64 {
@@ -30,7 +29,7 @@ pub fn of_bends(readings: &[f64], nothing: f64) -> f64 {
     const OF_EVEN_MOVE: usize = 4;
     let mut bends: Vec<f64> = bends(readings).filter(|bend| *bend > nothing).collect();
     let changes: Vec<f64> = readings.windows(2).map(|w| w[1] - w[0]).collect();
-    let (lowest, highest) = extent(readings);
+    let (lowest, highest) = extremes(readings);
     let far = 0.1 * (highest - lowest);
     let moves = changes.windows(5).filter(|w| begins_a_move(w, nothing, far)).count();
     if bends.len() > OF_EVEN_MOVE * moves.max(1) { lattice(&mut bends) } else { 0.0 }

@@ -2,8 +2,9 @@
 
 use crate::record::line::Line;
 use crate::record::position_noise::position_noise;
-use crate::record::spline::{extent, mean};
+use crate::record::spline::mean;
 use crate::record::turn::{REACH, is_turn};
+use records::extremes;
 
 /// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one, and positions have that noise, m.
 ///
@@ -25,7 +26,7 @@ pub fn moving(position_m: &[f64], shortest_hold: usize, noise_m: f64) -> Vec<boo
     loop {
         let means: Vec<f64> = position_m.chunks(averaged).map(mean).collect();
         let noise_m = if averaged == 1 { noise_m } else { position_noise(&means).min(noise_m) };
-        let (low, high) = extent(&means);
+        let (low, high) = extremes(&means);
         let mut moving = moving_rows(&means, (8.0 * noise_m).max(2e-4 * (high - low)), shortest_hold);
         without_turns(&mut moving, &means, noise_m);
         join(&mut moving, &means);
@@ -58,7 +59,7 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     let n = position_m.len();
     let mut moving: Vec<bool> = (0..n)
         .map(|i| {
-            let (low, high) = extent(&position_m[i.saturating_sub(REACH)..(i + REACH + 1).min(n)]);
+            let (low, high) = extremes(&position_m[i.saturating_sub(REACH)..(i + REACH + 1).min(n)]);
             high - low > threshold
         })
         .collect();
@@ -106,7 +107,7 @@ fn join(moving: &mut [bool], position_m: &[f64]) {
     /// The time of the longer move over that of the shortest stop beside it.
     const SHORTEST_STOP: usize = 6;
     let way = |first: usize, end: usize| {
-        let (low, high) = extent(&position_m[first..end]);
+        let (low, high) = extremes(&position_m[first..end]);
         high - low
     };
     let mut begun = None;

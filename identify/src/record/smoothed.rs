@@ -7,8 +7,9 @@
 //! of a wider move shakes with their noise where the piston is held already, and forced convection would see a speed there.
 //! Position in m, time in s.
 
-use crate::record::spline::{Spline, extent};
+use crate::record::spline::Spline;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use records::extremes;
 
 /// Rows within so many deviations of where the piston is held may be rows at which it is.
 const DEVIATIONS: f64 = 4.0;
@@ -42,7 +43,7 @@ impl Held {
 /// The curve between two holds near these rows, whose positions have that noise, m; none where no way is seen between the holds.
 pub fn between(time_s: &[f64], position_m: &[f64], [before, after]: [Held; 2], noise_m: f64) -> Option<Spline> {
     let n = time_s.len();
-    let (low, high) = extent(position_m);
+    let (low, high) = extremes(position_m);
     let noise_m = noise_m.max(FINEST * (high - low));
     let off = |i: usize, held: &Held| ((position_m[i] - held.at(time_s[i])) / noise_m).powi(2);
     let is_held = |i: &usize, held: &Held| !held.at_once && off(*i, held) < DEVIATIONS * DEVIATIONS;

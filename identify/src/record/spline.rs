@@ -1,5 +1,6 @@
 //! Cubic splines over time: strokes between the rows of a record, and what else a record says of its surroundings.
 
+use records::extremes;
 use std::cell::Cell;
 
 /// Share of a move's way at either end of it that does not count as moving: a piston creeps to its stop.
@@ -124,17 +125,17 @@ impl Spline {
 
     /// Smallest and largest of its knots' values.
     pub fn range(&self) -> (f64, f64) {
-        extent(&self.value)
+        extremes(&self.value)
     }
 
     /// Smallest of its knots' values.
     pub fn lowest(&self) -> f64 {
-        extent(&self.value).0
+        extremes(&self.value).0
     }
 
     /// Largest of its knots' values.
     pub fn highest(&self) -> f64 {
-        extent(&self.value).1
+        extremes(&self.value).1
     }
 
     /// Value and slope at time `t`; `near` remembers the last piece.
@@ -171,11 +172,6 @@ impl Spline {
 /// Mean of some values.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Smallest and largest.
-pub fn extent(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)))
 }
 
 #[cfg(test)]

@@ -7,8 +7,9 @@
 //! where a record begins with so few rows of a stop that they cannot, the curve has to go through three times as many of the move.
 //! Positions in m.
 
-use crate::record::spline::{extent, mean};
+use crate::record::spline::mean;
 use nalgebra::{DMatrix, DVector};
+use records::extremes;
 use std::ops::Range;
 
 /// Parts of the rows of which means are looked at.
@@ -59,7 +60,7 @@ pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noi
 fn way(position_m: &[f64]) -> f64 {
     const PARTS: usize = 12;
     let means: Vec<f64> = position_m.chunks((position_m.len() / PARTS).max(1)).map(mean).collect();
-    let (low, high) = extent(&means);
+    let (low, high) = extremes(&means);
     high - low
 }
 

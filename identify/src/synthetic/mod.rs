@@ -17,11 +17,10 @@ pub use random::Random;
 pub use recording::{Faults, Recording};
 pub use stroke::{Move, Shape, Stroke};
 
-use crate::record::spline::extent;
 use chamber::effects::{self, CARDS, PARAMETER_OFFSETS};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use rayon::prelude::*;
-use records::{Ambient, Cylinder, Experiment, LineNumbers, NamedGas, Rig, Sensor, Tolerance, Trace};
+use records::{Ambient, Cylinder, Experiment, LineNumbers, NamedGas, Rig, Sensor, Tolerance, Trace, extremes};
 use truth::{STEP_S, Truth};
 
 /// Effects that a [`Recipe`] does not simulate as effects: they belong to the recording, or are none of their own.
@@ -313,7 +312,7 @@ impl Recipe {
     /// The lowest and the highest position of all tests, m.
     fn way(&self) -> (f64, f64) {
         let places = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
-        extent(&places.collect::<Vec<_>>())
+        extremes(&places.collect::<Vec<_>>())
     }
 
     /// The rig with its simulated traces.

@@ -2,8 +2,8 @@
 
 use super::super::hampel::{accidental, middle_and_scatter};
 use super::super::position_noise::position_noise;
-use super::super::spline::extent;
 use super::without;
+use records::extremes;
 
 /// A reading this many standard deviations of the noise from the median of those around it stands out...
 const FROM_MEDIAN: f64 = 9.0;
@@ -37,7 +37,7 @@ pub fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
 /// from the cubic through them.
 fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
-    let (low, high) = extent(&readings);
+    let (low, high) = extremes(&readings);
     let noise_m = position_noise(&readings);
     let least = (FROM_MEDIAN * noise_m).max(OF_THE_WAY * (high - low));
     if readings.len() < 2 * REACH + 1 {

@@ -7,7 +7,7 @@
 use super::super::lattice;
 use super::super::position_noise::{NOTHING_M, step};
 use super::super::readout::{Between, interpolated};
-use super::super::spline::extent;
+use records::extremes;
 
 /// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
 const STEPS: f64 = 5.0;
@@ -132,7 +132,7 @@ fn between_ways(position_m: &[f64], bends: &[usize], period: usize) -> bool {
 
 /// Rows in which a way bends by many steps.
 fn bends(position_m: &[f64]) -> Vec<usize> {
-    let (low, high) = extent(position_m);
+    let (low, high) = extremes(position_m);
     let far = (STEPS * step(position_m)).max(ROUNDING * (high - low));
     records::bends(position_m).zip(1..).filter(|(bend, _)| *bend >= far).map(|(_, row)| row).collect()
 }

@@ -139,7 +139,7 @@ impl Recording {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::spline::extent;
+    use records::extremes;
 
     fn recording(name: &str) -> &'static Recording {
         ALL.iter().find(|r| r.name == name).unwrap()
@@ -166,7 +166,7 @@ mod tests {
         let ends = |recipe: &Recipe| {
             let rig = recipe.rig();
             let traces = rig.experiments.iter().flat_map(|e| &e.traces);
-            extent(&traces.flat_map(|t| t.position_m.iter().copied()).collect::<Vec<_>>())
+            extremes(&traces.flat_map(|t| t.position_m.iter().copied()).collect::<Vec<_>>())
         };
         let (low, high) = ends(&recipe);
         let mut bent = recipe.clone();

@@ -1,0 +1,139 @@
+//! The parameters of an empirical term, and the table that they hold.
+
+use super::balance::Balance;
+use super::variable::Variable;
+use crate::card::{Kind, Parameter, Unit};
+use crate::real::Real;
+
+/// Places for knots.
+pub const KNOTS: usize = 8;
+
+/// Place of the balance among the parameters, ...
+pub const BALANCE: usize = 0;
+/// ...of the variable, ...
+pub const VARIABLE: usize = 1;
+/// ...of the first knot, ...
+pub const FIRST_KNOT: usize = 2;
+/// ...and of the first value.
+pub const FIRST_VALUE: usize = FIRST_KNOT + KNOTS;
+/// Number of parameters.
+pub const PARAMETERS: usize = FIRST_VALUE + KNOTS;
+
+/// A table that says what the parameters hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// What it is.
+    pub balance: Balance,
+    /// What it follows.
+    pub variable: Variable,
+    /// Its knots, ascending, at most [`KNOTS`].
+    pub knots: Vec<f64>,
+    /// Its values there.
+    pub values: Vec<f64>,
+}
+
+impl Curve {
+    /// The curve that the effect's parameters hold, if they hold one.
+    pub fn of(p: &[f64]) -> Option<Self> {
+        let word = |p: f64| (p.round() as usize).checked_sub(1);
+        let (balance, variable) = (*Balance::ALL.get(word(p[BALANCE])?)?, *Variable::ALL.get(word(p[VARIABLE])?)?);
+        let list = |first: usize| p[first..first + length(p)].to_vec();
+        Some(Self { balance, variable, knots: list(FIRST_KNOT), values: list(FIRST_VALUE) })
+    }
+
+    /// The effect's parameters that hold it.
+    pub fn parameters(&self) -> [f64; PARAMETERS] {
+        let place = |found: Option<usize>| found.map_or(0.0, |place| (place + 1) as f64);
+        let mut out = [0.0; PARAMETERS];
+        out[BALANCE] = place(Balance::ALL.iter().position(|b| *b == self.balance));
+        out[VARIABLE] = place(Variable::ALL.iter().position(|v| *v == self.variable));
+        for (first, list) in [(FIRST_KNOT, &self.knots), (FIRST_VALUE, &self.values)] {
+            for k in 0..KNOTS {
+                out[first + k] = list.get(k).or(list.last()).copied().unwrap_or(0.0);
+            }
+        }
+        out
+    }
+}
+
+/// Knots in use.
+pub fn length(p: &[f64]) -> usize {
+    let knots = &p[FIRST_KNOT..FIRST_VALUE];
+    1 + knots.windows(2).take_while(|pair| pair[1] > pair[0]).count()
+}
+
+/// What is wrong with a table.
+pub fn check(p: &[f64]) -> Result<(), String> {
+    let Some(curve) = Curve::of(p) else { return Ok(()) };
+    let Curve { balance, variable, values, .. } = &curve;
+    if !balance.follows(*variable) {
+        let possible: Vec<&str> = Variable::ALL
+            .iter()
+            .zip(Variable::WORDS)
+            .filter(|(v, _)| balance.follows(**v))
+            .map(|(_, word)| word)
+            .collect();
+        return Err(format!("a {} can follow {} only", balance.word(), possible.join(" or ")));
+    }
+    let is_share = matches!(balance, Balance::CoefficientShare | Balance::VolumeShare);
+    match values.iter().find(|v| is_share && **v <= -1.0) {
+        Some(v) => Err(format!("the share {v:?} leaves nothing; shares above -1 are expected")),
+        None => Ok(()),
+    }
+}
+
+/// Whether a parameter is the word of that number.
+#[inline(always)]
+pub fn says<R: Real>(p: R, word: usize) -> R {
+    R::from(0.5) - (p - (word + 1) as f64).abs()
+}
+
+const fn word(name: &'static str, words: &'static [&'static str], doc: &'static str) -> Parameter {
+    Parameter {
+        name,
+        kind: Kind::Word(words),
+        bounds: 0.0..=words.len() as f64,
+        fitted: false,
+        doc,
+        ..Parameter::DEFAULT
+    }
+}
+
+const fn place(name: &'static str, index: usize, typical: f64, doc: &'static str) -> Parameter {
+    let rising = matches!(name.as_bytes(), b"knots");
+    Parameter {
+        name,
+        unit: Unit::OfTable,
+        kind: Kind::Place { index, rising },
+        bounds: -1e12..=1e12,
+        typical,
+        fitted: !rising,
+        doc,
+        ..Parameter::DEFAULT
+    }
+}
+
+const KNOT: &str = "Knot: a value of the variable, in its unit; above the knot before it";
+const VALUE: &str = "The term at that knot, in the balance's unit";
+
+/// By way of example: a heat flow over the pressure.
+pub const TABLE: [Parameter; PARAMETERS] = [
+    word("balance", &Balance::WORDS, "What the term is"),
+    word("variable", &Variable::WORDS, "What it follows"),
+    place("knots", 0, 1e5, KNOT),
+    place("knots", 1, 2e5, KNOT),
+    place("knots", 2, 3e5, KNOT),
+    place("knots", 3, 4e5, KNOT),
+    place("knots", 4, 5e5, KNOT),
+    place("knots", 5, 6e5, KNOT),
+    place("knots", 6, 7e5, KNOT),
+    place("knots", 7, 8e5, KNOT),
+    place("values", 0, 0.01, VALUE),
+    place("values", 1, 0.02, VALUE),
+    place("values", 2, 0.03, VALUE),
+    place("values", 3, 0.025, VALUE),
+    place("values", 4, 0.02, VALUE),
+    place("values", 5, 0.04, VALUE),
+    place("values", 6, 0.05, VALUE),
+    place("values", 7, 0.045, VALUE),
+];
