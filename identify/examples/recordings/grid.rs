@@ -73,7 +73,7 @@ pub fn jobs(options: &Options) -> Vec<Job> {
             // So that no two rows have a rig, or what its file states, in common.
             let seed = number as u64 * MOST_RIGS + rig;
             let (kind, base) =
-                if rig % 3 == 0 { ("wide", Recipe::wide(seed)) } else { ("bench", Recipe::from_seed(seed)) };
+                if rig.is_multiple_of(3) { ("wide", Recipe::wide(seed)) } else { ("bench", Recipe::from_seed(seed)) };
             let visible = |e: &&usize| !recording.hides.contains(&CARDS[**e].name);
             let effects: Vec<usize> = simulated.iter().filter(visible).copied().collect();
             let turn = (number * 5 + rig as usize) % effects.len();

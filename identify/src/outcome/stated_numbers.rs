@@ -61,6 +61,7 @@ mod tests {
     use crate::search::baseline;
     use crate::synthetic::Recipe;
     use crate::synthetic::recording::Wave;
+    use std::f64::consts::TAU;
 
     #[test]
     fn a_stated_number_is_doubted_where_another_one_takes_away_most_of_the_misfit() {
@@ -77,21 +78,17 @@ mod tests {
 
     #[test]
     fn crooked_positions_are_told_where_they_account_for_the_records_and_not_beside_a_leak() {
-        let said = |change: fn(&mut Recipe)| {
+        let said = |change: &dyn Fn(&mut Recipe)| {
             let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) };
             change(&mut recipe);
             let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
             crooked_positions(&data, &fit)
         };
-        assert_eq!(said(|_| ()), None);
-        let bent = said(|recipe| recipe.faults.position_wave = Some(Wave { amplitude: 1e-3, angles: [0.0, 6.28] }));
-        assert!(bent.is_some_and(|said| said.contains("0.1 % of their way")));
-        assert_eq!(
-            said(|recipe| recipe.faults.position_wave = Some(Wave { amplitude: 2e-4, angles: [0.0, 6.28] })),
-            None
-        );
-        let leakage = |recipe: &mut Recipe| *recipe = recipe.clone().with("leakage", &[2e-11]);
-        assert_eq!(said(leakage), None);
+        let bent =
+            |amplitude| said(&|recipe| recipe.faults.position_wave = Some(Wave { amplitude, angles: [0.0, TAU] }));
+        assert_eq!([bent(0.0), bent(2e-4)], [None, None]);
+        assert!(bent(1e-3).is_some_and(|said| said.contains("0.1 % of their way")));
+        assert_eq!(said(&|recipe| *recipe = recipe.clone().with("leakage", &[2e-11])), None);
     }
 
     #[test]
