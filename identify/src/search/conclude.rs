@@ -287,6 +287,27 @@ mod tests {
     }
 
     #[test]
+    fn what_effects_explain_beside_a_timing_is_judged_by_what_the_timing_alone_leaves() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("record_delay", &[0.01]);
+        let recipe = recipe.with("leakage", &[1e-12]);
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let all_pa = adequacy.systematic_pa;
+        let mut search = Search::new(data, paper, adequacy);
+        let mut to_be_explained_pa = |names: &[&str]| {
+            let effects = names.iter().map(|name| find(name).unwrap().0).collect();
+            let fit = fit_model(&search.data, Model::with(effects), &search.baseline.fit, &search.sizes).unwrap();
+            search.chosen = search.candidate(fit);
+            search.to_be_explained_pa()
+        };
+        assert_eq!(to_be_explained_pa(&["record_delay"]), all_pa);
+        assert_eq!(to_be_explained_pa(&["leakage"]), all_pa);
+        let by_the_leak_pa = to_be_explained_pa(&["leakage", "record_delay"]);
+        let noise_pa = recipe.noise_rms_pa();
+        assert!((noise_pa..0.5 * all_pa).contains(&by_the_leak_pa), "{by_the_leak_pa} of {all_pa}, noise {noise_pa}");
+    }
+
+    #[test]
     fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(find("leakage").unwrap().0)[0] = 2e-11;
