@@ -114,28 +114,30 @@ impl Fit {
 
     /// [`Fit::marginal`] with tolerances so many times as wide.
     pub fn marginal_widened(&self, factor: f64) -> f64 {
-        let (free, all) = (self.rig.len(), self.information.nrows());
-        let Some((mut matrix, right)) = System::new(&self.linear, all).reduced(0.0) else { return self.chi2 };
-        for k in free..all {
-            matrix[(k, k)] += 1.0 / (factor * factor);
-        }
-        best_move(&matrix, &right, &self.adapts).map_or(self.chi2, |(gain, _)| (self.chi2 - gain).max(0.0))
+        self.best_widened(|_| factor, &self.adapts).map_or(self.chi2, |(left, _)| left)
     }
 
     /// [`Fit::marginal`] where positions may lie off a straight line so many times as far as stated, and how far they then do, in
     /// tolerances.
     pub fn marginal_of_crooked_positions(&self, factor: f64) -> Option<(f64, f64)> {
-        let (free, all) = (self.rig.len(), self.information.nrows());
-        let (mut matrix, right) = System::new(&self.linear, all).reduced(0.0)?;
         let waves = waves(&self.hypothesis);
         let mut adapts = self.adapts.clone();
+        waves.iter().for_each(|place| adapts[*place] = true);
+        let widened = |place| if waves.contains(&place) { factor } else { 1.0 };
+        let (left, x) = self.best_widened(widened, &adapts)?;
+        Some((left, farthest(&waves, &x)))
+    }
+
+    /// Σ of squares that the best move leaves, its own included, and that move, where the tolerance of the stated number at each place
+    /// is so many times as wide.
+    fn best_widened(&self, widened: impl Fn(usize) -> f64, adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
+        let (free, all) = (self.rig.len(), self.information.nrows());
+        let (mut matrix, right) = System::new(&self.linear, all).reduced(0.0)?;
         for k in free..all {
-            matrix[(k, k)] += if waves.contains(&k) { 1.0 / (factor * factor) } else { 1.0 };
-            adapts[k] |= waves.contains(&k);
+            matrix[(k, k)] += 1.0 / (widened(k) * widened(k));
         }
-        let (gain, x) = best_move(&matrix, &right, &adapts)?;
-        let farthest = waves.iter().map(|place| x[*place].abs()).fold(0.0, f64::max);
-        Some(((self.chi2 - gain).max(0.0), farthest))
+        let (gain, x) = best_move(&matrix, &right, adapts)?;
+        Some(((self.chi2 - gain).max(0.0), x))
     }
 
     /// Number of free parameters beyond those that every record has.
@@ -154,10 +156,11 @@ pub fn credible_move(
     hypothesis: &Hypothesis,
     adapts: &mut [bool],
 ) -> Option<(f64, Vec<f64>)> {
+    /// In tolerances, which are for unit.
+    const FADES_WITHIN: f64 = 1.0;
     let best = best_move(matrix, right, adapts)?;
     let waves = waves(hypothesis);
-    let asked = waves.iter().map(|place| best.1[*place].abs()).fold(0.0, f64::max);
-    let belief = policy::TOLERANCES + 1.0 - asked;
+    let belief = (policy::TOLERANCES - farthest(&waves, &best.1)) / FADES_WITHIN + 1.0;
     if belief >= 1.0 {
         return Some(best);
     }
@@ -176,6 +179,11 @@ pub fn credible_move(
 fn waves(hypothesis: &Hypothesis) -> Vec<usize> {
     let places = (hypothesis.axes.len()..).zip(&hypothesis.stated);
     places.filter(|(_, axis)| axis.slot.is_wave()).map(|(place, _)| place).collect()
+}
+
+/// How far a move goes at the farthest of these places.
+fn farthest(places: &[usize], x: &[f64]) -> f64 {
+    places.iter().map(|place| x[*place].abs()).fold(0.0, f64::max)
 }
 
 /// How much of χ² the best move of all numbers that adapt takes away, and that move.

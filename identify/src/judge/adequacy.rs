@@ -79,9 +79,9 @@ impl Adequacy {
         self.is_adequate() || self.is_next_to_nothing(before_pa)
     }
 
-    /// Whether it explains a systematic misfit of so many Pa before: noise remains, or next to nothing beside that, or little that is good enough. To be
-    /// good enough alone is not enough: a remainder with a shape that is a good part of what there was says that something else is
-    /// at work, which the named effects may imitate.
+    /// Whether it explains a systematic misfit of so many Pa before: noise remains, or next to nothing beside that, or little that is
+    /// good enough. To be good enough alone is not enough: a remainder with a shape that is a good part of what there was says that
+    /// something else is at work, which the named effects may imitate.
     pub fn explains(&self, before_pa: f64) -> bool {
         let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before_pa;
         self.is_noise || self.is_next_to_nothing(before_pa) || is_little

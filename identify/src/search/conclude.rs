@@ -147,7 +147,8 @@ impl Search {
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
-        let before_pa = self.to_be_explained_pa();
+        // Noise is no more than that, whatever there was before.
+        let before_pa = if self.chosen_adequacy.is_noise { 0.0 } else { self.to_be_explained_pa() };
         if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
             return match self.chosen_adequacy.explains(before_pa) {
                 _ if nothing_named => Verdict::Adequate,
