@@ -7,6 +7,7 @@
 use crate::fit::{self, Fit, readings};
 use crate::parameters::Setting;
 use crate::record::data::{Data, Prepared};
+use crate::record::repeats;
 use crate::record::stroke::Phase;
 use chamber::effects::EffectSet;
 use chamber::integrate::IntegrationError;
@@ -77,16 +78,15 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     // What the position leaves open in a move is an upper limit: it must not make up for what holds leave.
     let mut moving = 0.0;
     for experiment in 0..data.experiments.len() {
-        let repeats: Vec<usize> = (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect();
-        let traces: Vec<&Prepared> = repeats.iter().map(|&k| &data.traces[k]).collect();
-        let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
-        let alike = traces.len() > 1 && traces.iter().all(|t| phases(t) == phases(traces[0]));
-        for (&k, t) in repeats.iter().zip(&traces) {
+        let of_experiment = repeats::of(data, experiment);
+        let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
+        let alike = repeats::are_alike(&traces);
+        for (&k, t) in of_experiment.iter().zip(&traces) {
             for (segment, s) in t.course.motion.segments.iter().enumerate() {
                 let rows = (s.end - s.first) as f64;
                 let mean = if alike && s.phase != Phase::Move {
                     // Repeats that are held at one place share the error of its rounding.
-                    let shared = in_common(data, residuals, &repeats, segment);
+                    let shared = in_common(data, residuals, &of_experiment, segment);
                     if shared > 0.0 { (shared - by_rounding(t, segment)).max(0.0) } else { shared }
                 } else {
                     beyond_noise(data, t, &residuals[k], segment)
@@ -102,20 +102,20 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
 }
 
 /// Mean product of the residuals of different repeats at the same place of a segment, Pa².
-fn in_common(data: &Data, residuals: &[Vec<f64>], repeats: &[usize], segment: usize) -> f64 {
-    let part = |k: usize| -> Vec<f64> {
-        let (t, s) = (&data.traces[k], &data.traces[k].course.motion.segments[segment]);
-        (s.first..s.end).filter(|&i| t.readout.is_data(i)).map(|i| residuals[k][i]).collect()
+fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segment: usize) -> f64 {
+    let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
+    let rows = |t: &&Prepared| -> Vec<usize> {
+        let s = &t.course.motion.segments[segment];
+        (s.first..s.end).filter(|&i| t.readout.is_data(i)).collect()
     };
-    let parts: Vec<Vec<f64>> = repeats.iter().map(|&k| part(k)).collect();
-    let from_end = data.traces[repeats[0]].course.motion.segments[segment].phase == Phase::Rest;
-    let length = parts.iter().map(Vec::len).min().unwrap_or(0);
-    let aligned: Vec<&[f64]> =
-        parts.iter().map(|own| if from_end { &own[own.len() - length..] } else { &own[..length] }).collect();
+    let rows = repeats::beside_each_other(&traces, segment, &traces.iter().map(rows).collect::<Vec<_>>());
+    let length = rows[0].len();
+    let aligned: Vec<Vec<f64>> =
+        of_experiment.iter().zip(&rows).map(|(&k, own)| own.iter().map(|&i| residuals[k][i]).collect()).collect();
     let (mut sum, mut pairs) = (0.0, 0.0);
     for (i, a) in aligned.iter().enumerate() {
         for b in &aligned[i + 1..] {
-            sum += a.iter().zip(*b).map(|(x, y)| x * y).sum::<f64>();
+            sum += a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
             pairs += length as f64;
         }
     }

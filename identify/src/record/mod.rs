@@ -25,6 +25,7 @@ pub mod positions;
 mod prepare;
 pub mod ramp;
 pub mod readout;
+pub mod repeats;
 mod scatter;
 mod smoothed;
 pub mod spline;

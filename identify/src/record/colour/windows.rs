@@ -1,6 +1,7 @@
 //! Windows of a recording's noise, Pa: contrasts of repeats, or short parts of rests and holds.
 
 use crate::record::data::{Data, Prepared};
+use crate::record::repeats;
 use crate::record::stroke::Phase;
 
 /// Rows after a move that are left out: there the position's noise and the move's course count.
@@ -24,8 +25,7 @@ pub struct Window {
 pub fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
     let mut out = Vec::new();
     for experiment in 0..data.experiments.len() {
-        let repeats: Vec<usize> = (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect();
-        contrasts(data, residuals, &repeats, &mut out);
+        contrasts(data, residuals, &repeats::of(data, experiment), &mut out);
     }
     if !out.is_empty() {
         return (out, true);
@@ -57,23 +57,18 @@ pub fn quiet_rows(t: &Prepared, segment: usize, late: bool) -> Vec<usize> {
 }
 
 /// Helmert contrasts between the repeats of an experiment, part by part.
-fn contrasts(data: &Data, residuals: &[Vec<f64>], repeats: &[usize], out: &mut Vec<Window>) {
-    let traces: Vec<&Prepared> = repeats.iter().map(|&k| &data.traces[k]).collect();
-    let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
-    let Some(first) = traces.first().filter(|_| traces.len() > 1) else { return };
-    if traces.iter().any(|t| phases(t) != phases(first) || t.readout.period != first.readout.period) {
+fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], out: &mut Vec<Window>) {
+    let traces: Vec<&Prepared> = of.iter().map(|&k| &data.traces[k]).collect();
+    let Some(first) = traces.first().filter(|_| repeats::are_alike(&traces)) else { return };
+    if traces.iter().any(|t| t.readout.period != first.readout.period) {
         return;
     }
-    for (segment, phase) in phases(first).into_iter().enumerate() {
+    for segment in 0..first.course.motion.segments.len() {
         let rows: Vec<Vec<usize>> = traces.iter().map(|t| quiet_rows(t, segment, false)).collect();
-        let length = rows.iter().map(Vec::len).min().unwrap_or(0);
-        // Rests are compared from their ends, holds from their begins.
-        let aligned = |k: usize, i: usize| {
-            let own = &rows[k];
-            let place = if phase == Phase::Rest { own.len() - length + i } else { i };
-            residuals[repeats[k]][own[place]]
-        };
-        for order in 1..repeats.len() {
+        let rows = repeats::beside_each_other(&traces, segment, &rows);
+        let length = rows[0].len();
+        let aligned = |k: usize, i: usize| residuals[of[k]][rows[k][i]];
+        for order in 1..of.len() {
             let norm = ((order * (order + 1)) as f64).sqrt();
             let values: Vec<f64> = (0..length)
                 .map(|i| ((0..order).map(|k| aligned(k, i)).sum::<f64>() - order as f64 * aligned(order, i)) / norm)

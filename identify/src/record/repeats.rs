@@ -1,0 +1,84 @@
+//! Repeats of one experiment, row beside row.
+//!
+//! Rests stand beside each other from their ends. Holds do so by the time since the piston had gone half of its way there: how many
+//! rows count as the end of a move is a matter of the positions' noise where the piston creeps to its place, or its sensor does,
+//! and a relaxation beside a later part of itself would pass for noise of the pressures.
+
+use super::data::{Data, Prepared};
+use super::stroke::Phase;
+
+/// The numbers of an experiment's records among all records.
+pub fn of(data: &Data, experiment: usize) -> Vec<usize> {
+    (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect()
+}
+
+/// Whether these records, at least two, have the same segments one after the other.
+pub fn are_alike(traces: &[&Prepared]) -> bool {
+    let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
+    traces.len() > 1 && traces.iter().all(|t| phases(t) == phases(traces[0]))
+}
+
+/// The rows of a segment of alike records that stand beside each other, equally many of each; `rows` are those that each of them
+/// has there, in order.
+pub fn beside_each_other(traces: &[&Prepared], segment: usize, rows: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let is_rest = traces[0].course.motion.segments[segment].phase == Phase::Rest;
+    let shortest = |rows: &[Vec<usize>]| rows.iter().map(Vec::len).min().unwrap_or(0);
+    let length = shortest(rows);
+    if is_rest {
+        return rows.iter().map(|own| own[own.len() - length..].to_vec()).collect();
+    }
+    let halves: Option<Vec<usize>> = traces.iter().map(|t| half_of_the_move_before(t, segment)).collect();
+    let latest = halves.and_then(|halves| {
+        let after = |(half, own): (&usize, &Vec<usize>)| own.first().map(|first| first.saturating_sub(*half));
+        let begin = halves.iter().zip(rows).filter_map(after).max()?;
+        let from = |(half, own): (usize, &Vec<usize>)| own.iter().copied().filter(|i| *i >= half + begin).collect();
+        Some(halves.into_iter().zip(rows).map(from).collect::<Vec<Vec<usize>>>())
+    });
+    // A hold most of which counts as a move in another repeat is compared from its begin.
+    let kept = latest.filter(|kept| 2 * shortest(kept) >= length).unwrap_or_else(|| rows.to_vec());
+    let length = shortest(&kept);
+    kept.into_iter().map(|own| own[..length].to_vec()).collect()
+}
+
+/// The row at which half of the way is gone in the move before a segment, if there is one.
+fn half_of_the_move_before(t: &Prepared, segment: usize) -> Option<usize> {
+    let before = &t.course.motion.segments[segment.checked_sub(1)?];
+    if before.phase != Phase::Move {
+        return None;
+    }
+    let x = &t.position_m[before.first..before.end];
+    let steps = || x.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let half = 0.5 * steps().sum::<f64>();
+    let mut gone = 0.0;
+    let rows = steps().take_while(|step| {
+        gone += step;
+        gone < half
+    });
+    Some(before.first + rows.count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::data::Data;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn holds_stand_beside_each_other_by_the_way_gone_where_a_move_of_one_repeat_seems_to_last_longer() {
+        let data = Data::prepare(&Recipe { repeats: 2, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let mut traces: Vec<Prepared> = of(&data, 0).into_iter().map(|k| data.traces[k].clone()).collect();
+        assert_eq!(traces.len(), 2);
+        let [half, other] = [0, 1].map(|k| half_of_the_move_before(&traces[k], 2).unwrap());
+        let segments = &mut traces[1].course.motion.segments;
+        segments[1].end += 40;
+        segments[2].first += 40;
+        let traces: Vec<&Prepared> = traces.iter().collect();
+        let hold = |k: usize| (traces[k].course.motion.segments[2].first..traces[k].time_s.len()).collect::<Vec<_>>();
+        let beside = beside_each_other(&traces, 2, &[hold(0), hold(1)]);
+        assert_eq!([beside[0].len(), beside[1].len()], [hold(1).len(); 2]);
+        assert!(beside[0].iter().zip(&beside[1]).all(|(a, b)| a - half == b - other));
+        // Of a hold that ends before the other begins nothing would be left.
+        let short = hold(0)[..30].to_vec();
+        assert_eq!(beside_each_other(&traces, 2, &[short.clone(), hold(1)]), [short, hold(1)[..30].to_vec()]);
+    }
+}
