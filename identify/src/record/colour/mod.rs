@@ -86,7 +86,67 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     // A colour stands for what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
     let (without, coloured) = colour(&likelihood.scaled(start).1);
-    let hum = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS)?;
-    let (with, humming) = colour(&likelihood.scaled(&Noise { hum: Some(hum), ..start.clone() }).1);
-    (with + DECISIVE < without).then(|| likelihood.tuned((with, humming)).1.hum).flatten()
+    let line = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS);
+    let seen = line.and_then(|line| {
+        let (with, humming) = colour(&likelihood.scaled(&Noise { hum: Some(line), ..start.clone() }).1);
+        (with + DECISIVE < without).then(|| likelihood.tuned((with, humming)).1.hum).flatten()
+    });
+    seen.or_else(|| nothing_but_hum(&Likelihood { free: FREE_IN_CONTRAST, ..likelihood }, start))
+}
+
+/// A hum of fewer periods than tell it from the gas, where it and white noise are all there is in rests and holds as they are: the
+/// course that a missing effect leaves is no sine, the same in short holds and in long ones.
+fn nothing_but_hum(likelihood: &Likelihood<'_>, start: &Noise) -> Option<Hum> {
+    /// Longest windows in which the hum keeps its phase: one that wanders could follow any course.
+    const COHERENT: f64 = 1000.0;
+    let longest_s = likelihood.longest_s();
+    let (_, white) = likelihood.scaled(start);
+    let line = likelihood.line(&white)?;
+    let (coloured, _) = likelihood.with_another_colour(&white, longest_s);
+    let steady = Hum { coherence_s: COHERENT * longest_s, ..line };
+    let humming = likelihood.tuned(likelihood.scaled(&Noise { hum: Some(steady), ..start.clone() }));
+    let (beside, _) = likelihood.with_another_colour(&humming.1, longest_s);
+    let is_all = humming.0 + DECISIVE < coloured && humming.0 < beside + DECISIVE;
+    let is_steady = |hum: &Hum| hum.sd_pa * f64::sqrt(2.0 / COHERENT) < humming.1.white_pa;
+    let hum = humming.1.hum.filter(|hum| is_all && is_steady(hum))?;
+    Some(Hum { coherence_s: line.coherence_s, ..hum })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+    use crate::synthetic::recording::ALL;
+
+    /// The noise that the paper's model shows in the single records of a rig.
+    fn shown(recipe: &Recipe) -> Noise {
+        let recipe = Recipe { repeats: 1, ..recipe.clone() };
+        baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap().0.noise
+    }
+
+    #[test]
+    fn single_records_of_one_and_a_half_periods_show_a_hum_by_which_nothing_but_white_noise_is_left() {
+        let hum = ALL.iter().find(|recording| recording.name == "hum").unwrap();
+        // Rests and holds of 5 s at most, and a hum of 0.3 Hz.
+        let noise = shown(&hum.apply(Recipe::wide(16_003)));
+        assert!(noise.hum.is_some_and(|hum| (hum.frequency_hz - 0.3).abs() < 0.01), "{noise:?}");
+        assert!(noise.colours.is_empty() && (noise.white_pa / 60.0 - 1.0).abs() < 0.05, "{noise:?}");
+    }
+
+    #[test]
+    fn what_a_missing_effect_leaves_of_single_records_is_no_hum() {
+        for (seed, name, parameters) in [
+            (6, "wall_heating", &[40.0, 0.5][..]),
+            (7, "wall_heating", &[200.0, 0.5]),
+            (5, "natural_convection", &[0.03]),
+            (8, "natural_convection", &[0.3]),
+            (7, "leakage", &[2e-11]),
+            (8, "gas_zones", &[0.1]),
+            (9, "gas_zones", &[0.3]),
+        ] {
+            let noise = shown(&Recipe::wide(seed).with(name, parameters));
+            assert_eq!(noise.hum, None, "{seed} {name}: {noise:?}");
+        }
+    }
 }
