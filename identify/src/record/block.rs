@@ -64,7 +64,8 @@ impl Block {
     }
 }
 
-/// Standard deviation of the mean of rows whose times are open by so much, s, Pa: the pressure's rate times that.
+/// Standard deviation of the mean of rows whose times are open by so much, s, Pa: the pressure's rate times that, and as much again
+/// for the position that a delay sets beside it, which is another row's.
 fn by_clock(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], open_s: &[f64]) -> f64 {
     const BESIDE: usize = 2;
     let off = |&row: &usize| {
@@ -72,7 +73,7 @@ fn by_clock(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], open_s: &[f64])
         let (from, to) = (row.saturating_sub(BESIDE), (row + BESIDE).min(time_s.len() - 1));
         Some(open_s * (pressure_pa[to] - pressure_pa[from]) / (time_s[to] - time_s[from]))
     };
-    rows.iter().filter_map(off).map(|off| off * off).sum::<f64>().sqrt() / rows.len() as f64
+    rows.iter().filter_map(off).map(|off| 2.0 * off * off).sum::<f64>().sqrt() / rows.len() as f64
 }
 
 /// Positions that the model of the mean of so many rows is made of.
@@ -209,5 +210,20 @@ fn shifted_holds(blocks: &mut [Block], motion: &Motion) {
         for (i, rate) in held.into_iter().zip(rates) {
             blocks[i].common_sd_pa[2] = rate * shift_s;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_whose_time_is_open_errs_by_the_pressures_rate_once_for_itself_and_once_for_a_delayed_position() {
+        let time_s: Vec<f64> = (0..30).map(|i| f64::from(i) * 0.01).collect();
+        let pressure_pa: Vec<f64> = time_s.iter().map(|t| 1e5 + 2e6 * t).collect();
+        let by = |rows: &[usize]| by_clock(&time_s, &pressure_pa, rows, &[1e-3; 30]);
+        assert!((by(&[10]) / (2.0f64.sqrt() * 2e3) - 1.0).abs() < 1e-9);
+        assert!((by(&[10, 11]) / 2e3 - 1.0).abs() < 1e-9);
+        assert_eq!(by_clock(&time_s, &pressure_pa, &[10], &[]), 0.0);
     }
 }
