@@ -79,7 +79,7 @@ pub const KNOWN_TO: f64 = 1e-5;
 /// The misfit that does not matter, as a share of the noise, where a rig states none.
 pub const ACCURACY_OF_NOISE: f64 = 0.25;
 /// A term predicts decisively better, although more than noise remains, if the systematic error on left-out data falls below
-/// this share of that without it.
+/// this share of that without it; or if the systematic misfit does, and the error on left-out data is that on the fitted ones.
 pub const PREDICTS_BETTER: f64 = 0.5;
 /// Named effects explain the records if their error on records left out whole is less than so many times that on the fitted
 /// ones; otherwise they only describe those.

@@ -44,12 +44,16 @@ fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
         return Vec::new();
     }
     let last = readings.len() - 1;
-    // Beyond its ends a record is taken to go back.
+    // Beyond its second and last but one reading a record is taken to go back.
     let at = |k: usize, by: isize| {
         let place = k.checked_add_signed(by).unwrap_or_else(|| by.unsigned_abs() - k);
         readings[if place > last { 2 * last - place } else { place }]
     };
     let stands_out = |k: &usize| {
+        if *k == 0 || *k == last {
+            let inwards = |by: usize| readings[k.abs_diff(by)];
+            return off_course([inwards(0), inwards(1), inwards(2), inwards(3)]).abs() > least;
+        }
         let five = [-2, -1, 0, 1, 2].map(|by| at(*k, by));
         // Most readings lie near both neighbours.
         let near = |other: usize| (five[REACH] - five[other]).abs() < 0.5 * least;
@@ -57,6 +61,15 @@ fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
             && (off_median(five).abs() > least || is_off_cubic(&readings, *k, least, noise_m))
     };
     (0..=last).filter(stands_out).map(|k| rows[k]).collect()
+}
+
+/// How far a record's first or last reading is from where the three beside it lead, by a straight line or a parabola; zero where these
+/// are nearly as far apart.
+fn off_course([reading, next, second, third]: [f64; 4]) -> f64 {
+    let led_to = [2.0 * next - second, 3.0 * (next - second) + third];
+    let [low, high] = [f64::min(led_to[0], led_to[1]), f64::max(led_to[0], led_to[1])];
+    let off = reading - reading.clamp(low, high);
+    if off.abs() > OF_THE_OTHERS * (high - low) { off } else { 0.0 }
 }
 
 /// How far the middle one of five is from their median; zero where half of them are as far.

@@ -115,6 +115,7 @@ fn filled(rows: &[usize], position_m: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::synthetic::Random;
+    use std::f64::consts::TAU;
 
     /// 0.1 m to 0.05 m in 0.3 s from 0.5 s on, then slowly back; noise of some µm, rounded to 1 µm.
     fn stroke(time: f64, noise: f64) -> f64 {
@@ -134,6 +135,23 @@ mod tests {
                 last
             })
             .collect()
+    }
+
+    #[test]
+    fn a_record_that_begins_in_a_fast_swing_begins_with_a_reading_and_a_lost_first_one_is_none() {
+        // A swing of 10 mm that fades at 100 Hz.
+        let swings = |first: usize| -> Vec<f64> {
+            let time_s = |i: usize| 0.01 * (first + i) as f64;
+            (0..200).map(time_s).map(|t| 0.2 + 0.02 * (-t / 0.02).exp() * (TAU * t / 0.06).cos()).collect()
+        };
+        for first in 0..8 {
+            let mut position_m = swings(first);
+            assert_eq!(Positions::of(&position_m).outliers, [], "{first}");
+            position_m[0] = 0.0;
+            assert_eq!(Positions::of(&position_m).outliers, [0], "{first}");
+            position_m.reverse();
+            assert_eq!(Positions::of(&position_m).outliers, [199], "{first}");
+        }
     }
 
     #[test]
