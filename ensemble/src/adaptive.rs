@@ -97,7 +97,6 @@ pub fn run<const N: usize, T: OwnTest<N>>(
         pushed.push(Pushed { state: problem.state, energy: test.energy_of_push(problem.energy) });
         let length = duration - scenarios[*row as usize].push_time_s;
         (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);
-        problem.absolute = [0.0; N];
     }
     advance(arch, &T::held(tests), problems, relative, log);
 

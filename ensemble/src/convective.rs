@@ -32,11 +32,9 @@ use pulp::Arch;
 pub const EFFECTS: EffectSet = EffectSet::from_bits(crate::bit(NAME));
 const NAME: &str = "natural_convection";
 
-/// How much more than the temperature the factor may err over a step of the push, as a share of its value at first: the end of the
-/// step puts it right.
+/// How much more than the temperature the factor may err over a step, as a share of its value at first: the end of each step of the push
+/// puts it right, and in the hold it goes more evenly than the temperature, whose errors set the length of steps.
 const MAY_ERR: f64 = 100.0;
-/// Added to a temperature difference that is divided by, K: less than its rounding.
-const NEXT_TO_NOTHING_K: f64 = 1e-30;
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
@@ -190,13 +188,16 @@ impl LaneSystem<2> for Moving<'_> {
         let root = self.gas.clock.root(s);
         let temperature = state * state;
         let warmer = self.gas.wall - temperature;
-        // Two quotients by one division.
-        let per_both = (root * (warmer + NEXT_TO_NOTHING_K)).recip();
-        let heat = self.gas.exchange_at([root, root * root]) * (warmer * factor) * rate;
-        let work = self.gas.expansion_rate * (per_both * warmer) * rate;
-        let power = [temperature * heat, temperature * work];
-        let bend = self.exponent * factor * (per_both * root) * (power[1] - power[0]);
-        Moment { slope: [state * 0.5 * (heat - work), bend], view: View::NONE, power }
+        // Heat over m cv T (Tw − T), and work over m cv T.
+        let exchange = self.gas.exchange_at([root, root * root]) * rate * factor;
+        let work = self.gas.expansion_rate * (rate / root);
+        let received = temperature * (exchange * warmer);
+        let done = temperature * work;
+        let slope = [
+            state * 0.5 * (exchange * warmer - work),
+            self.exponent * factor * (done / warmer - temperature * exchange),
+        ];
+        Moment { slope, view: View::NONE, power: [received, done] }
     }
 }
 
@@ -223,9 +224,9 @@ impl LaneSystem<2> for Held<'_> {
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
         let (temperature, exchange) = (state * state, self.gas.exchange * factor);
-        let heat = exchange * (self.gas.wall - temperature);
-        let slope = [state * 0.5 * heat, -self.exponent * temperature * (exchange * factor)];
-        Moment { slope, view: View::NONE, power: [temperature * heat, Lanes::ZERO] }
+        let (warmer, risen) = (self.gas.wall - temperature, temperature * exchange);
+        let slope = [state * 0.5 * (exchange * warmer), -self.exponent * factor * risen];
+        Moment { slope, view: View::NONE, power: [risen * warmer, Lanes::ZERO] }
     }
 }
 

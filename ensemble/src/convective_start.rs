@@ -19,8 +19,8 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Where the series end at the latest: d, s as a share of the push, and y. What is left out is then below 1e-12 of T.
-const FARTHEST: f64 = 4e-3;
+/// Where the series end at the latest: d, s as a share of the push, and y. What is left out is then below 3e-12 of T.
+const FARTHEST: f64 = 6e-3;
 const LONGEST_SHARE: f64 = 0.03;
 const STRONGEST: f64 = 4e-3;
 /// Terms of the series in d.
