@@ -11,7 +11,7 @@
 //! | with a wall that warms only | its two equations (`walled`) |
 //! | with a missing term that is a heat flow over the pressure | its one equation (`heated`) |
 //! | with one leak only, or with constant flows and at most one leak | its two equations (`flows`) |
-//! | with natural convection only | the push by two equations (`convective`, `convective_start`), the hold by a series (`convective_hold`) or as below |
+//! | with natural convection only, on one side of the wall's temperature | the push by two equations (`convective`, `convective_start`), the hold by a series (`convective_hold`) or as below |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
