@@ -87,14 +87,15 @@ pub fn run<const N: usize, T: OwnTest<N>>(
         problems.push(test.push(s));
         tests.push(test);
     }
+    T::begin(arch, tests, problems, relative);
     advance(arch, &T::moving(tests), problems, relative, &mut Nobody);
     pushed.clear();
-    for ((problem, test), (_, duration)) in problems.iter_mut().zip(&*tests).zip(rows) {
+    for ((problem, test), (row, duration)) in problems.iter_mut().zip(&*tests).zip(rows) {
         if !test.goes_one_way(&problem.state) {
             problem.failure = Some(Failure::StepTooSmall);
         }
-        pushed.push(Pushed { state: problem.state, energy: problem.energy });
-        let length = duration - problem.length;
+        pushed.push(Pushed { state: problem.state, energy: test.energy_of_push(problem.energy) });
+        let length = duration - scenarios[*row as usize].push_time_s;
         (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);
     }
     advance(arch, &T::held(tests), problems, relative, log);

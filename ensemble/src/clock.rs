@@ -62,6 +62,12 @@ impl<R: Real> Clock<R> {
         [r * (self.straight + bend), self.straight + bend * 2.0]
     }
 
+    /// What the clock shows at `s`.
+    #[inline(always)]
+    pub fn bent_to(&self, s: R) -> R {
+        s * 2.0 / (self.straight + (self.straight * self.straight + self.bend * s * 4.0).sqrt())
+    }
+
     /// w, m^(3/4), at `s`.
     #[inline(always)]
     pub fn root(&self, s: R) -> R {
@@ -125,7 +131,7 @@ impl Clock<Lanes> {
         let root = (start * start + time * 4.0 * self.root_rate / self.pace_factor).sqrt().sqrt();
         let moving = time * 4.0 / (self.pace_factor * (root + self.start) * (root * root + start));
         let s = self.root_rate.abs().where_positive(moving, time);
-        s * 2.0 / (self.straight + (self.straight * self.straight + self.bend * s * 4.0).sqrt())
+        self.bent_to(s)
     }
 
     /// Puts a clock into a lane.
@@ -171,6 +177,7 @@ mod tests {
             lanes.load(4, &bent);
             for r in [0.0, 1e-3, 0.3, 1.1, 2.0] {
                 let ([s, _], (time, pace)) = (bent.unbent(r), bent.time_and_pace(r));
+                assert!((bent.bent_to(s) - r).abs() < 1e-12, "{r}");
                 assert!((time - plain.time_and_pace(s).0).abs() < 1e-15);
                 assert!((lanes.shown(Lanes::from(time))[4] - r).abs() < 1e-12, "{r}");
                 let slope = (bent.time_and_pace(r + 1e-5).0 - bent.time_and_pace(r - 1e-5).0) / 2e-5;

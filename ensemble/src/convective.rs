@@ -1,52 +1,52 @@
 //! Tests whose heat transfer follows a power of the temperature difference, in lanes: natural convection alone, the port
-//! closed. The push is that of [`crate::sealed`] with one more factor,
+//! closed. The equation of [`crate::sealed`] has one more factor, u = |(T − Tw)/20 K|^n, which is a state beside T: so the rates take
+//! no power. While the piston moves,
 //!
-//! dT/ds = T (q |(T − Tw)/20 K|^n − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T)
+//! dT/ds = T (q u − 4 (γ − 1) w'/w),  du/ds = n u/(T − Tw) dT/ds,  q = c p (a1 w⁴ + a0) w (Tw − T)
 //!
-//! and from near T = Tw, where that has no power series, by the bent clock. The hold is a series ([`convective_hold`]), where
-//! there is none that of [`crate::relaxation`], or, by the integrator, of the same equation with w' = 0.
+//! from near T = Tw, where that has no power series, after a series of another kind ([`crate::convective_start`]) and by the bent clock.
+//! While it rests T − Tw falls out of the second equation:
+//!
+//! dT/dt = k u T (Tw − T),  du/dt = −n k T u²,  k = c Aq/√V
+//!
+//! The gas has to stay on one side of the wall's temperature ([`stays_on_a_side`]). T in K, k in 1/(K s), u a pure number.
 
-use crate::Batch;
-use crate::advance::{FIRST_OF_BENT, Loadable, Nobody, Problem, advance};
-use crate::convective_hold::{self, Holds, Record, Solve};
+use crate::advance::{LONGEST, Loadable, Problem};
+use crate::clock::Clock;
+use crate::convective_start::Pushes;
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::math;
-use crate::outcome::{Failure, Outcome};
 use crate::plan::starts_singular;
-use crate::regression::{Guess, Records};
-use crate::relaxing_rows::{self, AfterPush};
+use crate::regression::Guess;
 use crate::scenario::Scenario;
-use crate::sealed::{self, Ending, Holding, OwnTest, Test};
+use crate::sealed::{self, Holding, OwnTest, Test};
 use crate::step::{LaneSystem, Moment, View};
 use chamber::effects::EffectSet;
 use chamber::effects::natural_convection::{REFERENCE_DIFFERENCE_K, SMALLEST_DIFFERENCE_K};
 use chamber::real::Real;
 use core::hint::black_box;
+use pulp::Arch;
 
 /// The effect on the gas, of those that there are, that such tests have.
 pub const EFFECTS: EffectSet = EffectSet::from_bits(crate::bit(NAME));
 const NAME: &str = "natural_convection";
 
-/// What is kept from one batch to the next.
-#[derive(Default)]
-pub struct Memory {
-    tests: Vec<ConvectiveTest>,
-    problems: Vec<Problem<1>>,
-    /// Those whose holds are series, with the numbers of their tests, and others.
-    in_series: Vec<(usize, AfterPush)>,
-    pushed: Vec<AfterPush>,
-    records: Records,
-    relaxing: relaxing_rows::Memory,
-}
+/// How much more than the temperature the factor may err over a step, as a share of its value at first: the end of each step of the push
+/// puts it right, and in the hold it goes more evenly than the temperature, whose errors set the length of steps.
+const MAY_ERR: f64 = 100.0;
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct ConvectiveTest {
     gas: Test,
     /// n.
-    exponent: f64,
-    is_bent: bool,
+    pub exponent: f64,
+    /// Whether it starts from the wall's temperature.
+    from_rest: bool,
+    /// What the clock shows where the integration begins, s, and heat received and work until then, over m cv, K.
+    begun: f64,
+    energy: [f64; 2],
 }
 
 /// n.
@@ -59,23 +59,57 @@ pub fn is_smooth(scenario: &Scenario) -> bool {
     exponent(scenario) > 0.0
 }
 
-impl OwnTest<1> for ConvectiveTest {
+/// Whether the gas stays on a side of the wall's temperature: so it does if it starts from there, or well beside it, and the push drives it
+/// away from there. Next to it rounding of the temperature is too much of their difference.
+pub fn stays_on_a_side(s: &Scenario) -> bool {
+    let above = s.initial_temperature_k - s.ambient_temperature_k;
+    let widening = s.final_position_m - s.initial_position_m;
+    if above == 0.0 { widening != 0.0 } else { above * widening < 0.0 && !starts_singular(EFFECTS, s) }
+}
+
+impl OwnTest<2> for ConvectiveTest {
     const HAS_ANOTHER_WAY: bool = true;
+    const LONGEST: f64 = LONGEST;
     type Moving<'a> = Moving<'a>;
     type Held<'a> = Held<'a>;
 
     #[inline]
     fn new(s: &Scenario) -> Self {
-        let (mut gas, is_bent) = (Test::new(s), starts_singular(EFFECTS, s));
-        if is_bent {
+        let (mut gas, from_rest) = (Test::new(s), s.initial_temperature_k == s.ambient_temperature_k);
+        if from_rest {
             gas.clock = gas.clock.bent(s.push_time_s);
         }
-        Self { gas, exponent: exponent(s), is_bent }
+        Self { gas, exponent: exponent(s), from_rest, begun: 0.0, energy: [0.0; 2] }
     }
 
     #[inline]
-    fn start(&self, s: &Scenario) -> [f64; 1] {
-        self.gas.start(s)
+    fn start(&self, s: &Scenario) -> [f64; 2] {
+        let [root] = self.gas.start(s);
+        if self.from_rest {
+            return [root, 0.0];
+        }
+        let difference = (s.initial_temperature_k - s.ambient_temperature_k).abs();
+        [root, (difference * (1.0 / REFERENCE_DIFFERENCE_K)).powf(self.exponent)]
+    }
+
+    fn begin(arch: Arch, tests: &mut [Self], problems: &mut [Problem<2>], relative: f64) {
+        for (tests, problems) in tests.chunks_mut(WIDTH).zip(problems.chunks_mut(WIDTH)) {
+            let begun = arch.dispatch(Wide(&pushes(tests, problems)));
+            for (lane, (test, problem)) in tests.iter_mut().zip(problems).enumerate() {
+                if test.from_rest {
+                    test.begun = begun.clock[lane];
+                    test.energy = begun.energy.map(|energy| energy[lane]);
+                    problem.length -= test.begun;
+                    problem.state = begun.state.map(|state| state[lane]);
+                }
+                problem.absolute[1] = relative * MAY_ERR * problem.state[1];
+            }
+        }
+    }
+
+    #[inline]
+    fn energy_of_push(&self, integrated: [f64; 2]) -> [f64; 2] {
+        [integrated[0] + self.energy[0], integrated[1] + self.energy[1]]
     }
 
     #[inline]
@@ -84,17 +118,12 @@ impl OwnTest<1> for ConvectiveTest {
     }
 
     #[inline]
-    fn first_step(&self) -> f64 {
-        if self.is_bent { FIRST_OF_BENT } else { 0.0 }
-    }
-
-    #[inline]
-    fn goes_one_way(&self, _: &[f64; 1]) -> bool {
+    fn goes_one_way(&self, _: &[f64; 2]) -> bool {
         true
     }
 
     fn moving(tests: &[Self]) -> Moving<'_> {
-        Moving { tests, gas: sealed::Moving::NONE, exponent: Lanes::ZERO }
+        Moving { tests, gas: sealed::Moving::NONE, exponent: Lanes::ZERO, begun: Lanes::ZERO }
     }
 
     fn held(tests: &[Self]) -> Held<'_> {
@@ -102,77 +131,39 @@ impl OwnTest<1> for ConvectiveTest {
     }
 }
 
-/// Runs tests whose numbers are checked, all of one area law; with durations in s.
-pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Outcome]) {
-    let Batch { arch, scenarios, options } = batch;
-    let Memory { tests, problems, in_series, pushed, records, relaxing } = memory;
-    tests.clear();
-    problems.clear();
-    for &(row, _) in rows {
-        let s = &scenarios[row as usize];
-        let test = ConvectiveTest::new(s);
-        let mut push = test.push(s);
-        if test.gas.clock.root_rate == 0.0 {
-            push.longest = f64::INFINITY;
-        }
-        tests.push(test);
-        problems.push(push);
+/// The pushes of up to as many tests as there are lanes.
+fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
+    let zero = Lanes::ZERO;
+    let mut all =
+        Pushes { clock: Clock::NONE, exponent: zero, expansion: zero, exchange: [zero; 2], wall: zero, length: zero };
+    for lane in 0..WIDTH {
+        let index = lane.min(tests.len() - 1);
+        let ConvectiveTest { gas: Test { closed, clock, .. }, exponent, .. } = &tests[index];
+        all.clock.load(lane, clock);
+        (all.exponent[lane], all.expansion[lane]) = (*exponent, closed.expansion);
+        (all.exchange[0][lane], all.exchange[1][lane]) = (closed.exchange[0], closed.exchange[1]);
+        (all.wall[lane], all.length[lane]) = (closed.ambient_temperature, problems[index].length);
     }
-    advance(arch, &ConvectiveTest::moving(tests), problems, options.relative_tolerance, &mut Nobody);
-    pushed.clear();
-    in_series.clear();
-    for (index, ((problem, test), &(row, duration))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
-        let Test { closed, rate, .. } = test.gas;
-        let (s, temperature) = (&scenarios[row as usize], problem.state[0] * problem.state[0]);
-        let capacity = closed.mass_gas_constant / closed.expansion;
-        let [received, work] = problem.energy.map(|energy| capacity * energy);
-        let is_gas = temperature > 0.0 && temperature < f64::INFINITY;
-        let after = AfterPush {
-            row,
-            duration,
-            relaxations: (duration - s.push_time_s) * rate,
-            mass: closed.mass_gas_constant / s.chamber.gas.gas_constant,
-            energy: [s.initial_temperature_k, temperature].map(|temperature| capacity * temperature),
-            received: [received - work, work.abs()],
-            failure: problem.failure.or((!is_gas).then_some(Failure::Empty)),
-        };
-        if is_gas && convective_hold::has_series(test.exponent, temperature, closed.ambient_temperature) {
-            in_series.push((index, after));
-        } else {
-            pushed.push(after);
-        }
-    }
-    relaxing_rows::run(batch, relaxing, EFFECTS, pushed, out);
-    for group in in_series.chunks(WIDTH) {
-        let at = |lane: usize| &group[lane.min(group.len() - 1)];
-        let test = |lane: usize| &tests[at(lane).0];
-        let scenario = |lane: usize| &scenarios[at(lane).1.row as usize];
-        let per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
-        let holds = Holds {
-            exponent: Lanes::from_fn(|lane| test(lane).exponent),
-            rate: Lanes::from_fn(|lane| test(lane).gas.rate),
-            wall: Lanes::from_fn(|lane| test(lane).gas.closed.ambient_temperature),
-            pushed: Lanes::from_fn(|lane| problems[at(lane).0].state[0] * problems[at(lane).0].state[0]),
-            push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
-            hold: Lanes::from_fn(|lane| at(lane).1.duration - scenario(lane).push_time_s),
-        };
-        let ends = arch.dispatch(Wide(Solve(&holds)));
-        let found = options.fit.then(|| {
-            let guess = arch.dispatch(Wide(Record { holds: &holds, ends: &ends, per_temperature, records }));
-            records.fit(arch, guess)
-        });
-        for (lane, (_, after)) in group.iter().enumerate() {
-            out[after.row as usize] = after.outcome(&Ending {
-                scenario: scenario(lane),
-                duration: after.duration,
-                wall: holds.wall[lane],
-                pushed: holds.pushed[lane],
-                end: ends.end[lane],
-                pressure_per_temperature: per_temperature[lane],
-                settling: ends.settling[lane],
-                regression: found.as_ref().and_then(|found| found.lane(lane)),
-            });
-        }
+    all
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a> {
+    tests: &'a [ConvectiveTest],
+    gas: sealed::Moving<'static>,
+    exponent: Lanes,
+    /// What the clock shows at the begin, s.
+    begun: Lanes,
+}
+
+impl Loadable for Moving<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.exponent[lane] = test.exponent;
+        self.begun[lane] = test.begun;
     }
 }
 
@@ -183,36 +174,30 @@ fn power(difference: Lanes, exponent: Lanes) -> Lanes {
     black_box(math::power(difference * (1.0 / REFERENCE_DIFFERENCE_K), exponent))
 }
 
-/// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a> {
-    tests: &'a [ConvectiveTest],
-    gas: sealed::Moving<'static>,
-    exponent: Lanes,
-}
+impl LaneSystem<2> for Moving<'_> {
+    const CHEAP: bool = true;
 
-impl Loadable for Moving<'_> {
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
-        self.exponent[lane] = test.exponent;
+    fn restore(&self, [state, factor]: &mut [Lanes; 2]) {
+        *factor = power(*state * *state - self.gas.wall, self.exponent);
     }
-}
-
-impl LaneSystem<1> for Moving<'_> {
-    const CHEAP: bool = false;
 
     #[inline(always)]
-    fn rates(&self, r: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
-        let [s, rate] = self.gas.clock.unbent(r);
+    fn rates(&self, r: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
+        let [s, rate] = self.gas.clock.unbent(self.begun + r);
         let root = self.gas.clock.root(s);
         let temperature = state * state;
         let warmer = self.gas.wall - temperature;
-        let [heat, work] = self.gas.heat_and_work([root, root * root], warmer);
-        let (heat, work) = (heat * power(warmer, self.exponent) * rate, work * rate);
-        let power = [temperature * heat, temperature * work];
-        Moment { slope: [state * 0.5 * (heat - work)], view: View::NONE, power }
+        // Heat over m cv T (Tw − T), and work over m cv T.
+        let exchange = self.gas.exchange_at([root, root * root]) * rate * factor;
+        let work = self.gas.expansion_rate * (rate / root);
+        let received = temperature * (exchange * warmer);
+        let done = temperature * work;
+        let slope = [
+            state * 0.5 * (exchange * warmer - work),
+            self.exponent * factor * (done / warmer - temperature * exchange),
+        ];
+        Moment { slope, view: View::NONE, power: [received, done] }
     }
 }
 
@@ -233,53 +218,49 @@ impl Loadable for Held<'_> {
     }
 }
 
-impl LaneSystem<1> for Held<'_> {
-    const CHEAP: bool = false;
+impl LaneSystem<2> for Held<'_> {
+    const CHEAP: bool = true;
 
     #[inline(always)]
-    fn rates(&self, _: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
-        let temperature = state * state;
-        let warmer = self.gas.wall - temperature;
-        let heat = self.gas.exchange * warmer * power(warmer, self.exponent);
-        Moment { slope: [state * 0.5 * heat], view: View::NONE, power: [temperature * heat, Lanes::ZERO] }
+    fn rates(&self, _: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
+        let (temperature, exchange) = (state * state, self.gas.exchange * factor);
+        let (warmer, risen) = (self.gas.wall - temperature, temperature * exchange);
+        let slope = [state * 0.5 * (exchange * warmer), -self.exponent * factor * risen];
+        Moment { slope, view: View::NONE, power: [risen * warmer, Lanes::ZERO] }
     }
 }
 
-impl Holding<1> for Held<'_> {
+impl Holding<2> for Held<'_> {
     #[inline(always)]
-    fn guess(&self, [state, _]: [&[Lanes; 1]; 2], begin: Lanes) -> Guess {
+    fn guess(&self, [state, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
         self.gas.guess_from(state[0] * state[0], begin)
     }
 
-    /// By the equation's recursion; that of f = |d|^n is k d f_k = Σ (n j − (k − j)) d_j f_(k−j) over j from 1 to k.
+    /// By the equations' recursion: each coefficient follows from those of lower powers.
     #[inline(always)]
-    fn series(&self, &[state]: &[Lanes; 1], length: Lanes) -> [Lanes; 4] {
-        let zero = Lanes::ZERO;
-        let (mut gas, exchange) = ([state * state, zero, zero, zero], self.gas.exchange * length);
+    fn series(&self, &[state, factor]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
+        let (zero, exchange) = (Lanes::ZERO, self.gas.exchange * length);
+        let (mut gas, mut factor) = ([state * state, zero, zero, zero], [factor, zero, zero]);
         let mut warmer = [self.gas.wall - gas[0], zero, zero];
-        let mut factor = [power(warmer[0], self.exponent), zero, zero];
-        let least = Lanes::from(SMALLEST_DIFFERENCE_K);
-        let per_warmer = (warmer[0].abs() - least).where_positive(warmer[0], least).recip();
-        // Of T d.
+        // Of T u.
         let mut driven = [zero; 3];
         for order in 0..3 {
             if order > 0 {
                 warmer[order] = -gas[order];
-                let mut sum = zero;
-                for part in 1..=order {
-                    let weight = self.exponent * part as f64 - (order - part) as f64;
-                    sum += weight * warmer[part] * factor[order - part];
-                }
-                factor[order] = sum * per_warmer * (1.0 / order as f64);
+            }
+            let (mut heat, mut fall) = (zero, zero);
+            for part in 0..=order {
+                driven[order] += gas[part] * factor[order - part];
             }
             for part in 0..=order {
-                driven[order] += gas[part] * warmer[order - part];
+                heat += driven[part] * warmer[order - part];
+                fall += driven[part] * factor[order - part];
             }
-            let mut heat = zero;
-            for part in 0..=order {
-                heat += driven[part] * factor[order - part];
+            let rate = exchange * (1.0 / (order + 1) as f64);
+            gas[order + 1] = rate * heat;
+            if order < 2 {
+                factor[order + 1] = -self.exponent * rate * fall;
             }
-            gas[order + 1] = exchange * heat * (1.0 / (order + 1) as f64);
         }
         gas
     }

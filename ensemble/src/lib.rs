@@ -11,7 +11,7 @@
 //! | with a wall that warms only | its two equations (`walled`) |
 //! | with a missing term that is a heat flow over the pressure | its one equation (`heated`) |
 //! | with one leak only, or with constant flows and at most one leak | its two equations (`flows`) |
-//! | with natural convection only | the push by one equation (`convective`), the hold by a series (`convective_hold`) or as below |
+//! | with natural convection only, on one side of the wall's temperature | the push by two equations (`convective`, `convective_start`), the hold by a series (`convective_hold`) or as below |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
 //! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
@@ -34,6 +34,8 @@ mod clock;
 mod conduction;
 mod convective;
 mod convective_hold;
+mod convective_rows;
+mod convective_start;
 mod corner;
 mod course;
 mod elimination;
@@ -110,8 +112,8 @@ pub struct Kernel {
     adaptive: adaptive::Memory<1, sealed::Test>,
     walled: adaptive::Memory<2, walled::WalledTest>,
     heated: adaptive::Memory<1, heated::HeatedTest>,
-    convective: convective::Memory,
-    integrated: adaptive::Memory<1, convective::ConvectiveTest>,
+    convective: convective_rows::Memory,
+    integrated: adaptive::Memory<2, convective::ConvectiveTest>,
     orifices: adaptive::Memory<2, FlowTest<Orifice>>,
     gaps: adaptive::Memory<2, FlowTest<Gap>>,
     course: course::Memory,
@@ -156,16 +158,17 @@ impl Kernel {
             adaptive::run(batch, integrated, &sorted.integrated, out);
             adaptive::run(batch, orifices, &sorted.orifices, out);
             adaptive::run(batch, gaps, &sorted.gaps, out);
+            for rows in sorted.convective.iter().filter(|rows| !rows.is_empty()) {
+                convective_rows::run(batch, convective, rows, out);
+            }
             let tight = walled.left.drain(..).chain(integrated.left.drain(..)).map(|row| (row, Kind::Tight));
+            let relaxing = convective.left.drain(..).map(|row| (row, Kind::Relaxing));
             let open = orifices.left.drain(..).chain(gaps.left.drain(..)).chain(heated.left.drain(..));
             let open = open.map(|row| (row, Kind::Open));
-            for (row, kind) in tight.chain(open) {
+            for (row, kind) in tight.chain(relaxing).chain(open) {
                 if let Err(reason) = sorted.add(row, kind, set, &scenarios[row as usize]) {
                     out[row as usize] = Outcome::failed(reason);
                 }
-            }
-            for rows in sorted.convective.iter().filter(|rows| !rows.is_empty()) {
-                convective::run(batch, convective, rows, out);
             }
             for (kind, rows) in sorted.closed.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
                 let ClosedKind { kept, shown } = ClosedKind::of(kind, set);
@@ -337,8 +340,9 @@ impl Sorted {
             let own = match of_gas {
                 walled::EFFECTS if alone && walled::has_wall(s) => Some(&mut self.walled),
                 heated::EFFECTS if alone && heated::is_heated(s) => Some(&mut self.heated),
-                convective::EFFECTS if alone && integrates && convective::is_smooth(s) => Some(&mut self.integrated),
-                convective::EFFECTS if alone && !integrates => Some(&mut self.convective[usize::from(swept)]),
+                convective::EFFECTS if !(alone && convective::stays_on_a_side(s)) => None,
+                convective::EFFECTS if integrates && convective::is_smooth(s) => Some(&mut self.integrated),
+                convective::EFFECTS if !integrates => Some(&mut self.convective[usize::from(swept)]),
                 _ if !wide || !shows_the_gas || s.profile.is_some() => None,
                 of_gas if flows::ORIFICES.contains(&of_gas) => Some(&mut self.orifices),
                 flows::GAP => Some(&mut self.gaps),

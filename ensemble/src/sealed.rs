@@ -24,7 +24,7 @@ use crate::step::{LaneSystem, Moment, View};
 use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Tests of N states, of which a record shows a reading that the pressure of the hold is in proportion to. Unless told otherwise
 /// the port is closed, the root of the temperature is the first state, and the temperature is the reading.
@@ -87,6 +87,14 @@ pub trait OwnTest<const N: usize>: Sized {
         push.first = self.first_step() * push.length;
         push.longest = LONGEST_OF_MOVE * push.length;
         push
+    }
+    /// Prepares pushes for their integration, to a relative tolerance: takes them ahead to where it begins, if that is not where they
+    /// start.
+    fn begin(_: Arch, _: &mut [Self], _: &mut [Problem<N>], _: f64) {}
+    /// Energy received as heat and enthalpy during the push, and work, by what of them was integrated.
+    #[inline]
+    fn energy_of_push(&self, integrated: [f64; 2]) -> [f64; 2] {
+        integrated
     }
     /// Whether a hold from these states goes one way, or may turn round as [`OwnTest::TURNS`] has it.
     fn goes_one_way(&self, states: &[f64; N]) -> bool;

@@ -62,6 +62,10 @@ pub trait LaneSystem<const N: usize> {
     /// The system at time `t`, s.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> Moment<N>;
 
+    /// Puts states right that follow from others, at the end of a step over which they have gone a little astray.
+    #[inline(always)]
+    fn restore(&self, _: &mut [Lanes; N]) {}
+
     /// Number of states, from the first on, that move in any lane: the others stay where they begin.
     #[inline(always)]
     fn moving(&self) -> usize {
@@ -125,6 +129,9 @@ macro_rules! stage_of {
         let mut at = *$y;
         for i in 0..N {
             at[i] = multiply_add::<$fused>(weighted!($fused, $slopes, i, A[$s]; $($j)*), $h, $y[i]);
+        }
+        if $s == STAGES - 1 {
+            $system.restore(&mut at);
         }
         let moment = $system.rates(multiply_add::<$fused>($h, Lanes::from(C[$s]), $t), &at);
         ($slopes[$s], $powers[$s]) = (moment.slope, moment.power);

@@ -333,15 +333,18 @@ pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
     ([leak, supply, gap].into_iter().collect(), rows)
 }
 
-/// Rows of [`relaxing`] with natural convection only; and the same with a wall warmer by next to nothing, which the general
+/// Rows of [`relaxing`] with natural convection only, some from next to the wall's temperature; and the same with a wall warmer by next to nothing, which the general
 /// equations solve.
 pub fn convective(count: usize) -> (EffectSet, [Vec<Scenario>; 2]) {
     let [natural, warm] = ["natural_convection", "warm_wall"].map(|name| effects::find(name).unwrap().0);
     let (_, mut rows) = relaxing(count);
     let mut r = Numbers(17);
-    for s in &mut rows {
+    for (k, s) in rows.iter_mut().enumerate() {
         s.chamber.effects = EffectValues::NEUTRAL;
         s.chamber.effects.of_mut(natural)[0] = r.between(-0.2, 1.5);
+        if k % 7 == 1 {
+            s.initial_temperature_k = s.ambient_temperature_k + r.between(-1.0, 1.0) * r.log_between(1e-9, 1.0);
+        }
     }
     let mut general = rows.clone();
     general.iter_mut().for_each(|s| s.chamber.effects.of_mut(warm)[0] = 1e-13);

@@ -1,0 +1,102 @@
+//! Tests with natural convection as they come: the push of [`crate::convective`], and a hold that is a series
+//! ([`convective_hold`]) or, where there is none, an integral over the temperature ([`relaxing_rows`]).
+
+use crate::Batch;
+use crate::advance::{Nobody, Problem, advance};
+use crate::convective::{ConvectiveTest, EFFECTS};
+use crate::convective_hold::{self, Holds, Record, Solve};
+use crate::instructions::Wide;
+use crate::lanes::{Lanes, WIDTH};
+use crate::outcome::{Failure, Outcome};
+use crate::regression::Records;
+use crate::relaxing_rows::{self, AfterPush};
+use crate::sealed::{Ending, OwnTest, Test};
+
+/// What is kept from one batch to the next.
+#[derive(Default)]
+pub struct Memory {
+    tests: Vec<ConvectiveTest>,
+    problems: Vec<Problem<2>>,
+    /// Those whose holds are series, with the numbers of their tests, and others.
+    in_series: Vec<(usize, AfterPush)>,
+    pushed: Vec<AfterPush>,
+    records: Records,
+    relaxing: relaxing_rows::Memory,
+    /// Numbers of the tests whose pushes could not be followed in this way, but may be in another.
+    pub left: Vec<u32>,
+}
+
+/// Runs tests whose numbers are checked, all of one area law; with durations in s.
+pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Outcome]) {
+    let Batch { arch, scenarios, options } = batch;
+    let Memory { tests, problems, in_series, pushed, records, relaxing, left } = memory;
+    tests.clear();
+    problems.clear();
+    for &(row, _) in rows {
+        let s = &scenarios[row as usize];
+        let test = ConvectiveTest::new(s);
+        problems.push(test.push(s));
+        tests.push(test);
+    }
+    ConvectiveTest::begin(arch, tests, problems, options.relative_tolerance);
+    advance(arch, &ConvectiveTest::moving(tests), problems, options.relative_tolerance, &mut Nobody);
+    pushed.clear();
+    in_series.clear();
+    for (index, ((problem, test), &(row, duration))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
+        if problem.failure.is_some() {
+            left.push(row);
+            continue;
+        }
+        let Test { closed, rate, .. } = *test.gas();
+        let (s, temperature) = (&scenarios[row as usize], problem.state[0] * problem.state[0]);
+        let capacity = closed.mass_gas_constant / closed.expansion;
+        let [received, work] = test.energy_of_push(problem.energy).map(|energy| capacity * energy);
+        let is_gas = temperature > 0.0 && temperature < f64::INFINITY;
+        let after = AfterPush {
+            row,
+            duration,
+            relaxations: (duration - s.push_time_s) * rate,
+            mass: closed.mass_gas_constant / s.chamber.gas.gas_constant,
+            energy: [s.initial_temperature_k, temperature].map(|temperature| capacity * temperature),
+            received: [received - work, work.abs()],
+            failure: (!is_gas).then_some(Failure::Empty),
+        };
+        if is_gas && convective_hold::has_series(test.exponent, temperature, closed.ambient_temperature) {
+            in_series.push((index, after));
+        } else {
+            pushed.push(after);
+        }
+    }
+    relaxing_rows::run(batch, relaxing, EFFECTS, pushed, out);
+    for group in in_series.chunks(WIDTH) {
+        let at = |lane: usize| &group[lane.min(group.len() - 1)];
+        let test = |lane: usize| &tests[at(lane).0];
+        let scenario = |lane: usize| &scenarios[at(lane).1.row as usize];
+        let per_temperature = Lanes::from_fn(|lane| test(lane).gas().pressure_per_temperature());
+        let holds = Holds {
+            exponent: Lanes::from_fn(|lane| test(lane).exponent),
+            rate: Lanes::from_fn(|lane| test(lane).gas().rate),
+            wall: Lanes::from_fn(|lane| test(lane).gas().closed.ambient_temperature),
+            pushed: Lanes::from_fn(|lane| problems[at(lane).0].state[0] * problems[at(lane).0].state[0]),
+            push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
+            hold: Lanes::from_fn(|lane| at(lane).1.duration - scenario(lane).push_time_s),
+        };
+        let ends = arch.dispatch(Wide(Solve(&holds)));
+        let found = options.fit.then(|| {
+            let guess = arch.dispatch(Wide(Record { holds: &holds, ends: &ends, per_temperature, records }));
+            records.fit(arch, guess)
+        });
+        for (lane, (_, after)) in group.iter().enumerate() {
+            out[after.row as usize] = after.outcome(&Ending {
+                scenario: scenario(lane),
+                duration: after.duration,
+                wall: holds.wall[lane],
+                pushed: holds.pushed[lane],
+                end: ends.end[lane],
+                pressure_per_temperature: per_temperature[lane],
+                settling: ends.settling[lane],
+                regression: found.as_ref().and_then(|found| found.lane(lane)),
+            });
+        }
+    }
+}
