@@ -84,6 +84,9 @@ pub const PREDICTS_BETTER: f64 = 0.5;
 /// Named effects explain the records if their error on records left out whole is less than so many times that on the fitted
 /// ones; otherwise they only describe those.
 pub const CARRIES_OVER: f64 = 1.3;
+/// The same where the error is less than so many times that on the fitted ones, and no more than the fit to the others leaves open: of
+/// fast moves, and of what one of few records shows, there is little to fit to.
+pub const LEFT_OPEN: f64 = 2.0;
 /// The same of few records, each of which may show what no other does, if the systematic error on left-out data falls below this
 /// share of that of the paper's model.
 pub const MOST_GONE: f64 = 0.25;

@@ -200,6 +200,7 @@ POLICY = {
     "ACCURACY_OF_NOISE: f64 = 0.25": "by default a quarter of the noise",
     "PREDICTS_BETTER: f64 = 0.5": "the effects at least halve the systematic error",
     "CARRIES_OVER: f64 = 1.3": "not more than 1.3 times the error on the records it is fitted to",
+    "LEFT_OPEN: f64 = 2.0": "less than twice that error is enough",
     "MOST_GONE: f64 = 0.25": "falls below a quarter of that of the paper's model",
     "NEXT_TO_NOTHING: f64 = 0.02": "leaves less than 2 % of the systematic misfit",
     "LITTLE: f64 = 0.1": "leaves less than a tenth of that and is good enough",

@@ -108,6 +108,28 @@ pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
     (rows > 0).then(|| (squares / rows as f64).sqrt())
 }
 
+/// What records left out whole add to a fit's sum of squares, for each of their blocks less their own numbers, over what the others
+/// have for each of theirs: one where these predict them, however far off that leaves the prediction for want of data. `None` where
+/// parts of records are left out, or a fold cannot be fitted. Source: G. C. Chow, Econometrica 28 (1960) 591.
+pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
+    let h = &Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
+    let own = |k: &usize| fitted.own[*k].len();
+    let (mut added, mut others) = ([0.0; 2], [0.0; 2]);
+    for fold in folds {
+        let (out, kept): (Vec<usize>, Vec<usize>) = (0..data.traces.len()).partition(|&k| fold.selection[k] == 0);
+        if kept.iter().any(|&k| fold.judged_from[k] < data.traces[k].time_s.len()) {
+            return None;
+        }
+        let refit = fit::fit(data, h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()?;
+        added[0] += fitted.chi2 - refit.chi2;
+        added[1] += (fitted.blocks - refit.blocks) as f64 - out.iter().map(own).sum::<usize>() as f64;
+        others[0] += refit.chi2;
+        others[1] += refit.blocks as f64 - (h.axes.len() + kept.iter().map(own).sum::<usize>()) as f64;
+    }
+    let mean = |[squares, freedom]: [f64; 2]| squares / freedom.max(1.0);
+    Some(mean(added) / mean(others))
+}
+
 /// Σ of squares of a left-out record's residual and its rows, each half of them with the record's own numbers that the other
 /// half asks for.
 fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<(f64, usize)> {
@@ -221,7 +243,10 @@ fn from_rest(t: &Prepared, held: &Hypothesis, own: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::{Model, Sizes};
+    use crate::search::{baseline, starts};
     use crate::synthetic::Recipe;
+    use chamber::effects::find;
 
     #[test]
     fn records_are_left_out_whole_from_two_on_and_of_a_single_one_the_last_third_is() {
@@ -238,6 +263,26 @@ mod tests {
         }
         let (folds, _) = folds_of(1);
         assert!(folds.len() == 1 && folds[0].selection[0] > 0 && folds[0].judged_from[0] > 0);
+    }
+
+    #[test]
+    fn records_that_the_others_predict_add_as_many_squares_as_those_have_and_others_more() {
+        let mut recipe = Recipe::from_seed(5).with("leakage", &[2e-11]);
+        let added = |recipe: &Recipe, names: &[&str]| {
+            let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+            let sizes = Sizes::of(&data, &paper.chamber());
+            let effects = names.iter().map(|name| find(name).unwrap().0).collect();
+            let fit = starts::fit_model(&data, Model::with(effects), &paper, &sizes).unwrap();
+            squares_added(&data, &fit, &folds(&data))
+        };
+        let of_cause = added(&recipe, &["leakage"]).unwrap();
+        assert!((0.9..1.1).contains(&of_cause), "{of_cause}");
+        // Of single records each shows what the others do not.
+        recipe.repeats = 1;
+        let [of_cause, of_none] = [&["leakage"][..], &[]].map(|names| added(&recipe, names).unwrap());
+        assert!((0.8..1.2).contains(&of_cause) && of_none > 1.3, "{of_cause} {of_none}");
+        recipe.tests.truncate(1);
+        assert_eq!(added(&recipe, &["leakage"]), None);
     }
 
     #[test]

@@ -190,16 +190,30 @@ impl Search {
     }
 
     /// Whether the chosen model errs on records left out whole hardly more than on those it was fitted to: a cause is at work in
-    /// all of them. What nothing like it was fitted to may be predicted less well, as long as most of the error goes.
+    /// all of them. Somewhat more is what the fit to the others leaves open, if that accounts for it; and what nothing like it was
+    /// fitted to may be predicted less well, as long as most of the error goes.
     pub(super) fn carries_over(&self) -> bool {
-        let Some(left_out) = self.chosen.held_out_pa else { return true };
-        let is_most_gone = || !left_out::are_representative(&self.data) && self.leaves_of_left_out(policy::MOST_GONE);
-        self.predicts_as_it_fits(&self.chosen, left_out) || is_most_gone()
+        let Some(left_out_pa) = self.chosen.held_out_pa else { return true };
+        let as_open_as_that = || {
+            left_out_pa < policy::LEFT_OPEN * self.fitted_pa(&self.chosen)
+                && left_out::squares_added(&self.data, &self.chosen.fit, &self.folds)
+                    .is_some_and(|added| added < policy::CARRIES_OVER.powi(2))
+        };
+        self.predicts_as_it_fits(&self.chosen, left_out_pa)
+            || match left_out::are_representative(&self.data) {
+                true => as_open_as_that(),
+                false => self.leaves_of_left_out(policy::MOST_GONE),
+            }
     }
 
     /// Whether a model's error on records left out whole, Pa rms, is hardly more than that on those it was fitted to.
     pub(super) fn predicts_as_it_fits(&self, c: &Candidate, left_out_pa: f64) -> bool {
-        left_out_pa < policy::CARRIES_OVER * misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit))
+        left_out_pa < policy::CARRIES_OVER * self.fitted_pa(c)
+    }
+
+    /// A model's error on the records it was fitted to, Pa rms.
+    fn fitted_pa(&self, c: &Candidate) -> f64 {
+        misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit))
     }
 
     /// Tries the sets beside the chosen one that shift or smear the records in time otherwise: within a row a delay and a lag are
@@ -323,8 +337,13 @@ mod tests {
         search.first_round();
         assert!(search.carries_over());
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
-        search.chosen.held_out_pa = search.chosen.held_out_pa.map(|left_out| 1.5 * left_out);
-        assert_eq!(search.verdict(false, search.carries_over()), Verdict::Improved);
+        // Half as much again would be what the fit to the others leaves open, since its squares tell of no failure.
+        let predicted_pa = search.chosen.held_out_pa.unwrap();
+        let mut times = |factor: f64| {
+            search.chosen.held_out_pa = Some(factor * predicted_pa);
+            search.verdict(false, search.carries_over())
+        };
+        assert_eq!([times(1.5), times(2.5)], [Verdict::Explained, Verdict::Improved]);
 
         // Of few records, which need not show all of the effect each, only that most of the error goes.
         search.data.traces.truncate(3);
