@@ -64,6 +64,26 @@ impl<const N: usize> Knot<N> {
     const NONE: Self = Self { time: Lanes::ZERO, state: [Lanes::ZERO; N] };
 }
 
+/// Takes tests, in place of those that are there, to the ends of their pushes.
+pub fn push<const N: usize, T: OwnTest<N>>(
+    Batch { arch, scenarios, options }: Batch,
+    rows: &[(u32, f64)],
+    tests: &mut Vec<T>,
+    problems: &mut Vec<Problem<N>>,
+) {
+    let relative = options.relative_tolerance;
+    tests.clear();
+    problems.clear();
+    for &(row, _) in rows {
+        let s = &scenarios[row as usize];
+        let test = T::new(s);
+        problems.push(test.push(s));
+        tests.push(test);
+    }
+    T::begin(arch, tests, problems, relative);
+    advance(arch, &T::moving(tests), problems, relative, &mut Nobody);
+}
+
 /// Runs tests whose numbers are checked, if there are some; with durations in s.
 pub fn run<const N: usize, T: OwnTest<N>>(
     batch: Batch,
@@ -77,18 +97,9 @@ pub fn run<const N: usize, T: OwnTest<N>>(
     let Batch { arch, scenarios, options } = batch;
     let Memory { tests, problems, pushed, log, order, knots, records, left } = memory;
     let relative = options.relative_tolerance;
-    tests.clear();
-    problems.clear();
     log.clear();
     left.clear();
-    for &(row, _) in rows {
-        let s = &scenarios[row as usize];
-        let test = T::new(s);
-        problems.push(test.push(s));
-        tests.push(test);
-    }
-    T::begin(arch, tests, problems, relative);
-    advance(arch, &T::moving(tests), problems, relative, &mut Nobody);
+    push(batch, rows, tests, problems);
     pushed.clear();
     for ((problem, test), (row, duration)) in problems.iter_mut().zip(&*tests).zip(rows) {
         if !test.goes_one_way(&problem.state) {

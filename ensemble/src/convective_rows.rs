@@ -2,7 +2,8 @@
 //! ([`convective_hold`]) or, where there is none, an integral over the temperature ([`relaxing_rows`]).
 
 use crate::Batch;
-use crate::advance::{Nobody, Problem, advance};
+use crate::adaptive;
+use crate::advance::Problem;
 use crate::convective::{ConvectiveTest, EFFECTS};
 use crate::convective_hold::{self, Holds, Record, Solve};
 use crate::instructions::Wide;
@@ -30,16 +31,7 @@ pub struct Memory {
 pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { tests, problems, in_series, pushed, records, relaxing, left } = memory;
-    tests.clear();
-    problems.clear();
-    for &(row, _) in rows {
-        let s = &scenarios[row as usize];
-        let test = ConvectiveTest::new(s);
-        problems.push(test.push(s));
-        tests.push(test);
-    }
-    ConvectiveTest::begin(arch, tests, problems, options.relative_tolerance);
-    advance(arch, &ConvectiveTest::moving(tests), problems, options.relative_tolerance, &mut Nobody);
+    adaptive::push(batch, rows, tests, problems);
     pushed.clear();
     in_series.clear();
     for (index, ((problem, test), &(row, duration))) in problems.iter().zip(&*tests).zip(rows).enumerate() {

@@ -333,8 +333,8 @@ pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
     ([leak, supply, gap].into_iter().collect(), rows)
 }
 
-/// Rows of [`relaxing`] with natural convection only, some from next to the wall's temperature; and the same with a wall warmer by next to nothing, which the general
-/// equations solve.
+/// Rows of [`relaxing`] with natural convection only, some from next to the wall's temperature; and the same with a wall warmer by
+/// next to nothing, which the general equations solve.
 pub fn convective(count: usize) -> (EffectSet, [Vec<Scenario>; 2]) {
     let [natural, warm] = ["natural_convection", "warm_wall"].map(|name| effects::find(name).unwrap().0);
     let (_, mut rows) = relaxing(count);

@@ -83,10 +83,9 @@ fn without(data: &Data, out: impl Fn(usize, &Prepared) -> bool) -> Fold {
 pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
     let mut squares = 0.0;
     let mut rows = 0;
-    // What the rig states has no part in a prediction.
-    let h = &Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
+    let h = &fitted.hypothesis;
     for fold in folds {
-        let refit = fit::fit(data, h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()?;
+        let refit = without_left_out(data, fitted, fold)?;
         let parts: Option<Vec<(f64, usize)>> = (0..data.traces.len())
             .into_par_iter()
             .filter(|&k| fold.judged_from[k] < data.traces[k].time_s.len())
@@ -108,11 +107,16 @@ pub fn rmse(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
     (rows > 0).then(|| (squares / rows as f64).sqrt())
 }
 
+/// A fit to what a fold leaves in, from the numbers that the fit to all has. What the rig states has no part in a prediction.
+fn without_left_out(data: &Data, fitted: &Fit, fold: &Fold) -> Option<Fit> {
+    let h = Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
+    fit::fit(data, &h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()
+}
+
 /// What records left out whole add to a fit's sum of squares, for each of their blocks less their own numbers, over what the others
 /// have for each of theirs: one where these predict them, however far off that leaves the prediction for want of data. `None` where
 /// parts of records are left out, or a fold cannot be fitted. Source: G. C. Chow, Econometrica 28 (1960) 591.
 pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
-    let h = &Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
     let own = |k: &usize| fitted.own[*k].len();
     let (mut added, mut others) = ([0.0; 2], [0.0; 2]);
     for fold in folds {
@@ -120,11 +124,11 @@ pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
         if kept.iter().any(|&k| fold.judged_from[k] < data.traces[k].time_s.len()) {
             return None;
         }
-        let refit = fit::fit(data, h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()?;
+        let refit = without_left_out(data, fitted, fold)?;
         added[0] += fitted.chi2 - refit.chi2;
         added[1] += (fitted.blocks - refit.blocks) as f64 - out.iter().map(own).sum::<usize>() as f64;
         others[0] += refit.chi2;
-        others[1] += refit.blocks as f64 - (h.axes.len() + kept.iter().map(own).sum::<usize>()) as f64;
+        others[1] += refit.blocks as f64 - (fitted.rig.len() + kept.iter().map(own).sum::<usize>()) as f64;
     }
     let mean = |[squares, freedom]: [f64; 2]| squares / freedom.max(1.0);
     Some(mean(added) / mean(others))

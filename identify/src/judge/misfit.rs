@@ -8,7 +8,7 @@ use crate::fit::{self, Fit, readings};
 use crate::parameters::Setting;
 use crate::record::data::{Data, Prepared};
 use crate::record::repeats;
-use crate::record::stroke::Phase;
+use crate::record::stroke::{Phase, Segment};
 use chamber::effects::EffectSet;
 use chamber::integrate::IntegrationError;
 use nalgebra::DVector;
@@ -80,16 +80,21 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     for experiment in 0..data.experiments.len() {
         let of_experiment = repeats::of(data, experiment);
         let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
-        let alike = repeats::are_alike(&traces);
+        let in_segment = |(segment, s): (usize, &Segment)| {
+            (s.phase != Phase::Move).then(|| in_common(data, residuals, &of_experiment, segment))
+        };
+        let shared: Vec<Option<f64>> = match repeats::are_alike(&traces) {
+            true => traces[0].course.motion.segments.iter().enumerate().map(in_segment).collect(),
+            false => Vec::new(),
+        };
         for (&k, t) in of_experiment.iter().zip(&traces) {
             for (segment, s) in t.course.motion.segments.iter().enumerate() {
                 let rows = (s.end - s.first) as f64;
-                let mean = if alike && s.phase != Phase::Move {
+                let mean = match shared.get(segment).copied().flatten() {
                     // Repeats that are held at one place share the error of its rounding.
-                    let shared = in_common(data, residuals, &of_experiment, segment);
-                    if shared > 0.0 { (shared - by_rounding(t, segment)).max(0.0) } else { shared }
-                } else {
-                    beyond_noise(data, t, &residuals[k], segment)
+                    Some(shared) if shared > 0.0 => (shared - by_rounding(t, segment)).max(0.0),
+                    Some(shared) => shared,
+                    None => beyond_noise(data, t, &residuals[k], segment),
                 };
                 *if s.phase == Phase::Move { &mut moving } else { &mut sum } += mean * rows;
                 weight += rows;

@@ -60,7 +60,6 @@ fn half_of_the_move_before(t: &Prepared, segment: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::data::Data;
     use crate::synthetic::Recipe;
 
     #[test]

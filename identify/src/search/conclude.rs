@@ -194,16 +194,16 @@ impl Search {
     /// fitted to may be predicted less well, as long as most of the error goes.
     pub(super) fn carries_over(&self) -> bool {
         let Some(left_out_pa) = self.chosen.held_out_pa else { return true };
-        let as_open_as_that = || {
-            left_out_pa < policy::LEFT_OPEN * self.fitted_pa(&self.chosen)
-                && left_out::squares_added(&self.data, &self.chosen.fit, &self.folds)
-                    .is_some_and(|added| added < policy::CARRIES_OVER.powi(2))
-        };
-        self.predicts_as_it_fits(&self.chosen, left_out_pa)
-            || match left_out::are_representative(&self.data) {
-                true => as_open_as_that(),
-                false => self.leaves_of_left_out(policy::MOST_GONE),
-            }
+        let fitted_pa = self.fitted_pa(&self.chosen);
+        if left_out_pa < policy::CARRIES_OVER * fitted_pa {
+            return true;
+        }
+        if !left_out::are_representative(&self.data) {
+            return self.leaves_of_left_out(policy::MOST_GONE);
+        }
+        left_out_pa < policy::LEFT_OPEN * fitted_pa
+            && left_out::squares_added(&self.data, &self.chosen.fit, &self.folds)
+                .is_some_and(|added| added < policy::CARRIES_OVER.powi(2))
     }
 
     /// Whether a model's error on records left out whole, Pa rms, is hardly more than that on those it was fitted to.

@@ -20,7 +20,8 @@ use windows::{Window, quiet_rows, window, windows};
 
 /// Coefficients of the polynomial that a window of a single record is free of.
 const FREE_ALONE: usize = 4;
-/// Those that a contrast of repeats is free of: its mean, in which zeros of gauges differ and wander that began earlier shows.
+/// Those that a contrast of repeats is free of: its mean, in which zeros of gauges differ and wander that began earlier shows. So is a
+/// window in which a hum is to be all there is.
 const FREE_IN_CONTRAST: usize = 1;
 /// Most points looked at in all.
 const MOST_POINTS: usize = 30_000;
