@@ -248,6 +248,21 @@ fn a_filtered_record_of_a_fast_stroke_has_no_lagging_sensor() {
 }
 
 #[test]
+fn a_low_pass_of_the_positions_that_stood_for_an_effect_lets_go_of_it() {
+    let filtered = recording::ALL.iter().find(|r| r.name == "position-filtered").unwrap();
+    for (seed, name, strength) in [(20002, "tube_volume", 2.0), (20004, "dead_volume_surface", 1.0)] {
+        let (effect, _) = effects::find(name).unwrap();
+        let found = traced(&filtered.apply(Recipe::from_seed(seed)).with_strength(effect, strength));
+        assert_eq!(found.verdict, Verdict::Explained, "{name}");
+        let mut told = found.alike.iter().chain([&found.chosen.model]).map(|model| names(model.effects));
+        assert!(told.any(|named| named == [name, "position_delay"]), "{:?}", names(found.chosen.model.effects));
+        let delay = effects::find("position_delay").unwrap().0;
+        let time_constant_s = found.chosen.fit.chamber().effects.of(delay)[1];
+        assert!((time_constant_s / 0.05 - 1.0).abs() < 0.01, "{name}: {time_constant_s} s");
+    }
+}
+
+#[test]
 fn a_record_averaged_over_nearly_a_whole_push_has_no_lagging_sensor() {
     // Pushes of 50 to 80 ms, averaged over 40 ms: what cannot be found again of them must not get a name.
     let averaged = recording::ALL.iter().find(|r| r.name == "position-averaged").unwrap();

@@ -1,6 +1,7 @@
 //! The grid: which rigs, and what the diagnosis of one says.
 
 use crate::options::{Effects, Options};
+use chamber::card::Prior;
 use chamber::effects::CARDS;
 use identify::synthetic::recording::{ALL, Answer, Outcome, Recording, Stated, Wave};
 use identify::synthetic::{Random, Recipe, simulated, visibility};
@@ -11,7 +12,7 @@ use std::time::Instant;
 
 /// An effect is plain where it leaves this many times the noise beyond what the paper's parameters take up …
 const PLAIN: f64 = 2.0;
-/// … at one of these strengths.
+/// … at one of these strengths; a property of the gas that the rig file names has no other than the first.
 const STRENGTHS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Rigs of a row at the most.
 const MOST_RIGS: u64 = 1000;
@@ -104,7 +105,8 @@ impl Job {
         let Some(e) = self.effect else { return (recipe, None) };
         let mut at = (0.0, 0.0);
         let mut with = recipe.clone();
-        for strength in STRENGTHS {
+        let is_of_the_gas = CARDS[e].parameters.iter().any(|p| matches!(p.prior, Prior::OfGas(_)));
+        for &strength in if is_of_the_gas { &STRENGTHS[..1] } else { &STRENGTHS[..] } {
             with = recipe.clone().with_strength(e, strength);
             at = (strength, visibility::beyond_paper_pa(&with, &recipe));
             if at.1 >= PLAIN * recipe.noise_rms_pa() {

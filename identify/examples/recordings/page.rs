@@ -33,7 +33,7 @@ pub fn page(options: &Options, rows: &[Row]) -> String {
         let _ = writeln!(
             out,
             "Plain: beyond what λ0, dead volume and initial pressures take up, the effect is at least twice the noise. {faint} rigs whose effect is fainter \
-             even at four times its usual strength are left out.\n"
+             even at four times its usual strength (the gas's heat capacity: as tables give it) are left out.\n"
         );
         by_effect(&mut out, &plain);
     }

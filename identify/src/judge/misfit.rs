@@ -6,6 +6,7 @@
 
 use crate::fit::{self, Fit, readings};
 use crate::parameters::Setting;
+use crate::record::block::Block;
 use crate::record::data::{Data, Prepared};
 use crate::record::repeats;
 use crate::record::stroke::{Phase, Segment};
@@ -138,15 +139,32 @@ fn by_rounding(t: &Prepared, segment: usize) -> f64 {
 fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> f64 {
     let noise = data.noise.total_pa().powi(2);
     let (mut sum, mut rows) = (0.0, 0usize);
-    let shift_s = t.course.motion.segments[segment].shift_s;
     for b in t.blocks.iter().filter(|b| b.segment == segment) {
-        let common: f64 = b.common_sd_pa.iter().map(|c| c * c).sum();
         for i in (b.first..b.end).filter(|&i| t.readout.is_data(i)) {
-            let (low, high) = (i.saturating_sub(1), (i + 1).min(residual.len() - 1));
-            let rate = (t.pressure_pa[high] - t.pressure_pa[low]) / (t.time_s[high] - t.time_s[low]);
-            sum += residual[i].powi(2) - noise - b.by_position_pa.powi(2) - common - (rate * shift_s).powi(2);
+            sum += residual[i].powi(2) - noise - left_open(t, b, i);
             rows += 1;
         }
     }
     sum / rows.max(1) as f64
+}
+
+/// Variance that the positions leave of the pressure at a row of a block, Pa².
+fn left_open(t: &Prepared, b: &Block, row: usize) -> f64 {
+    let (low, high) = (row.saturating_sub(1), (row + 1).min(t.pressure_pa.len() - 1));
+    let rate = (t.pressure_pa[high] - t.pressure_pa[low]) / (t.time_s[high] - t.time_s[low]);
+    let shift_s = t.course.motion.segments[b.segment].shift_s;
+    let common: f64 = b.common_sd_pa.iter().map(|c| c * c).sum();
+    b.by_position_pa.powi(2) + common + (rate * shift_s).powi(2)
+}
+
+/// What each row of a record counts, from 0 to 1: the noise's share of the variance that the positions leave of it too.
+pub fn weights(data: &Data, t: &Prepared) -> Vec<f64> {
+    let noise = data.noise.total_pa().powi(2);
+    let mut out = vec![1.0; t.pressure_pa.len()];
+    for b in &t.blocks {
+        for row in b.first..b.end {
+            out[row] = noise / (noise + left_open(t, b, row));
+        }
+    }
+    out
 }

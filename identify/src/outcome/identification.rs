@@ -166,7 +166,10 @@ fn exact(data: Data) -> Result<Identification, Error> {
     Ok(Identification {
         method: Method::Exact.name(),
         parameters,
-        rmse_pa: Rmse { fit: rms_pa, held_out: left_out::rmse(&data, &fit, &left_out::folds(&data)) },
+        rmse_pa: Rmse {
+            fit: rms_pa,
+            held_out: left_out::error(&data, &fit, &left_out::folds(&data)).map(|error| error.rmse_pa),
+        },
         noise_pa: data.noise.total_pa(),
         residual_is_noise: adequacy.is_adequate(),
         experiments: experiments(&data, &steps(&data), Some(&masses)),

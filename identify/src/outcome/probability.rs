@@ -33,13 +33,15 @@ pub fn meaning(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Probability of each effect of the rig, the most probable first.
+/// Probability of each effect of the rig, the most probable first. For a named one sets count too in which each record has its
+/// own: they hold it, and only say that records differ.
 pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
     // A curve is a description, no hypothesis with a name.
     let has_name = |c: &&Candidate| c.model.effects.iter().all(|e| CARDS[e].candidate);
     let sets = found.tried.iter().chain([&found.baseline, &found.chosen]).filter(has_name);
     let best = sets.clone().map(|c| c.delta_bic).fold(f64::MIN, f64::max);
     let (mut sum, mut each) = (0.0, [0.0; COUNT]);
+    let named = found.chosen.model.of_rig();
     let mut seen = Vec::new();
     for c in sets {
         if seen.contains(&c.model) {
@@ -48,7 +50,8 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
         seen.push(c.model);
         let weight = odds(c.delta_bic - best) * PRIOR.powi(c.model.terms() as i32);
         sum += weight;
-        c.model.of_rig().iter().for_each(|e| each[e] += weight);
+        let held = c.model.of_rig().union(c.model.effects.intersection(named));
+        held.iter().for_each(|e| each[e] += weight);
     }
     let mut out: Vec<(String, f64)> =
         (0..COUNT).map(|e| (CARDS[e].name.to_owned(), each[e] / sum)).filter(|(_, p)| *p >= WORTH_MENTION).collect();

@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Own, Slot};
 use super::curve::{self, axis_of_value, curve_of};
-use super::model::{Model, delays_pressure};
+use super::model::{Model, delays_position, delays_pressure};
 use super::sizes::Sizes;
 use super::stated::{REST_DEVIATION_K, stated};
 use crate::characteristic::Characteristic;
@@ -59,10 +59,13 @@ impl Hypothesis {
             axes.push(axis(Slot::DeadVolume, false, scale, [(-swept + 1e-3 * scale) / scale, 1e4]));
         }
         let mut own = Vec::new();
+        let is_delayed = model.of_rig().iter().any(delays_pressure);
         for e in model.effects.iter() {
             let in_use = (CARDS[e].length)(base.effects.of(e));
             let free = |p: &Parameter| match p.kind {
                 Kind::Place { index, .. } => p.fitted && index < in_use,
+                // Of two delays only the difference shows; beside one of the pressures, that of a filtered position is its filter's.
+                _ if p.fitted && is_delayed && delays_position(e) => !model.secondary.has(e),
                 _ => p.fitted || model.secondary.has(e),
             };
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {

@@ -35,6 +35,11 @@ impl Model {
         Self { secondary: EffectSet::NONE, ..*self }
     }
 
+    /// Whether another model has the same terms, whatever is freed of them.
+    pub fn has_same_terms(&self, other: &Self) -> bool {
+        self.with_nothing_freed() == other.with_nothing_freed()
+    }
+
     /// Effects that hold for the rig: what a diagnosis names.
     pub fn of_rig(&self) -> EffectSet {
         self.effects.without(self.own)

@@ -60,7 +60,7 @@ impl Search {
         self.folds = left_out::folds(&self.data);
         let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
-        self.baseline = self.judged(Candidate { fit, held_out_pa: None, ..self.baseline.clone() });
+        self.baseline = self.judged(Candidate { fit, held_out: None, ..self.baseline.clone() });
         self.chosen = self.baseline.clone();
         self.chosen_adequacy = self.baseline_adequacy.clone();
         self.steps = vec![self.baseline.clone()];

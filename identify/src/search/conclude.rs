@@ -178,8 +178,8 @@ impl Search {
 
     /// Whether the chosen model leaves less than this share of the paper's model's systematic error on left-out data.
     fn leaves_of_left_out(&self, share: f64) -> bool {
-        let pair = self.baseline.held_out_pa.zip(self.chosen.held_out_pa);
-        pair.is_some_and(|(before, after)| self.leaves_less([before, after], share))
+        let pair = self.baseline.held_out.zip(self.chosen.held_out);
+        pair.is_some_and(|(before, after)| self.leaves_less([before.rmse_pa, after.rmse_pa], share))
     }
 
     /// Whether of an error before, Pa rms, less than this share of what is systematic in it is left after.
@@ -193,7 +193,7 @@ impl Search {
     /// all of them. Somewhat more is what the fit to the others leaves open, if that accounts for it; and what nothing like it was
     /// fitted to may be predicted less well, as long as most of the error goes.
     pub(super) fn carries_over(&self) -> bool {
-        let Some(left_out_pa) = self.chosen.held_out_pa else { return true };
+        let Some(left_out_pa) = self.chosen.held_out.map(|error| error.rmse_pa) else { return true };
         let fitted_pa = self.fitted_pa(&self.chosen);
         if left_out_pa < policy::CARRIES_OVER * fitted_pa {
             return true;
@@ -242,7 +242,7 @@ impl Search {
     /// Other sets of as many terms with about the same evidence or more, whose numbers can be a rig's.
     fn alike(&self) -> Vec<Model> {
         let chosen = self.chosen.model.with_nothing_freed();
-        let is_other = |m: &Model| m.terms() == chosen.terms() && m.with_nothing_freed() != chosen;
+        let is_other = |m: &Model| m.terms() == chosen.terms() && !m.has_same_terms(&chosen);
         let is_near = |c: &&Candidate| {
             let by = self.chosen.delta_bic - c.delta_bic;
             by < policy::INDISTINGUISHABLE
@@ -268,6 +268,7 @@ fn has_a_leak_alone(model: &Model) -> bool {
 mod tests {
     use super::*;
     use crate::judge::adequacy::Adequacy;
+    use crate::judge::left_out::HeldOut;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
@@ -327,6 +328,12 @@ mod tests {
         assert!((noise_pa..0.5 * all_pa).contains(&by_the_leak_pa), "{by_the_leak_pa} of {all_pa}, noise {noise_pa}");
     }
 
+    /// Errors on left-out data that are this share of the paper's model's.
+    fn share_of_baseline(search: &Search, share: f64) -> Option<HeldOut> {
+        let HeldOut { rmse_pa, weighed_pa } = search.baseline.held_out?;
+        Some(HeldOut { rmse_pa: share * rmse_pa, weighed_pa: share * weighed_pa })
+    }
+
     #[test]
     fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
         let mut recipe = Recipe::from_seed(5);
@@ -338,9 +345,9 @@ mod tests {
         assert!(search.carries_over());
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
         // Half as much again would be what the fit to the others leaves open, since its squares tell of no failure.
-        let predicted_pa = search.chosen.held_out_pa.unwrap();
+        let predicted = search.chosen.held_out.unwrap();
         let mut times = |factor: f64| {
-            search.chosen.held_out_pa = Some(factor * predicted_pa);
+            search.chosen.held_out = Some(HeldOut { rmse_pa: factor * predicted.rmse_pa, ..predicted });
             search.verdict(false, search.carries_over())
         };
         assert_eq!([times(1.5), times(2.5)], [Verdict::Explained, Verdict::Improved]);
@@ -350,7 +357,7 @@ mod tests {
         search.data.traces.iter_mut().for_each(|t| t.repeat = 0);
         search.chosen.fit.own.truncate(3);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
-        search.chosen.held_out_pa = search.baseline.held_out_pa.map(|before| 0.4 * before);
+        search.chosen.held_out = share_of_baseline(&search, 0.4);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Improved);
     }
 
@@ -362,7 +369,7 @@ mod tests {
         let mut search = Search::new(data, paper, adequacy);
         search.first_round();
         // Of the error on left-out data three quarters are left, and of the misfit a third.
-        search.chosen.held_out_pa = search.baseline.held_out_pa.map(|before| 0.75 * before);
+        search.chosen.held_out = share_of_baseline(&search, 0.75);
         let systematic_pa = search.baseline_adequacy.systematic_pa / 3.0;
         search.chosen_adequacy =
             Adequacy { systematic_pa, is_noise: false, is_good_enough: false, ..search.chosen_adequacy };

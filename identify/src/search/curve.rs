@@ -135,14 +135,15 @@ impl Search {
     /// Error on experiments left out whole, Pa rms.
     fn left_out(&self, c: &Candidate) -> Option<f64> {
         // A single experiment is left out in the same parts as by every other judgement.
-        let known = c.held_out_pa.filter(|_| self.data.experiments.len() < 2);
-        known.or_else(|| left_out::rmse(&self.data, &c.fit, &left_out::by_experiment(&self.data)))
+        let known = c.held_out.filter(|_| self.data.experiments.len() < 2);
+        let error = known.or_else(|| left_out::error(&self.data, &c.fit, &left_out::by_experiment(&self.data)));
+        error.map(|error| error.rmse_pa)
     }
 
     /// Whether the error on left-out data falls by more than nobody minds.
     fn fits_left_out_data_better(&self, c: &Judged, settled: &Candidate) -> bool {
-        let held_out = c.candidate.held_out_pa.zip(settled.held_out_pa);
-        held_out.is_some_and(|(with, without)| without * without - with * with > self.least_gain().powi(2))
+        let held_out = c.candidate.held_out.zip(settled.held_out);
+        held_out.is_some_and(|(with, without)| with.is_less(&without, self.least_gain()))
     }
 
     /// The same without the names that stood for part of the curve: those no longer decisive beside it.

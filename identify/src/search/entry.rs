@@ -28,7 +28,7 @@ impl Search {
         let mut better: Vec<Candidate> = self.tried.iter().filter(is_better).cloned().collect();
         self.judge(&mut better, policy::JUDGED);
         for c in &better {
-            self.tried.iter_mut().filter(|t| t.model == c.model).for_each(|t| t.held_out_pa = c.held_out_pa);
+            self.tried.iter_mut().filter(|t| t.model == c.model).for_each(|t| t.held_out = c.held_out);
         }
         self.take_best_of(better)
     }
@@ -47,6 +47,10 @@ impl Search {
         candidates.extend(freed);
         sort(&mut candidates);
         let Some(best) = candidates.into_iter().next() else { return false };
+        let plain = self.no_longer_freed(&best);
+        self.tried.extend(plain.iter().cloned());
+        sort(&mut self.tried);
+        let best = plain.unwrap_or(best);
         self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
         self.steps.push(best.clone());
         self.chosen = best;
@@ -60,17 +64,17 @@ impl Search {
         // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
         let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
         let least_gain = if in_place { 0.0 } else { self.least_gain() };
-        let lower = match over.held_out_pa {
+        let lower = match over.held_out {
             Some(_) => self.errs_less_on_left_out(c, least_gain),
-            None => c.held_out_pa.is_some(),
+            None => c.held_out.is_some(),
         };
         lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
     }
 
     /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
     pub(super) fn errs_less_on_left_out(&self, c: &Candidate, least_gain: f64) -> bool {
-        let (Some(a), Some(b)) = (c.held_out_pa, self.chosen.held_out_pa) else { return false };
-        b * b - a * a > least_gain.powi(2)
+        let (Some(a), Some(b)) = (c.held_out, self.chosen.held_out) else { return false };
+        a.is_less(&b, least_gain)
     }
 
     /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, or less
@@ -95,6 +99,17 @@ impl Search {
         Some(self.judged(self.candidate(fit)))
     }
 
+    /// The same set with none of its secondary parameters free, where that has about as much evidence: another term has entered for
+    /// which one of them stood.
+    fn no_longer_freed(&self, c: &Candidate) -> Option<Candidate> {
+        let model = c.model.with_nothing_freed();
+        if model == c.model {
+            return None;
+        }
+        let plain = self.candidate(self.refitted_without(&c.fit, model)?);
+        (c.delta_bic - plain.delta_bic < policy::DECISIVE && is_credible(&plain.fit)).then(|| self.judged(plain))
+    }
+
     pub(super) fn judged(&self, mut c: Candidate) -> Candidate {
         self.hold_out(&mut c);
         c
@@ -102,8 +117,8 @@ impl Search {
 
     /// Judges a candidate by data left out, unless that was done.
     fn hold_out(&self, c: &mut Candidate) {
-        if c.held_out_pa.is_none() {
-            c.held_out_pa = left_out::rmse(&self.data, &c.fit, &self.folds);
+        if c.held_out.is_none() {
+            c.held_out = left_out::error(&self.data, &c.fit, &self.folds);
         }
     }
 
@@ -129,6 +144,7 @@ fn determines_lambda0(fit: &Fit) -> bool {
 mod tests {
     use super::*;
     use crate::judge::adequacy::Adequacy;
+    use crate::judge::left_out::HeldOut;
     use crate::parameters::Sizes;
     use crate::record::data::Data;
     use crate::search::{Verdict, baseline};
@@ -149,7 +165,7 @@ mod tests {
         let mut zones = search.candidate(fit);
         let fraction = zones.fit.rig.len() - 2;
         zones.fit.rig[fraction] = 0.94 / zones.fit.hypothesis.axes[fraction].scale;
-        (zones.delta_bic, zones.held_out_pa) = (1e6, Some(0.0));
+        (zones.delta_bic, zones.held_out) = (1e6, Some(HeldOut { rmse_pa: 0.0, weighed_pa: 0.0 }));
         (search, zones)
     }
 
@@ -191,8 +207,9 @@ mod tests {
             search
         };
         let names = |search: &Search| search.chosen.model.terms();
+        let held_out_pa = |c: &Candidate| c.held_out.unwrap().weighed_pa;
         let plain = found_with(1.0);
-        let taken_pa = (plain.baseline.held_out_pa.unwrap().powi(2) - plain.chosen.held_out_pa.unwrap().powi(2)).sqrt();
+        let taken_pa = (held_out_pa(&plain.baseline).powi(2) - held_out_pa(&plain.chosen).powi(2)).sqrt();
         assert!(names(&plain) == 1 && plain.chosen.delta_bic > 2.0 * policy::DECISIVE);
         assert!(names(&found_with(0.5 * taken_pa)) == 1);
         assert!(names(&found_with(2.0 * taken_pa)) == 0, "{taken_pa} {}", plain.baseline_adequacy.systematic_pa);

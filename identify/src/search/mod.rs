@@ -23,7 +23,7 @@ use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::adequacy::{self, Adequacy};
 use crate::judge::evidence::bic;
-use crate::judge::left_out::{self, Fold};
+use crate::judge::left_out::{self, Fold, HeldOut};
 use crate::judge::sanity;
 use crate::parameters::{Model, Sizes};
 use crate::policy;
@@ -43,8 +43,8 @@ pub struct Candidate {
     pub fit: Fit,
     /// BIC of the paper's model less its own.
     pub delta_bic: f64,
-    /// Error on left-out data, Pa, where it was judged.
-    pub held_out_pa: Option<f64>,
+    /// Error on left-out data, where it was judged.
+    pub held_out: Option<HeldOut>,
 }
 
 /// All that the search found.
@@ -162,8 +162,8 @@ impl Search {
     fn new(data: Data, baseline: Fit, adequacy: Adequacy) -> Self {
         let sizes = Sizes::of(&data, &baseline.chamber());
         let folds = left_out::folds(&data);
-        let mut baseline = Candidate { model: Model::PAPER, fit: baseline, delta_bic: 0.0, held_out_pa: None };
-        baseline.held_out_pa = left_out::rmse(&data, &baseline.fit, &folds);
+        let mut baseline = Candidate { model: Model::PAPER, fit: baseline, delta_bic: 0.0, held_out: None };
+        baseline.held_out = left_out::error(&data, &baseline.fit, &folds);
         Self {
             sizes,
             folds,
@@ -304,13 +304,11 @@ impl Search {
 
     /// Fits the promising of those that were not tried yet; whether one of them entered.
     fn try_all(&mut self, models: Vec<Model>) -> bool {
-        let mut fresh: Vec<Model> = Vec::new();
-        for model in models {
-            let is_new = !fresh.contains(&model) && self.tried.iter().all(|c| c.model != model);
-            if is_new && terms::is_small(&model, 0) {
-                fresh.push(model);
-            }
-        }
+        let fresh = with_all_that_is_freed(models).into_iter().filter(|model| {
+            let has_it = |c: &Candidate| c.model.has_same_terms(model) && c.model.secondary.contains(model.secondary);
+            terms::is_small(model, 0) && !self.tried.iter().any(has_it)
+        });
+        let fresh = fresh.collect();
         let found = self.fit_all(&self.promising(fresh));
         let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());
         self.judge(&mut found, policy::JUDGED);
@@ -320,12 +318,7 @@ impl Search {
     }
 
     fn candidate(&self, fit: Fit) -> Candidate {
-        Candidate {
-            model: fit.hypothesis.model,
-            delta_bic: bic(&self.baseline.fit) - bic(&fit),
-            fit,
-            held_out_pa: None,
-        }
+        Candidate { model: fit.hypothesis.model, delta_bic: bic(&self.baseline.fit) - bic(&fit), fit, held_out: None }
     }
 
     /// Fits each model from the largest part of it that is there; best evidence first.
@@ -351,8 +344,20 @@ impl Search {
 fn distinct(models: Vec<Model>) -> Vec<Model> {
     let mut out: Vec<Model> = Vec::new();
     for model in models {
-        if out.iter().all(|other| other.with_nothing_freed() != model.with_nothing_freed()) {
+        if !out.iter().any(|other| other.has_same_terms(&model)) {
             out.push(model);
+        }
+    }
+    out
+}
+
+/// One of the models with the same terms, with all free that is in any of them.
+fn with_all_that_is_freed(models: Vec<Model>) -> Vec<Model> {
+    let mut out: Vec<Model> = Vec::new();
+    for model in models {
+        match out.iter_mut().find(|other| other.has_same_terms(&model)) {
+            Some(other) => other.secondary = other.secondary.union(model.secondary),
+            None => out.push(model),
         }
     }
     out

@@ -7,20 +7,20 @@ use crate::record::data::Data;
 use chamber::card::{ActsOn, Card, Scope, Unit};
 use chamber::effects::{self, CARDS, EffectSet};
 
-/// The model with one term more, each way there is.
+/// The model with one term more, each way there is; what is freed of the others stays free, as they needed it alone.
 pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
     let mut out = Vec::new();
     for (e, card) in effects::all().filter(|(e, card)| card.candidate && !model.effects.has(*e)) {
         let one = EffectSet::one(e);
         let effects = model.effects.union(one);
-        out.push(Model { effects, secondary: EffectSet::NONE, ..*model });
+        out.push(Model { effects, ..*model });
         // A record's own delay has either sign: a second one, of its position, would say the same.
         if is_of_record(card) && data.traces.len() > 1 && !parameters::delays_position(e) {
-            out.push(Model { effects, own: model.own.union(one), secondary: EffectSet::NONE, ..*model });
+            out.push(Model { effects, own: model.own.union(one), ..*model });
         }
     }
     if !model.initial_temperature {
-        out.push(Model { initial_temperature: true, secondary: EffectSet::NONE, ..*model });
+        out.push(Model { initial_temperature: true, ..*model });
     }
     out
 }
@@ -33,7 +33,7 @@ pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
             let joined = Model {
                 effects: a.effects.union(b.effects),
                 own: a.own.union(b.own),
-                secondary: EffectSet::NONE,
+                secondary: a.secondary.union(b.secondary),
                 initial_temperature: a.initial_temperature || b.initial_temperature,
             };
             if joined.terms() + base.terms() == a.terms() + b.terms() {
@@ -123,4 +123,24 @@ pub fn growing_with_time() -> EffectSet {
 
 fn is_of_record(card: &Card) -> bool {
     card.candidate && card.scope == Scope::Record
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Recipe;
+    use chamber::effects::find;
+
+    #[test]
+    fn what_is_freed_of_a_set_stays_free_with_a_further_term_and_in_pairs() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let [leak, lag, late] =
+            ["leakage", "sensor_lag", "position_delay"].map(|name| EffectSet::one(find(name).unwrap().0));
+        let filtered = Model { secondary: late, ..Model::with(late) };
+        assert!(added_to(&data, &filtered).iter().all(|model| model.secondary == late));
+        let leaky = Model { secondary: leak, ..Model::with(leak) };
+        let joined = pairs(&[filtered, leaky, Model::with(lag)], &Model::PAPER);
+        let freed: Vec<EffectSet> = joined.iter().map(|model| model.secondary).collect();
+        assert_eq!(freed, [late.union(leak), late, leak]);
+    }
 }

@@ -17,6 +17,7 @@ pub use random::Random;
 pub use recording::{Faults, Recording};
 pub use stroke::{Move, Shape, Stroke};
 
+use chamber::card::{Parameter, Prior};
 use chamber::effects::{self, CARDS, PARAMETER_OFFSETS};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use rayon::prelude::*;
@@ -274,9 +275,17 @@ impl Recipe {
                 let lambda = self.chamber.heat_transfer.coefficient_at(3e5, self.ambient_k);
                 vec![0.1 * strength / (lambda * relaxation.sqrt())]
             }
-            _ => CARDS[effect].parameters.iter().map(|p| p.neutral + (p.typical - p.neutral) * strength).collect(),
+            _ => CARDS[effect].parameters.iter().map(|p| p.neutral + (self.usual(p) - p.neutral) * strength).collect(),
         };
         self.with(CARDS[effect].name, &values)
+    }
+
+    /// A parameter's value at strength 1: what tables give for the rig's gas, where it is a property of that.
+    fn usual(&self, parameter: &Parameter) -> f64 {
+        match parameter.prior {
+            Prior::OfGas(of) => of(&self.chamber.gas).mean,
+            Prior::Flat | Prior::Normal(_) => parameter.typical,
+        }
     }
 
     /// The same with the signs, second parameters and proportions of its effects drawn from the seed.
