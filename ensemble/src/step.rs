@@ -25,10 +25,10 @@ impl View<Lanes> {
     }
 }
 
-/// A quantity and its slope a time `ahead` of `at`, as the cubic has it that leads here from `before` over a time `since`.
+/// A quantity and its slope a time `ahead` of `at`, as the cubic has it that leads here from `before` over a time `since`, of
+/// which the reciprocal is known.
 #[inline(always)]
-pub fn extrapolated(ahead: Lanes, at: [Lanes; 2], before: [Lanes; 2], since: Lanes) -> [Lanes; 2] {
-    let per_since = since.recip();
+pub fn extrapolated(ahead: Lanes, at: [Lanes; 2], before: [Lanes; 2], [since, per_since]: [Lanes; 2]) -> [Lanes; 2] {
     let x = ahead * per_since;
     let (way, from, to) = (at[0] - before[0], before[1] * since, at[1] * since);
     let (bend, twist) = (to * 2.0 + from - way * 3.0, from + to - way * 2.0);
@@ -84,17 +84,17 @@ pub trait LaneSystem<const N: usize> {
         false
     }
 
-    /// V^(1/4) at a moment over that at another.
+    /// w'/w of w = V^(1/4) at a moment: how fast the chamber widens.
     #[inline(always)]
-    fn narrowing(&self, _from: Lanes, _to: Lanes) -> Lanes {
-        Lanes::ONE
+    fn widening(&self, _: Lanes) -> Lanes {
+        Lanes::ZERO
     }
 
     /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
-    /// slope, and by its narrowing; 1 where there is none. Steps are made to end there: across a kink their error estimates are
+    /// slope, and by how fast it widens at its begin; 1 where there is none. Steps are made to end there: across a kink their error estimates are
     /// blind.
     #[inline(always)]
-    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _narrowing: Lanes) -> Lanes {
+    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _widening: Lanes) -> Lanes {
         Lanes::ONE
     }
 }
@@ -319,7 +319,8 @@ mod tests {
         let slope = |t: f64| -2.0 + t - 0.75 * t * t;
         let at = |t: f64| [cubic(t), slope(t)].map(Lanes::from);
         for (from, to, ahead) in [(0.0, 0.5, 0.4), (-1.0, 1.0, 3.0)] {
-            let found = extrapolated(Lanes::from(ahead), at(to), at(from), Lanes::from(to - from));
+            let since = [to - from, 1.0 / (to - from)].map(Lanes::from);
+            let found = extrapolated(Lanes::from(ahead), at(to), at(from), since);
             let expected = at(to + ahead);
             for i in 0..2 {
                 assert!((found[i][3] - expected[i][3]).abs() < 1e-12, "{found:?}");

@@ -51,8 +51,8 @@ pub trait Law: Copy + Sync {
         let (into, out) = (Self::inflow(passage, gas, per_root_outside), Self::outflow(passage, gas));
         [inward.where_positive(into[0], out[0]), inward.where_positive(into[1], out[1])]
     }
-    /// As [`Corners::corner`].
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes;
+    /// As [`Corners::corner`]; where the flow turns it has one at the pressure `turn`.
+    fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes;
     /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
     /// the same parts of the law.
     fn kind(_: &Passage, _: [f64; 2]) -> u8 {
@@ -98,8 +98,8 @@ impl Law for Orifice {
     }
 
     #[inline(always)]
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
-        iso6358::corner(passage.critical_ratio, passage.pressure, from, to)
+    fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes {
+        iso6358::corner(passage.critical_ratio, passage.pressure, turn, from, to)
     }
 
     fn kind(passage: &Passage, pressures: [f64; 2]) -> u8 {
@@ -142,7 +142,7 @@ impl Law for Gap {
     }
 
     #[inline(always)]
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
+    fn corner(passage: &Passage<Lanes>, _: Lanes, from: Lanes, to: Lanes) -> Lanes {
         LaminarLeakage::corner(&[], passage.pressure, from, to)
     }
 }
