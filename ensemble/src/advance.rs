@@ -343,17 +343,17 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
         let tried = if begins { Lanes::ZERO } else { group.planned() };
         let stages = black_box(if begins { FEELING } else { 1..STAGES });
         all.begin(&group.moment);
-        let (length, y, absolute) = (group.length, group.y, group.absolute);
+        let (length, y, absolute) = (group.length, &group.y, &group.absolute);
         let (end, moment, reached) = stages_in_turn::<N, FUSED, S>(
             &group.system,
             [group.t, tried],
-            &y,
+            y,
             &mut all,
             stages,
-            (length, &absolute, relative),
+            (length, absolute, relative),
         );
         if begins {
-            let first = first_step(length, &y, &absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
+            let first = first_step(length, y, absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
             for (lane, problem) in problems[begun..].iter_mut().take(WIDTH).enumerate() {
                 problem.begin(lane, &moment, first);
             }
@@ -361,8 +361,8 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
             // Until it is given a problem a lane is at its end.
             group.length = Lanes::ZERO;
         } else {
-            let tolerance = (relative, &absolute);
-            let step = judge::<N, FUSED, S>(&group.system, tried, &y, (end, moment), &all, tolerance);
+            let tolerance = (relative, absolute);
+            let step = judge::<N, FUSED, S>(&group.system, tried, y, (end, moment), &all, tolerance);
             group.take(tried, step, watch);
         }
     }

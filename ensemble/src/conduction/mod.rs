@@ -36,7 +36,7 @@ use chamber::effects::wall_conduction::MODES;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use core::hint::black_box;
-use lengths::{LEVELS, number, parted};
+use lengths::{LEVELS, number, parted_all};
 use pulp::{Simd, WithSimd};
 use response::{Response, WorkOut};
 use rule::NODES;
@@ -89,7 +89,7 @@ pub fn hold<const N: usize>(
             let problem = |lane: usize| &problems[at(lane)];
             let Memory { chambers, last } = memory;
             let balance = chambers.gather(arch, set, |lane| &row(lane).balance.chamber);
-            let parts: [(usize, f64); WIDTH] = core::array::from_fn(|lane| parted(level, problem(lane).length));
+            let parts = parted_all(level, |lane| problem(lane).length);
             let left = Lanes::from_fn(|lane| parts[lane].1);
             if last.length != left {
                 arch.dispatch(Wide(WorkOut { response: last, length: left }));

@@ -3,7 +3,7 @@
 //! steps do not do, are left to the way that looks for all places where a record turns.
 
 use super::dense::{self, Passed, Settle};
-use super::lengths::{LEVELS, parted};
+use super::lengths::{LEVELS, parted_all};
 use super::push::{Moving, N, Test};
 use super::response::{Response, WorkOut};
 use super::step::Gas;
@@ -107,8 +107,7 @@ fn hold(
     let at = |lane: usize| group[lane.min(group.len() - 1)];
     let test = |lane: usize| &tests[at(lane)];
     let scenario = |lane: usize| &scenarios[rows[at(lane)].0 as usize];
-    let parts: [(usize, f64); WIDTH] =
-        core::array::from_fn(|lane| parted(level, rows[at(lane)].1 - scenario(lane).push_time_s));
+    let parts = parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
     let length = Lanes::from_fn(|lane| parts[lane].1);
     if last.length != length {
         arch.dispatch(Wide(WorkOut { response: last, length }));

@@ -52,11 +52,13 @@ pub struct FlowTest<L> {
     law: PhantomData<L>,
 }
 
-/// [`Law::kind`] of a scenario, by its pressures before the push and once its gas has cooled.
+/// [`Law::kind`] of a scenario, by its pressures before the push, once its gas has cooled, and about where it was pushed to.
 pub fn kind<L: Law>(s: &Scenario) -> u8 {
     let geometry = &s.chamber.geometry;
     let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
-    L::kind(&L::passage(s), [s.initial_pressure_pa, s.initial_pressure_pa * volume / held_volume])
+    let narrowed = volume / held_volume;
+    let cooled = s.initial_pressure_pa * narrowed;
+    L::kind(&L::passage(s), [s.initial_pressure_pa, cooled, cooled * narrowed.sqrt()])
 }
 
 impl<L: Law> OwnTest<2> for FlowTest<L> {

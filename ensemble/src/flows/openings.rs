@@ -55,7 +55,7 @@ pub trait Law: Copy + Sync {
     fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes;
     /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
     /// the same parts of the law.
-    fn kind(_: &Passage, _: [f64; 2]) -> u8 {
+    fn kind(_: &Passage, _: [f64; 3]) -> u8 {
         0
     }
 }
@@ -102,14 +102,14 @@ impl Law for Orifice {
         iso6358::corner(passage.critical_ratio, passage.pressure, turn, from, to)
     }
 
-    fn kind(passage: &Passage, pressures: [f64; 2]) -> u8 {
+    fn kind(passage: &Passage, pressures: [f64; 3]) -> u8 {
         let &Passage { pressure: outside, critical_ratio, .. } = passage;
         let regime = |pressure: f64| -> u8 {
             let chokes = pressure.min(outside) < critical_ratio * pressure.max(outside);
             2 * u8::from(pressure < outside) + u8::from((pressure < outside) != chokes)
         };
-        let [before, after] = pressures.map(regime);
-        4 * after + before
+        let [before, after, pushed] = pressures.map(regime);
+        16 * pushed + 4 * after + before
     }
 }
 
