@@ -119,12 +119,12 @@ fn hold(
         core::array::from_fn(|mode| Lanes::from_fn(|lane| problems[at(lane)].state[1 + mode] * KERNEL[mode].weight));
     let counts = Lanes::from_fn(|lane| parts[lane].0 as f64);
     steps.clear();
-    let [end, good] = arch.dispatch(Wide(Hold {
+    let [end, reached] = arch.dispatch(Wide(Hold {
         gas: Gas::of([cooling, feed], wall, pushed, modes),
         steps: Steps { level, counts, last, relative: options.relative_tolerance },
         kept: steps,
     }));
-    let settling = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
+    let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
     let per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
     let found = options.fit.then(|| {
         let rate = Lanes::from_fn(|lane| test(lane).gas.rate);
@@ -135,7 +135,7 @@ fn hold(
         records.fit(arch, guess)
     });
     for (lane, &index) in group.iter().enumerate() {
-        let is_solved = good[lane] > 0.0;
+        let is_solved = reached[lane] > 0.0 && good[lane] > 0.0;
         if !is_solved {
             open.push(index);
             continue;
