@@ -211,6 +211,8 @@ struct Group<const N: usize, S> {
     /// Pressure and its slope at the begin of the last good step of the stretch, and its length; zero where there was none.
     before: [Lanes; 2],
     since: Lanes,
+    /// How fast the chamber widens at `t`, where that tells kinks.
+    widening: Lanes,
     length: Lanes,
     longest: Lanes,
     y: [Lanes; N],
@@ -279,6 +281,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
         beyond: Lanes::ZERO,
         before: [Lanes::ZERO; 2],
         since: Lanes::ZERO,
+        widening: Lanes::ZERO,
         length: Lanes::ZERO,
         longest: Lanes::ZERO,
         y: [Lanes::ONE; N],
@@ -340,17 +343,17 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
         let tried = if begins { Lanes::ZERO } else { group.planned() };
         let stages = black_box(if begins { FEELING } else { 1..STAGES });
         all.begin(&group.moment);
-        let (length, y, absolute) = (group.length, group.y, group.absolute);
+        let (length, y, absolute) = (group.length, &group.y, &group.absolute);
         let (end, moment, reached) = stages_in_turn::<N, FUSED, S>(
             &group.system,
             [group.t, tried],
-            &y,
+            y,
             &mut all,
             stages,
-            (length, &absolute, relative),
+            (length, absolute, relative),
         );
         if begins {
-            let first = first_step(length, &y, &absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
+            let first = first_step(length, y, absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
             for (lane, problem) in problems[begun..].iter_mut().take(WIDTH).enumerate() {
                 problem.begin(lane, &moment, first);
             }
@@ -358,8 +361,8 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
             // Until it is given a problem a lane is at its end.
             group.length = Lanes::ZERO;
         } else {
-            let tolerance = (relative, &absolute);
-            let step = judge::<N, FUSED, S>(&group.system, tried, &y, (end, moment), &all, tolerance);
+            let tolerance = (relative, absolute);
+            let step = judge::<N, FUSED, S>(&group.system, tried, y, (end, moment), &all, tolerance);
             group.take(tried, step, watch);
         }
     }
@@ -515,13 +518,12 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
     #[inline(always)]
     fn up_to_kink(&mut self, planned: Lanes) -> Lanes {
         let at = self.moment.view.pressure();
-        let narrowing = self.system.narrowing(self.t, self.t + planned);
-        let before = [self.before[0], self.before[1], self.system.narrowing(self.t, self.t - self.since)];
-        let ahead = corner::ahead(planned, at, narrowing, before, self.since);
-        let cut = planned * self.system.kink(planned, [at, ahead], narrowing);
+        self.widening = self.system.widening(self.t);
+        let ahead = corner::ahead(planned, at, self.widening, self.before, self.since);
+        let cut = planned * self.system.kink(planned, [at, ahead], self.widening);
         // Of a hold not from afar.
         let near = self.since.min(self.since * FORESIGHT - cut);
-        let comes = (planned - cut).min((narrowing - 1.0).abs().where_positive(Lanes::ONE, near));
+        let comes = (planned - cut).min(self.widening.abs().where_positive(Lanes::ONE, near));
         self.beyond = comes.where_positive(self.h, self.beyond);
         comes.where_positive(cut, planned)
     }
@@ -533,12 +535,8 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let last = tried - (length - t) * NEARLY;
         let kinked = self.system.has_kinks();
         let at = self.moment.view.pressure();
-        let kink = if kinked {
-            let narrowing = self.system.narrowing(t, t + tried);
-            self.system.kink(tried, [at, step.moment.view.pressure()], narrowing)
-        } else {
-            Lanes::ONE
-        };
+        let kink =
+            if kinked { self.system.kink(tried, [at, step.moment.view.pressure()], self.widening) } else { Lanes::ONE };
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
         let accepted =

@@ -111,13 +111,13 @@ impl Clock<Lanes> {
         bend: Lanes::ZERO,
     };
 
-    /// w at a moment over w at another. One where the clock is bent: there it goes as no simple power.
+    /// w'/w at a moment. Zero where the clock is bent: there w goes as no simple power.
     #[inline(always)]
-    pub fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
+    pub fn widening(&self, at: Lanes) -> Lanes {
         if !self.root_rate.abs().any_positive() {
-            return Lanes::ONE;
+            return Lanes::ZERO;
         }
-        self.bend.where_positive(Lanes::ONE, self.root(to) / self.root(from))
+        self.bend.where_positive(Lanes::ZERO, self.root_rate / self.root(at))
     }
 
     /// What the clocks show at a time, s.

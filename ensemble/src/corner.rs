@@ -2,13 +2,12 @@
 //! estimate is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
 //!
 //! Where a step will meet one is told by P w⁶ with w = V^(1/4), which is linear in the clock ([`crate::clock`]): over a push
-//! P V^γ, for air P w^5.6, is nearly a constant, and so P w⁶ goes evenly; while the piston rests it goes as P. The narrowing of a
-//! step is w at its end over w at its begin.
+//! P V^γ, for air P w^5.6, is nearly a constant, and so P w⁶ goes evenly; while the piston rests it goes as P.
 
 use crate::lanes::Lanes;
 use crate::step::extrapolated;
 use chamber::effects::{self, EffectSet, EffectValues};
-use chamber::real::Real;
+use chamber::real::{Real, reciprocals};
 
 /// Rates that have corners.
 pub trait Corners {
@@ -42,26 +41,28 @@ const TINY: f64 = 1e-300;
 /// Shares at which a step may be cut.
 const INSIDE: [f64; 2] = [1e-3, 0.999];
 
-/// Pressure, Pa, and its slope a step of length `h` ahead of where they are `at`. `before` are those a time `since` ago, zero
-/// where there are none, and w then over w now.
+/// Pressure, Pa, and its slope a step of length `h` ahead of where they are `at`, with w'/w now. `before` are those a time `since`
+/// ago, zero where there are none.
 #[inline(always)]
-pub fn ahead(h: Lanes, at: [Lanes; 2], narrowing: Lanes, before: [Lanes; 3], since: Lanes) -> [Lanes; 2] {
-    let [pressure, slope, wide] = before;
+pub fn ahead(h: Lanes, at: [Lanes; 2], widening: Lanes, before: [Lanes; 2], since: Lanes) -> [Lanes; 2] {
     let past = since.where_positive(since, Lanes::ONE);
-    if !(narrowing - 1.0).abs().any_positive() {
-        return extrapolated(h, at, [pressure, slope], past);
+    if !widening.abs().any_positive() {
+        return extrapolated(h, at, before, [past, past.recip()]);
     }
-    // w'/w now.
-    let rate = (narrowing - 1.0) / h;
-    let even = [at[0], at[1] + at[0] * rate * 6.0];
+    // w then and a step ahead, over w now.
+    let (wide, narrow) = (Lanes::ONE - widening * since, widening * h + 1.0);
+    let [per_past, per_narrow] = reciprocals([past, narrow]);
+    // To the last digit, whichever lanes are beside.
+    let per_narrow = widening.abs().where_positive(per_narrow, Lanes::ONE);
+    let [pressure, slope] = before;
+    let even = [at[0], at[1] + at[0] * widening * 6.0];
     let fifth = fifth_power(wide);
-    let even_before = [pressure * fifth * wide, (slope * wide + pressure * rate * 6.0) * fifth];
-    let bent = extrapolated(h, even, even_before, past);
+    let even_before = [pressure * fifth * wide, (slope * wide + pressure * widening * 6.0) * fifth];
+    let bent = extrapolated(h, even, even_before, [past, per_past]);
     let value = since.where_positive(bent[0], even[0] + even[1] * h);
     let rise = since.where_positive(bent[1], even[1]);
-    let per_narrowing = narrowing.recip();
-    let per_sixth = fifth_power(per_narrowing) * per_narrowing;
-    [value * per_sixth, (rise - value * rate * per_narrowing * 6.0) * per_sixth]
+    let per_sixth = fifth_power(per_narrow) * per_narrow;
+    [value * per_sixth, (rise - value * widening * per_narrow * 6.0) * per_sixth]
 }
 
 #[inline(always)]
@@ -71,13 +72,13 @@ fn fifth_power(x: Lanes) -> Lanes {
 }
 
 /// Share of a step of length `h` at which it meets its first corner, 1 where it meets none, from the pressures at both its ends,
-/// Pa, their slopes there, and its narrowing.
+/// Pa, their slopes there, and w'/w at its begin.
 #[inline(always)]
 pub fn met(
     corners: &impl Corners,
     h: Lanes,
     [[from, slope], [to, end_slope]]: [[Lanes; 2]; 2],
-    narrowing: Lanes,
+    widening: Lanes,
 ) -> Lanes {
     let (slope, end_slope) = (slope * h, end_slope * h);
     let way = to - from;
@@ -91,13 +92,14 @@ pub fn met(
     }
     let mut x = (corner - from) / (way + TINY);
     // On the cubic through both ends, w being one at the begin.
-    let rise = narrowing - 1.0;
+    let rise = widening * h;
     let moves = rise.abs().any_positive();
+    let narrowing = rise + 1.0;
     let fifth = fifth_power(narrowing);
     let slopes = [slope + from * rise * 6.0, (end_slope * narrowing + to * rise * 6.0) * fifth];
     let way = to * fifth * narrowing - from;
     let (bend, twist) = (way * 3.0 - slopes[0] * 2.0 - slopes[1], slopes[0] + slopes[1] - way * 2.0);
-    let mut round = 0;
+    let (mut round, mut per_rate) = (0, Lanes::ONE);
     while round < ROUNDS {
         let (mut there, mut rising) = (corner, Lanes::ZERO);
         if moves {
@@ -107,7 +109,9 @@ pub fn met(
         }
         let value = ((twist * x + bend) * x + slopes[0]) * x + from - there;
         let rate = (twist * x * 3.0 + bend * 2.0) * x + slopes[0] - rising;
-        x -= value / rate;
+        // One over a rate that hardly changes, by Newton's method as well.
+        per_rate = if round == 0 { rate.recip() } else { per_rate * (Lanes::from(2.0) - rate * per_rate) };
+        x -= value * per_rate;
         round += 1;
     }
     meets.where_positive(x.max(Lanes::from(INSIDE[0])).min(Lanes::from(INSIDE[1])), Lanes::ONE)
@@ -118,17 +122,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_is_foreseen_of_a_piston_at_rest_does_not_depend_on_those_beside() {
+        let [h, since] = [0.7, 0.3].map(Lanes::from);
+        let [at, before] = [[2e5, -3e4], [2.1e5, -3.3e4]].map(|of: [f64; 2]| of.map(Lanes::from));
+        let beside = Lanes::from_fn(|lane| if lane == 3 { 0.0 } else { -0.3 });
+        let [alone, amid] = [Lanes::ZERO, beside].map(|widening| ahead(h, at, widening, before, since));
+        assert_eq!(alone.map(|of| of[3]), amid.map(|of| of[3]));
+    }
+
+    #[test]
     fn an_adiabatic_push_is_foreseen_and_cut_where_it_meets_a_corner() {
         // P w^5.6 is a constant, and w falls evenly.
         let (root, rate) = (|t: f64| 1.0 - 0.3 * t, -0.3);
         let pressure = |t: f64| 2e5 * root(t).powf(-5.6);
         let at = |t: f64| [pressure(t), -5.6 * pressure(t) * rate / root(t)].map(Lanes::from);
-        let narrowing = |from: f64, to: f64| Lanes::from(root(to) / root(from));
-        let foreseen = |before: f64| {
-            let [from, slope] = at(before);
-            let before_now = [from, slope, narrowing(0.3, before)];
-            ahead(Lanes::from(0.3), at(0.3), narrowing(0.3, 0.6), before_now, Lanes::from(0.3 - before))
-        };
+        let widening = |t: f64| Lanes::from(rate / root(t));
+        let foreseen =
+            |before: f64| ahead(Lanes::from(0.3), at(0.3), widening(0.3), at(before), Lanes::from(0.3 - before));
         for (before, allowed) in [(0.3, 5e-3), (0.2, 1e-5)] {
             let (found, expected) = (foreseen(before), at(0.6));
             for of in 0..2 {
@@ -140,7 +150,7 @@ mod tests {
         let set: EffectSet = effects::find("leakage").into_iter().map(|(effect, _)| effect).collect();
         let values = EffectValues::NEUTRAL.lift::<Lanes>();
         let corners = OfEffects { set, values: &values, ambient_pressure: Lanes::from(1e5) };
-        let share = met(&corners, Lanes::from(0.4), [at(0.1), at(0.5)], narrowing(0.1, 0.5))[3];
+        let share = met(&corners, Lanes::from(0.4), [at(0.1), at(0.5)], widening(0.1))[3];
         let error = (pressure(0.1 + 0.4 * share) * 0.3 / 1e5 - 1.0).abs();
         assert!(error < 0.5 * BESIDE, "{error:e}");
     }

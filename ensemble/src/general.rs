@@ -280,15 +280,15 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
     }
 
     #[inline(always)]
-    fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
-        self.stretch.clock.narrowing(from, to)
+    fn widening(&self, at: Lanes) -> Lanes {
+        self.stretch.clock.widening(at)
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
         let values = &self.balance.chamber.effects;
         let corners = OfEffects { set: self.set(), values, ambient_pressure: self.stretch.ambient_pressure };
-        corner::met(&corners, h, ends, narrowing)
+        corner::met(&corners, h, ends, widening)
     }
 }
 

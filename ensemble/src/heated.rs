@@ -181,13 +181,13 @@ impl LaneSystem<1> for Moving<'_> {
     }
 
     #[inline(always)]
-    fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
-        self.gas.clock.narrowing(from, to)
+    fn widening(&self, at: Lanes) -> Lanes {
+        self.gas.clock.widening(at)
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
-        corner::met(&self.source, h, ends, narrowing)
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+        corner::met(&self.source, h, ends, widening)
     }
 }
 
@@ -241,8 +241,8 @@ impl LaneSystem<1> for Held<'_> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
-        corner::met(&self.source, h, ends, narrowing)
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+        corner::met(&self.source, h, ends, widening)
     }
 }
 

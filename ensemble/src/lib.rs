@@ -13,7 +13,8 @@
 //! | with one leak only, or with constant flows and at most one leak | its two equations (`flows`) |
 //! | with natural convection only, on one side of the wall's temperature | the push by two equations (`convective`, `convective_start`), the hold by a series (`convective_hold`) or as below |
 //! | tight, with effects without states | the push as below, the hold by an integral over the temperature (`relaxing_rows`) |
-//! | tight, with a wall that remembers | the push as below, the hold by collocation (`conduction`) |
+//! | with a wall that remembers only | the push by its own equations, the hold by collocation (`conduction::rows`) |
+//! | tight, with a wall that remembers and what keeps the closed form | the push as below, the hold by collocation (`conduction`) |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some (`general`, `advance`) |
 //!
 //! Without wide instructions (`instructions`) rows without a closed form are all of the last kind.
@@ -116,6 +117,7 @@ pub struct Kernel {
     integrated: adaptive::Memory<2, convective::ConvectiveTest>,
     orifices: adaptive::Memory<2, FlowTest<Orifice>>,
     gaps: adaptive::Memory<2, FlowTest<Gap>>,
+    remembering: conduction::rows::Memory,
     course: course::Memory,
     closed: exact_rows::Memory,
     sorted: Sorted,
@@ -143,6 +145,7 @@ impl Kernel {
             integrated,
             orifices,
             gaps,
+            remembering,
             course: course_memory,
             closed,
             sorted,
@@ -158,14 +161,16 @@ impl Kernel {
             adaptive::run(batch, integrated, &sorted.integrated, out);
             adaptive::run(batch, orifices, &sorted.orifices, out);
             adaptive::run(batch, gaps, &sorted.gaps, out);
+            conduction::rows::run(batch, remembering, &sorted.remembering, out);
             for rows in sorted.convective.iter().filter(|rows| !rows.is_empty()) {
                 convective_rows::run(batch, convective, rows, out);
             }
             let tight = walled.left.drain(..).chain(integrated.left.drain(..)).map(|row| (row, Kind::Tight));
             let relaxing = convective.left.drain(..).map(|row| (row, Kind::Relaxing));
+            let remembering = remembering.left.drain(..).map(|row| (row, Kind::Remembering));
             let open = orifices.left.drain(..).chain(gaps.left.drain(..)).chain(heated.left.drain(..));
             let open = open.map(|row| (row, Kind::Open));
-            for (row, kind) in tight.chain(relaxing).chain(open) {
+            for (row, kind) in tight.chain(relaxing).chain(remembering).chain(open) {
                 if let Err(reason) = sorted.add(row, kind, set, &scenarios[row as usize]) {
                     out[row as usize] = Outcome::failed(reason);
                 }
@@ -255,6 +260,8 @@ struct Sorted {
     /// Tests of which gas leaves or enters through an orifice, or through a gap or at constant rates.
     orifices: Vec<(u32, f64)>,
     gaps: Vec<(u32, f64)>,
+    /// Tests with a wall that remembers.
+    remembering: Vec<(u32, f64)>,
     /// Those with natural convection whose holds are integrals, by area law.
     convective: [Vec<(u32, f64)>; 2],
     /// Tests with closed forms, and their durations, s, by kind.
@@ -305,6 +312,7 @@ impl Sorted {
         self.integrated.clear();
         self.orifices.clear();
         self.gaps.clear();
+        self.remembering.clear();
         self.convective.iter_mut().for_each(Vec::clear);
         self.closed.iter_mut().for_each(Vec::clear);
         self.others.iter_mut().for_each(Planned::clear);
@@ -340,6 +348,7 @@ impl Sorted {
             let own = match of_gas {
                 walled::EFFECTS if alone && walled::has_wall(s) => Some(&mut self.walled),
                 heated::EFFECTS if alone && heated::is_heated(s) => Some(&mut self.heated),
+                conduction::EFFECT if alone && !integrates => Some(&mut self.remembering),
                 convective::EFFECTS if !(alone && convective::stays_on_a_side(s)) => None,
                 convective::EFFECTS if integrates && convective::is_smooth(s) => Some(&mut self.integrated),
                 convective::EFFECTS if !integrates => Some(&mut self.convective[usize::from(swept)]),

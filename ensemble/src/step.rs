@@ -1,8 +1,9 @@
 //! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
 
 use crate::lanes::{Lanes, each_lane};
-use crate::tableau::{A, C, E3, E5, FIRST, STAGES};
+use crate::tableau::{A, C, E3, E5, STAGES};
 use chamber::real::Real;
+use core::hint::black_box;
 use core::ops::Range;
 
 /// What is seen of a system at one moment: pressure, Pa, temperature, K, and their rates in the integrator's time.
@@ -25,10 +26,10 @@ impl View<Lanes> {
     }
 }
 
-/// A quantity and its slope a time `ahead` of `at`, as the cubic has it that leads here from `before` over a time `since`.
+/// A quantity and its slope a time `ahead` of `at`, as the cubic has it that leads here from `before` over a time `since`, of
+/// which the reciprocal is known.
 #[inline(always)]
-pub fn extrapolated(ahead: Lanes, at: [Lanes; 2], before: [Lanes; 2], since: Lanes) -> [Lanes; 2] {
-    let per_since = since.recip();
+pub fn extrapolated(ahead: Lanes, at: [Lanes; 2], before: [Lanes; 2], [since, per_since]: [Lanes; 2]) -> [Lanes; 2] {
     let x = ahead * per_since;
     let (way, from, to) = (at[0] - before[0], before[1] * since, at[1] * since);
     let (bend, twist) = (to * 2.0 + from - way * 3.0, from + to - way * 2.0);
@@ -84,17 +85,17 @@ pub trait LaneSystem<const N: usize> {
         false
     }
 
-    /// V^(1/4) at a moment over that at another.
+    /// w'/w of w = V^(1/4) at a moment: how fast the chamber widens.
     #[inline(always)]
-    fn narrowing(&self, _from: Lanes, _to: Lanes) -> Lanes {
-        Lanes::ONE
+    fn widening(&self, _: Lanes) -> Lanes {
+        Lanes::ZERO
     }
 
     /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
-    /// slope, and by its narrowing; 1 where there is none. Steps are made to end there: across a kink their error estimates are
+    /// slope, and by how fast it widens at its begin; 1 where there is none. Steps are made to end there: across a kink their error estimates are
     /// blind.
     #[inline(always)]
-    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _narrowing: Lanes) -> Lanes {
+    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _widening: Lanes) -> Lanes {
         Lanes::ONE
     }
 }
@@ -139,6 +140,18 @@ macro_rules! stage_of {
     }};
 }
 
+/// Applies a macro to the stages from 1 on, each with those beside the first whose weights in it are not zero; the last is the end of
+/// the step.
+macro_rules! each_stage {
+    ($apply:ident) => {
+        $apply! {
+            1: ; 2: 1; 3: 2; 4: 2 3; 5: 3 4; 6: 3 4 5; 7: 3 4 5 6; 8: 3 4 5 6 7; 9: 3 4 5 6 7 8; 10: 3 4 5 6 7 8 9;
+            11: 3 4 5 6 7 8 9 10;
+            => 12: 5 6 7 8 9 10 11
+        }
+    };
+}
+
 /// What an attempted step has found.
 pub struct Attempt<const N: usize> {
     /// States at its end.
@@ -180,21 +193,13 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     stages: &mut Stages<N>,
 ) -> ([Lanes; N], Moment<N>) {
     let Stages { slopes: mut k, powers: mut p } = *stages;
-    macro_rules! stage {
-        ($s:literal; $($j:tt)*) => { stage_of!(FUSED, (system, t, h, y), (k, p), $s; $($j)*) };
+    macro_rules! stages {
+        ($($s:literal: $($j:literal)*;)* => $end:literal: $($i:literal)*) => {{
+            $(stage_of!(FUSED, (system, t, h, y), (k, p), $s; 0 $($j)*);)*
+            stage_of!(FUSED, (system, t, h, y), (k, p), $end; 0 $($i)*)
+        }};
     }
-    stage!(1; 0);
-    stage!(2; 0 1);
-    stage!(3; 0 2);
-    stage!(4; 0 2 3);
-    stage!(5; 0 3 4);
-    stage!(6; 0 3 4 5);
-    stage!(7; 0 3 4 5 6);
-    stage!(8; 0 3 4 5 6 7);
-    stage!(9; 0 3 4 5 6 7 8);
-    stage!(10; 0 3 4 5 6 7 8 9);
-    stage!(11; 0 3 4 5 6 7 8 9 10);
-    let end = stage!(12; 0 5 6 7 8 9 10 11);
+    let end = each_stage!(stages);
     *stages = Stages { slopes: k, powers: p };
     end
 }
@@ -238,13 +243,26 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
 ) -> ([Lanes; N], Moment<N>, Lanes) {
     let (mut at, mut last) = (*y, Moment::NONE);
     for stage in stages {
-        for i in 0..system.moving() {
-            let mut sum = k[0][i] * A[stage][0];
-            for j in FIRST[stage]..stage.min(STAGES - 1) {
-                sum = multiply_add::<FUSED>(k[j][i], Lanes::from(A[stage][j]), sum);
-            }
-            at[i] = multiply_add::<FUSED>(sum, h, y[i]);
+        macro_rules! reach {
+            ($($s:literal: $($j:literal)*;)* => $end:literal: $($i:literal)*) => {
+                match stage {
+                    $($s => from_those!($s; $($j)*),)*
+                    $end => from_those!($end; $($i)*),
+                    // One that only feels out.
+                    _ => from_those!(stage;),
+                }
+            };
         }
+        macro_rules! from_those {
+            ($s:expr; $($j:literal)*) => {
+                for i in 0..system.moving() {
+                    // Else the compiler puts states side by side, not lanes.
+                    let k = black_box(&*k);
+                    at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; 0 $($j)*), h, y[i]);
+                }
+            };
+        }
+        each_stage!(reach);
         let moment = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
         if stage == STAGES - 1 || stage == FEELING.start {
             last = moment;
@@ -314,12 +332,27 @@ mod tests {
     use super::*;
 
     #[test]
+    fn each_stage_has_all_weights_that_are_not_zero() {
+        macro_rules! listed {
+            ($($s:literal: $($j:literal)*;)* => $end:literal: $($i:literal)*) => {
+                [$(($s, vec![0 $(, $j)*]),)* ($end, vec![0 $(, $i)*])]
+            };
+        }
+        let listed: [(usize, Vec<usize>); STAGES - 1] = each_stage!(listed);
+        for (stage, earlier) in listed {
+            let weights = A[stage].iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+            assert_eq!(earlier, weights.map(|(j, _)| j).collect::<Vec<_>>(), "{stage}");
+        }
+    }
+
+    #[test]
     fn what_moves_along_a_cubic_is_extrapolated_as_it_goes_on() {
         let cubic = |t: f64| 3.0 - 2.0 * t + 0.5 * t * t - 0.25 * t * t * t;
         let slope = |t: f64| -2.0 + t - 0.75 * t * t;
         let at = |t: f64| [cubic(t), slope(t)].map(Lanes::from);
         for (from, to, ahead) in [(0.0, 0.5, 0.4), (-1.0, 1.0, 3.0)] {
-            let found = extrapolated(Lanes::from(ahead), at(to), at(from), Lanes::from(to - from));
+            let since = [to - from, 1.0 / (to - from)].map(Lanes::from);
+            let found = extrapolated(Lanes::from(ahead), at(to), at(from), since);
             let expected = at(to + ahead);
             for i in 0..2 {
                 assert!((found[i][3] - expected[i][3]).abs() < 1e-12, "{found:?}");

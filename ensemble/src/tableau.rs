@@ -162,23 +162,6 @@ pub const A: [[f64; STAGES - 1]; STAGES + 2] = [
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
 ];
 
-/// Of each row, where after the first weight the next one stands that is not zero.
-pub const FIRST: [usize; STAGES + 2] = {
-    let mut first = [STAGES - 1; STAGES + 2];
-    let mut row = 0;
-    while row < first.len() {
-        let mut column = STAGES - 1;
-        while column > 1 {
-            column -= 1;
-            if A[row][column] != 0.0 {
-                first[row] = column;
-            }
-        }
-        row += 1;
-    }
-    first
-};
-
 /// Weights of the difference to the embedded third-order formula.
 pub const E3: [f64; 12] = [
     -0.189_800_754_072_407_62,

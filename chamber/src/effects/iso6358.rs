@@ -101,7 +101,7 @@ pub fn relative_inflow<R: Real>(ratio: R, critical_ratio: R) -> R {
     }
     let flow = flow_function(ratio, R::ONE, critical_ratio).sqrt();
     let near = R::ONE - ratio * LINEAR_ABOVE;
-    if near.any_positive() { flow * near.where_positive(fade(ratio.recip()), R::ONE) } else { flow }
+    if near.any_positive() { flow * near.where_positive(fade(per_nearly_one(ratio)), R::ONE) } else { flow }
 }
 
 /// [`relative_inflow`] where r is more than one, else [`relative_outflow`], by one root: to the last digit the same.
@@ -110,13 +110,18 @@ pub fn relative_flow<R: Real>(ratio: R, critical_ratio: R) -> R {
     let (upstream, downstream) = (ratio.max(R::ONE), ratio.min(R::ONE));
     let flow = flow_function(upstream, downstream, critical_ratio).sqrt();
     let near = downstream - upstream * LINEAR_ABOVE;
-    if near.any_positive() { flow * near.where_positive(fade(downstream / upstream), R::ONE) } else { flow }
+    if near.any_positive() {
+        flow * near.where_positive(fade(downstream * per_nearly_one(upstream)), R::ONE)
+    } else {
+        flow
+    }
 }
 
 /// The first pressure after `from` and before `to`, Pa, at which the flow has a corner, with `outside` on the other side:
-/// where it chokes, where ψ turns linear, where it turns round; and on the way there two places more.
+/// where it chokes, where ψ turns linear, where it turns round; and on the way there two places more. The flow turns at the pressure
+/// `turn`, that outside or zero where that is to be no corner.
 #[inline(always)]
-pub fn corner<R: Real>(critical_ratio: R, outside: R, from: R, to: R) -> R {
+pub fn corner<R: Real>(critical_ratio: R, outside: R, turn: R, from: R, to: R) -> R {
     // Outward the pressure is the outside's over the ratio. Multiplied through, as b may be zero.
     let choked = (outside - critical_ratio * from) * (critical_ratio * to - outside);
     let mut first = to;
@@ -127,10 +132,13 @@ pub fn corner<R: Real>(critical_ratio: R, outside: R, from: R, to: R) -> R {
         return first;
     }
     first = nearer(outside * critical_ratio, from, first);
+    if !(from.max(to) - outside * STEEP_ABOVE).any_positive() {
+        return first;
+    }
     first = nearer(outside * STEEP_ABOVE, from, first);
     first = nearer(outside * STEEPER_ABOVE, from, first);
     first = nearer(outside * LINEAR_ABOVE, from, first);
-    first = nearer(outside, from, first);
+    first = nearer(turn, from, first);
     first = nearer(outside * (1.0 / LINEAR_ABOVE), from, first);
     first = nearer(outside * (1.0 / STEEPER_ABOVE), from, first);
     nearer(outside * (1.0 / STEEP_ABOVE), from, first)
@@ -168,6 +176,15 @@ fn fade<R: Real>(ratio: R) -> R {
     ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE)
 }
 
+/// 1/x, to the last digits, of numbers from 1 to 1/[`LINEAR_ABOVE`]: by Newton's method, as a division takes longer.
+#[inline(always)]
+fn per_nearly_one<R: Real>(x: R) -> R {
+    let two = R::from(2.0);
+    let near = two - x;
+    let nearer = near * (two - x * near);
+    nearer * (two - x * nearer)
+}
+
 #[cfg(test)]
 mod tests {
     fn flow_function(ratio: f64, critical: f64) -> f64 {
@@ -181,6 +198,14 @@ mod tests {
                 let one = if ratio > 1.0 { super::relative_inflow } else { super::relative_outflow };
                 assert_eq!(super::relative_flow(ratio, critical), one(ratio, critical), "{ratio} {critical}");
             }
+        }
+    }
+
+    #[test]
+    fn numbers_beside_one_are_divided_by_without_a_division() {
+        for k in 0..=100 {
+            let x = 1.0 + f64::from(k) / 100.0 * (1.0 / super::LINEAR_ABOVE - 1.0);
+            assert!((super::per_nearly_one(x) * x - 1.0).abs() < 4e-16, "{x}");
         }
     }
 

@@ -61,6 +61,6 @@ impl Effect for Leakage {
 
     #[inline(always)]
     fn corner<R: Real>(p: &[R], ambient_pressure: R, from: R, to: R) -> R {
-        iso6358::corner(p[1], ambient_pressure, from, to)
+        iso6358::corner(p[1], ambient_pressure, ambient_pressure, from, to)
     }
 }

@@ -66,6 +66,6 @@ impl Effect for SupplyLeakage {
 
     #[inline(always)]
     fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
-        iso6358::corner(p[2], p[1], from, to)
+        iso6358::corner(p[2], p[1], p[1], from, to)
     }
 }

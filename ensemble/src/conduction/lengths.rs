@@ -1,6 +1,7 @@
 //! Lengths of steps through a hold, s, the same for all rows: what the wall remembers and what relaxes both change over as long
 //! as they have lasted, and so the lengths grow in equal ratios. The last step goes to the end.
 
+use crate::lanes::WIDTH;
 use std::sync::LazyLock;
 
 /// The first step, s, and by how much each is longer than the one before: the cube root of two.
@@ -31,7 +32,7 @@ pub fn number(level: usize, taken: usize) -> usize {
 }
 
 /// How many steps of those lengths a hold of a length, s, takes at a level, and how long the last one is beside.
-pub fn parted(level: usize, hold: f64) -> (usize, f64) {
+fn parted(level: usize, hold: f64) -> (usize, f64) {
     let (mut taken, mut left) = (0, hold);
     loop {
         let next = length(number(level, taken));
@@ -41,6 +42,17 @@ pub fn parted(level: usize, hold: f64) -> (usize, f64) {
         left -= next;
         taken += 1;
     }
+}
+
+/// The same of holds, one a lane: most rows of a study are held equally long.
+pub fn parted_all(level: usize, hold: impl Fn(usize) -> f64) -> [(usize, f64); WIDTH] {
+    let (mut length, mut parts) = (hold(0), parted(level, hold(0)));
+    core::array::from_fn(|lane| {
+        if hold(lane) != length {
+            (length, parts) = (hold(lane), parted(level, hold(lane)));
+        }
+        parts
+    })
 }
 
 #[cfg(test)]

@@ -12,13 +12,16 @@
 //! out once. A row is solved again with finer steps where the error of any of them counts. Where the finest do not do, the
 //! integrator takes over. Temperatures in K, times in s.
 
+mod dense;
 mod lengths;
+mod push;
 mod response;
+pub mod rows;
 mod rule;
 mod step;
 
 use crate::Batch;
-use crate::advance::{Problem, Steps};
+use crate::advance::{self, Problem};
 use crate::chambers::Chambers;
 use crate::elimination::Factors;
 use crate::filter::Sensor;
@@ -33,11 +36,14 @@ use chamber::effects::wall_conduction::MODES;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use core::hint::black_box;
-use lengths::{LEVELS, number, parted};
+use lengths::{LEVELS, number, parted_all};
 use pulp::{Simd, WithSimd};
 use response::{Response, WorkOut};
 use rule::NODES;
 use step::Gas;
+
+/// The effect that tests have which [`rows`] solves.
+pub use push::EFFECT;
 
 /// The effects on the gas that a row may have: a wall that remembers, and those that keep λ/T, area and wall what they are.
 pub const EFFECTS: EffectSet = effects::REMEMBERING.union(kept::EFFECTS);
@@ -83,7 +89,7 @@ pub fn hold<const N: usize>(
             let problem = |lane: usize| &problems[at(lane)];
             let Memory { chambers, last } = memory;
             let balance = chambers.gather(arch, set, |lane| &row(lane).balance.chamber);
-            let parts: [(usize, f64); WIDTH] = core::array::from_fn(|lane| parted(level, problem(lane).length));
+            let parts = parted_all(level, |lane| problem(lane).length);
             let left = Lanes::from_fn(|lane| parts[lane].1);
             if last.length != left {
                 arch.dispatch(Wide(WorkOut { response: last, length: left }));
@@ -98,16 +104,18 @@ pub fn hold<const N: usize>(
                 volume: Lanes::from_fn(|lane| row(lane).balance.chamber.geometry.volume(row(lane).stretch.position)),
                 ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.ambient_temperature),
                 ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.ambient_pressure),
-                level,
-                counts: Lanes::from_fn(|lane| parts[lane].0 as f64),
-                last,
-                relative: options.relative_tolerance,
+                steps: Steps {
+                    level,
+                    counts: Lanes::from_fn(|lane| parts[lane].0 as f64),
+                    last,
+                    relative: options.relative_tolerance,
+                },
                 history,
             }));
             for (lane, &index) in group.iter().enumerate() {
                 if held.good[lane] > 0.0 {
                     let problem = &mut problems[index];
-                    problem.steps = Steps { from, to: history.len() as u32, lane: lane as u32 };
+                    problem.steps = advance::Steps { from, to: history.len() as u32, lane: lane as u32 };
                     problem.view = View {
                         value: held.begin.value.map(|value| value[lane]),
                         slope: held.begin.slope.map(|slope| slope[lane]),
@@ -125,6 +133,65 @@ pub fn hold<const N: usize>(
     solved
 }
 
+/// Sees the steps through holds.
+trait Keep {
+    /// A step of the lanes where `goes` is positive: its end, s, T at its begin, and the gas at its end.
+    fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &Gas);
+}
+
+/// Steps through holds, one a lane.
+#[derive(Clone, Copy)]
+struct Steps<'a> {
+    level: usize,
+    /// How many steps each takes before its last.
+    counts: Lanes,
+    /// The response over its last.
+    last: &'a Response<Lanes>,
+    relative: f64,
+}
+
+/// Takes the gas to the ends of the holds; positive where all steps were good.
+#[inline(always)]
+fn through(gas: &mut Gas, steps: Steps, kept: &mut impl Keep) -> Lanes {
+    let Steps { level, counts, last, relative } = steps;
+    let gas = black_box(gas);
+    let mut factors = black_box(Factors::NONE);
+    let (mut time, mut taken, mut good) = (Lanes::ZERO, 0, Lanes::ONE);
+    loop {
+        let goes_on = counts - taken as f64;
+        if !goes_on.any_positive() {
+            break;
+        }
+        let (response, begin) = (Response::of(number(level, taken)), gas.temperature);
+        let step = black_box(&mut *gas).step::<f64>(response, relative, &mut factors);
+        let goes = black_box(goes_on.where_positive(Lanes::ONE, Lanes::ZERO));
+        good = goes.where_positive(good.min(step.good), good);
+        time = goes.where_positive(time + response.length, time);
+        gas.take(goes, response.length.into(), &step);
+        kept.keep(time, goes, begin, gas);
+        taken += 1;
+    }
+    let begin = gas.temperature;
+    let step = black_box(&mut *gas).step::<Lanes>(black_box(last), relative, &mut factors);
+    gas.take(Lanes::ONE, last.length, &step);
+    kept.keep(time + last.length, Lanes::ONE, begin, gas);
+    good.min(step.good)
+}
+
+/// Keeps what is seen at their ends.
+struct Seen<'a> {
+    history: &'a mut History,
+    /// P/T, Pa/K.
+    per_temperature: Lanes,
+}
+
+impl Keep for Seen<'_> {
+    #[inline(always)]
+    fn keep(&mut self, end: Lanes, goes: Lanes, _: Lanes, gas: &Gas) {
+        self.history.push(end, goes, &gas.view(self.per_temperature, gas.drives[NODES - 1]));
+    }
+}
+
 /// As many holds as there are lanes.
 struct Hold<'a> {
     set: EffectSet,
@@ -135,11 +202,7 @@ struct Hold<'a> {
     volume: Lanes,
     ambient_temperature: Lanes,
     ambient_pressure: Lanes,
-    level: usize,
-    /// How many steps each takes before its last.
-    counts: Lanes,
-    last: &'a Response<Lanes>,
-    relative: f64,
+    steps: Steps<'a>,
     history: &'a mut History,
 }
 
@@ -160,35 +223,16 @@ impl WithSimd for Hold<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Held {
-        let Self { balance, mass, modes, volume, counts, last, level, history, .. } = self;
+        let Self { balance, mass, modes, volume, steps, history, .. } = self;
         let capacity = mass * balance.cv;
         let temperature = self.energy / capacity;
         let surroundings = [self.ambient_temperature, self.ambient_pressure];
-        let mut gas = black_box(Gas::new(self.set, balance, [mass, volume, temperature], surroundings, modes));
+        let mut gas = Gas::new(self.set, balance, [mass, volume, temperature], surroundings, modes);
         let per_temperature = mass * balance.chamber.gas.gas_constant / volume;
         let begin = gas.view(per_temperature, gas.drives[0]);
-        let mut factors = black_box(Factors::NONE);
-        let (mut time, mut taken) = (Lanes::ZERO, 0);
-        let mut good = Lanes::ONE;
-        loop {
-            let goes_on = counts - taken as f64;
-            if !goes_on.any_positive() {
-                break;
-            }
-            let response = Response::of(number(level, taken));
-            let step = black_box(&mut gas).step::<f64>(response, self.relative, &mut factors);
-            let goes = black_box(goes_on.where_positive(Lanes::ONE, Lanes::ZERO));
-            good = goes.where_positive(good.min(step.good), good);
-            time = goes.where_positive(time + response.length, time);
-            gas.take(goes, response.length.into(), &step);
-            history.push(time, goes, &gas.view(per_temperature, step.drives[NODES - 1]));
-            taken += 1;
-        }
-        let step = black_box(&mut gas).step::<Lanes>(black_box(last), self.relative, &mut factors);
-        gas.take(Lanes::ONE, last.length, &step);
-        history.push(time + last.length, Lanes::ONE, &gas.view(per_temperature, step.drives[NODES - 1]));
+        let good = through(&mut gas, steps, &mut Seen { history, per_temperature });
         let energy = gas.temperature * capacity;
         let heat = (gas.temperature - temperature) * capacity;
-        black_box(Held { good: good.min(step.good), begin, energy, modes: gas.modes, heat })
+        black_box(Held { good, begin, energy, modes: gas.modes, heat })
     }
 }

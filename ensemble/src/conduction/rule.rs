@@ -24,6 +24,8 @@ const BEFORE_LAST: f64 = 0.02;
 pub struct Rule {
     /// Coefficients in powers of the place of the polynomial that is one at a node and zero at the others.
     pub powers: [[f64; TERMS]; NODES],
+    /// The same of its integral from the begin on, from the first power on.
+    pub integrated: [[f64; NODES]; NODES],
     /// The polynomial's integrals up to each node, to be multiplied by the values.
     pub integrals: [[f64; NODES]; NODES],
     /// Its last Legendre coefficient, likewise, and the share of the one before.
@@ -35,6 +37,7 @@ pub struct Rule {
 /// Worked out at its first use.
 pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
     let powers = filter::polynomials(PLACES);
+    let integrated = powers.map(|of| core::array::from_fn(|power| of[power] / (power + 1) as f64));
     let integral = |polynomial: &[f64; TERMS], x: f64| {
         (0..NODES).rev().fold(0.0, |sum, power| (sum + polynomial[power] / (power + 1) as f64) * x)
     };
@@ -44,5 +47,5 @@ pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
     let fourth = core::array::from_fn(|node| (powers[node][4] + 630.0 * fifth[node]) / 70.0 * BEFORE_LAST);
     let beyond = filter::polynomials::<GUESSED>(core::array::from_fn(|k| PLACES[NODES - GUESSED + k] - 1.0));
     let ahead = core::array::from_fn(|power| beyond.map(|polynomial| polynomial[power]));
-    Rule { powers, integrals, last: [fifth, fourth], ahead }
+    Rule { powers, integrated, integrals, last: [fifth, fourth], ahead }
 });

@@ -18,7 +18,7 @@ use core::hint::black_box;
 /// Rounds of Newton's method at most.
 const ROUNDS: usize = 10;
 /// Error of T, as a share of that allowed for, that the equations are solved to.
-const CONVERGED: f64 = 1e-3;
+const CONVERGED: f64 = 3e-2;
 /// The smallest relative tolerance that rounding allows for.
 const FINEST: f64 = 1e-12;
 /// As the equations are quadratic, a round with the slopes of the first leaves at most so many times b (a h)², the first change
@@ -33,14 +33,14 @@ const ERROR: f64 = 0.02;
 #[derive(Clone, Copy)]
 pub struct Gas {
     /// a and b.
-    cooling: Lanes,
+    pub cooling: Lanes,
     feed: Lanes,
     /// Tw.
     wall: Lanes,
     pub temperature: Lanes,
     pub modes: [Lanes; MODES],
     /// Length of the last step, s, and d at its nodes: at first d at the begin.
-    since: Lanes,
+    pub since: Lanes,
     pub drives: [Lanes; NODES],
 }
 
@@ -75,15 +75,15 @@ impl Gas {
         let of_law = balance.chamber.geometry.wetted_volume(volume) * balance.area[0] + balance.area[1];
         let area = effects::heat_transfer_area(beside, values, of_law);
         let inverse_effusivity = effects::inverse_effusivity(set.intersection(effects::REMEMBERING), values);
-        let mut gas = Self {
-            cooling: area / (inverse_effusivity * capacity),
-            feed: inverse_effusivity * coefficient / temperature,
-            wall: at.wall_temperature,
-            temperature,
-            modes,
-            since: Lanes::ONE,
-            drives: [Lanes::ZERO; NODES],
-        };
+        let (cooling, feed) = (area / (inverse_effusivity * capacity), inverse_effusivity * coefficient / temperature);
+        Self::of([cooling, feed], at.wall_temperature, temperature, modes)
+    }
+
+    /// At the begin of a hold with those a and b.
+    #[inline(always)]
+    pub fn of([cooling, feed]: [Lanes; 2], wall: Lanes, temperature: Lanes, modes: [Lanes; MODES]) -> Self {
+        let drives = [Lanes::ZERO; NODES];
+        let mut gas = Self { cooling, feed, wall, temperature, modes, since: Lanes::ONE, drives };
         gas.drives = [gas.drive(); NODES];
         gas
     }

@@ -35,22 +35,30 @@ pub use openings::{GAP, Gap, ORIFICES, Orifice};
 use openings::{Law, Passage};
 use std::marker::PhantomData;
 
+/// Share of the gas that a choked orifice lets through over a push, up to which it is no corner of the push where its flow turns: the
+/// pressure passes that place so fast that results are the same, up to ten times this share at least, with a step fewer.
+const FAINT: f64 = 2e-3;
+
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowTest<L> {
     /// With half its heat exchange times √M.
     gas: Test,
     constants: Constants,
+    /// Pressure at which the flow's turning is a corner of the push: that outside, or zero where it is none. Pa.
+    turn: f64,
     /// ν and z at the begin.
     start: [f64; 2],
     law: PhantomData<L>,
 }
 
-/// [`Law::kind`] of a scenario, by its pressures before the push and once its gas has cooled.
+/// [`Law::kind`] of a scenario, by its pressures before the push, once its gas has cooled, and about where it was pushed to.
 pub fn kind<L: Law>(s: &Scenario) -> u8 {
     let geometry = &s.chamber.geometry;
     let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
-    L::kind(&L::passage(s), [s.initial_pressure_pa, s.initial_pressure_pa * volume / held_volume])
+    let narrowed = volume / held_volume;
+    let cooled = s.initial_pressure_pa * narrowed;
+    L::kind(&L::passage(s), [s.initial_pressure_pa, cooled, cooled * narrowed.sqrt()])
 }
 
 impl<L: Law> OwnTest<2> for FlowTest<L> {
@@ -84,7 +92,10 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
             is_fed: s.mass_flow_in_kg_per_s + s.mass_flow_out_kg_per_s > 0.0,
         };
         let start = [1.0 / root_mass, 1.0 / s.initial_temperature_k.sqrt()];
-        Self { gas, constants, start, law: PhantomData }
+        let lost = passage.width * (1.0 - passage.critical_ratio) * s.push_time_s;
+        let counts = lost > FAINT * constants.per_root_wall * gas.held_volume;
+        let turn = if counts { passage.pressure } else { 0.0 };
+        Self { gas, constants, turn, start, law: PhantomData }
     }
 
     #[inline]
@@ -138,7 +149,7 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
 
     fn moving(tests: &[Self]) -> Moving<'_, L> {
         let none = Lanes::ZERO;
-        Moving { tests, gas: sealed::Moving::NONE, constants: Constants::NONE, work: none, width: none }
+        Moving { tests, gas: sealed::Moving::NONE, constants: Constants::NONE, turn: none, work: none, width: none }
     }
 
     fn held(tests: &[Self]) -> Held<'_, L> {
@@ -154,13 +165,13 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     }
 }
 
-/// The opening's corners.
-struct At<'a, L>(&'a Passage<Lanes>, PhantomData<L>);
+/// The opening's corners, with the pressure at which the flow's turning is one.
+struct At<'a, L>(&'a Passage<Lanes>, Lanes, PhantomData<L>);
 
 impl<L: Law> Corners for At<'_, L> {
     #[inline(always)]
     fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
-        L::corner(self.0, from, to)
+        L::corner(self.0, self.1, from, to)
     }
 }
 
@@ -170,6 +181,7 @@ pub struct Moving<'a, L> {
     tests: &'a [FlowTest<L>],
     gas: sealed::Moving<'static>,
     constants: Constants<Lanes>,
+    turn: Lanes,
     /// 2 (γ − 1) w'.
     work: Lanes,
     /// Half the width, times p.
@@ -182,6 +194,7 @@ impl<L: Law> Loadable for Moving<'_, L> {
         let test = &self.tests[index];
         self.gas.load_test(lane, &test.gas);
         self.constants.load(lane, &test.constants);
+        self.turn[lane] = test.turn;
         self.work[lane] = self.gas.expansion_rate[lane] * 0.5;
         self.width[lane] = test.constants.passage.width * 0.5 * test.gas.clock.pace_factor;
     }
@@ -226,13 +239,13 @@ impl<L: Law> LaneSystem<2> for Moving<'_, L> {
     }
 
     #[inline(always)]
-    fn narrowing(&self, from: Lanes, to: Lanes) -> Lanes {
-        self.gas.clock.narrowing(from, to)
+    fn widening(&self, at: Lanes) -> Lanes {
+        self.gas.clock.widening(at)
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
-        corner::met(&At::<L>(&self.constants.passage, PhantomData), h, ends, narrowing)
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+        corner::met(&At::<L>(&self.constants.passage, self.turn, PhantomData), h, ends, widening)
     }
 }
 
@@ -325,8 +338,9 @@ impl<L: Law> LaneSystem<2> for Held<'_, L> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], narrowing: Lanes) -> Lanes {
-        corner::met(&At::<L>(&self.constants.passage, PhantomData), h, ends, narrowing)
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+        let passage = &self.constants.passage;
+        corner::met(&At::<L>(passage, passage.pressure, PhantomData), h, ends, widening)
     }
 }
 

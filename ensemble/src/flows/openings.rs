@@ -51,11 +51,11 @@ pub trait Law: Copy + Sync {
         let (into, out) = (Self::inflow(passage, gas, per_root_outside), Self::outflow(passage, gas));
         [inward.where_positive(into[0], out[0]), inward.where_positive(into[1], out[1])]
     }
-    /// As [`Corners::corner`].
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes;
+    /// As [`Corners::corner`]; where the flow turns it has one at the pressure `turn`.
+    fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes;
     /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
     /// the same parts of the law.
-    fn kind(_: &Passage, _: [f64; 2]) -> u8 {
+    fn kind(_: &Passage, _: [f64; 3]) -> u8 {
         0
     }
 }
@@ -98,18 +98,18 @@ impl Law for Orifice {
     }
 
     #[inline(always)]
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
-        iso6358::corner(passage.critical_ratio, passage.pressure, from, to)
+    fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes {
+        iso6358::corner(passage.critical_ratio, passage.pressure, turn, from, to)
     }
 
-    fn kind(passage: &Passage, pressures: [f64; 2]) -> u8 {
+    fn kind(passage: &Passage, pressures: [f64; 3]) -> u8 {
         let &Passage { pressure: outside, critical_ratio, .. } = passage;
         let regime = |pressure: f64| -> u8 {
             let chokes = pressure.min(outside) < critical_ratio * pressure.max(outside);
             2 * u8::from(pressure < outside) + u8::from((pressure < outside) != chokes)
         };
-        let [before, after] = pressures.map(regime);
-        4 * after + before
+        let [before, after, pushed] = pressures.map(regime);
+        16 * pushed + 4 * after + before
     }
 }
 
@@ -142,7 +142,7 @@ impl Law for Gap {
     }
 
     #[inline(always)]
-    fn corner(passage: &Passage<Lanes>, from: Lanes, to: Lanes) -> Lanes {
+    fn corner(passage: &Passage<Lanes>, _: Lanes, from: Lanes, to: Lanes) -> Lanes {
         LaminarLeakage::corner(&[], passage.pressure, from, to)
     }
 }

@@ -1,0 +1,184 @@
+//! Tests whose wall remembers and that have no other effect, as they come: pushes by their own equations ([`push`]), holds as in
+//! [`super`], and what is asked of them from the steps' polynomials ([`dense`]). Those whose hold may turn round, or that the
+//! steps do not do, are left to the way that looks for all places where a record turns.
+
+use super::dense::{self, Passed, Settle};
+use super::lengths::{LEVELS, parted_all};
+use super::push::{Moving, N, Test};
+use super::response::{Response, WorkOut};
+use super::step::Gas;
+use super::{Steps, through};
+use crate::Batch;
+use crate::advance::{Nobody, Problem, advance};
+use crate::instructions::Wide;
+use crate::lanes::{Lanes, WIDTH};
+use crate::outcome::Outcome;
+use crate::regression::Records;
+use crate::relaxing_rows::AfterPush;
+use crate::sealed::Ending;
+use chamber::effects::wall_conduction::{KERNEL, MODES};
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// What is kept from one batch to the next.
+pub struct Memory {
+    tests: Vec<Test>,
+    problems: Vec<Problem<N>>,
+    /// Numbers of the tests whose holds are still to be solved.
+    open: Vec<usize>,
+    /// Responses over the last steps of rows: most rows of a study are held equally long.
+    last: Box<Response<Lanes>>,
+    steps: Vec<Passed>,
+    records: Records,
+    /// Numbers of the rows that could not be solved in this way, but may be in another.
+    pub left: Vec<u32>,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self {
+            tests: Vec::new(),
+            problems: Vec::new(),
+            open: Vec::new(),
+            last: Box::new(Response::NONE),
+            steps: Vec::new(),
+            records: Records::default(),
+            left: Vec::new(),
+        }
+    }
+}
+
+/// T in a state.
+fn temperature(state: &[f64; N]) -> f64 {
+    1.0 / (state[0] * state[0])
+}
+
+/// Whether a hold from a state goes one way.
+fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
+    let (temperature, modes) = (temperature(state), &state[1..]);
+    let excess = modes.iter().zip(&KERNEL).fold(temperature - wall, |left, (mode, of)| left - mode * of.weight);
+    temperature < f64::INFINITY && excess.abs() > 0.0 && modes.iter().all(|mode| mode * excess >= 0.0)
+}
+
+/// Runs tests whose numbers are checked; with durations in s.
+pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Outcome]) {
+    if rows.is_empty() {
+        return;
+    }
+    let Batch { arch, scenarios, options } = batch;
+    let relative = options.relative_tolerance;
+    let Memory { tests, problems, open, left, .. } = memory;
+    tests.clear();
+    problems.clear();
+    for &(row, _) in rows {
+        let s = &scenarios[row as usize];
+        let test = Test::new(s);
+        problems.push(test.push(s, relative));
+        tests.push(test);
+    }
+    advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
+    open.clear();
+    for (index, ((problem, test), (row, _))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
+        if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
+            open.push(index);
+        } else {
+            left.push(*row);
+        }
+    }
+    for level in 0..LEVELS {
+        for group in std::mem::take(&mut memory.open).chunks(WIDTH) {
+            hold(batch, memory, level, rows, group, out);
+        }
+    }
+    let Memory { open, left, .. } = memory;
+    left.extend(open.drain(..).map(|index| rows[index].0));
+}
+
+/// Ends tests, as many as there are lanes, from their pushes on, with steps of a level; where these do not do they stay open.
+fn hold(
+    Batch { arch, scenarios, options }: Batch,
+    memory: &mut Memory,
+    level: usize,
+    rows: &[(u32, f64)],
+    group: &[usize],
+    out: &mut [Outcome],
+) {
+    let Memory { tests, problems, open, last, steps, records, .. } = memory;
+    let at = |lane: usize| group[lane.min(group.len() - 1)];
+    let test = |lane: usize| &tests[at(lane)];
+    let scenario = |lane: usize| &scenarios[rows[at(lane)].0 as usize];
+    let parts = parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
+    let length = Lanes::from_fn(|lane| parts[lane].1);
+    if last.length != length {
+        arch.dispatch(Wide(WorkOut { response: last, length }));
+    }
+    let pushed = Lanes::from_fn(|lane| temperature(&problems[at(lane)].state));
+    let wall = Lanes::from_fn(|lane| test(lane).gas.closed.ambient_temperature);
+    let [cooling, feed] = [0, 1].map(|of| Lanes::from_fn(|lane| test(lane).held[of]));
+    let modes: [Lanes; MODES] =
+        core::array::from_fn(|mode| Lanes::from_fn(|lane| problems[at(lane)].state[1 + mode] * KERNEL[mode].weight));
+    let counts = Lanes::from_fn(|lane| parts[lane].0 as f64);
+    steps.clear();
+    let [end, reached] = arch.dispatch(Wide(Hold {
+        gas: Gas::of([cooling, feed], wall, pushed, modes),
+        steps: Steps { level, counts, last, relative: options.relative_tolerance },
+        kept: steps,
+    }));
+    let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
+    let per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
+    let found = options.fit.then(|| {
+        let rate = Lanes::from_fn(|lane| test(lane).gas.rate);
+        let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / pushed[lane]);
+        let push = Lanes::from_fn(|lane| scenario(lane).push_time_s);
+        let relaxation = [rate, excess];
+        let guess = arch.dispatch(Wide(dense::Record { steps, push, per_temperature, relaxation, records }));
+        records.fit(arch, guess)
+    });
+    for (lane, &index) in group.iter().enumerate() {
+        let is_solved = reached[lane] > 0.0 && good[lane] > 0.0;
+        if !is_solved {
+            open.push(index);
+            continue;
+        }
+        let ((row, duration), test, scenario) = (rows[index], &tests[index], scenario(lane));
+        let capacity = test.capacity();
+        let [received, work] = problems[index].energy.map(|energy| capacity * energy);
+        let after = AfterPush {
+            row,
+            duration,
+            relaxations: (duration - scenario.push_time_s) * test.gas.rate,
+            mass: test.gas.closed.mass_gas_constant / scenario.chamber.gas.gas_constant,
+            energy: [scenario.initial_temperature_k, pushed[lane]].map(|temperature| capacity * temperature),
+            received: [received - work, work.abs()],
+            failure: None,
+        };
+        out[row as usize] = after.outcome(&Ending {
+            scenario,
+            duration,
+            wall: wall[lane],
+            pushed: pushed[lane],
+            end: end[lane],
+            pressure_per_temperature: per_temperature[lane],
+            settling: settling[lane],
+            regression: found.as_ref().and_then(|found| found.lane(lane)),
+        });
+    }
+}
+
+/// Holds, one a lane: temperatures at their ends, K, and whether they are good.
+struct Hold<'a> {
+    gas: Gas,
+    steps: Steps<'a>,
+    kept: &'a mut Vec<Passed>,
+}
+
+impl WithSimd for Hold<'_> {
+    type Output = [Lanes; 2];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 2] {
+        let Self { mut gas, steps, kept } = self;
+        let good = through(&mut gas, steps, kept);
+        black_box([gas.temperature, good])
+    }
+}
