@@ -16,7 +16,7 @@ fn traced(outside: Outside) -> (Data, Found) {
 fn heat_from_friction_becomes_a_curve_over_the_piston_s_power_that_leaves_noise() {
     let (data, found) = traced(Outside::FrictionHeat(0.05));
     assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Improved, vec!["empirical"]));
-    assert!(found.chosen.held_out.unwrap().rmse_pa < 1.1 * data.noise.total_pa());
+    assert!(found.chosen.held_out_pa().unwrap() < 1.1 * data.noise.total_pa());
     let read_off = found.read_off.unwrap();
     let curve = read_off.curve().unwrap();
     assert_eq!((curve.balance, curve.variable), (Balance::HeatFlow, Variable::PistonPower));

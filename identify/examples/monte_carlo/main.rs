@@ -102,7 +102,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     };
     let (signal, left) = (over(&t.baseline.fit), over(&t.chosen.fit));
     let best = t.tried.first().map_or(f64::NAN, |c| c.delta_bic);
-    let left_out = t.chosen.held_out.map_or(f64::NAN, |error| error.rmse_pa / data.noise.total_pa());
+    let left_out = t.chosen.held_out_pa().map_or(f64::NAN, |pa| pa / data.noise.total_pa());
     // What each of several effects leaves beside the others.
     let active: Vec<usize> = set.recipe.chamber.active().iter().collect();
     let several = if active.len() > 1 { &active[..] } else { &[] };
@@ -145,7 +145,7 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
         println!("{}: position noise {:.2e}: {}", trace.path.display(), trace.course.motion.noise_m, parts.join(", "));
     }
     for c in std::iter::once(&t.baseline).chain(&t.tried) {
-        let held_out = c.held_out.map_or("–".to_owned(), |error| format!("{:.2}", error.rmse_pa));
+        let held_out = c.held_out_pa().map_or("–".to_owned(), |h| format!("{h:.2}"));
         let found: Vec<String> =
             estimates::parameters(&data, &c.fit, true).iter().map(|(n, e)| format!("{n} {:.4e}", e.value)).collect();
         println!(

@@ -268,7 +268,7 @@ fn budget(fit: &Fit, residual_is_noise: bool, of_set: &Estimates, over_sets: &Es
 }
 
 fn side(data: &Data, c: &Candidate, residuals: &[Vec<f64>], is_noise: bool) -> Side {
-    let rmse_pa = Rmse { fit: misfit::rms(data, residuals), held_out: c.held_out.map(|error| error.rmse_pa) };
+    let rmse_pa = Rmse { fit: misfit::rms(data, residuals), held_out: c.held_out_pa() };
     Side { rmse_pa, parameters: parameters(data, &c.fit, is_noise) }
 }
 
@@ -279,10 +279,7 @@ fn steps(data: &Data, found: &Found) -> Vec<Step> {
         .map(|c| Step {
             effects: names(c.model.effects),
             terms: c.model.words(),
-            rmse_pa: Rmse {
-                fit: misfit::rms(data, &misfit::residuals(data, &c.fit)),
-                held_out: c.held_out.map(|error| error.rmse_pa),
-            },
+            rmse_pa: Rmse { fit: misfit::rms(data, &misfit::residuals(data, &c.fit)), held_out: c.held_out_pa() },
         })
         .collect()
 }
@@ -297,7 +294,7 @@ fn tried(data: &Data, c: &Candidate) -> Tried {
     Tried {
         effect: c.model.words(),
         delta_bic: c.delta_bic,
-        held_out_rmse_pa: c.held_out.map(|error| error.rmse_pa),
+        held_out_rmse_pa: c.held_out_pa(),
         parameters: parameters(data, &c.fit, has_squares_of_noise(data, &c.fit)),
     }
 }

@@ -298,11 +298,8 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             listed(&names)
         ));
     }
-    if let Some(left_out) = found
-        .chosen
-        .held_out
-        .map(|error| error.rmse_pa)
-        .filter(|_| found.verdict == Verdict::Improved && !found.carries_over)
+    if let Some(left_out) =
+        found.chosen.held_out_pa().filter(|_| found.verdict == Verdict::Improved && !found.carries_over)
     {
         out.push(format!(
             "on records left out whole the model errs by {} Pa rms, much more than on those it is fitted to: its effects describe the records and need not be the cause",

@@ -178,8 +178,8 @@ impl Search {
 
     /// Whether the chosen model leaves less than this share of the paper's model's systematic error on left-out data.
     fn leaves_of_left_out(&self, share: f64) -> bool {
-        let pair = self.baseline.held_out.zip(self.chosen.held_out);
-        pair.is_some_and(|(before, after)| self.leaves_less([before.rmse_pa, after.rmse_pa], share))
+        let pair = self.baseline.held_out_pa().zip(self.chosen.held_out_pa());
+        pair.is_some_and(|(before, after)| self.leaves_less([before, after], share))
     }
 
     /// Whether of an error before, Pa rms, less than this share of what is systematic in it is left after.
@@ -193,7 +193,7 @@ impl Search {
     /// all of them. Somewhat more is what the fit to the others leaves open, if that accounts for it; and what nothing like it was
     /// fitted to may be predicted less well, as long as most of the error goes.
     pub(super) fn carries_over(&self) -> bool {
-        let Some(left_out_pa) = self.chosen.held_out.map(|error| error.rmse_pa) else { return true };
+        let Some(left_out_pa) = self.chosen.held_out_pa() else { return true };
         let fitted_pa = self.fitted_pa(&self.chosen);
         if left_out_pa < policy::CARRIES_OVER * fitted_pa {
             return true;

@@ -135,9 +135,9 @@ impl Search {
     /// Error on experiments left out whole, Pa rms.
     fn left_out(&self, c: &Candidate) -> Option<f64> {
         // A single experiment is left out in the same parts as by every other judgement.
-        let known = c.held_out.filter(|_| self.data.experiments.len() < 2);
-        let error = known.or_else(|| left_out::error(&self.data, &c.fit, &left_out::by_experiment(&self.data)));
-        error.map(|error| error.rmse_pa)
+        let known = c.held_out_pa().filter(|_| self.data.experiments.len() < 2);
+        let by_experiment = || left_out::error(&self.data, &c.fit, &left_out::by_experiment(&self.data));
+        known.or_else(|| by_experiment().map(|error| error.rmse_pa))
     }
 
     /// Whether the error on left-out data falls by more than nobody minds.

@@ -39,9 +39,9 @@ impl Search {
     /// Whether one number in common is as good as one for each record.
     fn agrees(&self, c: &Candidate) -> bool {
         let accuracy_pa = self.data.accuracy_pa();
-        let (Some(common), Some(own)) = (c.held_out, self.chosen.held_out) else { return false };
+        let (Some(common), Some(own)) = (c.held_out_pa(), self.chosen.held_out_pa()) else { return false };
         let evident = c.delta_bic - self.chosen.delta_bic > policy::DECISIVE
-            && common.rmse_pa.powi(2) - own.rmse_pa.powi(2) < accuracy_pa.powi(2);
+            && common.powi(2) - own.powi(2) < accuracy_pa.powi(2);
         c.fit.converged && (evident || self.errs_less_on_left_out(c, accuracy_pa))
     }
 

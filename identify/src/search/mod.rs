@@ -47,6 +47,13 @@ pub struct Candidate {
     pub held_out: Option<HeldOut>,
 }
 
+impl Candidate {
+    /// The same as it is reported, Pa rms.
+    pub fn held_out_pa(&self) -> Option<f64> {
+        self.held_out.map(|error| error.rmse_pa)
+    }
+}
+
 /// All that the search found.
 #[derive(Clone, Debug)]
 pub struct Found {
