@@ -162,8 +162,8 @@ pub fn weights(data: &Data, t: &Prepared) -> Vec<f64> {
     let noise = data.noise.total_pa().powi(2);
     let mut out = vec![1.0; t.pressure_pa.len()];
     for b in &t.blocks {
-        for row in b.first..b.end {
-            out[row] = noise / (noise + left_open(t, b, row));
+        for (weight, row) in out[b.first..b.end].iter_mut().zip(b.first..) {
+            *weight = noise / (noise + left_open(t, b, row));
         }
     }
     out
