@@ -10,7 +10,7 @@ use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::log::Attempted;
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::{Guess, Records};
-use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::samples::{self, Samples};
 use crate::sealed::{Ending, Holding, OwnTest, Within};
 use crate::turns;
 use chamber::real::Real;
@@ -245,13 +245,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
             let nodes = black_box(Samples { first, count: next - first }.nodes());
             let since = black_box(begin + from.time);
-            let per_length = black_box(length.where_positive(length, Lanes::ONE).recip());
-            let mut pressure = [Lanes::ZERO; POINTS];
-            for k in 0..POINTS {
-                let place = (nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - since) * per_length;
-                pressure[k] = black_box(within.at(place) * pressure_per_reading);
-            }
-            records.push(first, &nodes, &pressure);
+            records.push(first, &nodes, &nodes.values(&within, since, length, pressure_per_reading));
             first = next;
             from = Knot { time, state };
         }

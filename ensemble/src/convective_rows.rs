@@ -8,10 +8,10 @@ use crate::convective::{ConvectiveTest, EFFECTS};
 use crate::convective_hold::{self, Holds, Record, Solve};
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::Outcome;
 use crate::regression::Records;
 use crate::relaxing_rows::{self, AfterPush};
-use crate::sealed::{Ending, OwnTest, Test};
+use crate::sealed::{Ending, OwnTest};
 
 /// What is kept from one batch to the next.
 #[derive(Default)]
@@ -39,21 +39,11 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
             left.push(row);
             continue;
         }
-        let Test { closed, rate, .. } = *test.gas();
-        let (s, temperature) = (&scenarios[row as usize], problem.state[0] * problem.state[0]);
-        let capacity = closed.mass_gas_constant / closed.expansion;
-        let [received, work] = test.energy_of_push(problem.energy).map(|energy| capacity * energy);
-        let is_gas = temperature > 0.0 && temperature < f64::INFINITY;
-        let after = AfterPush {
-            row,
-            duration,
-            relaxations: (duration - s.push_time_s) * rate,
-            mass: closed.mass_gas_constant / s.chamber.gas.gas_constant,
-            energy: [s.initial_temperature_k, temperature].map(|temperature| capacity * temperature),
-            received: [received - work, work.abs()],
-            failure: (!is_gas).then_some(Failure::Empty),
-        };
-        if is_gas && convective_hold::has_series(test.exponent, temperature, closed.ambient_temperature) {
+        let (gas, temperature) = (test.gas(), problem.state[0] * problem.state[0]);
+        let energy = test.energy_of_push(problem.energy);
+        let after = AfterPush::of((row, duration), gas, &scenarios[row as usize], temperature, energy);
+        let wall = gas.closed.ambient_temperature;
+        if after.failure.is_none() && convective_hold::has_series(test.exponent, temperature, wall) {
             in_series.push((index, after));
         } else {
             pushed.push(after);

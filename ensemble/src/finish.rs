@@ -1,12 +1,11 @@
 //! When tests settle, one a lane.
 
 use crate::advance::Steps;
-use crate::hermite::Hermite;
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::log::Attempted;
 use crate::outcome::SETTLED;
-use crate::root::{Curve, root};
+use crate::root::{Beyond, root};
 use crate::sealed::{Holding, Within};
 use crate::turns::Turns;
 use chamber::real::Real;
@@ -57,20 +56,6 @@ struct Entry<'a, const N: usize, H> {
     band: Lanes,
 }
 
-/// How far the reading is from its end, beyond the band.
-struct Beyond {
-    within: Hermite<Lanes>,
-    end: Lanes,
-    band: Lanes,
-}
-
-impl Curve for Beyond {
-    #[inline(always)]
-    fn at(&self, share: Lanes) -> Lanes {
-        (self.within.at(share) - self.end).abs() - self.band
-    }
-}
-
 impl<const N: usize, H: Holding<N>> WithSimd for Entry<'_, N, H> {
     type Output = Lanes;
 
@@ -78,6 +63,6 @@ impl<const N: usize, H: Holding<N>> WithSimd for Entry<'_, N, H> {
     fn with_simd<I: Simd>(self, simd: I) -> Lanes {
         let Self { system, length, ends, low, end, band } = self;
         let within = Within { system, ends: [&ends[0], &ends[1]], length }.polynomial(simd);
-        root(&Beyond { within, end, band }, low, Lanes::ONE)
+        root(&Beyond { curve: within, end, band }, low, Lanes::ONE)
     }
 }

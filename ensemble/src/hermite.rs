@@ -1,6 +1,8 @@
 //! The polynomial of degree 7 over a step of length 1 that has given Taylor coefficients, up to the third power, at both
 //! ends: Hermite's, by divided differences (E. Isaacson and H. B. Keller, Analysis of Numerical Methods, 1966, 6.3).
 
+use crate::lanes::Lanes;
+use crate::root::Curve;
 use chamber::real::Real;
 use core::hint::black_box;
 
@@ -44,6 +46,13 @@ impl<R: Real> Hermite<R> {
             value = value * factor + coefficient;
         }
         slope * x + value
+    }
+}
+
+impl Curve for Hermite<Lanes> {
+    #[inline(always)]
+    fn at(&self, place: Lanes) -> Lanes {
+        Hermite::at(self, place)
     }
 }
 

@@ -8,7 +8,8 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::Records;
 use crate::relaxation::{Part, Pushed, Record, Solve};
-use crate::sealed::Ending;
+use crate::scenario::Scenario;
+use crate::sealed::{Ending, Test};
 use chamber::effects::EffectSet;
 
 /// How the push of a test has ended.
@@ -31,6 +32,22 @@ pub struct AfterPush {
 }
 
 impl AfterPush {
+    /// Of a test whose push has ended at a temperature, K, with what the gas has received and its work, over m cv, K.
+    pub fn of((row, duration): (u32, f64), gas: &Test, s: &Scenario, pushed: f64, energy: [f64; 2]) -> Self {
+        let capacity = gas.capacity();
+        let [received, work] = energy.map(|energy| capacity * energy);
+        let is_gas = pushed > 0.0 && pushed < f64::INFINITY;
+        Self {
+            row,
+            duration,
+            relaxations: (duration - s.push_time_s) * gas.rate,
+            mass: gas.closed.mass_gas_constant / s.chamber.gas.gas_constant,
+            energy: [s.initial_temperature_k, pushed].map(|temperature| capacity * temperature),
+            received: [received - work, work.abs()],
+            failure: (!is_gas).then_some(Failure::Empty),
+        }
+    }
+
     /// The outcome of a test that has ended so.
     pub fn outcome(&self, ending: &Ending) -> Outcome {
         let ([start, energy], [received, work]) = (self.energy, self.received);

@@ -21,6 +21,20 @@ pub trait Curve {
     }
 }
 
+/// How far a curve is from where it ends, beyond a band.
+pub struct Beyond<C> {
+    pub curve: C,
+    pub end: Lanes,
+    pub band: Lanes,
+}
+
+impl<C: Curve> Curve for Beyond<C> {
+    #[inline(always)]
+    fn at(&self, place: Lanes) -> Lanes {
+        (self.curve.at(place) - self.end).abs() - self.band
+    }
+}
+
 /// A root between `low`, where the curve is positive, and `high`, where it is not.
 #[inline(always)]
 pub fn root(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {

@@ -6,7 +6,10 @@
 //! (W. Gautschi, Orthogonal Polynomials: Computation and Approximation, Oxford 2004, sections 1.4 and 1.5). The same
 //! formula gives for N up to 4 the samples themselves, so nothing is special about short stretches.
 
+use crate::lanes::Lanes;
+use crate::root::Curve;
 use chamber::real::Real;
+use core::hint::black_box;
 
 /// Rate of the record that the regression is meant for, Hz.
 pub const SAMPLE_RATE_HZ: f64 = 100.0;
@@ -65,6 +68,21 @@ impl<R: Real> Samples<R> {
             numbers: [middle - outer, middle - inner, middle + inner, middle + outer],
             weights: [outer_weight, inner_weight, inner_weight, outer_weight],
         }
+    }
+}
+
+impl Nodes<Lanes> {
+    /// Values there, times a factor, of a curve over the shares of a part of the record: from a time `begin` on, s, that long.
+    #[inline(always)]
+    pub fn values(&self, curve: &impl Curve, begin: Lanes, length: Lanes, factor: Lanes) -> [Lanes; POINTS] {
+        // Results pass through memory: else the compiler computes them lane by lane.
+        let per_length = black_box(length.where_positive(length, Lanes::ONE).recip());
+        let mut values = [Lanes::ZERO; POINTS];
+        for k in 0..POINTS {
+            let share = (self.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - begin) * per_length;
+            values[k] = black_box(curve.at(share) * factor);
+        }
+        values
     }
 }
 

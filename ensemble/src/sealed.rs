@@ -223,6 +223,12 @@ impl Test {
     pub fn pressure_per_temperature(&self) -> f64 {
         self.closed.mass_gas_constant / self.held_volume
     }
+
+    /// m cv, J/K.
+    #[inline]
+    pub fn capacity(&self) -> f64 {
+        self.closed.mass_gas_constant / self.closed.expansion
+    }
 }
 
 /// How a test has ended, by the temperature of its gas, or by whatever else the pressure of its hold is in proportion to.

@@ -92,8 +92,8 @@ pub trait LaneSystem<const N: usize> {
     }
 
     /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
-    /// slope, and by how fast it widens at its begin; 1 where there is none. Steps are made to end there: across a kink their error estimates are
-    /// blind.
+    /// slope, and by how fast the chamber widens at its begin; 1 where there is none. Steps are made to end there: across a kink
+    /// their error estimates are blind.
     #[inline(always)]
     fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _widening: Lanes) -> Lanes {
         Lanes::ONE

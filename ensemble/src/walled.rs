@@ -51,8 +51,7 @@ impl OwnTest<2> for WalledTest {
     #[inline]
     fn new(s: &Scenario) -> Self {
         let (gas, [capacity, conductance]) = (Test::new(s), wall(s));
-        let capacity_of_gas = gas.closed.mass_gas_constant / gas.closed.expansion;
-        Self { gas, share: capacity_of_gas / capacity, cooling: conductance / capacity }
+        Self { gas, share: gas.capacity() / capacity, cooling: conductance / capacity }
     }
 
     #[inline]

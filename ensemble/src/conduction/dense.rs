@@ -7,15 +7,15 @@ use super::{Keep, step::Gas};
 use crate::lanes::{Lanes, each_lane};
 use crate::outcome::SETTLED;
 use crate::regression::{Guess, Records};
-use crate::root::{Curve, root};
-use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::root::{Beyond, Curve, root};
+use crate::samples::{self, Samples};
 use crate::step::multiply_add;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// The last Legendre terms of T' over a step, times its length, as a share of the way of the whole hold, up to which T is good inside the
-/// step: a hundredth of this share or so is its error there, and a test settles at a hundredth of the way.
+/// The last Legendre terms of T' over a step, times its length, as a share of the way of the whole hold, up to which T is good
+/// inside the step: a hundredth of this share or so is its error there, and a test settles at a hundredth of the way.
 const INSIDE: f64 = 1e-5;
 
 /// A step of all lanes; those that do not take it stay where they are.
@@ -74,20 +74,6 @@ impl Curve for Inside {
     }
 }
 
-/// How far T is from its end, beyond a band.
-struct Beyond {
-    inside: Inside,
-    end: Lanes,
-    band: Lanes,
-}
-
-impl Curve for Beyond {
-    #[inline(always)]
-    fn at(&self, share: Lanes) -> Lanes {
-        (self.inside.at(share) - self.end).abs() - self.band
-    }
-}
-
 /// Time from the begin of holds, which go from one temperature to another, until they stay within 1 % of that way of its end, s; and
 /// 1 where T is good inside all steps.
 pub struct Settle<'a> {
@@ -121,8 +107,8 @@ impl WithSimd for Settle<'_> {
             let spare = way * INSIDE + f64::MIN_POSITIVE - (terms[0].abs() + terms[1].abs());
             good = spare.where_positive(good, Lanes::ZERO);
         }
-        let inside = black_box(&last).inside();
-        let share = root(&Beyond { inside, end, band }, Lanes::ZERO, Lanes::ONE);
+        let curve = black_box(&last).inside();
+        let share = root(&Beyond { curve, end, band }, Lanes::ZERO, Lanes::ONE);
         [last.end - last.length * (Lanes::ONE - share), good]
     }
 }
@@ -160,13 +146,7 @@ impl WithSimd for Record<'_> {
             let inside = black_box(step.inside());
             let nodes = black_box(Samples { first, count }.nodes());
             let begin = black_box(end - step.length);
-            let per_length = black_box(step.length.where_positive(step.length, Lanes::ONE).recip());
-            let mut pressure = [Lanes::ZERO; POINTS];
-            for k in 0..POINTS {
-                let share = (nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - begin) * per_length;
-                pressure[k] = black_box(inside.at(share) * per_temperature);
-            }
-            records.push(first, &nodes, &pressure);
+            records.push(first, &nodes, &nodes.values(&inside, begin, step.length, per_temperature));
             first = next;
         }
         Guess::Relaxation { rate, excess, from: push }

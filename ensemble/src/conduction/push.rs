@@ -47,11 +47,6 @@ impl Test {
         Self { gas, feed, held: [cooling, gas.rate / (closed.ambient_temperature * cooling)] }
     }
 
-    /// m cv, J/K.
-    pub fn capacity(&self) -> f64 {
-        self.gas.closed.mass_gas_constant / self.gas.closed.expansion
-    }
-
     /// The push, to be integrated to a relative tolerance. The modes start from rest.
     pub fn push(&self, s: &Scenario, relative: f64) -> Problem<N> {
         let (mut state, mut absolute) = ([0.0; N], [0.0; N]);

@@ -140,21 +140,11 @@ fn hold(
             open.push(index);
             continue;
         }
-        let ((row, duration), test, scenario) = (rows[index], &tests[index], scenario(lane));
-        let capacity = test.capacity();
-        let [received, work] = problems[index].energy.map(|energy| capacity * energy);
-        let after = AfterPush {
-            row,
-            duration,
-            relaxations: (duration - scenario.push_time_s) * test.gas.rate,
-            mass: test.gas.closed.mass_gas_constant / scenario.chamber.gas.gas_constant,
-            energy: [scenario.initial_temperature_k, pushed[lane]].map(|temperature| capacity * temperature),
-            received: [received - work, work.abs()],
-            failure: None,
-        };
-        out[row as usize] = after.outcome(&Ending {
+        let (row, scenario) = (rows[index], scenario(lane));
+        let after = AfterPush::of(row, &tests[index].gas, scenario, pushed[lane], problems[index].energy);
+        out[after.row as usize] = after.outcome(&Ending {
             scenario,
-            duration,
+            duration: after.duration,
             wall: wall[lane],
             pushed: pushed[lane],
             end: end[lane],

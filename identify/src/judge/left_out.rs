@@ -126,7 +126,7 @@ impl Squares {
 /// Error of measured − predicted over all judged rows of all folds; `None` where a fold cannot be fitted.
 pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
     let mut all = Squares::default();
-    let h = &fitted.hypothesis;
+    let effects = fitted.hypothesis.model.effects;
     for fold in folds {
         let refit = without_left_out(data, fitted, fold)?;
         let parts: Option<Vec<Squares>> = (0..data.traces.len())
@@ -137,7 +137,7 @@ pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
                 let left = if fold.selection[k] == 0 {
                     by_other_half(data, &refit, k)?
                 } else {
-                    misfit::of_record(t, &refit.setting(t, &refit.own[k]), h.model.effects).ok()?
+                    misfit::of_record(t, &refit.setting(t, &refit.own[k]), effects).ok()?
                 };
                 let weights = misfit::weights(data, t);
                 let judged = (fold.judged_from[k]..t.time_s.len()).filter(|&i| t.readout.is_data(i));

@@ -221,7 +221,7 @@ impl Search {
     fn try_other_timings(&mut self) {
         let models = terms::with_other_timing(&self.chosen.model);
         let fresh: Vec<Model> =
-            models.into_iter().filter(|m| self.tried.iter().all(|c| c.model.with_nothing_freed() != *m)).collect();
+            models.into_iter().filter(|m| !self.tried.iter().any(|c| c.model.has_same_terms(m))).collect();
         let fitted = self.fit_all(&fresh);
         self.tried.extend(fitted);
         sort(&mut self.tried);
@@ -241,7 +241,7 @@ impl Search {
 
     /// Other sets of as many terms with about the same evidence or more, whose numbers can be a rig's.
     fn alike(&self) -> Vec<Model> {
-        let chosen = self.chosen.model.with_nothing_freed();
+        let chosen = self.chosen.model;
         let is_other = |m: &Model| m.terms() == chosen.terms() && !m.has_same_terms(&chosen);
         let is_near = |c: &&Candidate| {
             let by = self.chosen.delta_bic - c.delta_bic;

@@ -101,7 +101,7 @@ impl Search {
                     self.predicts_better([settled_pa, c.left_out_pa])
                 } else {
                     // In the place of names: decisively better than without either, and better than they are.
-                    self.predicts_better([paper_pa, c.left_out_pa]) && self.fits_left_out_data_better(c, settled)
+                    self.predicts_better([paper_pa, c.left_out_pa]) && c.candidate.errs_less(settled, self.least_gain())
                 }
         };
         let evident = curves.iter().filter(acceptable).map(|c| c.candidate.delta_bic).fold(f64::NEG_INFINITY, f64::max);
@@ -138,12 +138,6 @@ impl Search {
         let known = c.held_out_pa().filter(|_| self.data.experiments.len() < 2);
         let by_experiment = || left_out::error(&self.data, &c.fit, &left_out::by_experiment(&self.data));
         known.or_else(|| by_experiment().map(|error| error.rmse_pa))
-    }
-
-    /// Whether the error on left-out data falls by more than nobody minds.
-    fn fits_left_out_data_better(&self, c: &Judged, settled: &Candidate) -> bool {
-        let held_out = c.candidate.held_out.zip(settled.held_out);
-        held_out.is_some_and(|(with, without)| with.is_less(&without, self.least_gain()))
     }
 
     /// The same without the names that stood for part of the curve: those no longer decisive beside it.

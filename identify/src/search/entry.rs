@@ -65,16 +65,10 @@ impl Search {
         let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
         let least_gain = if in_place { 0.0 } else { self.least_gain() };
         let lower = match over.held_out {
-            Some(_) => self.errs_less_on_left_out(c, least_gain),
+            Some(_) => c.errs_less(over, least_gain),
             None => c.held_out.is_some(),
         };
         lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
-    }
-
-    /// Whether a model takes more than this error, Pa, off that of the chosen one on left-out data.
-    pub(super) fn errs_less_on_left_out(&self, c: &Candidate, least_gain: f64) -> bool {
-        let (Some(a), Some(b)) = (c.held_out, self.chosen.held_out) else { return false };
-        a.is_less(&b, least_gain)
     }
 
     /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, or less
@@ -207,9 +201,9 @@ mod tests {
             search
         };
         let names = |search: &Search| search.chosen.model.terms();
-        let held_out_pa = |c: &Candidate| c.held_out.unwrap().weighed_pa;
+        let weighed_pa = |c: &Candidate| c.held_out.unwrap().weighed_pa;
         let plain = found_with(1.0);
-        let taken_pa = (held_out_pa(&plain.baseline).powi(2) - held_out_pa(&plain.chosen).powi(2)).sqrt();
+        let taken_pa = (weighed_pa(&plain.baseline).powi(2) - weighed_pa(&plain.chosen).powi(2)).sqrt();
         assert!(names(&plain) == 1 && plain.chosen.delta_bic > 2.0 * policy::DECISIVE);
         assert!(names(&found_with(0.5 * taken_pa)) == 1);
         assert!(names(&found_with(2.0 * taken_pa)) == 0, "{taken_pa} {}", plain.baseline_adequacy.systematic_pa);

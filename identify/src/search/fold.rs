@@ -42,7 +42,7 @@ impl Search {
         let (Some(common), Some(own)) = (c.held_out_pa(), self.chosen.held_out_pa()) else { return false };
         let evident = c.delta_bic - self.chosen.delta_bic > policy::DECISIVE
             && common.powi(2) - own.powi(2) < accuracy_pa.powi(2);
-        c.fit.converged && (evident || self.errs_less_on_left_out(c, accuracy_pa))
+        c.fit.converged && (evident || c.errs_less(&self.chosen, accuracy_pa))
     }
 
     /// The chosen model fitted with an effect in common that its records have for themselves.

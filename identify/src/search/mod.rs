@@ -48,9 +48,14 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The same as it is reported, Pa rms.
+    /// Error on left-out data as it is reported, Pa rms, where it was judged.
     pub fn held_out_pa(&self) -> Option<f64> {
         self.held_out.map(|error| error.rmse_pa)
+    }
+
+    /// Whether it takes more than this error, Pa, off that of another one on left-out data.
+    fn errs_less(&self, than: &Self, by_pa: f64) -> bool {
+        self.held_out.zip(than.held_out).is_some_and(|(ours, theirs)| ours.is_less(&theirs, by_pa))
     }
 }
 
