@@ -1,9 +1,10 @@
 //! Position delay: the position record is later than the piston, by a fixed time d and by a first-order filter of time
 //! constant τ: x(t) = x_rec(t + d) + τ dx_rec/dt(t + d).
 //!
-//! d, τ ≥ 0 in s: a digitally read displacement sensor, or one behind an analogue low-pass. With nothing else recorded than
-//! position and pressure, only the difference of d to the delay of the pressure record shows. Of a stroke recorded in rows
-//! the slope at a row is the mean of those on both sides.
+//! d, τ in s, τ ≥ 0: a digitally read displacement sensor, or one behind a low-pass. A digital low-pass, which has read the stroke at
+//! its own moment when it answers, is ahead of the filter of this equation by half of its step: d is negative then. With nothing else
+//! recorded than position and pressure, only the difference of d to the delay of the pressure record shows. Of a stroke recorded in
+//! rows the slope at a row is the mean of those on both sides.
 
 use super::Effect;
 use crate::card::{ActsOn, Balance, Card, ClosedForm, Normal, Parameter, Prior, Scope, Unit};
@@ -26,10 +27,10 @@ impl Effect for PositionDelay {
             Parameter {
                 name: "delay",
                 unit: Unit::Second,
-                bounds: 0.0..=10.0,
+                bounds: -1.0..=10.0,
                 typical: 0.01,
                 prior: Prior::Normal(Normal { mean: 0.0, standard_deviation: 0.2 }),
-                doc: "Delay of the recorded position behind the piston's",
+                doc: "Delay of the recorded position behind the piston's; of a digital low-pass less by half of its step",
                 ..Parameter::DEFAULT
             },
             Parameter {

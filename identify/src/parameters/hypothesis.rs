@@ -86,6 +86,11 @@ impl Hypothesis {
                     }
                     _ => {}
                 }
+                if delays_position(e) && parameter.fitted {
+                    // Only what has passed a digital filter is early, by half of its step, which is no longer than a row.
+                    let earliest_s = if model.secondary.has(e) { -data.shortest_row_s() } else { 0.0 };
+                    bounds[0] = bounds[0].max(earliest_s / scale);
+                }
                 if model.own.has(e) {
                     // Two clocks have no order: a record's pressure is late beside its position, or its position is.
                     if delays_pressure(e) {
@@ -269,4 +274,28 @@ fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2])
 /// The paper's model of a rig before anything is fitted.
 pub fn first_chamber(data: &Data) -> Chamber {
     Chamber::new(data.gas, data.cylinder.geometry(data.dead_volume_m3), HeatTransfer::at_paper_reference(FIRST_LAMBDA0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::first_chamber;
+    use crate::synthetic::Recipe;
+    use chamber::effects::{EffectSet, find};
+
+    #[test]
+    fn a_position_is_early_by_a_row_at_the_most_and_only_behind_a_low_pass() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let chamber = first_chamber(&data);
+        let (effect, _) = find("position_delay").unwrap();
+        let one = EffectSet::one(effect);
+        let earliest_s = |secondary: EffectSet| {
+            let model = Model { secondary, ..Model::with(one) };
+            let h = Hypothesis::new(&data, model, &chamber, &Sizes::of(&data, &chamber));
+            let delay = h.axes.iter().find(|axis| axis.slot == Slot::Effect(effect, 0)).unwrap();
+            delay.value(delay.bounds[0])
+        };
+        assert_eq!(earliest_s(EffectSet::NONE), 0.0);
+        assert_eq!(earliest_s(one), -data.shortest_row_s());
+    }
 }

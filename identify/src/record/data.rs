@@ -174,6 +174,11 @@ impl Data {
         self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max)
     }
 
+    /// Mean time from row to row of the record where that is shortest, s.
+    pub fn shortest_row_s(&self) -> f64 {
+        self.traces.iter().map(|t| t.course.motion.row_s()).fold(f64::INFINITY, f64::min)
+    }
+
     /// Some of its records alone, with white noise: what was taken for coloured may be what records differ by.
     pub fn of_records(&self, records: &[usize]) -> Self {
         let noise = Noise { colours: Vec::new(), hum: None, ..self.noise.clone() };

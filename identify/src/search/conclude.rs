@@ -54,6 +54,9 @@ impl Search {
         if verdict == Verdict::Explained {
             self.try_other_timings();
         }
+        if verdict != Verdict::Unexplained {
+            self.leave_earliness_to_the_records();
+        }
         let mut alike = self.alike();
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
         let read_off = match verdict {
@@ -230,13 +233,12 @@ impl Search {
     /// Whether a set shifts or smears the records in time otherwise than the chosen one, and each of them by less than half a row:
     /// the stroke between rows, and by it what tells one from the other, is not known so well.
     fn differs_within_a_row(&self, other: &Candidate) -> bool {
-        let row_s = self.data.traces.iter().map(|t| t.course.motion.row_s()).fold(f64::INFINITY, f64::min);
         let [ours, theirs] = [self.chosen.model.of_rig(), other.model.of_rig()];
         let (gone, new) = (ours.without(theirs), theirs.without(ours));
         let is_one_of_time = |set: EffectSet| set.iter().count() == 1 && set.iter().all(|e| is_timing(&CARDS[e]));
         is_one_of_time(gone)
             && is_one_of_time(new)
-            && seconds(&self.chosen, gone).max(seconds(other, new)) < 0.5 * row_s
+            && seconds(&self.chosen, gone).max(seconds(other, new)) < 0.5 * self.data.shortest_row_s()
     }
 
     /// Other sets of as many terms with about the same evidence or more, whose numbers can be a rig's.

@@ -14,6 +14,7 @@ mod anew;
 pub mod baseline;
 mod conclude;
 pub mod curve;
+mod early;
 mod entry;
 mod fold;
 pub mod starts;

@@ -202,11 +202,12 @@ fn exchanged(base: &Chamber, effect: usize) -> Vec<Chamber> {
 }
 
 /// A parameter that changes nothing at a neutral value inside its bounds starts there; one whose neutral value is the
-/// lower bound starts above it, at several sizes where a second parameter shapes the same effect.
+/// lower bound starts above it, at several sizes where a second parameter shapes the same effect. So does a time, below which a
+/// digital filter goes only a little.
 fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes) -> Vec<f64> {
     let p = &CARDS[effect].parameters[parameter];
     let (low, high) = (*p.bounds.start(), *p.bounds.end());
-    if p.neutral > low {
+    if p.neutral > low && p.unit != Unit::Second {
         return vec![p.neutral];
     }
     let size = sizes.size_of(p.unit, p.typical);

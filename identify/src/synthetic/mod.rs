@@ -402,7 +402,9 @@ impl Recipe {
         };
         let read_s = faults.read(&time_s, self.rate_hz, disturbing);
         let delay_s = faults.pressure_delay_s.draw(disturbing);
-        let mut shown = sampled(&read_s, delay_s, faults.low_pass_s, |times| truth.readings(times, pressure));
+        let step_s = faults.digital.then_some(1.0 / self.rate_hz);
+        let low_pass = |time_constant_s: f64| LowPass { time_constant_s, step_s };
+        let mut shown = sampled(&read_s, delay_s, low_pass(faults.low_pass_s), |times| truth.readings(times, pressure));
         let offset_pa = faults.offset_pa.draw(disturbing);
         shown.iter_mut().for_each(|p| *p += offset_pa);
         for disturbance in &faults.disturbances {
@@ -414,7 +416,8 @@ impl Recipe {
         let mut pressure_pa: Vec<f64> = shown.iter().map(|p| noisy(*p, self.noise_pa, self.quantisation_pa)).collect();
         let stated = &faults.stated;
         let off_a_straight_line = self.off_a_straight_line();
-        let mut position_m: Vec<f64> = sampled(&read_s, faults.position_delay_s, faults.position_low_pass_s, |times| {
+        let low_pass = low_pass(faults.position_low_pass_s);
+        let mut position_m: Vec<f64> = sampled(&read_s, faults.position_delay_s, low_pass, |times| {
             times.iter().map(|t| averaged(*t, faults.position_window_s, |t| stroke.at(t, t).0)).collect()
         })
         .into_iter()
@@ -485,17 +488,28 @@ fn averaged(time: f64, window_s: f64, signal: impl Fn(f64) -> f64) -> f64 {
     (0..PARTS).map(|k| signal(time + part(k))).sum::<f64>() / PARTS as f64
 }
 
-/// A signal at `times`, recorded late by `delay_s` and through a low-pass of `low_pass_s`.
-fn sampled(times: &[f64], delay_s: f64, low_pass_s: f64, signal: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+/// A first-order low-pass, computed in steps of `step_s` if it is a digital one.
+struct LowPass {
+    time_constant_s: f64,
+    step_s: Option<f64>,
+}
+
+/// A signal at `times`, recorded late by `delay_s` and through a low-pass.
+fn sampled(times: &[f64], delay_s: f64, low_pass: LowPass, signal: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
     let earlier: Vec<f64> = times.iter().map(|t| (t - delay_s).max(0.0)).collect();
-    if low_pass_s == 0.0 {
+    if low_pass.time_constant_s == 0.0 {
         return signal(&earlier);
+    }
+    if let Some(step_s) = low_pass.step_s {
+        let mut filtered = signal(&earlier);
+        recording::faults::digital_low_pass(&mut filtered, step_s, low_pass.time_constant_s);
+        return filtered;
     }
     const GRID_S: f64 = 4.0 * STEP_S;
     let count = (earlier.last().copied().unwrap_or(0.0) / GRID_S) as usize + 3;
     let grid: Vec<f64> = (0..count).map(|i| i as f64 * GRID_S).collect();
     let mut filtered = signal(&grid);
-    recording::faults::low_pass(&mut filtered, GRID_S, low_pass_s);
+    recording::faults::low_pass(&mut filtered, GRID_S, low_pass.time_constant_s);
     earlier
         .iter()
         .map(|t| {

@@ -122,6 +122,8 @@ pub struct Faults {
     pub position_delay_s: f64,
     /// Time constant of a low-pass that the position passes, s.
     pub position_low_pass_s: f64,
+    /// Whether these low-passes are computed from the rows, each by the reading at its own moment.
+    pub digital: bool,
     /// Time over which the recorded position is a centred moving average, s.
     pub position_window_s: f64,
     /// Readings in a second of a position sensor that is slower than the rows, and what stands between them.
@@ -154,6 +156,7 @@ impl Default for Faults {
             position_wave: None,
             position_delay_s: 0.0,
             position_low_pass_s: 0.0,
+            digital: false,
             position_window_s: 0.0,
             position_readout: None,
             position_spikes: 0.0,
@@ -251,9 +254,26 @@ pub fn low_pass(signal: &mut [f64], step_s: f64, time_constant_s: f64) {
     }
 }
 
+/// The same computed from row to row: ahead of that by half of a step.
+pub fn digital_low_pass(signal: &mut [f64], step_s: f64, time_constant_s: f64) {
+    let kept = (-step_s / time_constant_s).exp();
+    let Some(mut shown) = signal.first().copied() else { return };
+    for value in signal.iter_mut() {
+        shown = shown * kept + *value * (1.0 - kept);
+        *value = shown;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_digital_low_pass_of_a_ramp_is_ahead_by_half_of_a_step() {
+        let mut ramp: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();
+        digital_low_pass(&mut ramp, 1e-3, 0.05);
+        assert!((ramp[1999] - (1.999 - 0.05 + 0.5e-3)).abs() < 1e-5, "{}", ramp[1999]);
+    }
 
     #[test]
     fn a_low_pass_of_a_ramp_lags_by_its_time_constant() {

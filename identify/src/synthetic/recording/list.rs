@@ -344,4 +344,20 @@ pub const ALL: &[Recording] = &[
         changes: |r, random| r.faults.position_wave = Some(Wave::along(5e-4, random)),
         ..PLAIN
     },
+    Recording {
+        name: "position-filtered-digitally",
+        what: "position through a low-pass of 50 ms that is computed from row to row",
+        expected: Expected::Named(&["position_delay"]),
+        changes: |r, _| (r.faults.position_low_pass_s, r.faults.digital) = (0.05, true),
+        hides: &["record_delay", "sensor_lag", "position_averaging"],
+        ..PLAIN
+    },
+    Recording {
+        name: "low-pass-digital",
+        what: "pressure through a low-pass of 20 ms that is computed from row to row",
+        expected: Expected::Named(&["sensor_lag"]),
+        changes: |r, _| (r.faults.low_pass_s, r.faults.digital) = (0.02, true),
+        hides: &["sensor_lag", "record_delay", "position_delay", "position_averaging"],
+        ..PLAIN
+    },
 ];

@@ -1,0 +1,101 @@
+//! Pressures of a digital low-pass, which are early by a part of a row.
+//!
+//! A digital filter has read its input at its own moment when it answers: y_k = a y_{k−1} + (1 − a) u_k is ahead of the low-pass
+//! τ dy/dt = u − y with a = e^(−h/τ) by half of its step h. Beside a position that no filter has passed, a pressure that lags and is
+//! early by less than a row is therefore no position that is late: each record has the delay for itself, and it has no name.
+
+use super::{Candidate, Search, starts};
+use crate::fit;
+use crate::judge::adequacy;
+use crate::parameters::{Hypothesis, Model, Own, delays_position, delays_pressure};
+use crate::record::data::Data;
+use chamber::Chamber;
+use chamber::effects::{self, EffectSet};
+
+impl Search {
+    /// Gives each record for itself what a digital low-pass of the pressure is early by, where the chosen model has that as a late
+    /// position of the rig.
+    pub(super) fn leave_earliness_to_the_records(&mut self) {
+        let Some(own) = self.with_own_earliness(&self.chosen) else { return };
+        self.tried.retain(|c| earliness(&self.data, c).is_none());
+        self.chosen_adequacy = adequacy::test(&self.data, &own.fit);
+        self.steps.pop();
+        self.steps.push(own.clone());
+        self.tried.push(own.clone());
+        super::sort(&mut self.tried);
+        self.chosen = own;
+    }
+
+    fn with_own_earliness(&self, c: &Candidate) -> Option<Candidate> {
+        let early_s = earliness(&self.data, c)?;
+        let each = |is_one: fn(usize) -> bool| effects::all().map(|(e, _)| e).find(|e| is_one(*e)).map(EffectSet::one);
+        let (late, delay) = (each(delays_position)?, each(delays_pressure)?);
+        if c.model.effects.intersection(delay) != EffectSet::NONE {
+            return None;
+        }
+        let model =
+            Model { effects: c.model.effects.without(late).union(delay), own: c.model.own.union(delay), ..c.model };
+        let chamber = c.fit.chamber();
+        let chamber = Chamber { effects: chamber.effects.without(late), ..chamber };
+        let h = Hypothesis::new(&self.data, model, &chamber, &self.sizes);
+        let mut own = starts::owns(&self.data, &h, &c.fit);
+        for (t, own) in self.data.traces.iter().zip(&mut own) {
+            let is_delay = |slot: Own| matches!(slot, Own::Effect(e, _) if delay.has(e));
+            let axes = h.own_of(t);
+            axes.iter()
+                .zip(own)
+                .filter(|(axis, _)| is_delay(axis.slot))
+                .for_each(|(axis, x)| *x = axis.coordinate(-early_s));
+        }
+        let fit = fit::fit(&self.data, &h, h.coordinates(&chamber), own, &fit::all_blocks(&self.data)).ok()?;
+        fit.converged.then(|| self.judged(self.candidate(fit)))
+    }
+}
+
+/// By how much the pressures of a model are early beside the positions, s, where that may be a digital low-pass's.
+fn earliness(data: &Data, c: &Candidate) -> Option<f64> {
+    let (of_rig, chamber) = (c.model.of_rig(), c.fit.chamber());
+    let early_s = effects::stroke_delay(of_rig, &chamber.effects) + effects::stroke_filter(of_rig, &chamber.effects);
+    let lags = effects::lag(of_rig, &chamber.effects) > 0.0;
+    (lags && early_s > 0.0 && early_s < data.shortest_row_s()).then_some(early_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::{Found, search};
+    use crate::synthetic::Recipe;
+    use chamber::effects::find;
+
+    /// What is found of a rig whose pressure passes a low-pass of 20 ms, computed at each of its rows, every 10 ms.
+    fn found(digital: bool, late_s: f64) -> Found {
+        let mut recipe = Recipe { repeats: 1, rate_hz: 100.0, ..Recipe::from_seed(5) };
+        (recipe.faults.low_pass_s, recipe.faults.digital, recipe.faults.position_delay_s) = (0.02, digital, late_s);
+        search(Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap().1
+    }
+
+    fn set(names: &[&str]) -> EffectSet {
+        names.iter().map(|name| find(name).unwrap().0).collect()
+    }
+
+    #[test]
+    fn what_a_digital_low_pass_is_early_by_is_no_position_that_is_late() {
+        let found = found(true, 0.0);
+        let Model { effects, own, .. } = found.chosen.model;
+        assert_eq!((effects, own), (set(&["sensor_lag", "record_delay"]), set(&["record_delay"])));
+        let fit = &found.chosen.fit;
+        for own in &fit.own {
+            let (axis, x) = fit.hypothesis.own.last().zip(own.last()).unwrap();
+            assert!((axis.value(*x) + 0.005).abs() < 1e-3, "{}", axis.value(*x));
+        }
+        let late = set(&["position_delay"]);
+        let holds_both = |c: &&Candidate| c.model.effects == set(&["sensor_lag"]).union(late);
+        assert!(!found.tried.iter().any(|c| holds_both(&c)));
+    }
+
+    #[test]
+    fn a_position_that_is_late_by_more_than_a_row_keeps_its_name_beside_a_lag() {
+        assert_eq!(found(false, 0.0).chosen.model, Model::with(set(&["sensor_lag"])));
+        assert_eq!(found(false, 0.03).chosen.model.of_rig(), set(&["sensor_lag", "position_delay"]));
+    }
+}
