@@ -279,7 +279,6 @@ pub fn first_chamber(data: &Data) -> Chamber {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::first_chamber;
     use crate::synthetic::Recipe;
     use chamber::effects::{EffectSet, find};
 

@@ -4,10 +4,9 @@
 //! τ dy/dt = u − y with a = e^(−h/τ) by half of its step h. Beside a position that no filter has passed, a pressure that lags and is
 //! early by less than a row is therefore no position that is late: each record has the delay for itself, and it has no name.
 
-use super::{Candidate, Search, starts};
+use super::{Candidate, Search, sort, starts, terms};
 use crate::fit;
-use crate::judge::adequacy;
-use crate::parameters::{Hypothesis, Model, Own, delays_position, delays_pressure};
+use crate::parameters::{Hypothesis, Model, delays_position, delays_pressure};
 use crate::record::data::Data;
 use chamber::Chamber;
 use chamber::effects::{self, EffectSet};
@@ -18,35 +17,32 @@ impl Search {
     pub(super) fn leave_earliness_to_the_records(&mut self) {
         let Some(own) = self.with_own_earliness(&self.chosen) else { return };
         self.tried.retain(|c| earliness(&self.data, c).is_none());
-        self.chosen_adequacy = adequacy::test(&self.data, &own.fit);
-        self.steps.pop();
-        self.steps.push(own.clone());
         self.tried.push(own.clone());
-        super::sort(&mut self.tried);
-        self.chosen = own;
+        sort(&mut self.tried);
+        self.put_in_place_of_chosen(own);
     }
 
     fn with_own_earliness(&self, c: &Candidate) -> Option<Candidate> {
         let early_s = earliness(&self.data, c)?;
-        let each = |is_one: fn(usize) -> bool| effects::all().map(|(e, _)| e).find(|e| is_one(*e)).map(EffectSet::one);
-        let (late, delay) = (each(delays_position)?, each(delays_pressure)?);
-        if c.model.effects.intersection(delay) != EffectSet::NONE {
+        let (late, delay) = (terms::effect_that(delays_position)?, terms::effect_that(delays_pressure)?);
+        if c.model.effects.has(delay) {
             return None;
         }
-        let model =
-            Model { effects: c.model.effects.without(late).union(delay), own: c.model.own.union(delay), ..c.model };
+        let (gone, new) = (EffectSet::one(late), EffectSet::one(delay));
+        let model = Model {
+            effects: c.model.effects.without(gone).union(new),
+            own: c.model.own.union(new),
+            secondary: c.model.secondary.without(gone),
+            ..c.model
+        };
         let chamber = c.fit.chamber();
-        let chamber = Chamber { effects: chamber.effects.without(late), ..chamber };
-        let h = Hypothesis::new(&self.data, model, &chamber, &self.sizes);
-        let mut own = starts::owns(&self.data, &h, &c.fit);
-        for (t, own) in self.data.traces.iter().zip(&mut own) {
-            let is_delay = |slot: Own| matches!(slot, Own::Effect(e, _) if delay.has(e));
-            let axes = h.own_of(t);
-            axes.iter()
-                .zip(own)
-                .filter(|(axis, _)| is_delay(axis.slot))
-                .for_each(|(axis, x)| *x = axis.coordinate(-early_s));
-        }
+        let chamber = Chamber { effects: chamber.effects.without(gone), ..chamber };
+        let mut begun = chamber;
+        begun.effects.of_mut(delay)[0] = -early_s;
+        let mut h = Hypothesis::new(&self.data, model, &begun, &self.sizes);
+        let own = starts::owns(&self.data, &h, &c.fit);
+        // The rig itself has no such delay.
+        h.base = chamber;
         let fit = fit::fit(&self.data, &h, h.coordinates(&chamber), own, &fit::all_blocks(&self.data)).ok()?;
         fit.converged.then(|| self.judged(self.candidate(fit)))
     }
@@ -84,13 +80,14 @@ mod tests {
         let Model { effects, own, .. } = found.chosen.model;
         assert_eq!((effects, own), (set(&["sensor_lag", "record_delay"]), set(&["record_delay"])));
         let fit = &found.chosen.fit;
+        let (delay, _) = find("record_delay").unwrap();
+        assert_eq!(fit.chamber().effects.of(delay), [0.0], "the model as it is written");
         for own in &fit.own {
             let (axis, x) = fit.hypothesis.own.last().zip(own.last()).unwrap();
             assert!((axis.value(*x) + 0.005).abs() < 1e-3, "{}", axis.value(*x));
         }
-        let late = set(&["position_delay"]);
-        let holds_both = |c: &&Candidate| c.model.effects == set(&["sensor_lag"]).union(late);
-        assert!(!found.tried.iter().any(|c| holds_both(&c)));
+        let late = set(&["sensor_lag", "position_delay"]);
+        assert!(!found.tried.iter().any(|c| c.model.effects == late));
     }
 
     #[test]

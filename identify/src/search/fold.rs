@@ -5,14 +5,14 @@
 //! beside a leak is first taken by the records' own ones, which enter the search before it. Hence the mean of those is where to
 //! begin.
 
-use super::{Candidate, Search, sort, starts};
+use super::{Candidate, Search, sort, starts, terms};
 use crate::fit::{self, Fit};
 use crate::judge::adequacy;
 use crate::parameters::{self, Hypothesis, Model, Own};
 use crate::policy;
 use crate::record::data::Data;
 use chamber::Chamber;
-use chamber::effects::{self, CARDS, EffectSet};
+use chamber::effects::{CARDS, EffectSet};
 
 impl Search {
     /// Lets each effect of the chosen model that its records have for themselves be one of the rig, where the evidence for one
@@ -30,10 +30,15 @@ impl Search {
         sort(&mut self.tried);
         let best = folded.into_iter().filter(|c| self.agrees(c)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
         let Some(best) = best else { return };
-        self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
+        self.put_in_place_of_chosen(best);
+    }
+
+    /// A model that says the same as the chosen one in other scopes takes its place, and that of its step.
+    pub(super) fn put_in_place_of_chosen(&mut self, other: Candidate) {
+        self.chosen_adequacy = adequacy::test(&self.data, &other.fit);
         self.steps.pop();
-        self.steps.push(best.clone());
-        self.chosen = best;
+        self.steps.push(other.clone());
+        self.chosen = other;
     }
 
     /// Whether one number in common is as good as one for each record.
@@ -54,8 +59,7 @@ impl Search {
             .collect();
         // A pressure that is early beside its position is a position that is late.
         let is_early = parameters::delays_pressure(effect) && means.iter().any(|(_, mean)| *mean < 0.0);
-        let common =
-            if is_early { effects::all().map(|(e, _)| e).find(|e| parameters::delays_position(*e))? } else { effect };
+        let common = if is_early { terms::effect_that(parameters::delays_position)? } else { effect };
         let without = whole.effects.without(EffectSet::one(effect));
         if without.has(common) {
             return None;

@@ -105,6 +105,11 @@ pub fn timing_of(model: &Model) -> Model {
     Model { effects: part(effects), own: part(own), secondary: part(secondary), initial_temperature: false }
 }
 
+/// The effect of which that is true.
+pub fn effect_that(is_so: impl Fn(usize) -> bool) -> Option<usize> {
+    effects::all().map(|(e, _)| e).find(|e| is_so(*e))
+}
+
 /// Effects of the recording, which each record may have for itself.
 pub fn of_record() -> EffectSet {
     effects::all().filter(|(_, card)| is_of_record(card)).map(|(e, _)| e).collect()
