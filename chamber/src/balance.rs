@@ -441,4 +441,51 @@ mod tests {
         let isentropic = core * (q / p).powf(1.0 - 1.0 / chamber.gas.heat_capacity_ratio);
         assert!((after[own(zones)] / isentropic - 1.0).abs() < 1e-3);
     }
+
+    /// A chamber with each of some effects at its typical values, a boundary over which it breathes, and its states.
+    fn breathing(set: EffectSet) -> (Chamber, Boundary, [f64; STATES]) {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        for effect in set.iter() {
+            let typical = effects::CARDS[effect].parameters.iter().map(|parameter| parameter.typical);
+            chamber.effects.of_mut(effect).iter_mut().zip(typical).for_each(|(to, typical)| *to = typical);
+        }
+        let boundary = Boundary {
+            velocity: -0.5,
+            mass_flow_in: 1e-5,
+            temperature_in: 310.0,
+            mass_flow_out: 2e-6,
+            ..Boundary::closed(0.05, 293.0, 1.013e5)
+        };
+        let state = Balance::of(chamber).state_at(set, &boundary, 8e5, 350.0);
+        (chamber, boundary, state)
+    }
+
+    #[test]
+    fn one_over_the_mean_temperature_is_that_whatever_the_gas_is_like() {
+        let like = effects::CALORIC.union(effects::VOLUMETRIC);
+        for set in like.iter().map(EffectSet::one).chain([EffectSet::NONE, like]) {
+            let (chamber, boundary, state) = breathing(set);
+            let (at, ..) = Balance::of(chamber).evaluate(set, &boundary, &state);
+            assert!((at.per_temperature() * at.temperature - 1.0).abs() < 1e-13, "{set:?}");
+        }
+    }
+
+    #[test]
+    fn the_core_of_the_gas_keeps_its_balance_of_enthalpy_while_the_chamber_breathes() {
+        let (zones, _) = effects::find("gas_zones").unwrap();
+        for set in [EffectSet::one(zones), EffectSet::one(zones).union(effects::CALORIC)] {
+            let (chamber, boundary, mut state) = breathing(set);
+            let place = OWN + effects::STATE_OFFSETS[zones];
+            state[place] = 330.0;
+            let (at, rates, own) = Balance::of(chamber).evaluate(set, &boundary, &state);
+            let (core, rate) = (state[place], own[place - OWN]);
+            let [fraction, conductance] = [chamber.effects.of(zones)[0], chamber.effects.of(zones)[1]];
+            let rest = (at.temperature - fraction * core) / (1.0 - fraction);
+            let volume = fraction * at.mass * at.gas_constant * core / at.pressure;
+            let inflow = boundary.mass_flow_in * at.cp * (boundary.temperature_in - core);
+            let received = volume * rates.pressure + conductance * (rest - core) + fraction * inflow;
+            assert!((fraction * at.mass * at.cp * rate / received - 1.0).abs() < 1e-12, "{rate} {received}");
+        }
+    }
 }

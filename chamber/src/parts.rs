@@ -105,6 +105,12 @@ pub struct Conditions<R> {
 }
 
 impl<R: Real> Conditions<R> {
+    /// 1/T of the mean temperature, 1/K, without a quotient.
+    #[inline(always)]
+    pub fn per_temperature(&self) -> R {
+        self.mass * self.cv * self.per_energy
+    }
+
     /// dP/dt, Pa/s, in a volume that does not follow the pressure, with this heat and enthalpy into the gas, W, and this
     /// power of the gas, W.
     #[inline(always)]

@@ -65,17 +65,20 @@ impl Effect for GasZones {
     /// λ follows the temperature of the gas at the wall, not the mean one.
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(_: &[R], at: &Conditions<R>) -> R {
-        (at.gas_temperature_at_wall / at.temperature).sqrt()
+        // Exactly 1 where there is one zone.
+        (R::ONE + (at.gas_temperature_at_wall - at.temperature) * at.per_temperature()).sqrt()
     }
 
     #[inline(always)]
     fn own_rates<R: Real>(p: &[R], own: &[R], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>, out: &mut [R]) {
         let (fraction, conductance, core) = (p[0], p[1], own[0]);
-        let compression = at.gas_constant * core / at.pressure * rates.pressure;
-        let core_mass = fraction.where_positive(fraction, R::ONE) * at.mass;
-        let exchange = conductance * (at.gas_temperature_at_wall - core) / core_mass;
-        let mixing = at.cp * (flows.inflow_kelvin - flows.inflow * core) / at.mass;
-        out[0] = (compression + fraction.where_positive(exchange, R::ZERO) + mixing) / at.cp;
+        // All times m cp, as quotients take a processor long: m R/P = V/T.
+        let compression = core * at.volume * at.per_temperature() * rates.pressure;
+        let mixing = at.cp * (flows.inflow_kelvin - flows.inflow * core);
+        let exchange = conductance * (at.gas_temperature_at_wall - core);
+        let share = fraction.where_positive(fraction, R::ONE);
+        let received = share * (compression + mixing) + fraction.where_positive(exchange, R::ZERO);
+        out[0] = received * at.per_mass / (share * at.cp);
     }
 
     /// The core is compressed by the pressure that the heat makes at the same volume.

@@ -42,7 +42,7 @@ impl Effect for LaminarLeakage {
         let (inside, outside) = (at.pressure, at.ambient_pressure);
         let out = inside - outside;
         // 1/T is m cv/U.
-        let mut per_upstream = at.mass * at.cv * at.per_energy;
+        let mut per_upstream = at.per_temperature();
         if (outside - inside).any_positive() {
             per_upstream = out.where_positive(per_upstream, at.ambient_temperature.recip());
         }
