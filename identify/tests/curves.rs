@@ -1,6 +1,6 @@
 //! The missing term as a curve: found where no name fits, refused where it does not carry over.
 
-use chamber::effects::empirical::{Balance, Variable};
+use chamber::effects::empirical::{Term, Variable};
 use identify::outcome::read_off::Empirical;
 use identify::parameters::names;
 use identify::record::data::Data;
@@ -19,7 +19,7 @@ fn heat_from_friction_becomes_a_curve_over_the_piston_s_power_that_leaves_noise(
     assert!(found.chosen.held_out_pa().unwrap() < 1.1 * data.noise.total_pa());
     let read_off = found.read_off.unwrap();
     let curve = read_off.curve().unwrap();
-    assert_eq!((curve.balance, curve.variable), (Balance::HeatFlow, Variable::PistonPower));
+    assert_eq!((curve.term, curve.variable), (Term::HeatFlow, Variable::PistonPower));
     let largest = curve.knots.iter().fold(0.0, |l: f64, k| l.max(k.abs()));
     for (knot, value) in curve.knots.iter().zip(&curve.values) {
         assert!((value - 0.05 * knot.abs()).abs() < 0.1 * 0.05 * largest, "{knot}: {value}");
@@ -33,7 +33,7 @@ fn heat_from_friction_becomes_a_curve_over_the_piston_s_power_that_leaves_noise(
 #[test]
 fn a_sensor_that_hangs_back_has_no_curve_that_carries_over() {
     let (_, found) = traced(Outside::Hysteresis(600.0));
-    let accepted = found.read_off.filter(|r| r.accepted).map(|r| (r.first_order.balance, r.first_order.variable));
+    let accepted = found.read_off.filter(|r| r.accepted).map(|r| (r.first_order.term, r.first_order.variable));
     assert_eq!(accepted, None);
     let named = names(found.chosen.model.effects);
     assert!(!named.contains(&"empirical"), "{named:?}");

@@ -169,7 +169,10 @@ fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
     recipe.faults.offset_pa.between = 500.0;
     let found = traced(&recipe);
     assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Adequate, vec![]));
-    let lambda0 = found.chosen.fit.chamber().heat_transfer.coefficient;
+    assert!(!found.chosen.model.own.is_empty());
+    let chamber = found.chosen.fit.chamber_of_rig();
+    assert_eq!(names(chamber.active()), Vec::<&str>::new(), "what a record has for itself is none of the rig's model");
+    let lambda0 = chamber.heat_transfer.coefficient;
     assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 0.01, "{lambda0}");
 }
 

@@ -1,7 +1,7 @@
 //! Model files: exact round trips, defaults, and what is refused with file, line and key.
 
 use chamber::card::Kind;
-use chamber::effects::empirical::{Balance, Curve, KNOTS, Variable};
+use chamber::effects::empirical::{Curve, KNOTS, Term, Variable};
 use chamber::effects::{self, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
@@ -90,7 +90,7 @@ fn a_faulty_curve_is_refused_in_a_sentence() {
     let model = parse(&table(heat, pressure, knots, values)).unwrap();
     let (index, _) = effects::find("empirical").unwrap();
     let curve = Curve::of(model.chamber.effects.of(index)).unwrap();
-    assert_eq!((curve.balance, curve.variable), (Balance::HeatFlow, Variable::Pressure));
+    assert_eq!((curve.term, curve.variable), (Term::HeatFlow, Variable::Pressure));
     assert_eq!((curve.knots, curve.values), (vec![1e5, 2e5], vec![0.0, 1.0]));
     let faults: [(&str, &str, &str, &str, &[&str]); 10] = [
         ("\"heet_flow\"", pressure, knots, values, &["line 6: effect.empirical.balance", "did you mean `heat_flow`?"]),
@@ -183,8 +183,8 @@ fn faulty_uncertainties_are_refused_by_key() {
 
 fn any_curve() -> impl Strategy<Value = Curve> {
     let knots = prop::collection::btree_map(-1_000_000..1_000_000_i32, -0.9..0.9_f64, 1..=KNOTS);
-    (0..Balance::ALL.len(), knots).prop_map(|(balance, table)| Curve {
-        balance: Balance::ALL[balance],
+    (0..Term::ALL.len(), knots).prop_map(|(term, table)| Curve {
+        term: Term::ALL[term],
         variable: Variable::Pressure,
         knots: table.keys().map(|knot| f64::from(*knot) / 7.0).collect(),
         values: table.into_values().collect(),

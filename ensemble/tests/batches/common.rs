@@ -3,7 +3,7 @@
 use crate::numbers::Numbers;
 use chamber::card::ClosedForm;
 use chamber::effects::EffectValues;
-use chamber::effects::empirical::{Balance, Curve, Variable};
+use chamber::effects::empirical::{Curve, Term, Variable};
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
 use ensemble::{Failure, Hold, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
 
@@ -125,7 +125,7 @@ pub fn with_a_curve_of_the_reading(count: usize) -> (EffectSet, Vec<Scenario>) {
         let most = (steepness * (high - low) / 8.0).min(0.5 * low);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
         let to = &mut s.chamber.effects;
-        let bent = Curve { balance: Balance::Reading, variable: Variable::Pressure, knots, values };
+        let bent = Curve { term: Term::Reading, variable: Variable::Pressure, knots, values };
         to.of_mut(curve).copy_from_slice(&bent.parameters());
         for (effect, is_there, value) in [
             (lag, k % 4 > 1, r.log_between(1e-3, 0.2)),
@@ -290,7 +290,7 @@ pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
         knots.sort_by(f64::total_cmp);
         let most = r.log_between(0.01, 3.0);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
-        let term = Curve { balance: Balance::HeatFlow, variable: Variable::Pressure, knots, values };
+        let term = Curve { term: Term::HeatFlow, variable: Variable::Pressure, knots, values };
         s.chamber.effects.of_mut(curve).copy_from_slice(&term.parameters());
         s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
     }

@@ -6,7 +6,7 @@ use crate::plant::values::BASE;
 use chamber::card::{ActsOn, Card, Kind, Parameter};
 use chamber::effects;
 use chamber::effects::Effect;
-use chamber::effects::empirical::{Balance, Curve, Empirical};
+use chamber::effects::empirical::{Curve, Empirical, Term};
 
 /// The effects that an FMU has: all but those on a record of the stroke, as here the stroke is the true one. Of an effect
 /// that is a table its numbers are variables; what the table is of is the model's, and stays.
@@ -23,7 +23,7 @@ pub fn exported(card: &Card, values: &[f64]) -> Result<(), String> {
         return Ok(());
     }
     match Curve::of(values) {
-        Some(Curve { balance: Balance::VolumeShare, .. }) => {
+        Some(Curve { term: Term::VolumeShare, .. }) => {
             Err("its empirical term is a share of the volume, and an FMU's volume is that of its position".to_owned())
         }
         _ => Ok(()),

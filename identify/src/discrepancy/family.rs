@@ -1,6 +1,6 @@
 //! The families: in which balance a term may be missing, and what it may follow.
 
-use chamber::effects::empirical::{self, Balance};
+use chamber::effects::empirical::{self, Term};
 
 /// What a missing term may follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,56 +70,56 @@ impl Variable {
 }
 
 /// What a missing term is, for people.
-pub fn quantity(term: Balance) -> &'static str {
+pub fn quantity(term: Term) -> &'static str {
     match term {
-        Balance::MassFlow => "missing mass flow into the gas",
-        Balance::HeatFlow => "missing heat flow into the gas",
-        Balance::CoefficientShare => "missing share of the heat transfer coefficient",
-        Balance::VolumeShare => "missing share of the volume",
-        Balance::Reading => "missing part of the pressure reading",
+        Term::MassFlow => "missing mass flow into the gas",
+        Term::HeatFlow => "missing heat flow into the gas",
+        Term::CoefficientShare => "missing share of the heat transfer coefficient",
+        Term::VolumeShare => "missing share of the volume",
+        Term::Reading => "missing part of the pressure reading",
     }
 }
 
 /// The families tried. A volume that is a function of position alone would be a matter of geometry, a reading that is one
 /// of pressure alone a matter of calibration; both are outside what a closed chamber is modelled by, and so belong here.
-pub const FAMILIES: [(Balance, Variable); 19] = [
-    (Balance::MassFlow, Variable::Time),
-    (Balance::MassFlow, Variable::Pressure),
-    (Balance::MassFlow, Variable::PressureRate),
-    (Balance::HeatFlow, Variable::TemperatureDifference),
-    (Balance::HeatFlow, Variable::Time),
-    (Balance::HeatFlow, Variable::Speed),
-    (Balance::CoefficientShare, Variable::TemperatureDistance),
-    (Balance::CoefficientShare, Variable::TemperatureDifference),
-    (Balance::CoefficientShare, Variable::Pressure),
-    (Balance::CoefficientShare, Variable::Position),
-    (Balance::CoefficientShare, Variable::SpeedAmount),
-    (Balance::CoefficientShare, Variable::SinceMove),
-    (Balance::VolumeShare, Variable::Pressure),
-    (Balance::VolumeShare, Variable::Position),
-    (Balance::VolumeShare, Variable::Speed),
-    (Balance::Reading, Variable::Time),
-    (Balance::Reading, Variable::Pressure),
-    (Balance::Reading, Variable::PressureRate),
-    (Balance::Reading, Variable::SinceMove),
+pub const FAMILIES: [(Term, Variable); 19] = [
+    (Term::MassFlow, Variable::Time),
+    (Term::MassFlow, Variable::Pressure),
+    (Term::MassFlow, Variable::PressureRate),
+    (Term::HeatFlow, Variable::TemperatureDifference),
+    (Term::HeatFlow, Variable::Time),
+    (Term::HeatFlow, Variable::Speed),
+    (Term::CoefficientShare, Variable::TemperatureDistance),
+    (Term::CoefficientShare, Variable::TemperatureDifference),
+    (Term::CoefficientShare, Variable::Pressure),
+    (Term::CoefficientShare, Variable::Position),
+    (Term::CoefficientShare, Variable::SpeedAmount),
+    (Term::CoefficientShare, Variable::SinceMove),
+    (Term::VolumeShare, Variable::Pressure),
+    (Term::VolumeShare, Variable::Position),
+    (Term::VolumeShare, Variable::Speed),
+    (Term::Reading, Variable::Time),
+    (Term::Reading, Variable::Pressure),
+    (Term::Reading, Variable::PressureRate),
+    (Term::Reading, Variable::SinceMove),
 ];
 
 /// The families that a model can hold: the term follows from the chamber's state and stroke at the moment, so that it carries
 /// over to another motion.
-pub const CURVES: [(Balance, Variable); 15] = [
-    (Balance::MassFlow, Variable::Pressure),
-    (Balance::MassFlow, Variable::Mass),
-    (Balance::HeatFlow, Variable::TemperatureDifference),
-    (Balance::HeatFlow, Variable::Pressure),
-    (Balance::HeatFlow, Variable::Position),
-    (Balance::HeatFlow, Variable::Speed),
-    (Balance::HeatFlow, Variable::PistonPower),
-    (Balance::CoefficientShare, Variable::Temperature),
-    (Balance::CoefficientShare, Variable::TemperatureDifference),
-    (Balance::CoefficientShare, Variable::Pressure),
-    (Balance::CoefficientShare, Variable::Position),
-    (Balance::CoefficientShare, Variable::Speed),
-    (Balance::VolumeShare, Variable::Pressure),
-    (Balance::VolumeShare, Variable::Position),
-    (Balance::Reading, Variable::Pressure),
+pub const CURVES: [(Term, Variable); 15] = [
+    (Term::MassFlow, Variable::Pressure),
+    (Term::MassFlow, Variable::Mass),
+    (Term::HeatFlow, Variable::TemperatureDifference),
+    (Term::HeatFlow, Variable::Pressure),
+    (Term::HeatFlow, Variable::Position),
+    (Term::HeatFlow, Variable::Speed),
+    (Term::HeatFlow, Variable::PistonPower),
+    (Term::CoefficientShare, Variable::Temperature),
+    (Term::CoefficientShare, Variable::TemperatureDifference),
+    (Term::CoefficientShare, Variable::Pressure),
+    (Term::CoefficientShare, Variable::Position),
+    (Term::CoefficientShare, Variable::Speed),
+    (Term::VolumeShare, Variable::Pressure),
+    (Term::VolumeShare, Variable::Position),
+    (Term::Reading, Variable::Pressure),
 ];

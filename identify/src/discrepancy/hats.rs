@@ -2,7 +2,7 @@
 
 use crate::forward::Disturbance;
 use chamber::dual::Dual;
-use chamber::effects::empirical::Balance;
+use chamber::effects::empirical::Term;
 use chamber::real::Real;
 
 /// Hat functions of a family.
@@ -12,8 +12,8 @@ pub type Tangent = Dual<KNOTS>;
 
 /// Hat functions of a variable on a record, with the amount that each multiplies and its rate.
 pub struct Hats<'a> {
-    /// In which balance they disturb.
-    pub balance: Balance,
+    /// What they disturb.
+    pub term: Term,
     /// Times of the rows, s.
     pub time_s: &'a [f64],
     /// Each hat's value on the rows.
@@ -42,11 +42,11 @@ impl Hats<'_> {
 impl Disturbance<Tangent> for Hats<'_> {
     fn at(&self, time: f64) -> Option<[Tangent; 4]> {
         let ([value, rate], zero) = (self.amounts(time), Tangent::ZERO);
-        match self.balance {
-            Balance::MassFlow => Some([value, zero, zero, zero]),
-            Balance::HeatFlow | Balance::CoefficientShare => Some([zero, value, zero, zero]),
-            Balance::VolumeShare => Some([zero, zero, value, rate]),
-            Balance::Reading => None,
+        match self.term {
+            Term::MassFlow => Some([value, zero, zero, zero]),
+            Term::HeatFlow | Term::CoefficientShare => Some([zero, value, zero, zero]),
+            Term::VolumeShare => Some([zero, zero, value, rate]),
+            Term::Reading => None,
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::fit::covariance::project_out;
 use crate::fit::{self, Fit};
 use crate::forward::Run;
 use crate::record::data::Data;
-use chamber::effects::empirical::{self, Balance};
+use chamber::effects::empirical::{self, Term};
 use family::{CURVES, FAMILIES};
 pub use family::{Variable, quantity};
 use hats::{Hats, KNOTS, Tangent, hats, knots};
@@ -27,7 +27,7 @@ use rayon::prelude::*;
 #[derive(Clone, Debug)]
 pub struct Missing {
     /// In what way it disturbs.
-    pub balance: Balance,
+    pub term: Term,
     /// What it follows.
     pub variable: Variable,
     /// How much of χ² the best function takes away.
@@ -57,9 +57,9 @@ impl Missing {
 
     /// It as a model holds it, all zero; `None` where no model can.
     pub fn flat(&self) -> Option<empirical::Curve> {
-        let (balance, variable) = (self.balance, self.variable.in_model()?);
+        let (term, variable) = (self.term, self.variable.in_model()?);
         let (knots, values) = (self.at.clone(), vec![0.0; self.at.len()]);
-        balance.follows(variable).then_some(empirical::Curve { balance, variable, knots, values })
+        term.follows(variable).then_some(empirical::Curve { term, variable, knots, values })
     }
 }
 
@@ -93,38 +93,38 @@ impl<'a> Search<'a> {
         self.of(&CURVES)
     }
 
-    fn of(&self, families: &[(Balance, Variable)]) -> Vec<Missing> {
+    fn of(&self, families: &[(Term, Variable)]) -> Vec<Missing> {
         let mut found: Vec<Missing> =
-            families.par_iter().filter_map(|&(balance, variable)| self.family(balance, variable)).collect();
+            families.par_iter().filter_map(|&(term, variable)| self.family(term, variable)).collect();
         found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         found
     }
 
-    fn family(&self, balance: Balance, variable: Variable) -> Option<Missing> {
+    fn family(&self, term: Term, variable: Variable) -> Option<Missing> {
         let values: Vec<Vec<f64>> = self.paths.iter().map(|p| p.variable(variable)).collect();
         let at = knots(&mut values.iter().flatten().copied().collect())?;
         let responses: Option<Vec<DMatrix<f64>>> = (0..self.paths.len())
             .into_par_iter()
-            .map(|k| self.response(k, balance, values[k].iter().map(|v| hats(&at, *v)).collect()))
+            .map(|k| self.response(k, term, values[k].iter().map(|v| hats(&at, *v)).collect()))
             .collect();
         let responses = responses?;
         let (gain, rank, value, sd) = self.solve(&responses)?;
-        Some(Missing { balance, variable, gain, rank, at: at.to_vec(), value, sd })
+        Some(Missing { term, variable, gain, rank, at: at.to_vec(), value, sd })
     }
 
     /// d(model/σ)/d(coefficient) of one trace's blocks.
-    fn response(&self, k: usize, balance: Balance, share: Vec<[f64; KNOTS]>) -> Option<DMatrix<f64>> {
+    fn response(&self, k: usize, term: Term, share: Vec<[f64; KNOTS]>) -> Option<DMatrix<f64>> {
         let (t, path) = (&self.data.traces[k], &self.paths[k]);
         let linear = &self.fit.linear[k];
         let blocks = &t.blocks[..linear.blocks];
         let times = fit::points(blocks);
-        let amount: Vec<f64> = match balance {
-            Balance::CoefficientShare => path.heat_flow_w.clone(),
-            Balance::VolumeShare => path.volume_m3.clone(),
+        let amount: Vec<f64> = match term {
+            Term::CoefficientShare => path.heat_flow_w.clone(),
+            Term::VolumeShare => path.volume_m3.clone(),
             _ => vec![1.0; path.time_s.len()],
         };
-        let disturbance = Hats { balance, time_s: &path.time_s, share, amount };
-        let shown: Vec<Tangent> = if balance == Balance::Reading {
+        let disturbance = Hats { term, time_s: &path.time_s, share, amount };
+        let shown: Vec<Tangent> = if term == Term::Reading {
             times.iter().map(|time| disturbance.amounts(*time)[0]).collect()
         } else {
             let lifted = |x: &[f64]| x.iter().map(|x| Tangent::from(*x)).collect::<Vec<_>>();

@@ -203,7 +203,7 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
     each.map(|(i, (axis, x))| {
         let mut estimate = estimate(axis, *x, variance(i), h.unit(axis.slot));
         if axis.slot == Slot::DeadVolume {
-            // See [`Fit::possible_chamber`]: below zero it is given as one at that bound.
+            // See [`Fit::chamber_of_rig`]: below zero it is given as one at that bound.
             let missing = (-estimate.value).max(0.0);
             estimate.value += missing;
             estimate.ci95 = estimate.ci95.map(|end| (end + missing).max(0.0));

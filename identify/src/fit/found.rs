@@ -82,9 +82,11 @@ impl Fit {
         self.hypothesis.chamber(&self.rig)
     }
 
-    /// The fitted chamber as one can be: a dead volume below zero says that positions are counted from too far, and is zero.
-    pub fn possible_chamber(&self) -> Chamber {
+    /// The fitted chamber as one of the rig can be: without what each record has for itself, whose place holds where a fit began.
+    /// A dead volume below zero says that positions are counted from too far, and is zero.
+    pub fn chamber_of_rig(&self) -> Chamber {
         let mut chamber = self.chamber();
+        chamber.effects = chamber.effects.without(self.hypothesis.model.own);
         chamber.geometry.dead_volume = chamber.geometry.dead_volume.max(0.0);
         chamber
     }

@@ -171,7 +171,7 @@ pub struct Diagnosed {
 impl Diagnosed {
     /// The chamber to go on with: with the effects found, else the paper's model.
     pub fn chamber(&self) -> Chamber {
-        self.found.settled().fit.possible_chamber()
+        self.found.settled().fit.chamber_of_rig()
     }
 
     /// How well that chamber's numbers are known.
@@ -217,7 +217,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         (Verdict::Unexplained, _) | (_, None) => missing.first().map_or("none", |m| m.balance),
         (_, Some(first)) => match chamber::effects::find(first) {
             Some((place, _)) if Some(place) == ReadOff::effect() => {
-                found.read_off.as_ref().map_or("none", |r| r.first_order.balance.card_balance().name())
+                found.read_off.as_ref().map_or("none", |r| r.first_order.term.balance().name())
             }
             Some((_, card)) => card.balance.name(),
             None => "none",

@@ -176,7 +176,7 @@ fn exact(data: Data) -> Result<Identification, Error> {
         undetermined: undetermined(&fit),
         assumptions: notes(&data, None).into_iter().chain(positions_too_far(&fit)).chain(of_two_rigs).collect(),
         uncertainty: Some(uncertainty(&fit, adequacy.is_adequate())),
-        chamber: fit.possible_chamber(),
+        chamber: fit.chamber_of_rig(),
         ambient_temperature_k: data.ambient_temperature_k,
     })
 }

@@ -64,7 +64,7 @@ fn separating(data: &Data, tests: &[Test], a: &Candidate, b: &Candidate) -> Opti
 /// Root mean square of the difference of two models' readings, Pa.
 fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
     let run = |c: &Candidate| {
-        let chamber = c.fit.chamber();
+        let chamber = c.fit.chamber_of_rig();
         let temperature = test.course.ambient_temperature.at(0.0, &Default::default()).0;
         let start = Start::at_rest(&chamber, test.pressure_pa, temperature);
         Run {

@@ -69,9 +69,9 @@ impl Empirical {
         let variable = found.first_order.variable;
         Some(Self {
             accepted: found.accepted,
-            balance: curve.balance.word(),
-            quantity: discrepancy::quantity(curve.balance),
-            unit: curve.balance.unit(),
+            balance: curve.term.word(),
+            quantity: discrepancy::quantity(curve.term),
+            unit: curve.term.unit(),
             variable: variable.name().0,
             variable_unit: variable.name().1,
             knots: curve.knots,

@@ -271,7 +271,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     if let Some(r) = found.read_off.as_ref().filter(|r| !r.accepted) {
         out.push(format!(
             "no curve is kept, since it would have to halve the error beyond noise on left-out data; with the best, a {} over the {}, the error there goes from {} to {} Pa",
-            discrepancy::quantity(r.first_order.balance),
+            discrepancy::quantity(r.first_order.term),
             r.first_order.variable.name().0,
             digits(r.left_out_pa[0], 3),
             digits(r.left_out_pa[1], 3)

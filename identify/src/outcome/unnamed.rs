@@ -38,9 +38,9 @@ pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
     best.iter()
         .take(6)
         .map(|m| Unnamed {
-            balance: m.balance.card_balance().name(),
-            quantity: discrepancy::quantity(m.balance),
-            unit: m.balance.unit(),
+            balance: m.term.balance().name(),
+            quantity: discrepancy::quantity(m.term),
+            unit: m.term.unit(),
             variable: m.variable.name().0,
             variable_unit: m.variable.name().1,
             at: m.at.clone(),

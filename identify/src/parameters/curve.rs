@@ -3,7 +3,7 @@
 use super::axis::{Axis, Slot};
 use super::sizes::Sizes;
 use chamber::Chamber;
-use chamber::effects::empirical::{Balance, Curve, Empirical};
+use chamber::effects::empirical::{Curve, Empirical, Term};
 use chamber::effects::{CARDS, Effect};
 
 /// The curve that an effect of a chamber is, if it is one.
@@ -19,15 +19,15 @@ const BEND: f64 = 0.04;
 /// what the records leave open, as a share of λ that is the same everywhere and λ0.
 pub fn axis_of_value(curve: &Curve, slot: Slot, sizes: &Sizes) -> Axis {
     let any = [-1e6, 1e6];
-    let (scale, bounds) = match curve.balance {
+    let (scale, bounds) = match curve.term {
         // What 60 K between gas and wall drive, and a seventh of the work.
-        Balance::HeatFlow => (60.0 * sizes.gas_capacity / sizes.relaxation + 0.15 * sizes.piston_power, any),
+        Term::HeatFlow => (60.0 * sizes.gas_capacity / sizes.relaxation + 0.15 * sizes.piston_power, any),
         // A seventh of the gas over a record: density 1.2 kg/m³ at 1 bar.
-        Balance::MassFlow => (0.15 * 1.2 * sizes.volume * sizes.pressure / 1e5 / sizes.duration, any),
+        Term::MassFlow => (0.15 * 1.2 * sizes.volume * sizes.pressure / 1e5 / sizes.duration, any),
         // A share above −1 leaves something.
-        Balance::CoefficientShare => (1.0, [-0.95, 20.0]),
-        Balance::VolumeShare => (0.06, [-10.0, 20.0]),
-        Balance::Reading => (0.06 * sizes.pressure, any),
+        Term::CoefficientShare => (1.0, [-0.95, 20.0]),
+        Term::VolumeShare => (0.06, [-10.0, 20.0]),
+        Term::Reading => (0.06 * sizes.pressure, any),
     };
     Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, 1.0]) }
 }

@@ -125,7 +125,7 @@ impl Hypothesis {
     pub fn unit(&self, slot: Slot) -> &'static str {
         match slot {
             Slot::Effect(e, p) if CARDS[e].parameters[p].unit == Unit::OfTable => {
-                curve_of(e, &self.base).map_or("", |curve| curve.balance.unit())
+                curve_of(e, &self.base).map_or("", |curve| curve.term.unit())
             }
             _ => slot.unit(),
         }

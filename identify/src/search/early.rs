@@ -36,13 +36,10 @@ impl Search {
             ..c.model
         };
         let chamber = c.fit.chamber();
-        let chamber = Chamber { effects: chamber.effects.without(gone), ..chamber };
-        let mut begun = chamber;
-        begun.effects.of_mut(delay)[0] = -early_s;
-        let mut h = Hypothesis::new(&self.data, model, &begun, &self.sizes);
+        let mut chamber = Chamber { effects: chamber.effects.without(gone), ..chamber };
+        chamber.effects.of_mut(delay)[0] = -early_s;
+        let h = Hypothesis::new(&self.data, model, &chamber, &self.sizes);
         let own = starts::owns(&self.data, &h, &c.fit);
-        // The rig itself has no such delay.
-        h.base = chamber;
         let fit = fit::fit(&self.data, &h, h.coordinates(&chamber), own, &fit::all_blocks(&self.data)).ok()?;
         fit.converged.then(|| self.judged(self.candidate(fit)))
     }
@@ -81,7 +78,7 @@ mod tests {
         assert_eq!((effects, own), (set(&["sensor_lag", "record_delay"]), set(&["record_delay"])));
         let fit = &found.chosen.fit;
         let (delay, _) = find("record_delay").unwrap();
-        assert_eq!(fit.chamber().effects.of(delay), [0.0], "the model as it is written");
+        assert_eq!(fit.chamber_of_rig().effects.of(delay), [0.0], "the model as it is written");
         for own in &fit.own {
             let (axis, x) = fit.hypothesis.own.last().zip(own.last()).unwrap();
             assert!((axis.value(*x) + 0.005).abs() < 1e-3, "{}", axis.value(*x));

@@ -1,7 +1,7 @@
 //! A heat flow over the pressure as a sum of hinges, for solvers that integrate it in closed form.
 
-use super::balance::Balance;
-use super::table::{BALANCE, FIRST_KNOT, FIRST_VALUE, KNOTS, PARAMETERS, VARIABLE, length, says};
+use super::table::{FIRST_KNOT, FIRST_VALUE, KNOTS, PARAMETERS, TERM, VARIABLE, length, says};
+use super::term::Term;
 use super::variable::Variable;
 use crate::effects::nearer;
 use crate::real::Real;
@@ -35,7 +35,7 @@ impl<R: Real> Hinges<R> {
 impl Hinges {
     /// What the effect's parameters hold, where that is a heat flow over the pressure.
     pub fn of(p: &[f64]) -> Option<Self> {
-        let is = says(p[BALANCE], Balance::HeatFlow as usize).min(says(p[VARIABLE], Variable::Pressure as usize));
+        let is = says(p[TERM], Term::HeatFlow as usize).min(says(p[VARIABLE], Variable::Pressure as usize));
         let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);
         let mut hinges = Self { first: values[0], ..Self::NONE };
         let (mut steepness, last) = (0.0, length(p) - 1);

@@ -14,15 +14,15 @@
 //! A list that is shorter than its places repeats its last number: a knot that is not above the one before it is not there.
 //! The term describes the records that it was read off; it need not be the cause, and beyond its knots it knows nothing.
 
-mod balance;
 mod curve;
 mod hinges;
 mod table;
+mod term;
 mod variable;
 
-pub use balance::Balance;
 pub use hinges::Hinges;
 pub use table::{Curve, KNOTS};
+pub use term::Term;
 pub use variable::Variable;
 
 use super::Effect;
@@ -30,7 +30,7 @@ use crate::card::{self, ActsOn, Card};
 use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 use curve::{curve, first_knot};
-use table::{BALANCE, FIRST_KNOT, FIRST_VALUE, PARAMETERS, TABLE, VARIABLE, check, length, says};
+use table::{FIRST_KNOT, FIRST_VALUE, PARAMETERS, TABLE, TERM, VARIABLE, check, length, says};
 
 /// The variable at these conditions.
 #[inline(always)]
@@ -58,10 +58,10 @@ fn inlined_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
     x
 }
 
-/// The term, where it is of that balance; else zero.
+/// The term, where it is that one; else zero.
 #[inline(always)]
-fn term<R: Real>(p: &[R], balance: Balance, at: &Conditions<R>) -> R {
-    let is = says(p[BALANCE], balance as usize);
+fn term<R: Real>(p: &[R], term: Term, at: &Conditions<R>) -> R {
+    let is = says(p[TERM], term as usize);
     if !is.any_positive() {
         return R::ZERO;
     }
@@ -90,12 +90,12 @@ impl Effect for Empirical {
 
     #[inline(always)]
     fn is_volumetric<R: Real>(p: &[R]) -> bool {
-        says(p[BALANCE], Balance::VolumeShare as usize).any_positive()
+        says(p[TERM], Term::VolumeShare as usize).any_positive()
     }
 
     #[inline(always)]
     fn volume<R: Real>(p: &[R], position: R, pressure: R) -> [R; 3] {
-        let is = says(p[BALANCE], Balance::VolumeShare as usize);
+        let is = says(p[TERM], Term::VolumeShare as usize);
         if !is.any_positive() {
             return [R::ONE, R::ZERO, R::ZERO];
         }
@@ -111,24 +111,24 @@ impl Effect for Empirical {
 
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(p: &[R], at: &Conditions<R>) -> R {
-        term(p, Balance::CoefficientShare, at) + 1.0
+        term(p, Term::CoefficientShare, at) + 1.0
     }
 
     #[inline(always)]
     fn heat_flow<R: Real>(p: &[R], at: &Conditions<R>, heat: &mut R) {
-        *heat += term(p, Balance::HeatFlow, at);
+        *heat += term(p, Term::HeatFlow, at);
     }
 
     #[inline(always)]
     fn flows<R: Real>(p: &[R], _: R, at: &Conditions<R>, flows: &mut Flows<R>) {
-        let flow = term(p, Balance::MassFlow, at);
+        let flow = term(p, Term::MassFlow, at);
         flows.outflow += flow.where_positive(R::ZERO, -flow);
         flows.enter(flow.where_positive(flow, R::ZERO), at.ambient_temperature);
     }
 
     #[inline(always)]
     fn reading<R: Real>(p: &[R], _: &[R], reading: R, _: R) -> R {
-        let is = says(p[BALANCE], Balance::Reading as usize);
+        let is = says(p[TERM], Term::Reading as usize);
         is.where_positive(reading + curve(p, reading)[0], reading)
     }
 
@@ -137,7 +137,7 @@ impl Effect for Empirical {
     /// The knots of a curve of the reading.
     #[inline(always)]
     fn bend<R: Real>(p: &[R], from: R, to: R) -> R {
-        first_knot(p, says(p[BALANCE], Balance::Reading as usize), from, to)
+        first_knot(p, says(p[TERM], Term::Reading as usize), from, to)
     }
 
     const CORNERS: bool = true;
@@ -146,7 +146,7 @@ impl Effect for Empirical {
     #[inline(always)]
     fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
         let of_pressure = says(p[VARIABLE], Variable::Pressure as usize);
-        first_knot(p, of_pressure.min(-says(p[BALANCE], Balance::Reading as usize)), from, to)
+        first_knot(p, of_pressure.min(-says(p[TERM], Term::Reading as usize)), from, to)
     }
 
     const KINKS: usize = KNOTS + 1;
@@ -161,7 +161,7 @@ impl Effect for Empirical {
         for value in &p[FIRST_VALUE..PARAMETERS] {
             largest = largest.max(value.abs());
         }
-        let is = says(p[BALANCE], Balance::MassFlow as usize);
+        let is = says(p[TERM], Term::MassFlow as usize);
         let flow = is.where_positive(curve(p, x)[0], largest);
         out[KNOTS] = largest.where_positive(flow / largest, R::ONE);
     }
@@ -175,8 +175,8 @@ mod tests {
     use crate::effects::{EffectValues, find};
     use crate::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 
-    fn curve_of(balance: Balance, variable: Variable, knots: &[f64], values: &[f64]) -> Curve {
-        Curve { balance, variable, knots: knots.to_vec(), values: values.to_vec() }
+    fn curve_of(term: Term, variable: Variable, knots: &[f64], values: &[f64]) -> Curve {
+        Curve { term, variable, knots: knots.to_vec(), values: values.to_vec() }
     }
 
     fn chamber(curve: &Curve) -> Chamber {
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn a_curve_is_linear_between_its_knots_and_constant_beyond() {
-        let p = curve_of(Balance::HeatFlow, Variable::Pressure, &[-1.0, 0.0, 2.0], &[3.0, 1.0, 5.0]).parameters();
+        let p = curve_of(Term::HeatFlow, Variable::Pressure, &[-1.0, 0.0, 2.0], &[3.0, 1.0, 5.0]).parameters();
         for (x, y, slope) in
             [(-7.0, 3.0, 0.0), (-0.5, 2.0, -2.0), (0.5, 2.0, 2.0), (1.5, 4.0, 2.0), (2.5, 5.0, 0.0), (9e9, 5.0, 0.0)]
         {
@@ -203,24 +203,22 @@ mod tests {
         for n in 1..=KNOTS {
             let knots: Vec<f64> = (0..n).map(|k| 1e5 + 3e4 * (k * k) as f64).collect();
             let values: Vec<f64> = (0..n).map(|k| 0.03 - 0.01 * (k % 3) as f64).collect();
-            let p = curve_of(Balance::HeatFlow, Variable::Pressure, &knots, &values).parameters();
+            let p = curve_of(Term::HeatFlow, Variable::Pressure, &knots, &values).parameters();
             let Hinges { first, knots, bends } = Hinges::of(&p).unwrap();
             for x in (0..40).map(|k| 5e4 * f64::from(k)) {
                 let sum = knots.iter().zip(bends).fold(first, |sum, (knot, bend)| sum + bend * (x - knot).max(0.0));
                 assert!((sum - curve(&p, x)[0]).abs() < 1e-14, "{n} {x}: {sum}");
             }
         }
-        let over = |balance, variable| Hinges::of(&curve_of(balance, variable, &[1e5], &[0.1]).parameters());
-        assert!(
-            over(Balance::HeatFlow, Variable::Mass).is_none() && over(Balance::MassFlow, Variable::Pressure).is_none()
-        );
+        let over = |term, variable| Hinges::of(&curve_of(term, variable, &[1e5], &[0.1]).parameters());
+        assert!(over(Term::HeatFlow, Variable::Mass).is_none() && over(Term::MassFlow, Variable::Pressure).is_none());
     }
 
     #[test]
     fn parameters_hold_a_curve_of_any_length() {
         for n in 1..=KNOTS {
             let knots: Vec<f64> = (0..n).map(|k| k as f64 - 3.0).collect();
-            let one = curve_of(Balance::Reading, Variable::Mass, &knots, &vec![0.5; n]);
+            let one = curve_of(Term::Reading, Variable::Mass, &knots, &vec![0.5; n]);
             assert_eq!(Curve::of(&one.parameters()), Some(one));
         }
         assert_eq!(Curve::of(&[0.0; PARAMETERS]), None);
@@ -228,22 +226,21 @@ mod tests {
 
     #[test]
     fn a_curve_of_the_reading_bends_at_its_knots_and_one_over_the_pressure_has_corners_there() {
-        let places = |balance, from: f64, to: f64| {
-            let p = curve_of(balance, Variable::Pressure, &[1e5, 2e5, 4e5], &[0.0, 1e3, 3e3]).parameters();
+        let places = |term, from: f64, to: f64| {
+            let p = curve_of(term, Variable::Pressure, &[1e5, 2e5, 4e5], &[0.0, 1e3, 3e3]).parameters();
             [Empirical::bend(&p, from, to), Empirical::corner(&p, 1e5, from, to)]
         };
-        assert_eq!(places(Balance::Reading, 1e5, 5e5), [2e5, 5e5]);
-        assert_eq!(places(Balance::Reading, 5e5, 1e5), [4e5, 1e5]);
-        assert_eq!(places(Balance::HeatFlow, 1e5, 5e5), [5e5, 2e5]);
+        assert_eq!(places(Term::Reading, 1e5, 5e5), [2e5, 5e5]);
+        assert_eq!(places(Term::Reading, 5e5, 1e5), [4e5, 1e5]);
+        assert_eq!(places(Term::HeatFlow, 1e5, 5e5), [5e5, 2e5]);
     }
 
     #[test]
     fn a_term_follows_only_what_it_can() {
-        let over =
-            |balance, variable, value| check(&curve_of(balance, variable, &[0.0, 1.0], &[0.0, value]).parameters());
-        assert!(over(Balance::HeatFlow, Variable::Mass, -3.0).is_ok());
-        assert!(over(Balance::VolumeShare, Variable::Mass, 0.0).unwrap_err().contains("pressure or position"));
-        assert!(over(Balance::CoefficientShare, Variable::Mass, -1.0).unwrap_err().contains("above -1"));
+        let over = |term, variable, value| check(&curve_of(term, variable, &[0.0, 1.0], &[0.0, value]).parameters());
+        assert!(over(Term::HeatFlow, Variable::Mass, -3.0).is_ok());
+        assert!(over(Term::VolumeShare, Variable::Mass, 0.0).unwrap_err().contains("pressure or position"));
+        assert!(over(Term::CoefficientShare, Variable::Mass, -1.0).unwrap_err().contains("above -1"));
     }
 
     /// dP/dt as the balance says it, and as the pressure of the moved states says it.
@@ -265,16 +262,16 @@ mod tests {
 
     #[test]
     fn pressure_rate_and_states_agree_whatever_the_term_is() {
-        for balance in Balance::ALL {
-            for variable in Variable::ALL.into_iter().filter(|v| balance.follows(*v)) {
+        for term in Term::ALL {
+            for variable in Variable::ALL.into_iter().filter(|v| term.follows(*v)) {
                 let (knots, values) = match variable {
                     Variable::Pressure => ([2e5, 3e5], [0.01, 0.03]),
                     Variable::Position => ([0.05, 0.1], [0.01, 0.03]),
                     _ => ([-1e3, 1e3], [0.0, 0.02]),
                 };
-                let scale = if balance == Balance::MassFlow { 1e-5 } else { 1.0 };
-                let [said, found] = pressure_rates(&curve_of(balance, variable, &knots, &values.map(|v| v * scale)));
-                assert!((said / found - 1.0).abs() < 1e-10, "{balance:?} {variable:?}: {said} {found}");
+                let scale = if term == Term::MassFlow { 1e-5 } else { 1.0 };
+                let [said, found] = pressure_rates(&curve_of(term, variable, &knots, &values.map(|v| v * scale)));
+                assert!((said / found - 1.0).abs() < 1e-10, "{term:?} {variable:?}: {said} {found}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The parameters of an empirical term, and the table that they hold.
 
-use super::balance::Balance;
+use super::term::Term;
 use super::variable::Variable;
 use crate::card::{Kind, Parameter, Unit};
 use crate::real::Real;
@@ -8,8 +8,8 @@ use crate::real::Real;
 /// Places for knots.
 pub const KNOTS: usize = 8;
 
-/// Place of the balance among the parameters, ...
-pub const BALANCE: usize = 0;
+/// Place of what the term is among the parameters, ...
+pub const TERM: usize = 0;
 /// ...of the variable, ...
 pub const VARIABLE: usize = 1;
 /// ...of the first knot, ...
@@ -23,7 +23,7 @@ pub const PARAMETERS: usize = FIRST_VALUE + KNOTS;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// What it is.
-    pub balance: Balance,
+    pub term: Term,
     /// What it follows.
     pub variable: Variable,
     /// Its knots, ascending, at most [`KNOTS`].
@@ -36,16 +36,16 @@ impl Curve {
     /// The curve that the effect's parameters hold, if they hold one.
     pub fn of(p: &[f64]) -> Option<Self> {
         let word = |p: f64| (p.round() as usize).checked_sub(1);
-        let (balance, variable) = (*Balance::ALL.get(word(p[BALANCE])?)?, *Variable::ALL.get(word(p[VARIABLE])?)?);
+        let (term, variable) = (*Term::ALL.get(word(p[TERM])?)?, *Variable::ALL.get(word(p[VARIABLE])?)?);
         let list = |first: usize| p[first..first + length(p)].to_vec();
-        Some(Self { balance, variable, knots: list(FIRST_KNOT), values: list(FIRST_VALUE) })
+        Some(Self { term, variable, knots: list(FIRST_KNOT), values: list(FIRST_VALUE) })
     }
 
     /// The effect's parameters that hold it.
     pub fn parameters(&self) -> [f64; PARAMETERS] {
         let place = |found: Option<usize>| found.map_or(0.0, |place| (place + 1) as f64);
         let mut out = [0.0; PARAMETERS];
-        out[BALANCE] = place(Balance::ALL.iter().position(|b| *b == self.balance));
+        out[TERM] = place(Term::ALL.iter().position(|t| *t == self.term));
         out[VARIABLE] = place(Variable::ALL.iter().position(|v| *v == self.variable));
         for (first, list) in [(FIRST_KNOT, &self.knots), (FIRST_VALUE, &self.values)] {
             for k in 0..KNOTS {
@@ -65,17 +65,17 @@ pub fn length(p: &[f64]) -> usize {
 /// What is wrong with a table.
 pub fn check(p: &[f64]) -> Result<(), String> {
     let Some(curve) = Curve::of(p) else { return Ok(()) };
-    let Curve { balance, variable, values, .. } = &curve;
-    if !balance.follows(*variable) {
+    let Curve { term, variable, values, .. } = &curve;
+    if !term.follows(*variable) {
         let possible: Vec<&str> = Variable::ALL
             .iter()
             .zip(Variable::WORDS)
-            .filter(|(v, _)| balance.follows(**v))
+            .filter(|(v, _)| term.follows(**v))
             .map(|(_, word)| word)
             .collect();
-        return Err(format!("a {} can follow {} only", balance.word(), possible.join(" or ")));
+        return Err(format!("a {} can follow {} only", term.word(), possible.join(" or ")));
     }
-    let is_share = matches!(balance, Balance::CoefficientShare | Balance::VolumeShare);
+    let is_share = matches!(term, Term::CoefficientShare | Term::VolumeShare);
     match values.iter().find(|v| is_share && **v <= -1.0) {
         Some(v) => Err(format!("the share {v:?} leaves nothing; shares above -1 are expected")),
         None => Ok(()),
@@ -118,7 +118,7 @@ const VALUE: &str = "The term at that knot, in the balance's unit";
 
 /// By way of example: a heat flow over the pressure.
 pub const TABLE: [Parameter; PARAMETERS] = [
-    word("balance", &Balance::WORDS, "What the term is"),
+    word("balance", &Term::WORDS, "What the term is"),
     word("variable", &Variable::WORDS, "What it follows"),
     place("knots", 0, 1e5, KNOT),
     place("knots", 1, 2e5, KNOT),

@@ -3,9 +3,9 @@
 use super::variable::Variable;
 use crate::card;
 
-/// What the term is; its number as a parameter is its place among [`Balance::ALL`], from one.
+/// What the term is; its number as a parameter is its place among [`Term::ALL`], from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Balance {
+pub enum Term {
     /// Heat flow into the gas, W.
     HeatFlow,
     /// Mass flow into the gas, kg/s.
@@ -18,8 +18,8 @@ pub enum Balance {
     Reading,
 }
 
-impl Balance {
-    /// All balances, in the order of their words in files.
+impl Term {
+    /// All of them, in the order of their words in files.
     pub const ALL: [Self; 5] =
         [Self::HeatFlow, Self::MassFlow, Self::CoefficientShare, Self::VolumeShare, Self::Reading];
     /// Their words in files.
@@ -41,7 +41,7 @@ impl Balance {
     }
 
     /// The balance that it changes.
-    pub fn card_balance(self) -> card::Balance {
+    pub fn balance(self) -> card::Balance {
         match self {
             Self::MassFlow => card::Balance::Mass,
             Self::HeatFlow | Self::CoefficientShare => card::Balance::Energy,
