@@ -51,7 +51,7 @@ impl Signals {
         let mut record = self.clone();
         record.knots.iter_mut().zip(self.slopes()).for_each(|(knot, slope)| knot.position += filter * slope);
         let recorded = |time: f64| record.knot(time).position;
-        let unaveraged = unaveraged::around(recorded, window, [begin, end], record.bends(window));
+        let unaveraged = unaveraged::around(recorded, window, [begin, end], record.bends(window), false);
         let of_stroke = self.knots.iter().map(|knot| knot.time).chain(unaveraged.iter().flat_map(Unaveraged::knots));
         let mut times: Vec<f64> =
             self.knots.iter().map(|knot| knot.time).chain(of_stroke.map(|time| time - delay)).collect();

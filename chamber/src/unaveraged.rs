@@ -38,7 +38,7 @@ pub struct Unaveraged {
     first: f64,
     /// First and last time at which the spline stands for the stroke, s.
     extent: [f64; 2],
-    /// Coefficients of the spline, m, and their derivatives by the window, m/s.
+    /// Coefficients of the spline, m, and their derivatives by the window, m/s, zero where not wanted.
     coefficients: Vec<[f64; 2]>,
 }
 
@@ -47,19 +47,20 @@ pub struct Unaveraged {
 pub struct At {
     /// Position, m, velocity, m/s, acceleration, m/s².
     pub derivatives: [f64; 3],
-    /// Derivatives of position and velocity by the window.
+    /// Derivatives of position and velocity by the window, zero where not wanted.
     pub by_window: [f64; 2],
 }
 
 /// The strokes around motions, each from one time to another, s, and in time order, of a record between two ends, s, that averages
 /// over `window`, s. Motions that are near enough for one stroke are one. Beside them the record is at rest, or moves evenly. There
 /// is none where the window is too short to matter, or too long for a record that moves from one end to the other to tell the stroke
-/// from it.
+/// from it. The derivatives by the window cost as much again as the strokes.
 pub fn around(
     recorded: impl Fn(f64) -> f64,
     window: f64,
     ends: [f64; 2],
     motions: impl IntoIterator<Item = [f64; 2]>,
+    with_derivatives: bool,
 ) -> Vec<Unaveraged> {
     let mut joined: Vec<[f64; 2]> = Vec::new();
     for [from, to] in motions {
@@ -68,7 +69,7 @@ pub fn around(
             _ => joined.push([from, to]),
         }
     }
-    joined.into_iter().filter_map(|motion| Unaveraged::new(&recorded, window, ends, motion)).collect()
+    joined.into_iter().filter_map(|motion| Unaveraged::new(&recorded, window, ends, motion, with_derivatives)).collect()
 }
 
 /// The one of these, in time order, that stands for the stroke at a time, s, if any does.
@@ -80,7 +81,13 @@ pub fn standing_at(strokes: &[Unaveraged], time: f64) -> Option<&Unaveraged> {
 
 impl Unaveraged {
     /// The stroke of one motion.
-    fn new(recorded: impl Fn(f64) -> f64, window: f64, ends: [f64; 2], motion: [f64; 2]) -> Option<Self> {
+    fn new(
+        recorded: impl Fn(f64) -> f64,
+        window: f64,
+        ends: [f64; 2],
+        motion: [f64; 2],
+        with_derivatives: bool,
+    ) -> Option<Self> {
         let [from, to] = motion;
         if window <= 0.0 || (to - from) > MOST_WINDOWS * window {
             return None;
@@ -103,9 +110,11 @@ impl Unaveraged {
         let time = |knot: f64| (first + knot) * step;
         let record: Vec<f64> = (0..system.knots + 2).map(|i| recorded(time(i as f64 - 1.0))).collect();
         let of_window = |window: f64| system.solve(&record, window / step);
-        let (here, wider) = (of_window(window), of_window(window * (1.0 + WIDER)));
-        let with_derivative = |(here, wider): (&f64, &f64)| [*here, (wider - here) / (WIDER * window)];
-        let coefficients = here.iter().zip(&wider).map(with_derivative).collect();
+        let mut coefficients: Vec<[f64; 2]> = of_window(window).into_iter().map(|here| [here, 0.0]).collect();
+        if with_derivatives {
+            let wider = of_window(window * (1.0 + WIDER));
+            coefficients.iter_mut().zip(wider).for_each(|(c, wider)| c[1] = (wider - c[0]) / (WIDER * window));
+        }
         // A knot has a part in the spline up to two steps away.
         let known = [BAND as f64 - 2.0, (last - first) - BAND as f64 + 2.0].map(time);
         let extent = [0, 1].map(|k| if rests[k] { known[k] } else { motion[k] });
@@ -184,7 +193,7 @@ impl System {
         // average by steps²/24 of it more.
         let beside = 1.0 / 6.0 + steps * steps / 24.0;
         let mut c: Vec<f64> = record.windows(3).map(|x| x[1] - beside * (x[0] - 2.0 * x[1] + x[2])).collect();
-        // Rows of the Cholesky factor, each from its diagonal to the left.
+        // Rows of the Cholesky factor, each from its diagonal, of which it has the reciprocal, to the left.
         let mut factor: Vec<[f64; BAND + 1]> = Vec::with_capacity(unknown.len());
         for i in unknown.clone() {
             let n = i - unknown.start;
@@ -197,14 +206,15 @@ impl System {
             let compared: f64 = samples.map(|j| weights.average[j.abs_diff(i)] * record[j + 1]).sum();
             let known_before: f64 = (i - BAND.min(i)..unknown.start).map(|k| entry(i, i - k) * c[k]).sum();
             let known_behind: f64 = (unknown.end..self.knots.min(i + BAND + 1)).map(|k| entry(k, k - i) * c[k]).sum();
-            let found: f64 = (1..=BAND.min(n)).map(|d| row[d] * c[i - d]).sum();
-            c[i] = (compared - known_before - known_behind - found) / row[0];
+            // The coefficient found last is the last to be added: what does not wait for it is done meanwhile.
+            let found: f64 = (1..=BAND.min(n)).rev().map(|d| row[d] * c[i - d]).sum();
+            c[i] = (compared - known_before - known_behind - found) * row[0];
             factor.push(row);
         }
         for i in unknown.clone().rev() {
             let n = i - unknown.start;
-            let found: f64 = (1..=BAND.min(factor.len() - 1 - n)).map(|d| factor[n + d][d] * c[i + d]).sum();
-            c[i] = (c[i] - found) / factor[n][0];
+            let found: f64 = (1..=BAND.min(factor.len() - 1 - n)).rev().map(|d| factor[n + d][d] * c[i + d]).sum();
+            c[i] = (c[i] - found) * factor[n][0];
         }
         c
     }
@@ -213,10 +223,11 @@ impl System {
 /// Whether two rows of the factor are the same but for rounding.
 fn is_same(one: &[f64; BAND + 1], other: &[f64; BAND + 1]) -> bool {
     const ROUNDING: f64 = 1e-15;
-    one.iter().zip(other).all(|(a, b)| (a - b).abs() <= ROUNDING * one[0])
+    let size = one[0].max(one[0].recip());
+    one.iter().zip(other).all(|(a, b)| (a - b).abs() <= ROUNDING * size)
 }
 
-/// The row of the Cholesky factor behind these, from its diagonal to the left, for a row of the matrix.
+/// The row of the Cholesky factor behind these, from its diagonal's reciprocal to the left, for a row of the matrix.
 fn row_of_factor(factor: &[[f64; BAND + 1]], matrix: [f64; BAND + 1]) -> [f64; BAND + 1] {
     let n = factor.len();
     let mut row = [0.0; BAND + 1];
@@ -224,9 +235,9 @@ fn row_of_factor(factor: &[[f64; BAND + 1]], matrix: [f64; BAND + 1]) -> [f64; B
         // Both rows reach as far to the left as this one does.
         let other = &factor[n - d];
         let products: f64 = (d + 1..=BAND.min(n)).map(|e| row[e] * other[e - d]).sum();
-        row[d] = (matrix[d] - products) / other[0];
+        row[d] = (matrix[d] - products) * other[0];
     }
-    row[0] = (matrix[0] - row[1..].iter().map(|l| l * l).sum::<f64>()).sqrt();
+    row[0] = (matrix[0] - row[1..].iter().map(|l| l * l).sum::<f64>()).sqrt().recip();
     row
 }
 
@@ -278,7 +289,7 @@ mod tests {
     #[test]
     fn a_slow_wave_is_found_again() {
         let x = |t: f64| 0.1 + 0.05 * (2.0 * t).sin();
-        let found = Unaveraged::new(|t| average(x, t), WINDOW, [-9.0, 9.0], [-9.0, 9.0]).unwrap();
+        let found = Unaveraged::new(|t| average(x, t), WINDOW, [-9.0, 9.0], [-9.0, 9.0], true).unwrap();
         for t in (-40..40).map(|k| 0.1 * f64::from(k)) {
             assert!((found.at(t).derivatives[0] - x(t)).abs() < 1e-6, "{t}: {}", found.at(t).derivatives[0] - x(t));
         }
@@ -288,22 +299,23 @@ mod tests {
     #[test]
     fn a_parabola_is_found_again_up_to_the_ends_of_its_record_and_rest_is_rest() {
         let x = |t: f64| 0.1 + 0.3 * t - t * t;
-        let found = Unaveraged::new(|t| average(x, t), WINDOW, [-1.0, 1.0], [-1.0, 1.0]).unwrap();
+        let found = Unaveraged::new(|t| average(x, t), WINDOW, [-1.0, 1.0], [-1.0, 1.0], true).unwrap();
         for t in [-1.0, -0.9, 0.2, 0.95, 1.0] {
             let [position, velocity, acceleration] = found.at(t).derivatives;
             assert!((position - x(t)).abs() < 1e-12 && (velocity - (0.3 - 2.0 * t)).abs() < 1e-11, "{t}");
             assert!((acceleration + 2.0).abs() < 1e-9, "{t}: {acceleration}");
         }
-        let rests = Unaveraged::new(|_| 0.1, WINDOW, [0.0, 1.0], [0.4, 0.6]).unwrap();
+        let rests = Unaveraged::new(|_| 0.1, WINDOW, [0.0, 1.0], [0.4, 0.6], true).unwrap();
         assert!(rests.knots().all(|t| (rests.at(t).derivatives[0] - 0.1).abs() < 1e-14));
-        assert!(Unaveraged::new(|_| 0.1, 0.0, [0.0, 1.0], [0.4, 0.6]).is_none());
+        assert!(Unaveraged::new(|_| 0.1, 0.0, [0.0, 1.0], [0.4, 0.6], true).is_none());
     }
 
     #[test]
     fn a_window_of_any_length_leaves_numbers() {
         for window in (-40..24).map(|k| 2.1f64.powi(k)) {
             for motion in [[0.0, 1.0], [0.4, 1.0], [0.0, 0.6], [0.4, 0.6], [0.5, 0.5]] {
-                let Some(found) = Unaveraged::new(|t| 0.1 + 0.01 * (3.0 * t).cos(), window, [0.0, 1.0], motion) else {
+                let Some(found) = Unaveraged::new(|t| 0.1 + 0.01 * (3.0 * t).cos(), window, [0.0, 1.0], motion, true)
+                else {
                     continue;
                 };
                 let [begin, end] = found.extent();
@@ -335,7 +347,8 @@ mod tests {
             let (x, averaged) = push(gains_speed);
             // The motion shows where it begins, and when it is no longer lost in noise.
             for hidden in [0.0, 0.05] {
-                let found = Unaveraged::new(&averaged, WINDOW, [-2.0, 3.0], [hidden - 0.15, 1.15 - hidden]).unwrap();
+                let found =
+                    Unaveraged::new(&averaged, WINDOW, [-2.0, 3.0], [hidden - 0.15, 1.15 - hidden], true).unwrap();
                 let rms = |of: &dyn Fn(f64) -> f64| {
                     (0..1400).map(|k| -0.2 + 1e-3 * f64::from(k)).map(|t| (of(t) - x(t)).powi(2)).sum::<f64>().sqrt()
                 };
@@ -351,7 +364,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_finite_differences() {
         let (_, averaged) = push(0.2);
-        let of = |window: f64| Unaveraged::new(&averaged, window, [-0.1, 1.3], [-0.1, 1.3]).unwrap();
+        let of = |window: f64| Unaveraged::new(&averaged, window, [-0.1, 1.3], [-0.1, 1.3], true).unwrap();
         let [less, middle, more] = [-1e-5, 0.0, 1e-5].map(|d| of(WINDOW + d));
         for t in [-0.1, 0.013, 0.38, 0.95, 1.2, 1.3] {
             let At { derivatives, by_window } = middle.at(t);

@@ -61,9 +61,9 @@ struct Passing<'a, R> {
     chamber: &'a Chamber<R>,
     set: EffectSet,
     stroke: TrueStroke<'a>,
-    /// The window that the stroke was recorded over, s.
+    /// The window that the stroke was recorded over and the time constant of the low-pass that it has passed, s: their derivatives
+    /// alone, as [`Self::stroke`] is told their values.
     window: R,
-    /// Time constant of the low-pass that it has passed, s.
     filter: R,
     correction: Correction<R>,
     near_flow: Cell<usize>,
@@ -77,9 +77,10 @@ struct Passing<'a, R> {
 
 impl<'a, R: Scalar> Passing<'a, R> {
     fn new(course: &'a Course, chamber: &'a Chamber<R>, set: EffectSet, correction: Correction<R>) -> Self {
-        let window = effects::stroke_window(set, &chamber.effects);
-        let filter = effects::stroke_filter(set, &chamber.effects);
-        let stroke = TrueStroke::new(&course.motion, window.value().max(0.0), filter.value().max(0.0));
+        let alone = |number: R| number - number.value();
+        let [window, filter] = [effects::stroke_window, effects::stroke_filter].map(|of| of(set, &chamber.effects));
+        let [window_s, filter_s] = [window, filter].map(|number| number.value().max(0.0));
+        let stroke = TrueStroke::new(&course.motion, window_s, filter_s, !alone(window).is_zero());
         let gaps = gaps::of(&course.motion).map(|gap| stroke.stretch_that_ends_at(gap.to_s)).collect();
         let longest_of_flow = course.mass_flow.as_ref().map_or(f64::INFINITY, |_| ROWS_OF_FLOW * course.motion.row_s());
         Self {
@@ -87,8 +88,8 @@ impl<'a, R: Scalar> Passing<'a, R> {
             chamber,
             set,
             stroke,
-            window,
-            filter,
+            window: alone(window),
+            filter: alone(filter),
             correction,
             near_flow: Cell::new(0),
             last: Cell::new(None),
@@ -130,10 +131,8 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
         let Moment { position: recorded, velocity: speed, by_window, by_filter } = self.stroke_at(stretch, time);
         let (mut position, mut velocity) = (R::from(recorded), R::from(speed));
         for (number, by) in [(self.window, by_window), (self.filter, by_filter)] {
-            // Zero but for its derivatives, which a number without effect does not have.
-            let change = number - number.value();
-            position += change * by[0];
-            velocity += change * by[1];
+            position += number * by[0];
+            velocity += number * by[1];
         }
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
         let Correction { warmer, position_times, characteristic, .. } = self.correction;
@@ -270,7 +269,7 @@ impl<R: Scalar> Run<'_, R> {
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
         let Run { chamber, set, start, correction, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Default::default()) };
-        let inputs = Passing::new(course, chamber, set, correction);
+        let inputs = &Passing::new(course, chamber, set, correction);
         let begin = inputs.begin();
         let (gas_set, balance) = (set.without(effects::of_sensor()), &Balance::of(*chamber));
         let at_begin = inputs.boundary(0, begin);
@@ -279,8 +278,7 @@ impl<R: Scalar> Run<'_, R> {
         let mut initial: [R; N] = core::array::from_fn(|i| initial[i]);
         initial[ENERGY] = isentrope.at(balance, &at_begin).referred(initial[ENERGY]);
         on_step(begin, initial[MASS]);
-        let passing = Passing::new(course, chamber, set, correction);
-        let mut sensor = Sensor::new(balance, isentrope, set, passing, times, start.pressure);
+        let mut sensor = Sensor::new(balance, isentrope, set, inputs, times, start.pressure);
         let evaluations = Cell::new(0usize);
         let mut most_evaluations = MOST_EVALUATIONS.0 + MOST_EVALUATIONS.1 * course.motion.rows();
         if mesh.steps() > 0 {
@@ -299,7 +297,7 @@ impl<R: Scalar> Run<'_, R> {
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
         let last = last + late.value().max(0.0);
-        let taken = record::follow(&inputs, &mut integrator, last, mesh, rates, |stretch, until, step| {
+        let taken = record::follow(inputs, &mut integrator, last, mesh, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
             on_step(until, step.end()[MASS]);
         })?;
@@ -352,7 +350,7 @@ struct Sensor<'a, R> {
     balance: &'a Balance<R>,
     isentrope: &'a Isentrope,
     set: EffectSet,
-    inputs: Passing<'a, R>,
+    inputs: &'a Passing<'a, R>,
     lag: Option<R>,
     /// What the lag shows; not known yet of a record that begins in motion.
     lagged: Option<R>,
@@ -366,7 +364,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         balance: &'a Balance<R>,
         isentrope: &'a Isentrope,
         set: EffectSet,
-        inputs: Passing<'a, R>,
+        inputs: &'a Passing<'a, R>,
         times: &'a [f64],
         pressure: R,
     ) -> Self {
@@ -391,7 +389,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
         let dense = step.dense();
         let pressure = |t: R| {
-            let boundary = record::boundary_at(&self.inputs, stretch, t);
+            let boundary = record::boundary_at(self.inputs, stretch, t);
             let mut volume = self.balance.chamber.geometry.volume(boundary.position);
             let state = dense.at(t);
             let energy = state[ENERGY] / self.isentrope.factor(volume);

@@ -164,7 +164,7 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
             a.is_noise, a.systematic_pa, a.squares_deviations, a.family_probability
         );
         for f in a.families.iter().take(4) {
-            println!("   {:?} by {:?}: gain {:.1} rank {}", f.balance, f.variable, f.gain, f.rank);
+            println!("   {:?} by {:?}: gain {:.1} rank {}", f.term, f.variable, f.gain, f.rank);
         }
     }
     println!("chosen:");

@@ -20,6 +20,8 @@ const FROM_NEIGHBOURS: f64 = 9.0;
 const FROM_MEDIAN: f64 = 6.5;
 /// Steps of a sensor are smaller than this share of what it shows.
 const COARSEST_STEP: f64 = 0.02;
+/// Most spikes at a move that follow each other.
+const TOGETHER: usize = 2;
 /// Rows on each side that a residual is compared with.
 const REACH: usize = 8;
 
@@ -49,8 +51,8 @@ pub fn of_rest(pressure_pa: &[f64], rest: usize) -> Vec<usize> {
 /// Rows of each record whose residual (measured − model, Pa) is far from those around it.
 ///
 /// At a move the model errs too, in the few rows of a fast one: a delay, a low-pass or an average that it lacks yet. Rows in
-/// its reach are outliers where they stand alone and out of both neighbours only, and where the moves have no more of them
-/// than the rest of the records: spikes know nothing of the piston.
+/// its reach are outliers only where they stand out of both neighbours, alone or two together, and where the moves have no more of
+/// them than the rest of the records: spikes know nothing of the piston.
 pub fn in_residuals(data: &Data, residuals: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let noise_pa = data.noise.white_pa.max(data.noise.step_pa);
     let records: Vec<Far> = data.traces.iter().zip(residuals).map(|(t, r)| Far::of(t, r, noise_pa)).collect();
@@ -83,7 +85,7 @@ fn more_at_moves([at_moves, elsewhere]: [usize; 2], share: f64) -> f64 {
 
 /// Readings of a record that are far from those around them.
 struct Far {
-    /// Those in reach of a move that stand alone, ...
+    /// Those in reach of a move that stand alone or in twos, ...
     at_moves: Vec<usize>,
     /// ... and those that are not.
     elsewhere: Vec<usize>,
@@ -100,10 +102,13 @@ impl Far {
         let at_moves = reach_of_moves(t, &rows);
         let far = far_from_median(&rows, residual, noise_pa);
         let is_far = |k: usize| far.binary_search(&k).is_ok();
-        let is_alone = |k: usize| {
-            let (Some(before), Some(after)) = (k.checked_sub(1), rows.get(k + 1)) else { return false };
+        // Between the rows before and behind it, and the one far off beside it if there is one.
+        let is_between_others = |k: usize| {
+            let first = if k > 0 && is_far(k - 1) { k - 1 } else { k };
+            let last = if is_far(k + 1) { k + 1 } else { k };
+            let (Some(before), Some(after)) = (first.checked_sub(1), rows.get(last + 1)) else { return false };
             let [a, b, c] = [residual[rows[before]], residual[rows[k]], residual[*after]];
-            !is_far(before) && !is_far(k + 1) && stands_out([a, b, c], noise_pa)
+            last - first < TOGETHER && !is_far(before) && !is_far(last + 1) && stands_out([a, b, c], noise_pa)
         };
         let known_at_moves = t
             .spikes
@@ -113,7 +118,7 @@ impl Far {
         let rows_at_moves = at_moves.iter().filter(|at| **at).count();
         let row = |k: &usize| rows[*k];
         Self {
-            at_moves: far.iter().filter(|&&k| at_moves[k] && is_alone(k)).map(row).collect(),
+            at_moves: far.iter().filter(|&&k| at_moves[k] && is_between_others(k)).map(row).collect(),
             elsewhere: far.iter().filter(|&&k| !at_moves[k]).map(row).collect(),
             known: [known_at_moves, t.spikes.len() - known_at_moves],
             rows: [rows_at_moves, rows.len() - rows_at_moves],
@@ -223,6 +228,21 @@ mod tests {
         residuals[0][quiet] += 40.0 * sd_pa;
         residuals[0][quiet + 1] += 20.0 * sd_pa;
         assert_eq!(in_residuals(&data, &residuals)[0], [quiet, quiet + 1]);
+    }
+
+    #[test]
+    fn two_spikes_together_at_a_move_are_left_out_and_three_rows_are_none() {
+        let (data, mut residuals, moves) = noise_of_a_rig();
+        let sd_pa = data.noise.white_pa;
+        let at = [moves[0] + 12, moves[1] + 12];
+        let spikes = [(0, 0, -300.0), (0, 1, -130.0), (1, 0, 300.0), (1, 1, 130.0), (1, 2, 60.0)];
+        spikes.iter().for_each(|&(record, row, size)| residuals[record][at[record] + row] += size * sd_pa);
+        // As many as elsewhere: else they would follow the moves.
+        let elsewhere: Vec<usize> = (1..4).map(|k| residuals[2].len() - 20 * k).collect();
+        elsewhere.iter().for_each(|row| residuals[2][*row] += 40.0 * sd_pa);
+        let found = in_residuals(&data, &residuals);
+        assert_eq!(found[..2], [vec![at[0], at[0] + 1], vec![]]);
+        assert_eq!(found[2].len(), elsewhere.len());
     }
 
     #[test]

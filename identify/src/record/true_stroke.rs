@@ -43,14 +43,15 @@ pub struct Moment {
 
 impl<'a> TrueStroke<'a> {
     /// Behind a record that averages over `window`, s, and has passed a low-pass of time constant `filter`, s; zero means
-    /// that the record is the stroke.
-    pub fn new(motion: &'a Motion, window: f64, filter: f64) -> Self {
+    /// that the record is the stroke. Derivatives by the window are zero where not wanted.
+    pub fn new(motion: &'a Motion, window: f64, filter: f64, with_derivatives: bool) -> Self {
         let ends: Vec<f64> = motion.segments.iter().map(|s| s.to_s).collect();
         let mut stroke = Self { motion, window, filter, unaveraged: Vec::new(), ends, near: Near::default() };
         if window > 0.0 {
             let (begin, end) = motion.extent();
             let moves = motion.segments.iter().filter(|s| s.phase == Phase::Move).map(|s| [s.from_s, s.to_s]);
-            stroke.unaveraged = unaveraged::around(|time| stroke.recorded(time)[0], window, [begin, end], moves);
+            stroke.unaveraged =
+                unaveraged::around(|time| stroke.recorded(time)[0], window, [begin, end], moves, with_derivatives);
             let of_splines = stroke.unaveraged.iter().flat_map(Unaveraged::extent);
             stroke.ends.extend(of_splines.filter(|time| *time > begin && *time < end));
             stroke.ends.sort_by(f64::total_cmp);
@@ -162,7 +163,7 @@ mod tests {
     #[test]
     fn the_stroke_behind_a_moving_average_is_found_again() {
         let (truth, motion) = record();
-        let [plain, behind] = [0.0, WINDOW].map(|window| TrueStroke::new(&motion, window, 0.0));
+        let [plain, behind] = [0.0, WINDOW].map(|window| TrueStroke::new(&motion, window, 0.0, true));
         let worst = |stroke: &TrueStroke<'_>| {
             (1..1490)
                 .map(|k| f64::from(k) * 1e-3)
@@ -190,7 +191,7 @@ mod tests {
         }
         let (time, position): (Vec<f64>, Vec<f64>) = filtered.into_iter().unzip();
         let motion = Motion::detect(&time, &position);
-        let [less, behind, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, 0.0, FILTER + d));
+        let [less, behind, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, 0.0, FILTER + d, true));
         for t in (1..1490).map(|k| f64::from(k) * 1e-3) {
             let Moment { position, by_filter, .. } = along(&behind, t);
             assert!((position - truth(t)).abs() < 5e-5, "{t}: {position} {}", truth(t));
@@ -206,7 +207,7 @@ mod tests {
     fn derivatives_are_those_of_finite_differences() {
         let (_, motion) = record();
         // With the window itself the number of knots is about to change.
-        let [less, middle, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, 1.01 * WINDOW + d, 0.0));
+        let [less, middle, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, 1.01 * WINDOW + d, 0.0, true));
         for t in [0.005, 0.013, 0.38, 0.45, 0.5123, 0.6, 0.71, 1.0, 1.49] {
             let Moment { velocity, by_window, .. } = along(&middle, t);
             let [narrow, wide] = [&less, &more].map(|stroke| along(stroke, t));

@@ -37,7 +37,7 @@ pub struct Unresolved<'a> {
 impl<'a> Unresolved<'a> {
     /// Behind a record that averages over `window`, s.
     pub fn new(motion: &'a Motion, window: f64) -> Self {
-        Self { recorded: TrueStroke::new(motion, 0.0, 0.0), extent: motion.extent(), window }
+        Self { recorded: TrueStroke::new(motion, 0.0, 0.0, false), extent: motion.extent(), window }
     }
 
     /// How far the stroke may be off at a time, m.
@@ -79,7 +79,7 @@ mod tests {
     fn the_error_of_a_stroke_taken_back_is_of_the_size_that_is_stated() {
         for length in [0.05, 0.08, 0.12] {
             let (truth, motion) = push(length);
-            let stroke = TrueStroke::new(&motion, 0.04, 0.0);
+            let stroke = TrueStroke::new(&motion, 0.04, 0.0, false);
             let unresolved = Unresolved::new(&motion, 0.04);
             let found = |t: f64| stroke.at(stroke.stretch_that_ends_at(t), t).position;
             let (mut off, mut stated) = (0.0, 0.0);

@@ -8,11 +8,14 @@ use crate::policy::DECISIVE;
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 /// Distance of the frequencies that are looked at, in periods of the longest window.
 const FINENESS: f64 = 0.5;
 /// Most rounds of trials in which a size, a time or a frequency is moved on: far more than a search takes that comes to an end.
 const MOST_ROUNDS: usize = 100;
+/// Longest windows in which a line keeps its phase: what loses it sooner is a colour, what keeps it longer is a sine.
+pub const COHERENT: RangeInclusive<f64> = 5.0..=1000.0;
 /// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
 
@@ -108,7 +111,7 @@ impl Likelihood<'_> {
         if let Some(humming) = self.humming(&white.1).filter(|_| !coloured.1.colours.is_empty()) {
             best = self.better(best, self.coloured(humming, longest_s));
         }
-        self.tuned(best).1
+        self.tuned(best, COHERENT).1
     }
 
     /// The better of two: each process beyond white noise has to pay for its two numbers, as does flicker noise.
@@ -181,22 +184,36 @@ impl Likelihood<'_> {
         Some(self.scaled(&Noise { hum: Some(hum), ..noise.clone() }))
     }
 
-    /// The line's frequency and size, where there is one, moved up and down by steps that shrink, as long as that helps: the
-    /// periodogram of a slow hum has few frequencies to choose from, and the polynomial that the windows are free of shifts
-    /// its peak.
-    pub fn tuned(&self, mut best: (f64, Noise)) -> (f64, Noise) {
-        let (mut step_hz, mut factor) = (0.25 / self.longest_s(), 1.4);
+    /// The line's frequency, size and coherence, where there is one, moved up and down by steps that shrink, as long as that helps:
+    /// the periodogram of a slow hum has few frequencies to choose from, and the polynomial that the windows are free of shifts
+    /// its peak. A line that keeps its phase for longer is larger by the same windows, as less of it begins anew in each. It does so for
+    /// `coherent` longest windows.
+    pub fn tuned(&self, mut best: (f64, Noise), coherent: RangeInclusive<f64>) -> (f64, Noise) {
+        let longest_s = self.longest_s();
+        let [least_s, most_s] = [coherent.start(), coherent.end()].map(|windows| windows * longest_s);
+        let (mut step_hz, mut factor) = (0.25 / longest_s, 1.4f64);
         for _ in 0..MOST_ROUNDS {
-            if step_hz <= 0.01 / self.longest_s() {
+            if step_hz <= 0.01 / longest_s {
                 break;
             }
             let mut moved = false;
-            for (by_hz, size) in [(step_hz, 1.0), (-step_hz, 1.0), (0.0, factor), (0.0, 1.0 / factor)] {
+            let moves = [
+                (1.0, 0, 0),
+                (-1.0, 0, 0),
+                (0.0, 1, 0),
+                (0.0, -1, 0),
+                (0.0, 0, 4),
+                (0.0, 0, -4),
+                (0.0, 1, 2),
+                (0.0, -1, -2),
+            ];
+            for (steps, size, coherence) in moves {
                 let mut trial = best.1.clone();
                 let Some(hum) = &mut trial.hum else { return best };
-                hum.frequency_hz += by_hz;
-                hum.sd_pa *= size;
-                if hum.frequency_hz * self.longest_s() < self.fewest_periods {
+                hum.frequency_hz += steps * step_hz;
+                hum.sd_pa *= factor.powi(size);
+                hum.coherence_s = (hum.coherence_s * factor.powi(coherence)).clamp(least_s, most_s);
+                if hum.frequency_hz * longest_s < self.fewest_periods {
                     continue;
                 }
                 let trial = self.scaled(&trial);
@@ -292,7 +309,8 @@ impl Likelihood<'_> {
         if power < mean + STANDS_OUT * mean.sqrt() + STANDS_OUT {
             return None;
         }
-        let trial = |share: f64| Hum { sd_pa: share * noise.white_pa, frequency_hz, coherence_s: 5.0 * span_s };
+        let trial =
+            |share: f64| Hum { sd_pa: share * noise.white_pa, frequency_hz, coherence_s: COHERENT.start() * span_s };
         [0.1, 0.2, 0.4, 0.8, 1.6]
             .map(|share| (self.scaled(&Noise { hum: Some(trial(share)), ..noise.clone() }).0, trial(share)))
             .into_iter()
@@ -479,7 +497,7 @@ mod tests {
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");
-        let (_, noise) = likelihood.tuned(likelihood.humming(&white.1).unwrap());
+        let (_, noise) = likelihood.tuned(likelihood.humming(&white.1).unwrap(), COHERENT);
         assert!((noise.hum.unwrap().frequency_hz - 1.3).abs() < 2e-3, "{noise:?}");
         assert!((noise.white_pa / 60.0 - 1.0).abs() < 0.05, "{noise:?}");
     }

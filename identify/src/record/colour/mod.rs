@@ -15,7 +15,7 @@ mod windows;
 use crate::policy::DECISIVE;
 use crate::record::data::{Data, Prepared};
 use crate::record::noise::{Hum, Noise};
-use likelihood::{Likelihood, scale_by};
+use likelihood::{COHERENT, Likelihood, scale_by};
 use windows::{Window, quiet_rows, window, windows};
 
 /// Coefficients of the polynomial that a window of a single record is free of.
@@ -29,8 +29,11 @@ const MOST_POINTS: usize = 30_000;
 const FEWEST_POINTS: usize = 120;
 /// Periods of a hum that the longest window has at least where there are no repeats: fewer may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
-/// Periods that show a line at all: enough in a contrast, which is free of the gas.
+/// Periods that show a line at all.
 const FEWEST_SEEN: f64 = 1.0;
+/// Periods of a hum that the longest contrast of repeats has at least: it is free of the gas, and half a wave beside its mean tells
+/// what one of about that frequency may do to a record.
+const FEWEST_IN_CONTRAST: f64 = 0.5;
 
 /// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
 /// change: step, what the rig states.
@@ -45,7 +48,8 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
         windows = windows.into_iter().step_by(2).collect();
     }
-    let (free, fewest_periods) = if pure { (FREE_IN_CONTRAST, FEWEST_SEEN) } else { (FREE_ALONE, FEWEST_PERIODS) };
+    let (free, fewest_periods) =
+        if pure { (FREE_IN_CONTRAST, FEWEST_IN_CONTRAST) } else { (FREE_ALONE, FEWEST_PERIODS) };
     let likelihood = Likelihood { windows: &windows, free, fewest_periods, least_pa: data.least_noise_pa() };
     let white_pa = before.white_pa.max(before.rounding_pa());
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
@@ -90,7 +94,7 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     let line = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS);
     let seen = line.and_then(|line| {
         let (with, humming) = colour(&likelihood.scaled(&Noise { hum: Some(line), ..start.clone() }).1);
-        (with + DECISIVE < without).then(|| likelihood.tuned((with, humming)).1.hum).flatten()
+        (with + DECISIVE < without).then(|| likelihood.tuned((with, humming), COHERENT).1.hum).flatten()
     });
     seen.or_else(|| nothing_but_hum(&Likelihood { free: FREE_IN_CONTRAST, ..likelihood }, start))
 }
@@ -98,27 +102,28 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
 /// A hum of fewer periods than tell it from the gas, where it and white noise are all there is in rests and holds as they are: the
 /// course that a missing effect leaves is no sine, the same in short holds and in long ones.
 fn nothing_but_hum(likelihood: &Likelihood<'_>, start: &Noise) -> Option<Hum> {
-    /// Longest windows in which the hum keeps its phase: one that wanders could follow any course.
-    const COHERENT: f64 = 1000.0;
+    // One whose phase wanders could follow any course.
+    let steadiest = *COHERENT.end();
     let longest_s = likelihood.longest_s();
     let (_, white) = likelihood.scaled(start);
     let line = likelihood.line(&white)?;
     let (coloured, _) = likelihood.with_another_colour(&white, longest_s);
-    let steady = Hum { coherence_s: COHERENT * longest_s, ..line };
-    let humming = likelihood.tuned(likelihood.scaled(&Noise { hum: Some(steady), ..start.clone() }));
+    let steady = Hum { coherence_s: steadiest * longest_s, ..line };
+    let humming = likelihood.scaled(&Noise { hum: Some(steady), ..start.clone() });
+    let humming = likelihood.tuned(humming, steadiest..=steadiest);
     let (beside, _) = likelihood.with_another_colour(&humming.1, longest_s);
     let is_all = humming.0 + DECISIVE < coloured && humming.0 < beside + DECISIVE;
-    let is_steady = |hum: &Hum| hum.sd_pa * f64::sqrt(2.0 / COHERENT) < humming.1.white_pa;
-    let hum = humming.1.hum.filter(|hum| is_all && is_steady(hum))?;
-    Some(Hum { coherence_s: line.coherence_s, ..hum })
+    let is_steady = |hum: &Hum| hum.sd_pa * f64::sqrt(2.0 / steadiest) < humming.1.white_pa;
+    humming.1.hum.filter(|hum| is_all && is_steady(hum))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::stroke::Phase;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
-    use crate::synthetic::recording::ALL;
+    use crate::synthetic::recording::{ALL, Disturbance};
 
     /// The noise that the paper's model shows in the single records of a rig.
     fn shown(recipe: &Recipe) -> Noise {
@@ -133,6 +138,19 @@ mod tests {
         let noise = shown(&hum.apply(Recipe::wide(16_003)));
         assert!(noise.hum.is_some_and(|hum| (hum.frequency_hz - 0.3).abs() < 0.01), "{noise:?}");
         assert!(noise.colours.is_empty() && (noise.white_pa / 60.0 - 1.0).abs() < 0.05, "{noise:?}");
+    }
+
+    #[test]
+    fn repeats_show_a_hum_of_which_a_hold_lasts_less_than_a_period() {
+        let mut recipe = Recipe { noise_pa: 30.0, ..Recipe::from_seed(5) };
+        let holds = Data::prepare(&recipe.rig()).unwrap().traces.into_iter().flat_map(|t| t.course.motion.segments);
+        let longest_s = holds.filter(|s| s.phase == Phase::Hold).map(|s| s.to_s - s.from_s).fold(0.0, f64::max);
+        let frequency_hz = 0.7 / longest_s;
+        recipe.faults.disturbances.push(Disturbance::Hum { amplitude_pa: 100.0, frequency_hz });
+        let noise = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap().0.noise;
+        let hum = noise.hum.unwrap_or_else(|| panic!("{noise:?}"));
+        assert!((hum.frequency_hz * longest_s - 0.7).abs() < 0.1 && noise.colours.is_empty(), "{noise:?}");
+        assert!((hum.sd_pa / 70.7 - 1.0).abs() < 0.3, "{noise:?}");
     }
 
     #[test]
