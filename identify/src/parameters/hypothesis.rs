@@ -19,6 +19,10 @@ use chamber::{Chamber, HeatTransfer};
 /// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
 pub const FIRST_LAMBDA0: f64 = 30.0;
 
+/// Rows by which a position may be early at the most: what has passed a digital filter is, by half of the filter's step, which is no
+/// longer than a row. With more than that, low-pass and delay together would smooth like an average, without any delay.
+const EARLIEST_ROWS: f64 = 0.6;
+
 /// A model to be fitted: which numbers are free.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
@@ -87,8 +91,7 @@ impl Hypothesis {
                     _ => {}
                 }
                 if delays_position(e) && parameter.fitted {
-                    // Only what has passed a digital filter is early, by half of its step, which is no longer than a row.
-                    let earliest_s = if model.secondary.has(e) { -data.shortest_row_s() } else { 0.0 };
+                    let earliest_s = if model.secondary.has(e) { -EARLIEST_ROWS * data.shortest_row_s() } else { 0.0 };
                     bounds[0] = bounds[0].max(earliest_s / scale);
                 }
                 if model.own.has(e) {
@@ -283,7 +286,7 @@ mod tests {
     use chamber::effects::{EffectSet, find};
 
     #[test]
-    fn a_position_is_early_by_a_row_at_the_most_and_only_behind_a_low_pass() {
+    fn a_position_is_early_by_little_more_than_half_a_row_and_only_behind_a_low_pass() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let chamber = first_chamber(&data);
         let (effect, _) = find("position_delay").unwrap();
@@ -295,6 +298,6 @@ mod tests {
             delay.value(delay.bounds[0])
         };
         assert_eq!(earliest_s(EffectSet::NONE), 0.0);
-        assert_eq!(earliest_s(one), -data.shortest_row_s());
+        assert_eq!(earliest_s(one), -EARLIEST_ROWS * data.shortest_row_s());
     }
 }
