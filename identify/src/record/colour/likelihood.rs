@@ -181,7 +181,8 @@ impl Likelihood<'_> {
     /// With the line that stands out of what this noise leaves, if there is one.
     fn humming(&self, noise: &Noise) -> Option<(f64, Noise)> {
         let hum = self.line(noise)?;
-        Some(self.scaled(&Noise { hum: Some(hum), ..noise.clone() }))
+        // A colour must not take up what a hum leaves that is not as large yet as it is.
+        Some(self.tuned(self.scaled(&Noise { hum: Some(hum), ..noise.clone() }), COHERENT))
     }
 
     /// The line's frequency, size and coherence, where there is one, moved up and down by steps that shrink, as long as that helps:
@@ -497,7 +498,7 @@ mod tests {
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");
-        let (_, noise) = likelihood.tuned(likelihood.humming(&white.1).unwrap(), COHERENT);
+        let (_, noise) = likelihood.humming(&white.1).unwrap();
         assert!((noise.hum.unwrap().frequency_hz - 1.3).abs() < 2e-3, "{noise:?}");
         assert!((noise.white_pa / 60.0 - 1.0).abs() < 0.05, "{noise:?}");
     }
