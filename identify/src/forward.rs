@@ -61,10 +61,9 @@ struct Passing<'a, R> {
     chamber: &'a Chamber<R>,
     set: EffectSet,
     stroke: TrueStroke<'a>,
-    /// The window that the stroke was recorded over and the time constant of the low-pass that it has passed, s: their derivatives
-    /// alone, as [`Self::stroke`] is told their values.
-    window: R,
-    filter: R,
+    /// The window that the stroke was recorded over and the time constant of the low-pass that it has passed, s, less their values,
+    /// which the stroke is for: zero but for their derivatives.
+    changes: [R; 2],
     correction: Correction<R>,
     near_flow: Cell<usize>,
     /// The stretch and time, s, that were asked for last, and the stroke there: the last two stages of a step ask for the same.
@@ -77,10 +76,10 @@ struct Passing<'a, R> {
 
 impl<'a, R: Scalar> Passing<'a, R> {
     fn new(course: &'a Course, chamber: &'a Chamber<R>, set: EffectSet, correction: Correction<R>) -> Self {
-        let alone = |number: R| number - number.value();
-        let [window, filter] = [effects::stroke_window, effects::stroke_filter].map(|of| of(set, &chamber.effects));
-        let [window_s, filter_s] = [window, filter].map(|number| number.value().max(0.0));
-        let stroke = TrueStroke::new(&course.motion, window_s, filter_s, !alone(window).is_zero());
+        let numbers = [effects::stroke_window, effects::stroke_filter].map(|of| of(set, &chamber.effects));
+        let changes = numbers.map(|number| number - number.value());
+        let [window_s, filter_s] = numbers.map(|number| number.value().max(0.0));
+        let stroke = TrueStroke::new(&course.motion, window_s, filter_s, !changes[0].is_zero());
         let gaps = gaps::of(&course.motion).map(|gap| stroke.stretch_that_ends_at(gap.to_s)).collect();
         let longest_of_flow = course.mass_flow.as_ref().map_or(f64::INFINITY, |_| ROWS_OF_FLOW * course.motion.row_s());
         Self {
@@ -88,8 +87,7 @@ impl<'a, R: Scalar> Passing<'a, R> {
             chamber,
             set,
             stroke,
-            window: alone(window),
-            filter: alone(filter),
+            changes,
             correction,
             near_flow: Cell::new(0),
             last: Cell::new(None),
@@ -130,9 +128,9 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
         let course = self.course;
         let Moment { position: recorded, velocity: speed, by_window, by_filter } = self.stroke_at(stretch, time);
         let (mut position, mut velocity) = (R::from(recorded), R::from(speed));
-        for (number, by) in [(self.window, by_window), (self.filter, by_filter)] {
-            position += number * by[0];
-            velocity += number * by[1];
+        for (change, by) in self.changes.into_iter().zip([by_window, by_filter]) {
+            position += change * by[0];
+            velocity += change * by[1];
         }
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
         let Correction { warmer, position_times, characteristic, .. } = self.correction;

@@ -41,7 +41,6 @@ impl Effect for LaminarLeakage {
     fn flows<R: Real>(_: &[R], constant: R, at: &Conditions<R>, flows: &mut Flows<R>) {
         let (inside, outside) = (at.pressure, at.ambient_pressure);
         let out = inside - outside;
-        // 1/T is m cv/U.
         let mut per_upstream = at.per_temperature();
         if (outside - inside).any_positive() {
             per_upstream = out.where_positive(per_upstream, at.ambient_temperature.recip());

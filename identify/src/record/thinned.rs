@@ -1,8 +1,9 @@
 //! The curve of a long move through few of its rows: local cubics through the rows around every few of them.
 //!
 //! Even knots, as far apart as leaves all rows together within their noise of the curve, and others between them where single rows
-//! ask for it (at a corner); where none do (a piston that starts at once and then tends to its end), few knots and others between them. The positions' noise no longer shakes the speed from row
-//! to row, and a simulation takes longer steps. Position in m, time in s.
+//! ask for it (at a corner). Where no even knots do (a piston that starts at once and then tends to its end), few knots and others
+//! between them. The positions' noise no longer shakes the speed from row to row, and a simulation takes longer steps. Position in m,
+//! time in s.
 
 use crate::record::local_cubic::local_cubic;
 use crate::record::spline::Spline;

@@ -190,6 +190,17 @@ impl Likelihood<'_> {
     /// its peak. A line that keeps its phase for longer is larger by the same windows, as less of it begins anew in each. It does so for
     /// `coherent` longest windows.
     pub fn tuned(&self, mut best: (f64, Noise), coherent: RangeInclusive<f64>) -> (f64, Noise) {
+        /// Steps of the frequency, and powers of the factor for size and coherence.
+        const MOVES: [(f64, i32, i32); 8] = [
+            (1.0, 0, 0),
+            (-1.0, 0, 0),
+            (0.0, 1, 0),
+            (0.0, -1, 0),
+            (0.0, 0, 4),
+            (0.0, 0, -4),
+            (0.0, 1, 2),
+            (0.0, -1, -2),
+        ];
         let longest_s = self.longest_s();
         let [least_s, most_s] = [coherent.start(), coherent.end()].map(|windows| windows * longest_s);
         let (mut step_hz, mut factor) = (0.25 / longest_s, 1.4f64);
@@ -198,23 +209,13 @@ impl Likelihood<'_> {
                 break;
             }
             let mut moved = false;
-            let moves = [
-                (1.0, 0, 0),
-                (-1.0, 0, 0),
-                (0.0, 1, 0),
-                (0.0, -1, 0),
-                (0.0, 0, 4),
-                (0.0, 0, -4),
-                (0.0, 1, 2),
-                (0.0, -1, -2),
-            ];
-            for (steps, size, coherence) in moves {
+            for (steps, size, coherence) in MOVES {
                 let mut trial = best.1.clone();
                 let Some(hum) = &mut trial.hum else { return best };
                 hum.frequency_hz += steps * step_hz;
                 hum.sd_pa *= factor.powi(size);
                 hum.coherence_s = (hum.coherence_s * factor.powi(coherence)).clamp(least_s, most_s);
-                if hum.frequency_hz * longest_s < self.fewest_periods {
+                if hum.frequency_hz * longest_s < self.fewest_periods || trial == best.1 {
                     continue;
                 }
                 let trial = self.scaled(&trial);
