@@ -19,7 +19,7 @@ use tokio::runtime::Runtime;
 const PIECE: usize = 8 << 20;
 /// Pieces of a file that are on their way at once.
 const ON_THE_WAY: usize = 4;
-/// How long a request is tried again: a wrong address is io_error within seconds.
+/// How long a request is tried again: a wrong address is told within this time.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A folder in a bucket.

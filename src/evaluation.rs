@@ -5,7 +5,7 @@ use crate::{other_rig, output};
 use anyhow::{Context, bail};
 use chamber::Chamber;
 use identify::outcome::estimates;
-use identify::{Diagnosed, Identification, Method, Validated};
+use identify::{Diagnosed, Identification, Method, Predictor, Validated};
 use records::{Model, Provenance, Rig, Rmse, Uncertainty};
 use std::path::Path;
 
@@ -54,8 +54,9 @@ pub fn diagnose(rig: &Rig, report: Option<&Path>, progress: &(dyn Fn(&str, f64) 
 pub fn validate(model: &Model, rig: &Rig, whole_record: bool) -> anyhow::Result<Validated> {
     // What it left of data that took no part in its fit; a model without any is taken at its word.
     let error_pa = model.provenance.rmse_after_pa.map_or(0.0, |rmse| rmse.held_out.unwrap_or(rmse.fit));
-    let mut found = identify::validate(&model.chamber, error_pa, rig, whole_record)
-        .with_context(|| rig.path.display().to_string())?;
+    let predictor = Predictor { chamber: model.chamber, error_pa, of_each_record: model.provenance.of_each_record };
+    let mut found =
+        identify::validate(&predictor, rig, whole_record).with_context(|| rig.path.display().to_string())?;
     found.validation.notes.extend(rig.notes());
     found.validation.notes.extend(other_rig::notes(model, rig));
     Ok(found)
@@ -101,6 +102,7 @@ fn diagnosed_model(rig: &Rig, found: &Diagnosed) -> Model {
         verdict: Some(found.found.verdict),
         rmse_before_pa: Some(rmse(&found.diagnosis.before.rmse_pa)),
         rmse_after_pa: Some(rmse(&found.diagnosis.after.rmse_pa)),
+        of_each_record: found.of_each_record(),
         ..Provenance::of_rig(rig)
     };
     model(rig, found.chamber(), found.data.ambient_temperature_k, Some(found.uncertainty()), provenance)

@@ -56,7 +56,7 @@ impl<R: Real> Closed<R> {
         self.ambient_temperature / (R::ONE - excess * (-self.rate(volume) * t).exp())
     }
 
-    /// E(x) relative to the begin of a part of a ramp: see [`ramp_part`](Self::ramp_part).
+    /// E(x) relative to the start of a part of a ramp: see [`ramp_part`](Self::ramp_part).
     #[inline(always)]
     fn growth(&self, root: R, step: R, dwell: R, x: f64) -> R {
         let stretched = step * x;
@@ -66,7 +66,7 @@ impl<R: Real> Closed<R> {
         (self.ambient_temperature * exchanged - expanded).exp()
     }
 
-    /// One of the equal parts, in √V, of a ramp: 1/T at its end, from 1/T and √V at its begin and the part's rise of √V.
+    /// One of the equal parts, in √V, of a ramp: 1/T at its end, from 1/T and √V at its start and the part's rise of √V.
     ///
     /// With q = √V as the variable, x from 0 to 1 and `dwell` = 2 (duration of the ramp)/(q0 + q1)/(number of parts),
     /// b dt = dwell (c a1 q² + c a0) dx. 16-point Gauss–Legendre quadrature.
@@ -126,7 +126,7 @@ pub fn held_constant_coefficient(temperature: f64, ambient_temperature: f64, tim
     ambient_temperature + (temperature - ambient_temperature) * (-t / time_constant).exp()
 }
 
-/// The same where λ ∝ |T − Tw|^¼ and else constant; `time_constant`, s, is that of the begin.
+/// The same where λ ∝ |T − Tw|^¼ and else constant; `time_constant`, s, is that of the start.
 pub fn held_natural_convection(temperature: f64, ambient_temperature: f64, time_constant: f64, t: f64) -> f64 {
     ambient_temperature + (temperature - ambient_temperature) * (1.0 + t / (4.0 * time_constant)).powi(-4)
 }

@@ -84,7 +84,7 @@ const PLANNED: f64 = 2.0;
 /// One accepted step, and the states within it.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<R, const N: usize> {
-    /// Its begin, s.
+    /// Its start, s.
     pub from: f64,
     /// Its length, s.
     pub length: f64,

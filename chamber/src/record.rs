@@ -108,7 +108,7 @@ pub fn reach(until: f64) -> f64 {
     until + 1e-12 * until.abs()
 }
 
-/// The sensor's readings for the rows of a record: each shows the gas of a delay earlier, but not of before the begin.
+/// The sensor's readings for the rows of a record: each shows the gas of a delay earlier, but not of before the start.
 #[derive(Clone, Debug)]
 pub struct Readings<'a, R> {
     effects: &'a EffectValues<R>,

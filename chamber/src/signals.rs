@@ -192,7 +192,7 @@ mod tests {
         values.of_mut(index)[1] = filter;
         let (set, speed) = (EffectSet::one(index), 0.2);
         let stroke = |t: f64| 0.1 - speed * (t.clamp(0.2, 0.4) - 0.2);
-        // Filtered: a ramp minus τ v (1 − e^(−t/τ)), at its begin and, with the other sign, at its end.
+        // Filtered: a ramp minus τ v (1 − e^(−t/τ)), at its start and, with the other sign, at its end.
         let behind = |t: f64| if t > 0.0 { speed * (t - filter * (1.0 - (-t / filter).exp())) } else { 0.0 };
         let record = recorded((0..=1000).map(|k| f64::from(k) * 1e-3), |t| 0.1 - behind(t - 0.2) + behind(t - 0.4));
         let signals = record.with_true_stroke(set, &values);

@@ -73,10 +73,10 @@ pub fn tolerance<R: Scalar, const N: usize>(relative: f64, initial: &[R; N]) -> 
     Tolerance { relative, absolute }
 }
 
-/// Simulates from the begin of the inputs on; one sample for each of `times` (ascending, s, not before the begin).
+/// Simulates from the start of the inputs on; one sample for each of `times` (ascending, s, not before the start).
 ///
 /// Ends of stretches are breakpoints of the integration; samples in between come from its dense output. With a
-/// `record_delay` the measured pressure of a sample is that of the earlier moment; before the begin the chamber is at
+/// `record_delay` the measured pressure of a sample is that of the earlier moment; before the start the chamber is at
 /// rest.
 ///
 /// # Errors

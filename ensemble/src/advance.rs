@@ -51,7 +51,7 @@ pub trait Loadable {
 pub struct Problem<const N: usize> {
     /// Length of the stretch, s.
     pub length: f64,
-    /// States at its begin; afterwards at its end.
+    /// States at its start; afterwards at its end.
     pub state: [f64; N],
     /// Absolute tolerance of each state.
     pub absolute: [f64; N],
@@ -59,10 +59,10 @@ pub struct Problem<const N: usize> {
     pub longest: f64,
     /// Length of its first step, s; zero where that is to be found out.
     pub first: f64,
-    /// Rates of the states at the stretch's begin, per second.
+    /// Rates of the states at the stretch's start, per second.
     slope: [f64; N],
     power: [f64; 2],
-    /// What is seen at its begin.
+    /// What is seen at its start.
     pub view: View<f64>,
     /// Energy received as heat and enthalpy, and work on the piston: integrals of [`Moment::power`].
     pub energy: [f64; 2],
@@ -84,7 +84,7 @@ impl<const N: usize> Problem<N> {
 }
 
 impl<const N: usize> Problem<N> {
-    /// Notes what a lane has found out about its begin.
+    /// Notes what a lane has found out about its start.
     #[inline(always)]
     fn begin(&mut self, lane: usize, moment: &Moment<N>, first: Lanes) {
         if self.first == 0.0 {
@@ -122,11 +122,11 @@ impl Steps {
 /// An attempted step of all lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct Tried<const N: usize> {
-    /// Time at which the step begins, s from the stretch's begin.
+    /// Time at which the step begins, s from the stretch's start.
     pub from: Lanes,
     /// Length of the step, s.
     pub length: Lanes,
-    /// States at its begin.
+    /// States at its start.
     pub begin: [Lanes; N],
     /// States at its end.
     pub end: [Lanes; N],
@@ -208,7 +208,7 @@ struct Group<const N: usize, S> {
     h: Lanes,
     /// Where a kink cuts a step short: the length to go on with behind it.
     beyond: Lanes,
-    /// Pressure and its slope at the begin of the last good step of the stretch, and its length; zero where there was none.
+    /// Pressure and its slope at the start of the last good step of the stretch, and its length; zero where there was none.
     before: [Lanes; 2],
     since: Lanes,
     /// How fast the chamber widens at `t`, where that tells kinks.
@@ -316,7 +316,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
     }
 }
 
-/// The same with the rates in the code once: first for the begin of all problems, then for their steps.
+/// The same with the rates in the code once: first for the start of all problems, then for their steps.
 #[inline(always)]
 fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
     mut group: Group<N, S>,

@@ -16,7 +16,7 @@ use chamber::real::Real;
 /// The clock of one stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock<R = f64> {
-    /// w at the begin, m^(3/4).
+    /// w at the start, m^(3/4).
     start: R,
     /// w', m^(3/4)/s.
     pub root_rate: R,

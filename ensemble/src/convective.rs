@@ -153,7 +153,7 @@ pub struct Moving<'a> {
     tests: &'a [ConvectiveTest],
     gas: sealed::Moving<'static>,
     exponent: Lanes,
-    /// What the clock shows at the begin, s.
+    /// What the clock shows at the start, s.
     begun: Lanes,
 }
 

@@ -48,7 +48,7 @@ pub struct Holds {
     pub rate: Lanes,
     /// Temperature of the wall, K.
     pub wall: Lanes,
-    /// Temperature at the begin, K.
+    /// Temperature at the start, K.
     pub pushed: Lanes,
     /// Lengths of push and hold, s.
     pub push: Lanes,

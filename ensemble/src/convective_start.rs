@@ -1,4 +1,4 @@
-//! The begin of a push from the wall's temperature, the heat flow following |T − Tw|^p, p = 1 + n: there T has no power series in
+//! The start of a push from the wall's temperature, the heat flow following |T − Tw|^p, p = 1 + n: there T has no power series in
 //! time, but one in two variables. With d = |w'| s/w0 of the clock ([`crate::clock`]), e = 4 (γ − 1), σ = 1 while the gas is
 //! compressed and −1 while it expands, x = |T/Tw − 1| and H the heat lost, over m cv T,
 //!

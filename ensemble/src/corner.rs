@@ -72,7 +72,7 @@ fn fifth_power(x: Lanes) -> Lanes {
 }
 
 /// Share of a step of length `h` at which it meets its first corner, 1 where it meets none, from the pressures at both its ends,
-/// Pa, their slopes there, and w'/w at its begin.
+/// Pa, their slopes there, and w'/w at its start.
 #[inline(always)]
 pub fn met(
     corners: &impl Corners,
@@ -91,7 +91,7 @@ pub fn met(
         return Lanes::ONE;
     }
     let mut x = (corner - from) / (way + TINY);
-    // On the cubic through both ends, w being one at the begin.
+    // On the cubic through both ends, w being one at the start.
     let rise = widening * h;
     let moves = rise.abs().any_positive();
     let narrowing = rise + 1.0;

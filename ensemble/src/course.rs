@@ -40,7 +40,7 @@ struct Course<'a> {
     bends: Bends<'a>,
     /// Number of states that count in the error norm.
     counted: f64,
-    /// Mass, kg, and internal energy, J, at its begin.
+    /// Mass, kg, and internal energy, J, at its start.
     initial: [f64; 2],
     /// The same where it has come to.
     contents: [f64; 2],
@@ -58,7 +58,7 @@ struct States<const N: usize> {
     absolute: [f64; N],
 }
 
-/// Where the history has the steps of a stretch that a row has passed, and what is seen at its begin.
+/// Where the history has the steps of a stretch that a row has passed, and what is seen at its start.
 type Passed = (Steps, View<f64>);
 
 /// Working memory, kept from one chunk to the next.
@@ -233,7 +233,7 @@ struct End {
 }
 
 impl<'a> Course<'a> {
-    /// A row at its begin, and all states of its chamber there.
+    /// A row at its start, and all states of its chamber there.
     fn begin(row: u32, plan: &'a Plan, balance: &'a Balance, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
         let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
         let of_gas = crate::on_the_gas(plan.active);

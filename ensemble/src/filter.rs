@@ -120,7 +120,7 @@ pub fn kept<R: Real>(w: R) -> R {
 pub struct Lagged<R> {
     /// Coefficients of the pressure, Pa, in powers of the share.
     pub pressure: [R; TERMS],
-    /// The reading at its begin, Pa.
+    /// The reading at its start, Pa.
     pub begin: R,
     /// Its length over τ.
     pub stiffness: R,

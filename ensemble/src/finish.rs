@@ -11,7 +11,7 @@ use crate::turns::Turns;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Time from the begin of the hold until the reading, which goes from `begin` to `end`, stays within 1 % of that distance of its
+/// Time from the start of the hold until the reading, which goes from `begin` to `end`, stays within 1 % of that distance of its
 /// end, s. `system` holds the tests' constants, `log` their steps at the places `steps`; `turns` are where it turns round.
 pub fn settling<const N: usize, H: Holding<N>>(
     arch: Arch,

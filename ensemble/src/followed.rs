@@ -97,7 +97,7 @@ impl<F: Followed> Relaxing for Record<'_, F> {
 /// The pressure from one moment to another.
 pub struct Course<'a, F> {
     followed: &'a F,
-    /// The time at its begin, and its length, s.
+    /// The time at its start, and its length, s.
     begin: Lanes,
     way: Lanes,
     beta: Lanes,

@@ -11,7 +11,7 @@ use core::hint::black_box;
 pub struct Hermite<R>([R; 8]);
 
 impl<R: Real> Hermite<R> {
-    /// From the coefficients at the begin, and at the end, both in powers of the distance from there.
+    /// From the coefficients at the start, and at the end, both in powers of the distance from there.
     #[inline(always)]
     pub fn new([a0, a1, a2, a3]: [R; 4], [b0, b1, b2, b3]: [R; 4]) -> Self {
         let rise = b0 - a0;

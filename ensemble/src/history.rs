@@ -22,7 +22,7 @@ pub struct History {
 /// What is seen at a moment of a segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Knot {
-    /// The moment in the integrator's time, from the segment's begin.
+    /// The moment in the integrator's time, from the segment's start.
     pub at: f64,
     /// Pressure, Pa, and temperature, K, of the gas, and their slopes in the integrator's time.
     pub view: View<f64>,

@@ -20,7 +20,7 @@ const NEAREST: f64 = 0.3;
 /// A neighbour's terms count where they are, in the middle of the interval, below this share of those of the one before.
 const SHRINK: f64 = 0.5;
 
-/// The knots that a quantity is interpolated by, in one interval a lane: of its begin and end, then of its neighbours.
+/// The knots that a quantity is interpolated by, in one interval a lane: of its start and end, then of its neighbours.
 #[derive(Clone, Copy, Debug)]
 pub struct Stencils {
     clock: Clock<Lanes>,
@@ -88,7 +88,7 @@ fn pick(knots: &[Knot], index: usize) -> ([usize; KNOTS], usize) {
     (picked, count)
 }
 
-/// A quantity between two knots, of as many rows as there are lanes, over the time from the segment's begin, s.
+/// A quantity between two knots, of as many rows as there are lanes, over the time from the segment's start, s.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolant {
     clock: Clock<Lanes>,
@@ -159,7 +159,7 @@ impl Interpolant {
 }
 
 impl Curve for Interpolant {
-    /// Its value at a time from the segment's begin, s.
+    /// Its value at a time from the segment's start, s.
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         let x = (self.clock.shown(time) - self.begin) * self.per_length;

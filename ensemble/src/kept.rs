@@ -87,7 +87,7 @@ impl<'a, R: Real> Exchange<'a, R> {
 
     /// c f A over a ramp between two volumes, m³, where its values at these are `ends`, as a line over V like
     /// [`Closed::exchange`], and by how much it misses that line at the end, less than what is rounding: none where it is not
-    /// positive. The line goes through the begin and a third place, as both ends may be one.
+    /// positive. The line goes through the start and a third place, as both ends may be one.
     #[inline(always)]
     pub fn line(&self, [from, to]: [R; 2], ends: [R; 2]) -> ([R; 2], R) {
         let slope = (self.at(from + to) - ends[0]) / to;
@@ -119,7 +119,7 @@ impl<R: Real> Heat<R> for Closed<R> {
 /// One of the equal parts, in √V, of a ramp.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<R> {
-    /// √V at its begin, and its rise.
+    /// √V at its start, and its rise.
     pub root: R,
     /// The rise of √V.
     pub step: R,
@@ -147,7 +147,7 @@ impl<R: Real> Part<R> {
         (self.wall * exchanged - expansion * (R::ONE + self.step / self.root).ln()).exp()
     }
 
-    /// 1/T at its end, from that at its begin.
+    /// 1/T at its end, from that at its start.
     #[inline(always)]
     pub fn end(&self, heat: &impl Heat<R>, inverse: R) -> R {
         let [mut exchange, mut grown] = [[R::ZERO; NODES]; 2];
@@ -160,7 +160,7 @@ impl<R: Real> Part<R> {
         (inverse + integral) / total
     }
 
-    /// 1/T at its nodes, from that at its begin, into `values`, and at its end.
+    /// 1/T at its nodes, from that at its start, into `values`, and at its end.
     #[inline(always)]
     pub fn nodes(&self, heat: &impl Heat<R>, inverse: R, values: &mut [R; NODES]) -> R {
         let (rule, mut grown, mut integral) = (&*RULE, [R::ZERO; NODES], R::ZERO);

@@ -7,11 +7,11 @@ use crate::lanes::Lanes;
 /// An attempted step of all lanes.
 #[derive(Clone, Copy)]
 pub struct Attempted<const N: usize> {
-    /// Time at which the step begins, s from the stretch's begin.
+    /// Time at which the step begins, s from the stretch's start.
     pub from: Lanes,
     /// Length of the step, s.
     pub length: Lanes,
-    /// States at its begin and its end.
+    /// States at its start and its end.
     pub states: [[Lanes; N]; 2],
     /// Positive where the step was accepted.
     pub accepted: Lanes,

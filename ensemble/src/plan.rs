@@ -10,28 +10,28 @@ use chamber::exact::Closed;
 use chamber::real::Real;
 use chamber::signals::Knot;
 
-/// A boundary linear in time, from its begin.
+/// A boundary linear in time, from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch<R = f64> {
-    /// Time since the start, s, that the record has reached when it shows the stretch's begin.
+    /// Time since the start, s, that the record has reached when it shows the stretch's start.
     pub elapsed: R,
     /// Length, s.
     pub length: R,
-    /// Position at its begin, m.
+    /// Position at its start, m.
     pub position: R,
     /// Velocity, m/s.
     pub velocity: R,
-    /// Constant inflow, kg/s, at `temperature_in`, and the profile's inflow at ambient temperature at its begin.
+    /// Constant inflow, kg/s, at `temperature_in`, and the profile's inflow at ambient temperature at its start.
     pub inflow: [R; 2],
     /// Rate of the profile's inflow, kg/s².
     pub inflow_rate: R,
     /// Temperature of the constant inflow, K.
     pub temperature_in: R,
-    /// Outflow at its begin, kg/s.
+    /// Outflow at its start, kg/s.
     pub outflow: R,
     /// Its rate, kg/s².
     pub outflow_rate: R,
-    /// Ambient temperature at its begin, K.
+    /// Ambient temperature at its start, K.
     pub ambient_temperature: R,
     /// Its rate, K/s.
     pub ambient_temperature_rate: R,
@@ -47,7 +47,7 @@ pub struct Stretch<R = f64> {
 const SMALLEST_FLOW: f64 = 1e-300;
 
 impl<R: Real> Stretch<R> {
-    /// The boundary a time `t`, s, after the stretch's begin.
+    /// The boundary a time `t`, s, after the stretch's start.
     #[inline(always)]
     pub fn boundary(&self, t: R) -> Boundary<R> {
         let mut at = Boundary {
@@ -113,7 +113,7 @@ impl Stretch<f64> {
         }
     }
 
-    /// The stretch from a time `t` after its begin on.
+    /// The stretch from a time `t` after its start on.
     fn after(&self, t: f64) -> Self {
         let at = self.boundary(t);
         Self {

@@ -66,7 +66,7 @@ pub enum Guess {
         rate: Lanes,
         /// ε at the time `from`.
         excess: Lanes,
-        /// From the begin of the test on, s.
+        /// From the start of the test on, s.
         from: Lanes,
     },
 }

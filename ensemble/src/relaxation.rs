@@ -79,7 +79,7 @@ impl Ends<'_> {
         self.gas.wall
     }
 
-    /// Temperature at the begin, K.
+    /// Temperature at the start, K.
     pub fn pushed(&self) -> Lanes {
         self.gas.pushed
     }
@@ -88,11 +88,11 @@ impl Ends<'_> {
 /// A part of the hold.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
-    /// u at its begin; its length, zero in lanes that go without it; and one over that.
+    /// u at its start; its length, zero in lanes that go without it; and one over that.
     from: Lanes,
     length: Lanes,
     per_length: Lanes,
-    /// Time at its begin, and since then.
+    /// Time at its start, and since then.
     begin: Lanes,
     time: Panel<Lanes>,
 }
@@ -104,7 +104,7 @@ struct Gas<'a> {
     boundary: Boundary<Lanes>,
     contents: Contents<Lanes>,
     wall: Lanes,
-    /// The temperature at the begin.
+    /// The temperature at the start.
     pushed: Lanes,
     /// σ.
     warms: Lanes,

@@ -33,7 +33,7 @@ pub fn from(time: f64) -> f64 {
 /// Consecutive samples of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<R = f64> {
-    /// Number of the first sample, counted from the record's begin.
+    /// Number of the first sample, counted from the record's start.
     pub first: R,
     /// Number of samples, a whole number.
     pub count: R,

@@ -47,7 +47,7 @@ pub trait OwnTest<const N: usize>: Sized {
 
     /// From a checked scenario.
     fn new(scenario: &Scenario) -> Self;
-    /// States at the begin of the push.
+    /// States at the start of the push.
     fn start(&self, scenario: &Scenario) -> [f64; N];
     /// The reading there.
     #[inline]
@@ -138,7 +138,7 @@ pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
 pub struct Within<'a, const N: usize, H> {
     /// Constants of the tests.
     pub system: &'a H,
-    /// States at the begin and at the end.
+    /// States at the start and at the end.
     pub ends: [&'a [Lanes; N]; 2],
     /// Length of the step, s.
     pub length: Lanes,

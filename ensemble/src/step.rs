@@ -92,7 +92,7 @@ pub trait LaneSystem<const N: usize> {
     }
 
     /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
-    /// slope, and by how fast the chamber widens at its begin; 1 where there is none. Steps are made to end there: across a kink
+    /// slope, and by how fast the chamber widens at its start; 1 where there is none. Steps are made to end there: across a kink
     /// their error estimates are blind.
     #[inline(always)]
     fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _widening: Lanes) -> Lanes {
@@ -231,7 +231,7 @@ pub const FEELING: Range<usize> = STAGES..STAGES + 2;
 
 /// Evaluates stages in turn, by one copy of the rates: the states at the last one, the system there, and the length it was
 /// reached over. In [`FEELING`] that length is a [`probe`] by the first rates, of a stretch of `length`; these become stage 0,
-/// those ahead stage 1, and the system is that at the begin.
+/// those ahead stage 1, and the system is that at the start.
 #[inline(always)]
 pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,

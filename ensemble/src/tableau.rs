@@ -25,7 +25,7 @@ pub const C: [f64; STAGES + 2] = [
     1.0,
 ];
 
-/// a: row i holds the weights of stages 0 to i - 1 in stage i; row 12 is the eighth-order step itself. Then its begin, and a
+/// a: row i holds the weights of stages 0 to i - 1 in stage i; row 12 is the eighth-order step itself. Then its start, and a
 /// step of Euler's method.
 pub const A: [[f64; STAGES - 1]; STAGES + 2] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],

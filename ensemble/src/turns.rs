@@ -16,7 +16,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Share of a reading by which it may go back and forth: that of the integration's errors.
 const TREMBLES: f64 = 1e-9;
-/// Share by which the temperature at the end has to be away from that at the begin, to be no peak beside it.
+/// Share by which the temperature at the end has to be away from that at the start, to be no peak beside it.
 const APART: f64 = 1e-3;
 /// Of a hold that does not turn.
 const NOWHERE: usize = usize::MAX;

@@ -4,7 +4,7 @@
     python -m pythonfmu build -f examples/fmu/piston.py     # writes Piston.fmu
 
 Forces of both gas columns in; positions and speeds of both strokes and openings of the valve out. Within a step the forces are those of
-its begin. SI units.
+its start. SI units.
 """
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
@@ -33,10 +33,10 @@ class Piston(Fmi2Slave):
 
     def do_step(self, current_time, step_size):
         opening = max(-1.0, min(1.0, 12.0 * (self.target - self.capPosition) - 0.9 * self.capVelocity))
-        # The chambers move by the speed of the step's begin, and so does the piston: they agree on where it is.
+        # The chambers move by the speed of the step's start, and so does the piston: they agree on where it is.
         self.capPosition += step_size * self.capVelocity
         self.rodPosition = self.stroke - self.capPosition
-        # Friction at the end of the step, the gas's forces at its begin.
+        # Friction at the end of the step, the gas's forces at its start.
         push = (self.capForce - self.rodForce) * step_size / self.mass
         self.capVelocity = (self.capVelocity + push) / (1.0 + self.friction * step_size / self.mass)
         self.rodVelocity = -self.capVelocity

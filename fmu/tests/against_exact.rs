@@ -35,7 +35,7 @@ fn host(area_law: AreaLaw, tolerance: Option<f64>) -> Host {
     host
 }
 
-/// Pressure a time after the begin of a ramp of `push` seconds and the hold that follows.
+/// Pressure a time after the start of a ramp of `push` seconds and the hold that follows.
 fn exact(chamber: &Chamber, push: f64, t: f64) -> f64 {
     let (v0, v1) = (chamber.geometry.volume(FROM), chamber.geometry.volume(TO));
     let closed = Closed::filled(chamber, PRESSURE, AMBIENT, v0, AMBIENT);

@@ -113,7 +113,7 @@ pub enum Error {
         trace: PathBuf,
         /// Length of the run.
         rows: usize,
-        /// Its begin, s.
+        /// Its start, s.
         from_s: f64,
         /// Its value, Pa.
         value_pa: f64,
@@ -202,9 +202,12 @@ pub enum Error {
         /// The rig file.
         rig: PathBuf,
     },
-    /// From a method on a single trace.
-    #[error("{0}")]
-    Method(String),
+    /// Records none of which the paper's steps can evaluate.
+    #[error("no trace can be evaluated by the published steps{first}; `--method exact` needs no single push and hold")]
+    NoPushAndHold {
+        /// The first of them and why, in brackets behind a blank; or nothing.
+        first: String,
+    },
 }
 
 /// Units that are worth a look, in brackets.

@@ -356,8 +356,8 @@ struct Sensor<'a, R> {
 }
 
 impl<'a, R: Scalar> Sensor<'a, R> {
-    /// Before the record the chamber is at rest at its first pressure, or goes on as it moves at the record's begin, so that a lag
-    /// has followed it since long.
+    /// Before the record the chamber is at rest at its first pressure, or goes on as it moves at the record's start, so that a lag
+    /// has followed it for a long time.
     fn new(
         balance: &'a Balance<R>,
         isentrope: &'a Isentrope,

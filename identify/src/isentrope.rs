@@ -1,4 +1,4 @@
-//! The internal energy of the gas at the volume it had at the begin: what it would be if the piston went back there without
+//! The internal energy of the gas at the volume it had at the start: what it would be if the piston went back there without
 //! heat and flows.
 //!
 //! W = U (V/V0)^(γ−1),  dW/dt = (V/V0)^(γ−1) (dU/dt + (γ − 1) U/V dV/dt)

@@ -31,4 +31,4 @@ pub mod synthetic;
 pub use error::Error;
 pub use outcome::diagnosis::{Diagnosed, Diagnosis, diagnose};
 pub use outcome::identification::{Identification, Method, identify};
-pub use outcome::validation::{Validated, Validation, validate};
+pub use outcome::validation::{Predictor, Validated, Validation, validate};

@@ -74,7 +74,7 @@ pub const KINDS_PROBABILITY: f64 = 1e-4;
 /// ...and if the means of the kinds lie apart by more than so many standard deviations of the numbers.
 pub const KINDS_DEVIATIONS: f64 = 4.0;
 /// Nobody knows a pressure better than this share of the highest: sensors of a bench resolve and repeat it to 1e-5 at best, and
-/// a chamber of 0.1 m whose piston is located within 1 µm has its volume to 1e-5. Less white noise counts as so much.
+/// a chamber of 0.1 m whose piston is located within 1 µm has its volume to 1e-5. White noise below that is taken for that.
 pub const KNOWN_TO: f64 = 1e-5;
 /// The misfit that does not matter, as a share of the noise, where a rig states none.
 pub const ACCURACY_OF_NOISE: f64 = 0.25;

@@ -33,7 +33,8 @@ fn heat_from_friction_becomes_a_curve_over_the_piston_s_power_that_leaves_noise(
 #[test]
 fn a_sensor_that_hangs_back_has_no_curve_that_carries_over() {
     let (_, found) = traced(Outside::Hysteresis(600.0));
-    let accepted = found.read_off.filter(|r| r.accepted).map(|r| (r.first_order.term, r.first_order.variable));
+    let accepted =
+        found.read_off.filter(|r| r.fate.is_accepted()).map(|r| (r.first_order.term, r.first_order.variable));
     assert_eq!(accepted, None);
     let named = names(found.chosen.model.effects);
     assert!(!named.contains(&"empirical"), "{named:?}");

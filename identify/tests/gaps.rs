@@ -1,6 +1,7 @@
 //! Rows that a logger lost while the piston moved: what it did there is not known, and what is known of the gas behind it is.
 
 use chamber::effects;
+use identify::Predictor;
 use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::validation;
 use identify::parameters::Model;
@@ -42,7 +43,7 @@ fn second_move(recipe: &Recipe, test: usize) -> [f64; 2] {
     [begin, begin + moves[1].1]
 }
 
-/// The rig where the first repeat of each test lost rows: all of its second move, its begin, its middle or its end.
+/// The rig where the first repeat of each test lost rows: all of its second move, its start, its middle or its end.
 fn with_gaps(recipe: &Recipe) -> Rig {
     let mut rig = recipe.rig();
     for (k, experiment) in rig.experiments.iter_mut().enumerate() {
@@ -118,7 +119,7 @@ fn a_validation_compares_what_is_before_a_gap_or_fits_how_warm_the_gas_comes_out
     let mut recipe = there_and_back(5);
     recipe.tests.truncate(2);
     let (whole, rig) = (recipe.rig(), with_gaps(&recipe));
-    let validated = |rig: &Rig, all| validation::validate(&recipe.chamber, 0.0, rig, all).unwrap().validation;
+    let validated = |rig: &Rig, all| validation::validate(&Predictor::of(recipe.chamber), rig, all).unwrap().validation;
     let noise = recipe.noise_rms_pa();
     for all in [false, true] {
         let [with, without] = [&rig, &whole].map(|rig| validated(rig, all));

@@ -1,6 +1,7 @@
 //! A chamber with the rod in it: its wall is barrel, rod and two annular faces, for who fits and who predicts alike.
 
 use chamber::{Geometry, HeatTransfer};
+use identify::Predictor;
 use identify::record::data::Data;
 use identify::search::{self, Found, Verdict};
 use identify::synthetic::Recipe;
@@ -40,7 +41,7 @@ fn the_cap_side_s_coefficient_predicts_the_rod_side() {
     let error = |geometry: Geometry| {
         let heat_transfer = HeatTransfer { coefficient: lambda0, ..rod.chamber.heat_transfer };
         let model = chamber::Chamber { geometry, heat_transfer, ..rod.chamber };
-        identify::validate(&model, 0.0, &rig, false).unwrap().validation.rmse_pa / rod.noise_rms_pa()
+        identify::validate(&Predictor::of(model), &rig, false).unwrap().validation.rmse_pa / rod.noise_rms_pa()
     };
     let geometry = rod.chamber.geometry;
     assert!(error(geometry) < 1.3, "{}", error(geometry));

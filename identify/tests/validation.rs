@@ -1,12 +1,14 @@
 //! A model on records that took no part: the error is the noise where the model is the truth, and tells where it is not.
 
+use chamber::effects::{EffectSet, find};
+use identify::Predictor;
 use identify::synthetic::Recipe;
 
 #[test]
 fn the_true_model_predicts_other_records_to_their_noise() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
     for whole_record in [true, false] {
-        let found = identify::validate(&recipe.chamber, 0.0, &recipe.rig(), whole_record).unwrap().validation;
+        let found = identify::validate(&Predictor::of(recipe.chamber), &recipe.rig(), whole_record).unwrap().validation;
         assert!(found.rmse_pa < 1.15 * found.noise_pa, "{} against {}", found.rmse_pa, found.noise_pa);
         assert_eq!(found.records.len(), recipe.tests.len());
         assert!(found.records.iter().all(|r| (r.judged_from_s == 0.0) == whole_record && r.rows > 50));
@@ -18,7 +20,7 @@ fn a_model_with_another_coefficient_is_told_by_its_error() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(22) };
     let mut other = recipe.chamber;
     other.heat_transfer.coefficient *= 1.2;
-    let found = identify::validate(&other, 0.0, &recipe.rig(), true).unwrap().validation;
+    let found = identify::validate(&Predictor::of(other), &recipe.rig(), true).unwrap().validation;
     assert!(found.rmse_pa > 3.0 * found.noise_pa, "{} against {}", found.rmse_pa, found.noise_pa);
 }
 
@@ -32,9 +34,10 @@ fn a_wrong_coefficient_that_is_known_to_leave_much_is_not_taken_for_an_offset_of
     let mut other = recipe.chamber;
     other.heat_transfer.coefficient *= 1.3;
     let rig = recipe.rig();
-    let known = identify::validate(&other, 0.0, &rig, true).unwrap().validation.rmse_pa;
+    let known = identify::validate(&Predictor::of(other), &rig, true).unwrap().validation.rmse_pa;
     let largest_offset = |error_pa: f64| {
-        let found = identify::validate(&other, error_pa, &rig, false).unwrap().validation;
+        let found =
+            identify::validate(&Predictor { error_pa, ..Predictor::of(other) }, &rig, false).unwrap().validation;
         let own =
             found.records.iter().flat_map(|r| &r.parameters).filter(|(name, _)| name == "sensor_offset.offset_pa");
         own.map(|(_, offset)| offset.value.abs()).fold(0.0, f64::max)
@@ -47,8 +50,27 @@ fn a_wrong_coefficient_that_is_known_to_leave_much_is_not_taken_for_an_offset_of
 fn a_delay_of_each_record_is_its_own_and_no_fault_of_the_model() {
     let mut late = Recipe { repeats: 1, ..Recipe::from_seed(23) };
     late.faults.pressure_delay_s = identify::synthetic::recording::Scattered { common: 0.03, between: 0.005 };
-    let found = identify::validate(&late.chamber, 0.0, &late.rig(), true).unwrap().validation;
+    let found = identify::validate(&Predictor::of(late.chamber), &late.rig(), true).unwrap().validation;
     assert!(found.rmse_pa < 1.5 * found.noise_pa, "{} against {}", found.rmse_pa, found.noise_pa);
+}
+
+#[test]
+fn a_drift_that_each_record_had_for_itself_is_fitted_anew_with_the_whole_record() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(23) };
+    let mut rig = recipe.rig();
+    for (k, trace) in rig.experiments.iter_mut().flat_map(|e| &mut e.traces).enumerate() {
+        let rate_pa_per_s = if k % 2 == 0 { 400.0 } else { -300.0 };
+        let pressures = trace.pressure_pa.as_mut().unwrap().iter_mut();
+        pressures.zip(&trace.time_s).for_each(|(pressure, time)| *pressure += rate_pa_per_s * (time - trace.time_s[0]));
+    }
+    let drift = find("sensor_drift").unwrap().0;
+    let steady = Predictor::of(recipe.chamber);
+    let drifting = Predictor { of_each_record: EffectSet::one(drift), ..steady };
+    let error_pa = |model, whole| identify::validate(model, &rig, whole).unwrap().validation.rmse_pa;
+    let noise_pa = recipe.noise_rms_pa();
+    assert!(error_pa(&steady, true) > 3.0 * noise_pa);
+    assert!(error_pa(&drifting, true) < 1.2 * noise_pa);
+    assert_eq!(error_pa(&drifting, false), error_pa(&steady, false), "a drift cannot be read off a record's start");
 }
 
 #[test]
@@ -61,11 +83,11 @@ fn records_that_end_with_their_first_move_are_refused_and_one_among_others_has_n
     first.position_m.truncate(moved);
     first.pressure_pa.as_mut().unwrap().truncate(moved);
     first.ambient_temperature_k = None;
-    let found = identify::validate(&recipe.chamber, 0.0, &rig, false).unwrap().validation;
+    let found = identify::validate(&Predictor::of(recipe.chamber), &rig, false).unwrap().validation;
     assert_eq!((found.records[0].rmse_pa, found.records[0].rows), (None, 0));
     assert!(found.records[1..].iter().all(|r| r.rmse_pa.is_some()));
     rig.experiments.truncate(1);
-    let refused = identify::validate(&recipe.chamber, 0.0, &rig, false).map(|_| ()).unwrap_err();
+    let refused = identify::validate(&Predictor::of(recipe.chamber), &rig, false).map(|_| ()).unwrap_err();
     assert!(refused.to_string().contains("ends with its first move"), "{refused}");
 }
 
@@ -73,7 +95,7 @@ fn records_that_end_with_their_first_move_are_refused_and_one_among_others_has_n
 fn a_first_reading_far_off_is_left_out_and_named_and_changes_nothing() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
     let mut rig = recipe.rig();
-    let of = |rig: &records::Rig| identify::validate(&recipe.chamber, 0.0, rig, false).unwrap().validation;
+    let of = |rig: &records::Rig| identify::validate(&Predictor::of(recipe.chamber), rig, false).unwrap().validation;
     let without = of(&rig);
     assert!(without.notes.is_empty(), "{:?}", without.notes);
     rig.experiments[0].traces[0].pressure_pa.as_mut().unwrap()[0] += 2e5;

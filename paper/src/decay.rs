@@ -1,4 +1,4 @@
-//! Least squares fits of a decaying pressure, P(t) with t in s from the begin of the decay.
+//! Least squares fits of a decaying pressure, P(t) with t in s from the start of the decay.
 //!
 //! [`Exponential`]  P = Pf + ΔP e^(−t/τ)      the paper's regression: parameters Pf, ΔP, τ
 //! [`Reciprocal`]   P = Pf/(1 − a e^(−k t))   exact for λ ∝ √(P T): parameters Pf, a, k
@@ -71,7 +71,7 @@ pub struct Fit {
     pub residuals_pa: Vec<f64>,
 }
 
-/// Fits a shape to pressures, Pa, at times, s, from the begin of the decay.
+/// Fits a shape to pressures, Pa, at times, s, from the start of the decay.
 ///
 /// # Errors
 /// Too few rows, or no decay that can be told from a constant or from a straight line.
@@ -143,7 +143,7 @@ impl<S: Shape> LeastSquaresProblem<f64, Dyn, Const<3>> for Problem<'_, S> {
 /// Rates tried per factor of ten.
 const RATES_PER_DECADE: f64 = 20.0;
 
-/// Rows of the hold's begin that are looked at one by one; later ones in means of rows that lie as close for the decay.
+/// Rows of the hold's start that are looked at one by one; later ones in means of rows that lie as close for the decay.
 const SINGLE_ROWS: usize = 400;
 
 /// Means of rows, the more rows the later: time, s, pressure, Pa, number of rows.

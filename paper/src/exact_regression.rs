@@ -2,7 +2,7 @@
 //!
 //! With λ ∝ √(P T) and the piston held, 1/P = (1/Pf)(1 − a e^(−k t)) exactly (design.md, "Exact solutions"), and
 //! k = λ(Pf, Tamb) Aq/(m cv). So λ0 = m cv k/Aq · √(P0 T0/(Pf Tamb)): steps 2 and 4 of the paper for m, Vd and Aq, and none
-//! of its averages. k in 1/s; a = 1 − Tamb/T at the begin of the fit, dimensionless.
+//! of its averages. k in 1/s; a = 1 − Tamb/T at the start of the fit, dimensionless.
 
 use super::Error;
 use super::decay::{self, Fit, Reciprocal};

@@ -1,7 +1,7 @@
 //! Finds rest, push and hold in the recording of a push-and-hold test.
 //!
 //! The piston is at its final position where it deviates from it by no more than in the last quarter of the recording,
-//! which must be part of the hold; the begin is told from the initial position by the same measure. A noisy or
+//! which must be part of the hold; the start is told from the initial position by the same measure. A noisy or
 //! quantised position so brings its own tolerance.
 
 use super::Error;
@@ -12,7 +12,7 @@ const LEAST_TRAVEL_M: f64 = 1e-4;
 const TRAVEL_OVER_DEVIATION: f64 = 20.0;
 /// How far beyond begin and end a push may overshoot, as a share of its travel.
 const REBOUND: f64 = 0.25;
-/// A piston has left its begin, and is not yet at its end, by more than this share of the travel.
+/// A piston has left its start, and is not yet at its end, by more than this share of the travel.
 const BEGUN: f64 = 0.05;
 /// A piston that moves by no more than this share of the travel ...
 const REST_TRAVEL: f64 = 0.02;

@@ -114,7 +114,18 @@ impl<'d> Field<'d> {
     /// # Errors
     /// [`KeyProblem::WrongType`], or [`KeyProblem::UnknownName`] with the nearest word.
     pub fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Result<T, Error> {
-        let text = self.text()?;
+        self.chosen(self.text()?, choices)
+    }
+
+    /// A list of such words.
+    ///
+    /// # Errors
+    /// As [`Field::choice`].
+    pub fn choices<T: Copy>(&self, choices: &[(&str, T)]) -> Result<Vec<T>, Error> {
+        self.texts()?.into_iter().map(|text| self.chosen(text, choices)).collect()
+    }
+
+    fn chosen<T: Copy>(&self, text: &str, choices: &[(&str, T)]) -> Result<T, Error> {
         let found = choices.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
         found.ok_or_else(|| self.refuse(KeyProblem::unknown_name(text, choices.iter().map(|(word, _)| *word))))
     }

@@ -24,7 +24,7 @@ pub enum KeyProblem {
         known: Vec<String>,
     },
     /// A key without which the file says too little.
-    #[error("missing; {expected} is needed")]
+    #[error("missing; expected {expected}")]
     Missing {
         /// What should stand there.
         expected: String,

@@ -146,7 +146,7 @@ fn read_scale(table: &Table<'_>, quantity: Quantity, unit: &str) -> Result<f64, 
     }
     if scale.is_none() && unit == VOLT {
         let si = quantity.si_unit();
-        return Err(table.missing("scale", &format!("how many {si} a volt is (and in offset, {si} at zero volts),")));
+        return Err(table.missing("scale", &format!("how many {si} a volt is (and in offset, {si} at zero volts)")));
     }
     Ok(scale.unwrap_or(1.0))
 }

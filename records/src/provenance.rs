@@ -6,9 +6,13 @@ use crate::rig::Rig;
 use crate::table::Table;
 use crate::toml_text::quoted;
 use crate::trace::Trace;
+use chamber::card::Scope;
+use chamber::effects::{self, CARDS, EffectSet};
 use chrono::{DateTime, Utc};
 use std::fmt::Write;
 use std::time::{SystemTime, UNIX_EPOCH};
+
+const OF_EACH_RECORD: &str = "of_each_record";
 
 /// Where a model's numbers come from. All of it may be absent in a model written by hand.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -25,16 +29,18 @@ pub struct Provenance {
     pub rmse_before_pa: Option<Rmse>,
     /// Error of this model.
     pub rmse_after_pa: Option<Rmse>,
+    /// Effects of the recording that each trace had for itself, by another value: the model has none of them.
+    pub of_each_record: EffectSet,
 }
 
 /// What a diagnosis says of the model that it writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The paper's model leaves no more than noise.
+    /// The paper's model leaves no more than noise, or less than the accuracy asked for.
     Adequate,
-    /// The named effects leave no more than noise.
+    /// With the named effects the residual is noise, or little beside what it was.
     Explained,
-    /// The named effects predict left-out data decisively better, and more than noise remains.
+    /// The named effects predict left-out data decisively better, but need not be the cause: mostly because more than noise remains.
     Improved,
     /// No known effect predicts left-out data better.
     Unexplained,
@@ -105,7 +111,7 @@ impl Provenance {
 
     pub(crate) fn read(root: &Table<'_>) -> Result<Self, Error> {
         let Some(table) = root.table("provenance")? else { return Ok(Self::default()) };
-        table.allow(&["program", "date", "traces", "verdict", "rmse_before_pa", "rmse_after_pa"])?;
+        table.allow(&["program", "date", "traces", "verdict", "rmse_before_pa", "rmse_after_pa", OF_EACH_RECORD])?;
         Ok(Self {
             program: table.text("program")?.map(str::to_owned),
             date: table.text("date")?.map(str::to_owned),
@@ -113,6 +119,7 @@ impl Provenance {
             verdict: table.choice("verdict", &Verdict::ALL)?,
             rmse_before_pa: Rmse::read(&table, "rmse_before_pa")?,
             rmse_after_pa: Rmse::read(&table, "rmse_after_pa")?,
+            of_each_record: of_each_record(&table)?,
         })
     }
 
@@ -131,6 +138,10 @@ impl Provenance {
                 let held_out = held_out.map_or(String::new(), |value| format!(", held_out = {value:?}"));
                 writeln!(out, "{key} = {{ fit = {fit:?}{held_out} }}")?;
             }
+        }
+        if self.of_each_record != EffectSet::NONE {
+            let names: Vec<String> = self.of_each_record.iter().map(|e| quoted(CARDS[e].name)).collect();
+            writeln!(out, "{OF_EACH_RECORD} = [{}]", names.join(", "))?;
         }
         if !self.traces.is_empty() {
             writeln!(out, "traces = [")?;
@@ -158,6 +169,14 @@ impl Rmse {
         let fit = table.required_number("fit", &Bounds::NotNegative)?;
         Ok(Some(Self { fit, held_out: table.number("held_out", &Bounds::NotNegative)? }))
     }
+}
+
+/// The effects of that list, which are effects of the recording.
+fn of_each_record(table: &Table<'_>) -> Result<EffectSet, Error> {
+    let of_recording = effects::all().filter(|(_, card)| card.scope == Scope::Record);
+    let names: Vec<(&str, usize)> = of_recording.map(|(e, card)| (card.name, e)).collect();
+    let named = table.field(OF_EACH_RECORD).map(|field| field.choices(&names)).transpose()?;
+    Ok(named.unwrap_or_default().into_iter().collect())
 }
 
 /// Now, or the moment that `SOURCE_DATE_EPOCH` names (reproducible builds), in UTC.

@@ -287,7 +287,7 @@ fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
         return Ok(Cylinder { bore_m, rod_through_m: 0.0, piston_area_m2: area, stroke_m });
     }
     let bore_m = table.number("bore_m", &limits::BORE_M)?;
-    let bore_m = bore_m.ok_or_else(|| table.missing("bore_m", "the bore in m, or area_m2, the piston area in m2,"))?;
+    let bore_m = bore_m.ok_or_else(|| table.missing("bore_m", "the bore in m, or area_m2, the piston area in m2"))?;
     let rod_m = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
     limits::check_rod(table, bore_m, rod_m)?;
     let rod_through_m = if rod_side { rod_m } else { 0.0 };

@@ -48,7 +48,7 @@ impl Uncertainty {
             if rows.len() == count {
                 return Ok(rows);
             }
-            let problem = format!("{} rows for {count} parameters: {what} is expected", rows.len());
+            let problem = format!("{} rows for {count} parameters, expected {what}", rows.len());
             Err(table.refuse(key, KeyProblem::Contradiction(problem)))
         };
         let contradiction = |key, problem| table.refuse(key, KeyProblem::Contradiction(problem));
@@ -59,7 +59,7 @@ impl Uncertainty {
             return Err(table.refuse("parameters", problem));
         }
         let ci95 = rows("ci95", "an interval [low, high] for each parameter")?;
-        let covariance = rows("covariance", "a square matrix, a row for each parameter,")?;
+        let covariance = rows("covariance", "a square matrix, a row for each parameter")?;
         let interval = |(row, name): (&Vec<f64>, &&str)| match row[..] {
             [low, high] if low <= high => Ok([low, high]),
             _ => Err(contradiction("ci95", format!("{row:?} is no interval [low, high] for `{name}`"))),

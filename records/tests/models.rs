@@ -60,6 +60,8 @@ fn faulty_models_are_refused_by_key() {
     refusal(&format!("{FEW}[ambient]\ntemperature_k = 20.0\n"), &["line 6: ambient.temperature_k", "kelvin"]);
     refusal(&format!("{FEW}[gas]\nname = \"ari\"\n"), &["line 6: gas.name", "did you mean `air`?"]);
     refusal(&format!("{FEW}[provenance]\nday = 1\n"), &["line 6: provenance.day: unknown key"]);
+    let of_rig = ["line 6: provenance.of_each_record: unknown value `leakage`", "record_delay"];
+    refusal(&format!("{FEW}[provenance]\nof_each_record = [\"leakage\"]\n"), &of_rig);
 }
 
 #[test]
@@ -107,9 +109,12 @@ fn a_faulty_curve_is_refused_in_a_sentence() {
     for (balance, variable, knots, values, parts) in faults {
         refusal(&table(balance, variable, knots, values), parts);
     }
-    refusal(&format!("{FEW}[effect.empirical]\n"), &["line 5: effect.empirical.balance: missing; one of heat_flow"]);
+    refusal(
+        &format!("{FEW}[effect.empirical]\n"),
+        &["line 5: effect.empirical.balance: missing; expected one of heat_flow"],
+    );
     let without = table(heat, pressure, knots, values).replace("values", "# values");
-    refusal(&without, &["effect.empirical.values: missing; a list of 1 to 8 numbers is needed"]);
+    refusal(&without, &["effect.empirical.values: missing; expected a list of 1 to 8 numbers"]);
 }
 
 #[test]
@@ -124,6 +129,7 @@ fn a_file_written_and_read_is_the_same_model_with_its_provenance() {
         verdict: Some(Verdict::Improved),
         rmse_before_pa: Some(Rmse { fit: 151.25, held_out: None }),
         rmse_after_pa: Some(Rmse { fit: 0.1 + 0.2, held_out: Some(1e-300) }),
+        of_each_record: ["record_delay", "sensor_drift"].iter().map(|name| effects::find(name).unwrap().0).collect(),
     };
     model.write(&path).unwrap();
     assert_eq!(Model::read(&path).unwrap(), model);

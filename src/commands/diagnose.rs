@@ -88,12 +88,12 @@ fn meaning(d: &Diagnosis) -> String {
         Verdict::Explained => format!("the residual is explained by {}", listed(&d.effects)),
         Verdict::Improved if d.has_curve() => format!(
             "with {} the model predicts left-out experiments decisively better; the curve describes the records and names no cause ({})",
-            listed(d.effects_of_model()),
+            listed(&d.each_term().collect::<Vec<_>>()),
             d.remainder
         ),
         Verdict::Improved => format!(
             "with {} the model predicts left-out data decisively better, but {}. It describes the records; its effects need not be the cause",
-            listed(d.effects_of_model()),
+            listed(&d.each_term().collect::<Vec<_>>()),
             d.remainder
         ),
         Verdict::Unexplained => {
@@ -187,20 +187,17 @@ fn recording(out: &mut String, d: &Diagnosis) {
 
 /// The missing term as a curve.
 fn empirical(out: &mut String, e: &Empirical) {
+    let ((quantity, unit), (variable, variable_unit)) = (e.subject.quantity(), e.subject.variable.name());
     let _ = writeln!(
         out,
         "\n{}: {} as a curve over {}; error on left-out data {} -> {} Pa",
-        if e.accepted {
-            "in the model"
-        } else {
-            "rejected, because it does not predict left-out data decisively better"
-        },
-        e.quantity,
-        e.variable,
+        if e.fate.is_accepted() { "in the model".to_owned() } else { format!("rejected, because {}", e.fate.words()) },
+        quantity,
+        variable,
         digits(e.left_out_rmse_pa.without, 3),
         digits(e.left_out_rmse_pa.with, 3)
     );
-    let [variable_unit, unit] = [e.variable_unit, e.unit].map(shown);
+    let [variable_unit, unit] = [variable_unit, unit].map(shown);
     for ((at, value), [low, high]) in e.knots.iter().zip(&e.values).zip(&e.ci95) {
         let (at, value, low, high) = (digits(*at, 4), digits(*value, 3), digits(*low, 3), digits(*high, 3));
         let line = format!("   at {at:>11} {variable_unit:<5} {value:>11} ({low} … {high}) {unit}");
@@ -210,15 +207,16 @@ fn empirical(out: &mut String, e: &Empirical) {
 
 /// A missing term as a function of what it follows.
 fn missing(out: &mut String, m: &Unnamed) {
+    let ((quantity, unit), (variable, variable_unit)) = (m.subject.quantity(), m.subject.variable.name());
     let _ = writeln!(
         out,
         "\na {} as a function of {} would explain {:.0} % of the residual beyond noise ({} balance)",
-        m.quantity,
-        m.variable,
+        quantity,
+        variable,
         100.0 * m.share,
         m.balance
     );
-    let [variable_unit, unit] = [m.variable_unit, m.unit].map(shown);
+    let [variable_unit, unit] = [variable_unit, unit].map(shown);
     for ((at, value), sd) in m.at.iter().zip(&m.value).zip(&m.sd) {
         let (at, value, sd) = (digits(*at, 4), digits(*value, 3), digits(*sd, 2));
         let line = format!("   at {at:>11} {variable_unit:<5} {value:>11} ± {sd} {unit}");

@@ -91,15 +91,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What to know before the model is used, where its diagnosis left more than noise.
+/// What to know before the model is used, where its diagnosis found no cause.
 fn doubt(model: &Model) -> Option<&'static str> {
     match model.provenance.verdict? {
         Verdict::Adequate | Verdict::Explained => None,
         Verdict::Improved => Some(
-            "The verdict of the model is `improved`: its residual is more than noise. The effects describe the records and need not be the cause.",
+            "The verdict of the model is `improved`: its effects describe the records and need not be the cause, mostly because the residual is more than noise.",
         ),
         Verdict::Unexplained => Some(
-            "The verdict of the model is `unexplained`: the residual of the paper's model is more than noise, and no known effect predicts the records better.",
+            "The verdict of the model is `unexplained`: the residual of the paper's model is more than noise, and no known effect predicts left-out data decisively better.",
         ),
     }
 }
@@ -108,7 +108,9 @@ fn doubt(model: &Model) -> Option<&'static str> {
 fn about(model: &Model) -> About {
     let provenance = &model.provenance;
     let verdict = provenance.verdict.map(|verdict| match verdict {
-        Verdict::Adequate => "adequate: the residual of the paper's model is noise.".to_owned(),
+        Verdict::Adequate => {
+            "adequate: the residual of the paper's model is noise, or below the accuracy asked for.".to_owned()
+        }
         Verdict::Explained => {
             "explained: with the effects that are on, the residual is noise, or little beside what it was.".to_owned()
         }

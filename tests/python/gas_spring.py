@@ -70,7 +70,7 @@ def page(program):
                     "",
                     f"Verdict **{found['verdict']}** in {one['seconds']:.0f} s; systematic part that remains: {found['remaining_pa'] / PSI:.3f} psi. "
                     f"On the other record: **{one['other_whole']:.3f}** with its own numbers from all of it, "
-                    f"**{one['other_begin']:.3f}** with those from its begin and first move.",
+                    f"**{one['other_begin']:.3f}** with those from its start and first move.",
                     "",
                 ]
                 if found["missing"]:

@@ -75,7 +75,7 @@ class Logger:
     position_low_pass: float = 0.0
     position_readout: tuple | None = None  # Hz, "held" or "interpolated"
     position_lost: float = 0.0  # share of the readings
-    position_wave: tuple | None = None  # off a straight line: amplitude over the travel, angle at its begin and along it
+    position_wave: tuple | None = None  # off a straight line: amplitude over the travel, angle at its start and along it
     travel: tuple = (0.0, 1.0)  # from where to where the tests go
     creep: float = 0.0
     ambient_rise: float = 0.0

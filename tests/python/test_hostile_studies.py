@@ -101,7 +101,7 @@ STUDIES = {
     "a test shorter than its push": ([("duration_s = 3.0", "duration_s = 0.01")], "the test must not end before its push"),
     "two lengths of the test": ([("duration_s = 3.0", "duration_s = 3.0\nhold_time_constants = 5.0")], "duration_s and hold_time_constants both set the length of the test"),
     "a length of the test given and varied": (vary("hold_time_constants = { values = [3.0] }"), "duration_s and hold_time_constants both set the length of the test"),
-    "no length of the test": ([("duration_s = 3.0", "")], "test.duration_s: missing; duration_s or hold_time_constants"),
+    "no length of the test": ([("duration_s = 3.0", "")], "test.duration_s: missing; expected duration_s or hold_time_constants"),
     "time constants without heat transfer": (only("coefficient_w_per_m2_k = { values = [0.0, 10.0] }") + [("duration_s = 3.0", "hold_time_constants = 5.0")], "without heat transfer there is no time constant"),
     "a ratio beyond every bore": (only("volume_to_area_m = { values = [0.03] }\ndead_volume_m3 = { values = [0.0] }"), "every bore gives less than 0.025 m"),
     "a ratio beyond every length": (only("volume_to_area_by_length_m = { values = [0.0051] }"), "every length gives less than 0.005"),

@@ -9,7 +9,7 @@
 //! K(t) = Σ c e^(−μt), μ = 5^j, c = (ln 5/π) √μ. The modes j = −5 … 1 are integrated as they are; one mode stands for all
 //! slower ones (it has Σ c and Σ c μ in common with them), one for all faster ones (Σ c/μ and Σ c/μ²). Each is a state x
 //! with dx/dt = (c/e) q − μ x, and Ts = Tw + Σ x. The fastest has μ = 41 1/s, which an explicit integrator follows.
-//! A constant flux warms the surface as 2 √(t/π) within 0.1 % from 0.19 s to 40 min after its begin, 1 % from 0.12 s to 3 h
+//! A constant flux warms the surface as 2 √(t/π) within 0.1 % from 0.19 s to 40 min after its start, 1 % from 0.12 s to 3 h
 //! and 3 % from 30 ms on; earlier the surface is behind, by 10 % at 20 ms and 27 % at 10 ms, when it has hardly warmed.
 
 use super::Effect;

@@ -21,10 +21,10 @@ const INSIDE: f64 = 1e-5;
 /// A step of all lanes; those that do not take it stay where they are.
 #[derive(Clone, Copy)]
 pub struct Passed {
-    /// Time at its end, s from the begin of the hold, and its length, s; of lanes that stay, zero.
+    /// Time at its end, s from the start of the hold, and its length, s; of lanes that stay, zero.
     end: Lanes,
     length: Lanes,
-    /// T at its begin.
+    /// T at its start.
     temperature: Lanes,
     /// T' at the nodes, times the length.
     slopes: [Lanes; NODES],
@@ -74,7 +74,7 @@ impl Curve for Inside {
     }
 }
 
-/// Time from the begin of holds, which go from one temperature to another, until they stay within 1 % of that way of its end, s; and
+/// Time from the start of holds, which go from one temperature to another, until they stay within 1 % of that way of its end, s; and
 /// 1 where T is good inside all steps.
 pub struct Settle<'a> {
     pub steps: &'a [Passed],
@@ -120,7 +120,7 @@ pub struct Record<'a> {
     pub push: Lanes,
     /// P/T, Pa/K.
     pub per_temperature: Lanes,
-    /// 1/τ in front of a wall that does not warm, 1/s, and 1 − Tw/T at the begin.
+    /// 1/τ in front of a wall that does not warm, 1/s, and 1 − Tw/T at the start.
     pub relaxation: [Lanes; 2],
     /// Where the records go.
     pub records: &'a mut Records,

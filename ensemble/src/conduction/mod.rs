@@ -135,7 +135,7 @@ pub fn hold<const N: usize>(
 
 /// Sees the steps through holds.
 trait Keep {
-    /// A step of the lanes where `goes` is positive: its end, s, T at its begin, and the gas at its end.
+    /// A step of the lanes where `goes` is positive: its end, s, T at its start, and the gas at its end.
     fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &Gas);
 }
 
@@ -210,7 +210,7 @@ struct Hold<'a> {
 struct Held {
     /// Positive where they are solved.
     good: Lanes,
-    /// What is seen at the begin.
+    /// What is seen at the start.
     begin: View<Lanes>,
     energy: Lanes,
     modes: [Lanes; MODES],

@@ -24,7 +24,7 @@ const BEFORE_LAST: f64 = 0.02;
 pub struct Rule {
     /// Coefficients in powers of the place of the polynomial that is one at a node and zero at the others.
     pub powers: [[f64; TERMS]; NODES],
-    /// The same of its integral from the begin on, from the first power on.
+    /// The same of its integral from the start on, from the first power on.
     pub integrated: [[f64; NODES]; NODES],
     /// The polynomial's integrals up to each node, to be multiplied by the values.
     pub integrals: [[f64; NODES]; NODES],

@@ -39,7 +39,7 @@ pub struct Gas {
     wall: Lanes,
     pub temperature: Lanes,
     pub modes: [Lanes; MODES],
-    /// Length of the last step, s, and d at its nodes: at first d at the begin.
+    /// Length of the last step, s, and d at its nodes: at first d at the start.
     pub since: Lanes,
     pub drives: [Lanes; NODES],
 }
@@ -55,7 +55,7 @@ pub struct Step {
 }
 
 impl Gas {
-    /// At the begin of a hold: mass, kg, volume, m³, temperature, K; temperature, K, and pressure, Pa, of the surroundings; modes, K.
+    /// At the start of a hold: mass, kg, volume, m³, temperature, K; temperature, K, and pressure, Pa, of the surroundings; modes, K.
     #[inline(always)]
     pub fn new(
         set: EffectSet,
@@ -79,7 +79,7 @@ impl Gas {
         Self::of([cooling, feed], at.wall_temperature, temperature, modes)
     }
 
-    /// At the begin of a hold with those a and b.
+    /// At the start of a hold with those a and b.
     #[inline(always)]
     pub fn of([cooling, feed]: [Lanes; 2], wall: Lanes, temperature: Lanes, modes: [Lanes; MODES]) -> Self {
         let drives = [Lanes::ZERO; NODES];

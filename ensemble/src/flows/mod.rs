@@ -47,7 +47,7 @@ pub struct FlowTest<L> {
     constants: Constants,
     /// Pressure at which the flow's turning is a corner of the push: that outside, or zero where it is none. Pa.
     turn: f64,
-    /// ν and z at the begin.
+    /// ν and z at the start.
     start: [f64; 2],
     law: PhantomData<L>,
 }
@@ -113,7 +113,7 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
         &self.gas
     }
 
-    /// Whether there is gas at the begin of the hold.
+    /// Whether there is gas at the start of the hold.
     #[inline]
     fn goes_one_way(&self, states: &[f64; 2]) -> bool {
         states.iter().all(|state| *state > 0.0 && *state < f64::INFINITY)

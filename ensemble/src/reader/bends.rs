@@ -70,7 +70,7 @@ impl Straight {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     piece: usize,
-    /// Time from the segment's begin, s; not a number where it is being looked for.
+    /// Time from the segment's start, s; not a number where it is being looked for.
     time: f64,
     reading: f64,
 }
@@ -82,7 +82,7 @@ impl Traces<'_> {
         if bent.is_empty() {
             return;
         }
-        // Where the readings turn round, also before what is shown: a sample may stand at its very begin.
+        // Where the readings turn round, also before what is shown: a sample may stand at its very start.
         let Memory { pieces, cut, jobs, .. } = &mut *self.memory;
         jobs.clear();
         for index in bent.iter().flat_map(|&row| cut[row].all.clone()) {

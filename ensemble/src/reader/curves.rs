@@ -117,12 +117,12 @@ impl Traces<'_> {
 pub(super) struct Followed<R> {
     /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
     pressure: [R; TERMS],
-    /// Its begin and its length, s.
+    /// Its start and its length, s.
     from: R,
     length: R,
     kept: R,
     fed: R,
-    /// The reading at its begin, Pa, as far as that is known.
+    /// The reading at its start, Pa, as far as that is known.
     begin: R,
 }
 
@@ -153,7 +153,7 @@ pub(super) struct Prompt<I> {
     pub(super) inside: I,
     /// How much it rises with the pressure.
     pub(super) gain: Lanes,
-    /// What it shows beside at the segment's begin, Pa, and its rate, Pa/s.
+    /// What it shows beside at the segment's start, Pa, and its rate, Pa/s.
     pub(super) offset: Lanes,
     pub(super) drift: Lanes,
 }

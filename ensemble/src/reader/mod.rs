@@ -135,7 +135,7 @@ struct Piece {
     knot: u32,
     /// Its place among [`Memory::lags`], where the sensor lags.
     lag: u32,
-    /// Times of its ends from the segment's begin, s.
+    /// Times of its ends from the segment's start, s.
     times: [f64; 2],
     /// What the record shows at both ends, Pa, and its slopes there, Pa/s; up to [`Traces::bend`], the reading.
     shown: [f64; 2],
@@ -147,7 +147,7 @@ struct Piece {
 #[derive(Clone, Debug)]
 struct Cut {
     all: Range<usize>,
-    /// The reading at the begin of the first, Pa.
+    /// The reading at the start of the first, Pa.
     begin: f64,
     /// Those that it shows between the end of the push and the end of the test.
     shown: Range<usize>,
@@ -161,7 +161,7 @@ struct Cut {
 #[derive(Clone, Copy, Debug)]
 struct Turn {
     piece: usize,
-    /// Time from the segment's begin, s.
+    /// Time from the segment's start, s.
     time: f64,
     /// What the record shows, Pa.
     shown: f64,

@@ -45,7 +45,7 @@ impl Traces<'_> {
         firsts
     }
 
-    /// Samples up to and at the begin of the pieces: before it a late record shows the gas before the test.
+    /// Samples up to and at the start of the pieces: before it a late record shows the gas before the test.
     fn samples_before(&self, row: usize, mut first: f64, to: &mut Vec<Part>) {
         to.clear();
         let Cut { all, begin: at_begin, .. } = &self.memory.cut[row];

@@ -97,7 +97,7 @@ pub struct BehindLag {
 }
 
 impl BehindLag {
-    /// Of sensors that lag by so many s and show `begin`, Pa, at the begin of the hold.
+    /// Of sensors that lag by so many s and show `begin`, Pa, at the start of the hold.
     #[inline(always)]
     pub fn new(gas: Relaxation, lag: Lanes, begin: Lanes) -> Self {
         let root = (Lanes::ONE - gas.excess).sqrt();

@@ -40,7 +40,7 @@ pub struct Piece {
 pub struct Polynomial {
     /// Coefficients of its pressure, Pa, in powers of the share of the piece.
     pub gas: [Lanes; TERMS],
-    /// The lagging reading at the piece's begin, Pa.
+    /// The lagging reading at the piece's start, Pa.
     pub lagged: Lanes,
 }
 
@@ -125,7 +125,7 @@ impl Reading for Shown<'_> {
     }
 }
 
-/// The pieces of records from the end of the push on: where they are late, up to the begin of the hold, and where they lag
+/// The pieces of records from the end of the push on: where they are late, up to the start of the hold, and where they lag
 /// to their ends.
 pub struct Build<'b, 'a> {
     pub readings: &'b mut Readings<'a>,

@@ -1,4 +1,4 @@
-//! The gas during the push, and what a lagging sensor has made of it: ∫ e^(−(t1 − t)/τ) P dt/τ, from the begin of the push
+//! The gas during the push, and what a lagging sensor has made of it: ∫ e^(−(t1 − t)/τ) P dt/τ, from the start of the push
 //! to a time t1, by 16-point Gauss–Legendre quadrature in √V.
 //!
 //! The rule takes the exponential over 21 τ to eleven digits and over 16 τ to all, and what is older than 37 τ weighs
@@ -26,7 +26,7 @@ pub struct Pushed<'a> {
     panels: &'a [Panel<Lanes>],
     /// Positive where they are for a record.
     by_nodes: Lanes,
-    /// √V at the begin, its rise, and the reciprocal of the sum of √V at both ends.
+    /// √V at the start, its rise, and the reciprocal of the sum of √V at both ends.
     root: Lanes,
     rise: Lanes,
     per_sum: Lanes,
@@ -75,7 +75,7 @@ impl<'a> Pushed<'a> {
         [way / (root + self.root), root]
     }
 
-    /// The reading at a time since the end of the push, s, of sensors that lag by so many s and showed `before`, Pa, at its begin.
+    /// The reading at a time since the end of the push, s, of sensors that lag by so many s and showed `before`, Pa, at its start.
     #[inline(always)]
     pub fn behind(&self, lag: Lanes, until: Lanes, before: Lanes) -> Lanes {
         let parts = self.tests.parts;

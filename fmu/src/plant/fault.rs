@@ -45,7 +45,7 @@ pub enum Fault {
     NoStep {
         /// Length of the step, s.
         step: f64,
-        /// Time at its begin, s.
+        /// Time at its start, s.
         time: f64,
         /// Why not, as a clause.
         cause: &'static str,
@@ -87,7 +87,7 @@ impl Fault {
     }
 }
 
-/// The integrator's times count from the begin of a step or of a stroke: a host would take them for its own.
+/// The integrator's times count from the start of a step or of a stroke: a host would take them for its own.
 fn clause(cause: IntegrationError) -> &'static str {
     match cause {
         IntegrationError::StepTooSmall { .. } => "the state or an input jumps, or is not finite within it",

@@ -137,7 +137,7 @@ impl Gas {
         true
     }
 
-    /// The gas `h` seconds later; `time` is that of the step's begin, `record` takes the sensor's readings if given.
+    /// The gas `h` seconds later; `time` is that of the step's start, `record` takes the sensor's readings if given.
     ///
     /// # Errors
     /// Where no accurate step exists. The record may then hold part of the step.
@@ -239,7 +239,7 @@ impl Course<'_> {
         (inputs::boundary(&u), around)
     }
 
-    /// What is imposed at the begin of the step, with the inputs as they were set.
+    /// What is imposed at the start of the step, with the inputs as they were set.
     fn boundary_at_begin(&self) -> Boundary {
         let (position, velocity) = self.motion.at(0.0);
         Boundary { position, velocity, ..inputs::boundary(&self.inputs.value) }

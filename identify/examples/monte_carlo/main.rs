@@ -78,19 +78,19 @@ fn diagnosed(study: &str, index: u64) -> Option<String> {
 fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let seconds = begun.elapsed().as_secs_f64();
     let found = names(t.chosen.model.of_rig()).join("+");
-    let settled = t.settled();
+    let reported = t.reported();
     // Intervals are judged where the model is the true one.
     let mut deviations = String::new();
     if (t.verdict == Verdict::Adequate && set.truth == "none")
         || (t.verdict == Verdict::Explained && found == set.truth)
     {
-        let h = &settled.fit.hypothesis;
+        let h = &reported.fit.hypothesis;
         // As the zero of the position was recorded the true dead volume may be below zero, and is reported as zero then.
         let mut truth = set.recipe.chamber_as_recorded();
         truth.geometry.dead_volume = truth.geometry.dead_volume.max(0.0);
         let truth = h.coordinates(&truth);
         for ((name, e), (axis, x)) in
-            estimates::parameters(&data, &settled.fit, true).iter().zip(h.axes.iter().zip(truth))
+            estimates::parameters(&data, &reported.fit, true).iter().zip(h.axes.iter().zip(truth))
         {
             let half = (e.ci95[1] - e.ci95[0]) / 3.92;
             let _ = write!(deviations, "{name}:{:.3};", (e.value - axis.value(x)) / half);

@@ -64,13 +64,13 @@ impl Missing {
 }
 
 /// Everything that can be asked of a fit's residual by the families.
-pub struct Search<'a> {
+pub struct Families<'a> {
     data: &'a Data,
     fit: &'a Fit,
     paths: Vec<Path>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> Families<'a> {
     /// Along the fitted model; `None` where it cannot be followed.
     pub fn new(data: &'a Data, fit: &'a Fit) -> Option<Self> {
         let paths: Option<Vec<Path>> =

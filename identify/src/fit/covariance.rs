@@ -1,9 +1,10 @@
 //! Intervals of what was fitted, and what the data does not determine.
 //!
 //! Covariance: inverse of the normal matrix (the records' own numbers eliminated), whose weights carry the noise's colour and
-//! the position's noise. Where the residual is more than noise, each variance is the larger of two: this one times the sum of squares
-//! over its expectation, and that of the sandwich estimator, whose clusters are the records, or parts of them where there are fewer
-//! than six. The tolerances of what the rig states are carried through the fit and added (JCGM 100:2008, equation 10).
+//! the position's noise. Where the fit is not adequate (its residual more than noise and above the accuracy asked for), each variance
+//! is the larger of two: this one times the sum of squares over its expectation, and that of the sandwich estimator, whose clusters
+//! are the records, or parts of them where there are fewer than six. The tolerances of what the rig states are carried through the
+//! fit and added (JCGM 100:2008, equation 10).
 
 use crate::fit::Fit;
 use crate::parameters::{Axis, Slot};
@@ -59,9 +60,9 @@ pub const NORMAL_95: f64 = 1.959_963_985;
 /// Covariance of the rig's free coordinates as errors of the values at the stated numbers: that of the records, and the
 /// stated numbers' tolerances carried through the fit (JCGM 100:2008, equation 10); of no extent in coordinates at a bound.
 /// The values do not move with the stated numbers, so that what the records tell of those does not make them better.
-pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
+pub fn covariance(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
     let n = fit.rig.len();
-    let Some(parts) = Parts::of(fit, residual_is_noise) else {
+    let Some(parts) = Parts::of(fit, is_adequate) else {
         return DMatrix::from_diagonal_element(n, n, f64::INFINITY);
     };
     let sum = &parts.records + &parts.by_stated * parts.by_stated.transpose();
@@ -75,8 +76,8 @@ pub fn covariance(fit: &Fit, residual_is_noise: bool) -> DMatrix<f64> {
 }
 
 /// What the variance of a coordinate is made of: the share of each stated number's tolerance, and of the records.
-pub fn budget(fit: &Fit, coordinate: usize, residual_is_noise: bool) -> Vec<(String, f64)> {
-    let Some(parts) = Parts::of(fit, residual_is_noise) else { return Vec::new() };
+pub fn budget(fit: &Fit, coordinate: usize, is_adequate: bool) -> Vec<(String, f64)> {
+    let Some(parts) = Parts::of(fit, is_adequate) else { return Vec::new() };
     let Some(place) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
     let mut shares = vec![("records".to_owned(), parts.records[(place, place)])];
     for (axis, by) in fit.hypothesis.stated.iter().zip(parts.by_stated.row(place).iter()) {
@@ -101,7 +102,7 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(fit: &Fit, residual_is_noise: bool) -> Option<Self> {
+    fn of(fit: &Fit, is_adequate: bool) -> Option<Self> {
         let n = fit.rig.len();
         let free: Vec<usize> = (0..n).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect();
         let m = free.len();
@@ -110,7 +111,7 @@ impl Parts {
         let by_stated = DMatrix::from_fn(m, stated, |i, k| fit.information[(free[i], n + k)]);
         let by_stated = &inverse * by_stated * spread_of_stated(fit);
         let mut records = inverse.clone();
-        if !residual_is_noise {
+        if !is_adequate {
             let robust = &inverse * meat(fit, &free) * &inverse;
             let freedom = (fit.blocks as f64 - m as f64).max(1.0);
             let scale = (fit.marginal / freedom).max(1.0);

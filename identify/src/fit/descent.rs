@@ -19,8 +19,8 @@ use nalgebra::DVector;
 pub struct Until {
     /// After so many iterations at the latest.
     pub iterations: usize,
-    /// By a step that promises less than this much of χ²; so much more as χ² is more than its expectation, since the evidence
-    /// counts χ² in that measure.
+    /// By a step that promises less than this much of χ², times χ² over its expectation, since the evidence counts χ² in that
+    /// measure.
     pub gain: f64,
     /// Or after so many iterations in a row that gained less.
     pub slow_iterations: usize,

@@ -158,7 +158,7 @@ pub fn credible_move(
     hypothesis: &Hypothesis,
     adapts: &mut [bool],
 ) -> Option<(f64, Vec<f64>)> {
-    /// In tolerances, which are for unit.
+    /// In tolerances.
     const FADES_WITHIN: f64 = 1.0;
     let best = best_move(matrix, right, adapts)?;
     let waves = waves(hypothesis);

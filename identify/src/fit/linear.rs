@@ -19,7 +19,7 @@ const WIDEST: usize = 12;
 /// Which blocks take part: the number of leading blocks of each record.
 pub type Selection = [usize];
 
-/// Why a fit failed: the record whose simulation failed at the very begin, and how.
+/// Why a fit failed: the record whose simulation failed at the very start, and how.
 pub type Failure = (usize, IntegrationError);
 
 /// Residuals and sensitivities of one record's blocks, whitened: each of standard deviation one, independent of the others.

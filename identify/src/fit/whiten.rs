@@ -2,11 +2,12 @@
 //!
 //! A block's residual is the sum of white noise, of the recording's coloured noise and hum ([`Noise`]), and of what
 //! blocks have in common: the error of a hold's mean position and of its slope, the time at which the move before it was
-//! over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step). Each of these is a linear state, so that the filter is linear in the
-//! number of blocks, and the same operator applies to residuals and to every column of sensitivities.
+//! over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step). Each of these
+//! is a linear state, so that the filter is linear in the number of blocks, and the same operator applies to residuals and to every
+//! column of sensitivities.
 //!
 //! An Ornstein–Uhlenbeck process x of variance σ² and time constant τ averaged over a block of length T = u τ, given x at
-//! its begin: mean g x, variance σ² (f − g²), covariance with x at the end σ² g (1 − e^(−u)), where
+//! its start: mean g x, variance σ² (f − g²), covariance with x at the end σ² g (1 − e^(−u)), where
 //! g = (1 − e^(−u))/u and f = 2 (u − 1 + e^(−u))/u². Source: R. E. Kalman, J. Basic Eng. 82 (1960) 35; innovations as
 //! residuals of a grey-box model: N. R. Kristensen, H. Madsen and S. B. Jørgensen, Automatica 40 (2004) 225.
 
@@ -26,7 +27,7 @@ const MOST: usize = FLICKER_COLOURS + 6;
 pub struct Place {
     /// Begin of the mean.
     pub begin_s: f64,
-    /// Its end; equal to the begin for a single reading.
+    /// Its end; equal to the start for a single reading.
     pub end_s: f64,
     /// Variance of its white part, Pa².
     pub variance: f64,

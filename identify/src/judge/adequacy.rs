@@ -4,7 +4,7 @@
 //! the rest has a shape, the largest gain of any family of missing terms ([`crate::discrepancy`]): χ² with the family's
 //! rank. And a practical one: the systematic misfit ([`misfit`]) against the accuracy that the rig asks for. Either is enough.
 
-use crate::discrepancy::{Missing, Search};
+use crate::discrepancy::{Families, Missing};
 use crate::fit::Fit;
 use crate::judge::misfit;
 use crate::policy::{FAMILY_PROBABILITY, LITTLE, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS, TOLERANCES};
@@ -31,7 +31,7 @@ pub struct Adequacy {
 /// Tests a fit's residual.
 pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     let squares_deviations = squares_deviations(data, fit, fit.marginal);
-    let mut families = Search::new(data, fit).map(|s| s.all()).unwrap_or_default();
+    let mut families = Families::new(data, fit).map(|families| families.all()).unwrap_or_default();
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
     let family_probability = families.first().map_or(1.0, probability);
     let mut systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit));

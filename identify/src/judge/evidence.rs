@@ -6,7 +6,7 @@
 //! make every correction decisive. Source: G. Schwarz, Ann. Stat. 6 (1978) 461.
 //!
 //! The model follows the recorded stroke, noise and all. What smears or shifts a record smooths that noise too, and would be
-//! found in many a recording without it: what it may gain so counts as if it had not been gained ([`Fit::smoothed`]).
+//! found in many a recording without it: what it may gain in that way does not count ([`Fit::smoothed`]).
 
 use crate::fit::Fit;
 

@@ -182,7 +182,8 @@ fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
     match own.len() {
         ..=4 => halves::<4>(data, fitted, k, &own),
         5..=8 => halves::<8>(data, fitted, k, &own),
-        _ => halves::<12>(data, fitted, k, &own),
+        9..=12 => halves::<12>(data, fitted, k, &own),
+        _ => None,
     }
 }
 
@@ -262,7 +263,7 @@ fn own_numbers(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
 /// A fit of one record's own numbers to its rows before `until`; the hypothesis leaves nothing of the rig free.
 ///
 /// # Errors
-/// Where the simulation fails at the very begin.
+/// Where the simulation fails at the very start.
 pub fn own_fit(data: &Data, held: &Hypothesis, k: usize, until: usize) -> Result<Fit, IntegrationError> {
     let t = &data.traces[k];
     let selection: Vec<usize> = (0..data.traces.len())

@@ -1,6 +1,6 @@
 //! What a diagnosis says: the contract's JSON, the numbers of the report, the model that follows.
 
-use crate::discrepancy::{Path, Search};
+use crate::discrepancy::{Families, Path};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::fit::covariance::{self, Undetermined};
@@ -133,6 +133,11 @@ impl Diagnosis {
         self.steps.last().map_or("", |step| &step.terms)
     }
 
+    /// The same one by one; none for the paper's model.
+    pub fn each_term(&self) -> impl Iterator<Item = &str> {
+        self.terms().split(" + ").filter(|term| !term.is_empty())
+    }
+
     /// What the probabilities of the effects say beside this verdict.
     pub fn meaning_of_probabilities(&self) -> &'static str {
         probability::meaning(self.verdict)
@@ -148,7 +153,7 @@ impl Diagnosis {
 
     /// Whether a curve is among them.
     pub fn has_curve(&self) -> bool {
-        self.empirical.as_ref().is_some_and(|e| e.accepted)
+        self.empirical.as_ref().is_some_and(|e| e.fate.is_accepted())
     }
 }
 
@@ -171,12 +176,17 @@ pub struct Diagnosed {
 impl Diagnosed {
     /// The chamber to go on with: with the effects found, else the paper's model.
     pub fn chamber(&self) -> Chamber {
-        self.found.settled().fit.chamber_of_rig()
+        self.found.reported().fit.chamber_of_rig()
+    }
+
+    /// Effects of the recording that each record has for itself: that chamber has none of them.
+    pub fn of_each_record(&self) -> EffectSet {
+        self.found.reported().fit.hypothesis.model.own
     }
 
     /// How well that chamber's numbers are known.
     pub fn uncertainty(&self) -> records::Uncertainty {
-        let mut known = uncertainty(&self.found.settled().fit, self.found.adequacy().is_adequate());
+        let mut known = uncertainty(&self.found.reported().fit, self.found.adequacy().is_adequate());
         let told = &self.diagnosis.after.parameters;
         for (name, ci95) in known.parameters.iter().zip(&mut known.ci95) {
             if let Some((_, estimate)) = told.iter().find(|(other, _)| other == name) {
@@ -198,7 +208,7 @@ pub fn diagnose(rig: &records::Rig, progress: &(dyn Fn(&str, f64) + Sync)) -> Re
 
 /// Puts a finished search into words and numbers.
 pub fn describe(data: Data, found: Found) -> Diagnosed {
-    let after = found.settled();
+    let after = found.reported();
     let adequacy = found.adequacy();
     let residuals_before = misfit::residuals(&data, &found.baseline.fit);
     let residuals_after =
@@ -243,23 +253,26 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         after: after_side,
         candidates: each_set_once(&found.tried).map(|c| tried(&data, c)).collect(),
         lambda0_budget,
-        empirical: found.read_off.as_ref().and_then(|r| Empirical::of(r, r.accepted && adequacy.is_adequate())),
+        empirical: found
+            .read_off
+            .as_ref()
+            .and_then(|r| Empirical::of(r, r.fate.is_accepted() && adequacy.is_adequate())),
         missing,
         undetermined: covariance::undetermined(&after.fit),
         next_experiments: next_experiment::next(&data, &found),
         assumptions: recording::notes(&data, Some(&found)).into_iter().chain(of_two_rigs).collect(),
         remainder: remainder::of(&data, &found, adequacy),
     };
-    let paths = Search::new(&data, &found.baseline.fit).map(|s| s.paths().to_vec()).unwrap_or_default();
+    let paths = Families::new(&data, &found.baseline.fit).map(|families| families.paths().to_vec()).unwrap_or_default();
     Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, found }
 }
 
 /// Where the interval of λ0 comes from, which is the first of the numbers of its set and of those over all sets that cannot be
 /// told apart.
-fn budget(fit: &Fit, residual_is_noise: bool, of_set: &Estimates, over_sets: &Estimates) -> Vec<Budget> {
+fn budget(fit: &Fit, is_adequate: bool, of_set: &Estimates, over_sets: &Estimates) -> Vec<Budget> {
     let width = |numbers: &Estimates| numbers.first().map_or(0.0, |(_, e)| e.ci95[1] - e.ci95[0]);
     let of_set = (width(of_set) / width(over_sets)).powi(2).min(1.0);
-    let shares = covariance::budget(fit, 0, residual_is_noise).into_iter();
+    let shares = covariance::budget(fit, 0, is_adequate).into_iter();
     let mut out: Vec<Budget> = shares.map(|(source, share)| Budget { source, share: of_set * share }).collect();
     if of_set < 1.0 {
         out.push(Budget { source: "choice_among_indistinguishable_effects".to_owned(), share: 1.0 - of_set });
@@ -267,9 +280,9 @@ fn budget(fit: &Fit, residual_is_noise: bool, of_set: &Estimates, over_sets: &Es
     out
 }
 
-fn side(data: &Data, c: &Candidate, residuals: &[Vec<f64>], is_noise: bool) -> Side {
+fn side(data: &Data, c: &Candidate, residuals: &[Vec<f64>], is_adequate: bool) -> Side {
     let rmse_pa = Rmse { fit: misfit::rms(data, residuals), held_out: c.held_out_pa() };
-    Side { rmse_pa, parameters: parameters(data, &c.fit, is_noise) }
+    Side { rmse_pa, parameters: parameters(data, &c.fit, is_adequate) }
 }
 
 fn steps(data: &Data, found: &Found) -> Vec<Step> {

@@ -18,8 +18,8 @@ pub struct Rmse {
 }
 
 /// What a model file keeps of a fit's intervals: names, 95 % intervals and covariance of the free numbers, SI units.
-pub fn uncertainty(fit: &Fit, residual_is_noise: bool) -> records::Uncertainty {
-    let covariance = covariance::covariance(fit, residual_is_noise);
+pub fn uncertainty(fit: &Fit, is_adequate: bool) -> records::Uncertainty {
+    let covariance = covariance::covariance(fit, is_adequate);
     let estimates = covariance::estimates(fit, &covariance);
     records::Uncertainty {
         parameters: estimates.iter().map(|(name, _)| name.clone()).collect(),
@@ -29,8 +29,8 @@ pub fn uncertainty(fit: &Fit, residual_is_noise: bool) -> records::Uncertainty {
 }
 
 /// Values with intervals of a fit.
-pub fn parameters(data: &Data, fit: &Fit, residual_is_noise: bool) -> Estimates {
-    let covariance = covariance::covariance(fit, residual_is_noise);
+pub fn parameters(data: &Data, fit: &Fit, is_adequate: bool) -> Estimates {
+    let covariance = covariance::covariance(fit, is_adequate);
     let mut out = covariance::estimates(fit, &covariance);
     if data.dead_volume_known {
         let value = data.dead_volume_m3;

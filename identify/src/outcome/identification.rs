@@ -11,10 +11,10 @@ use crate::outcome::recording::{notes, positions_too_far};
 use crate::outcome::rigs;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::record::data::{Data, Prepared};
+use crate::record::papers_steps;
 use crate::search;
 use chamber::{Chamber, HeatTransfer};
-use paper::time_constant::{self, TimeConstant};
-use paper::{Recording, Setup};
+use paper::time_constant::TimeConstant;
 use records::Rig;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -72,7 +72,7 @@ pub struct Identification {
     pub rmse_pa: Rmse,
     /// Noise of the pressure readings, Pa.
     pub noise_pa: f64,
-    /// Whether what the model leaves is no more than noise.
+    /// Whether what the model leaves is no more than noise, or below the accuracy asked for; of the published steps never.
     pub residual_is_noise: bool,
     /// Each kind of test.
     pub experiments: Vec<ExperimentResult>,
@@ -109,24 +109,7 @@ pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
 
 /// The paper's steps on each trace, with its experiment.
 fn steps(data: &Data) -> Vec<(usize, Result<TimeConstant, paper::Error>)> {
-    data.traces.iter().map(|t| (t.experiment, seven_steps(data, t))).collect()
-}
-
-fn seven_steps(data: &Data, t: &Prepared) -> Result<TimeConstant, paper::Error> {
-    let setup = Setup {
-        gas: data.gas,
-        geometry: data.cylinder.geometry(0.0),
-        ambient_temperature_k: t.initial_temperature_k,
-        reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
-        reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
-    };
-    let without_outliers = |column: &[f64]| -> Vec<f64> {
-        let kept = (0..column.len()).filter(|row| t.readout.outliers.binary_search(row).is_err());
-        kept.map(|row| column[row]).collect()
-    };
-    let [time_s, pressure_pa, position_m] = [&t.time_s, &t.pressure_pa, &t.position_m].map(|c| without_outliers(c));
-    let recording = Recording { time_s: &time_s, pressure_pa: &pressure_pa, position_m: &position_m };
-    time_constant::evaluate(&setup, &recording)
+    data.traces.iter().map(|t| (t.experiment, papers_steps::of(data, t))).collect()
 }
 
 type Steps = [(usize, Result<TimeConstant, paper::Error>)];
@@ -187,9 +170,7 @@ fn published(data: &Data) -> Result<Identification, Error> {
     if found.is_empty() {
         let mut refused = data.traces.iter().zip(&steps).filter_map(|(t, (_, s))| Some((t, s.as_ref().err()?)));
         let first = refused.next().map_or(String::new(), |(t, why)| format!(" ({}: {why})", t.path.display()));
-        return Err(Error::Method(format!(
-            "no trace can be evaluated by the published steps{first}; `--method exact` needs no single push and hold"
-        )));
+        return Err(Error::NoPushAndHold { first });
     }
     let of = |f: &dyn Fn(&TimeConstant) -> (f64, [f64; 2])| {
         mean_with_interval(&found.iter().map(|s| f(s)).collect::<Vec<_>>())

@@ -67,8 +67,8 @@ pub struct RecordFound {
 }
 
 /// Each record's own numbers and error.
-pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], residual_is_noise: bool) -> Vec<RecordFound> {
-    let rig = covariance::covariance(fit, residual_is_noise);
+pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], is_adequate: bool) -> Vec<RecordFound> {
+    let rig = covariance::covariance(fit, is_adequate);
     (0..data.traces.len())
         .map(|k| {
             let t = &data.traces[k];
@@ -96,7 +96,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let mut out = Vec::new();
     if data.ambient_temperature_assumed {
         out.push(format!(
-            "the ambient temperature is not stated: {:.2} ± {:.0} K is assumed. Pressures alone do not determine it; lambda0 goes with its power 1.5, and the interval of lambda0 includes that",
+            "the ambient temperature is not stated: {:.2} ± {:.0} K is assumed. Pressures alone do not determine it; lambda0 is proportional to its power 1.5, and the interval of lambda0 includes that",
             data.ambient_temperature_k, data.tolerance.ambient_temperature_k
         ));
     }
@@ -268,11 +268,12 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             listed(&names)
         ));
     }
-    if let Some(r) = found.read_off.as_ref().filter(|r| !r.accepted) {
+    if let Some(r) = found.read_off.as_ref().filter(|r| !r.fate.is_accepted()) {
         out.push(format!(
-            "no curve is kept, since it would have to halve the error beyond noise on left-out data; with the best, a {} over the {}, the error there goes from {} to {} Pa",
+            "the best curve, a {} over the {}, is not in the model, because {}; the error on left-out data goes from {} to {} Pa with it",
             discrepancy::quantity(r.first_order.term),
             r.first_order.variable.name().0,
+            r.fate.words(),
             digits(r.left_out_pa[0], 3),
             digits(r.left_out_pa[1], 3)
         ));
@@ -290,7 +291,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         ));
     }
     out.extend(common_start(data, fit));
-    out.extend(positions_too_far(&found.settled().fit));
+    out.extend(positions_too_far(&found.reported().fit));
     if found.follows_the_test {
         let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
@@ -340,7 +341,7 @@ fn common_start(data: &Data, fit: &Fit) -> Option<String> {
     (warmer_k.len() > 2 && mean.abs() > DEVIATIONS * (variance / count).sqrt()).then(|| {
         let (how, other) = if mean < 0.0 { ("colder", "warmer") } else { ("warmer", "colder") };
         format!(
-            "in the mean of the records the gas begins {:.1} K {how} than the wall. It may not have reached the wall's temperature before they begin, or the wall is {other} than the stated surroundings; pressures alone do not tell which (lambda0 goes with the power 1.5 of the wall's temperature)",
+            "in the mean of the records the gas begins {:.1} K {how} than the wall. It may not have reached the wall's temperature before they begin, or the wall is {other} than the stated surroundings; pressures alone do not tell which (lambda0 is proportional to the power 1.5 of the wall's temperature)",
             mean.abs()
         )
     })

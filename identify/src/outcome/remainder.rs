@@ -23,7 +23,7 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     if found.follows_the_test {
         return "what each record has for itself differs from test to test".to_owned();
     }
-    match found.settled().fit.exhausted() {
+    match found.reported().fit.exhausted() {
         Some(number) => format!("{} is nearly at the limit of its effect", number.name()),
         None => "what remains is noise".to_owned(),
     }

@@ -20,7 +20,7 @@ const FEWEST: usize = 2;
 /// What the tests of two groups have to overlap in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overlap {
-    /// The pressure at the begin and the ratio of the first move's positions: effects were looked for, and none explains it.
+    /// The pressure at the start and the ratio of the first move's positions: effects were looked for, and none explains it.
     Levels,
     /// The positions themselves as well, which an effect may follow.
     LevelsAndPositions,
@@ -118,7 +118,7 @@ fn overlap(data: &Data, [few, many]: &[Vec<usize>; 2], needed: Overlap) -> bool 
 /// Logarithms of quantities that differ less are alike.
 const NEARLY: f64 = 0.05;
 
-/// Logarithms of what a test is made of: the pressure at its begin, the first move's positions as a ratio, and the latter of them.
+/// Logarithms of what a test is made of: the pressure at its start, the first move's positions as a ratio, and the latter of them.
 fn test(t: &Prepared) -> Option<[f64; 3]> {
     let first = t.course.motion.segments.iter().find(|s| s.phase == Phase::Move)?;
     // Of a move whose rows were lost those on either side are left.

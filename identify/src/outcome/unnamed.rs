@@ -1,22 +1,47 @@
 //! Missing terms without a name, as a diagnosis states them.
 
-use crate::discrepancy::{self, Missing};
+use crate::discrepancy::{self, Missing, Variable};
 use crate::search::Candidate;
-use serde::Serialize;
+use chamber::effects::empirical::Term;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
+
+/// What is missing, and what it follows; for programs, both in words with their units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// What is missing.
+    pub term: Term,
+    /// What it follows.
+    pub variable: Variable,
+}
+
+impl Subject {
+    /// What is missing, in words, and its unit.
+    pub fn quantity(self) -> (&'static str, &'static str) {
+        (discrepancy::quantity(self.term), self.term.unit())
+    }
+}
+
+impl Serialize for Subject {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let ((quantity, unit), (variable, variable_unit)) = (self.quantity(), self.variable.name());
+        let mut out = serializer.serialize_struct("Subject", 4)?;
+        out.serialize_field("quantity", quantity)?;
+        out.serialize_field("unit", unit)?;
+        out.serialize_field("variable", variable)?;
+        out.serialize_field("variable_unit", variable_unit)?;
+        out.end()
+    }
+}
 
 /// A missing term without a name.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unnamed {
     /// The balance it belongs to.
     pub balance: &'static str,
-    /// What is missing, and its unit.
-    pub quantity: &'static str,
-    /// Unit of [`Unnamed::value`].
-    pub unit: &'static str,
-    /// What it follows.
-    pub variable: &'static str,
-    /// Unit of [`Unnamed::at`].
-    pub variable_unit: &'static str,
+    /// What is missing, and what it follows.
+    #[serde(flatten)]
+    pub subject: Subject,
     /// Values of the variable.
     pub at: Vec<f64>,
     /// The missing term there.
@@ -30,19 +55,19 @@ pub struct Unnamed {
 /// A family that takes away less than this share of what a model leaves explains nothing of it.
 const LEAST_SHARE: f64 = 0.01;
 
+/// Most families that are told.
+const MOST: usize = 6;
+
 /// The families that take away most of what a model leaves, best first.
 pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
     // What takes away most for its number of coefficients comes first.
     let mut best: Vec<&Missing> = families.iter().collect();
     best.sort_by(|a, b| b.worth(&c.fit).total_cmp(&a.worth(&c.fit)));
     best.iter()
-        .take(6)
+        .take(MOST)
         .map(|m| Unnamed {
             balance: m.term.balance().name(),
-            quantity: discrepancy::quantity(m.term),
-            unit: m.term.unit(),
-            variable: m.variable.name().0,
-            variable_unit: m.variable.name().1,
+            subject: Subject { term: m.term, variable: m.variable },
             at: m.at.clone(),
             value: m.value.clone(),
             sd: m.sd.clone(),

@@ -1,7 +1,7 @@
 //! `validate`: a model against records that took no part in finding it.
 //!
 //! The rig's numbers are the model's. Each record brings its own: initial pressure, initial temperature where it begins in
-//! motion, and the parameters of recording effects. They are fitted to the record's begin, its rest and its first move, and
+//! motion, and the parameters of recording effects. They are fitted to the record's start, its rest and its first move, and
 //! the rest of it is predicted, with the model's drift; or, with the whole record, to all of it.
 
 use super::estimates::{Estimates, as_map};
@@ -17,6 +17,7 @@ use crate::record::outliers;
 use crate::record::stroke::Phase;
 use crate::search::terms;
 use chamber::Chamber;
+use chamber::effects::EffectSet;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use records::Rig;
@@ -68,25 +69,42 @@ pub struct Validated {
     pub residuals: Vec<Vec<f64>>,
 }
 
-/// Validates a chamber on a rig's records. `error_pa` is the error that it has on data like these, Pa rms, with noise (zero where
-/// that is not known).
+/// A model that is to predict records, and what is known of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Predictor {
+    /// The chamber, without what each record has for itself.
+    pub chamber: Chamber,
+    /// The error that it has on data like these, Pa rms, with noise; zero where that is not known.
+    pub error_pa: f64,
+    /// Effects of the recording that each of the records had for itself that the model was identified from.
+    pub of_each_record: EffectSet,
+}
+
+impl Predictor {
+    /// A chamber of which nothing else is known.
+    pub fn of(chamber: Chamber) -> Self {
+        Self { chamber, error_pa: 0.0, of_each_record: EffectSet::NONE }
+    }
+}
+
+/// Validates a model on a rig's records.
 ///
 /// # Errors
 /// [`Error`]: data that cannot be what it should be, a record that the model cannot follow, records that end with their first
 /// move.
-pub fn validate(chamber: &Chamber, error_pa: f64, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
+pub fn validate(model: &Predictor, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let mut data = Data::prepare(rig)?;
     if !whole_record {
         data.traces.iter_mut().for_each(Prepared::leave_out_behind_gap);
     }
-    let mut compared = Compared::of(&data, chamber, error_pa, whole_record)?;
+    let mut compared = Compared::of(&data, model, whole_record)?;
     for _ in 0..ROUNDS {
         let found = outliers::in_residuals(&data, &compared.residuals);
         if data.is_without(&found) {
             break;
         }
         data = data.without(&found);
-        compared = Compared::of(&data, chamber, error_pa, whole_record)?;
+        compared = Compared::of(&data, model, whole_record)?;
     }
     let Compared { parameters, residuals, judged_from } = compared;
     let (mut squares, mut count) = (0.0, 0usize);
@@ -137,9 +155,9 @@ struct Compared {
 }
 
 impl Compared {
-    fn of(data: &Data, chamber: &Chamber, error_pa: f64, whole_record: bool) -> Result<Self, Error> {
-        let hypothesis = hypothesis(data, chamber, whole_record);
-        let weighed = if whole_record { None } else { weighed(data, error_pa) };
+    fn of(data: &Data, model: &Predictor, whole_record: bool) -> Result<Self, Error> {
+        let hypothesis = hypothesis(data, model, whole_record);
+        let weighed = if whole_record { None } else { weighed(data, model.error_pa) };
         let weighed = weighed.as_ref().unwrap_or(data);
         let judged_from: Vec<usize> = data.traces.iter().map(|t| if whole_record { 0 } else { begin_of(t) }).collect();
         let until = |k: usize| if whole_record { usize::MAX } else { judged_from[k] };
@@ -153,12 +171,13 @@ impl Compared {
 }
 
 /// What is free of a record: its own numbers.
-fn hypothesis(data: &Data, chamber: &Chamber, whole_record: bool) -> Hypothesis {
-    // What grows with time cannot be told from a record's begin, and a delay of the position not from one of the pressure:
-    // a record's own only where the model has it, and the former only with the whole record.
+fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis {
+    let chamber = &model.chamber;
+    // What grows with time cannot be told from a record's start, and a delay of the position not from one of the pressure:
+    // a record's own only where the model or each of its own records has it, and the former only with the whole record.
     let growing = terms::growing_with_time();
     let only_of_model = growing.union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
-    let own = terms::of_record().without(only_of_model.without(chamber.active()));
+    let own = terms::of_record().without(only_of_model.without(chamber.active().union(model.of_each_record)));
     let own = if whole_record { own } else { own.without(growing) };
     let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
     let mut hypothesis = Hypothesis::new(data, model, chamber, &Sizes::of(data, chamber));
@@ -188,7 +207,7 @@ fn of_record(data: &Data, hypothesis: &Hypothesis, k: usize, until: usize) -> Re
     Ok((hypothesis.own_of(t).iter().enumerate().map(estimate).collect(), residual))
 }
 
-/// The data beside what a model with that error leaves of them, Pa rms: where it errs, a begin tells a record's own numbers only
+/// The data beside what a model with that error leaves of them, Pa rms: where it errs, a start tells a record's own numbers only
 /// so well. Taken for noise alone, it would bend them until they imitate what the model lacks. `None` where it leaves nothing.
 fn weighed(data: &Data, error_pa: f64) -> Option<Data> {
     let left_pa = (error_pa.powi(2) - data.noise.total_pa().powi(2)).max(0.0).sqrt();

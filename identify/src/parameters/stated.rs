@@ -46,7 +46,7 @@ fn by_cards(data: &Data, model: &Model) -> Vec<Axis> {
         .collect()
 }
 
-/// A stated number with its tolerance, or how far it is known, for unit.
+/// A stated number with its tolerance, or how far it is known, as its unit.
 fn within_tolerance(slot: Slot, scale: f64) -> Axis {
     Axis { slot, logarithmic: false, scale, bounds: [-1e3, 1e3], prior: Some([0.0, 1.0]) }
 }

@@ -104,7 +104,7 @@ fn stroke(trace: &Trace, cylinder: &Cylinder) -> Result<(), Error> {
 
 /// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row. Where noise
 /// does not move the readings, gas in equilibrium gives equal ones too, and those of a late sensor go on into the move: then such
-/// a run lasts from the begin of a move for longer than that.
+/// a run lasts from the start of a move for longer than that.
 fn saturation(
     trace: &Trace,
     pressure_pa: &[f64],

@@ -129,7 +129,7 @@ struct Curve {
     begin_s: f64,
     /// Its coefficients, from the lowest power on, with the time in s.
     powers: [f64; MOST],
-    /// Rows behind its begin.
+    /// Rows behind its start.
     under_way: usize,
     /// Squares of their distances from it over their noise, ...
     squares_under_way: f64,

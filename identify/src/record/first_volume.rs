@@ -25,7 +25,7 @@ pub fn first_guess(traces: &[Prepared], piston_area_m2: f64) -> f64 {
     piston_area_m2 * length.max(LEAST_LEFT * travel - smallest)
 }
 
-/// The length of cylinder that the dead volume has if the gas is as warm at the end of a record as at its begin:
+/// The length of cylinder that the dead volume has if the gas is as warm at the end of a record as at its start:
 /// P0 (x0 + l) = P1 (x1 + l), m.
 fn by_pressures(trace: &Prepared) -> Option<f64> {
     /// A change of pressure below this share tells nothing of a volume.

@@ -113,7 +113,7 @@ fn rows_in_motion(record: &Stamped<'_>) -> Vec<Row> {
         Row { at, rates: columns.map(rate), off: columns.map(off), noise }
     };
     let all: Vec<usize> = (BESIDE..time_s.len().saturating_sub(BESIDE)).filter(moves).collect();
-    // A move's begin and end may be corners.
+    // A move's start and end may be corners.
     let runs = all.chunk_by(|a, b| a + 1 == *b).filter(|run| run.len() > 2 * CORNER);
     runs.flat_map(|run| &run[CORNER..run.len() - CORNER]).map(|at| row(*at)).collect()
 }

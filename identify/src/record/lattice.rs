@@ -23,9 +23,9 @@ pub fn of_changes(readings: &[f64], nothing: f64) -> f64 {
 }
 
 /// The lattice that the bends of the readings' course show, where it bends all along its moves: readings rounded to steps do.
-/// Those of an even move without steps change by as much from each to the next, and bend at its begin and its end only.
+/// Those of an even move without steps change by as much from each to the next, and bend at its start and its end only.
 pub fn of_bends(readings: &[f64], nothing: f64) -> f64 {
-    /// Bends of an even move: at its begin and its end, each between two rows.
+    /// Bends of an even move: at its start and its end, each between two rows.
     const OF_EVEN_MOVE: usize = 4;
     let mut bends: Vec<f64> = bends(readings).filter(|bend| *bend > nothing).collect();
     let changes: Vec<f64> = readings.windows(2).map(|w| w[1] - w[0]).collect();

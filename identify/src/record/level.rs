@@ -3,7 +3,7 @@
 //! With r times the absolute pressure a chamber has r times the mass and √r times λ0, and all else is as it was: neither ratios
 //! nor times tell a wrong unit. What tells it is the level at which the records rest, where that is the pressure of the
 //! surroundings in another unit, or no level of compressed air but in another unit; and λ0, which in gases in cylinders is some
-//! 30 W/(m² K). Each of these may be so for once, so that it takes two for a note, and all for a refusal.
+//! 30 W/(m² K). Any one of these may hold by chance: it takes two for a note, and all for a refusal.
 //!
 //! Gauge pressures in another unit contradict the volumes: see [`crate::judge::sanity`].
 
@@ -11,9 +11,9 @@ use crate::error::Error;
 use crate::parameters::FIRST_LAMBDA0;
 use crate::policy::{AT_AMBIENT, COMPRESSED_AIR_PA};
 use crate::record::data::{Data, Prepared};
+use crate::record::papers_steps;
 use crate::record::stroke::Phase;
 use crate::record::unit::{Doubt, others};
-use paper::{Recording, Setup, time_constant};
 use records::units::Unit;
 
 /// Looks at absolute pressures of a declared unit.
@@ -64,17 +64,7 @@ fn rest_pa(t: &Prepared) -> Option<f64> {
 
 /// Median of λ0 by the paper's steps, W/(m² K).
 fn coefficient(data: &Data, rests: &[(f64, &Prepared)]) -> Option<f64> {
-    let of = |t: &Prepared| {
-        let setup = Setup {
-            gas: data.gas,
-            geometry: data.cylinder.geometry(0.0),
-            ambient_temperature_k: t.initial_temperature_k,
-            reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
-            reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
-        };
-        let recording = Recording { time_s: &t.time_s, pressure_pa: &t.pressure_pa, position_m: &t.position_m };
-        Some(time_constant::evaluate(&setup, &recording).ok()?.steps.coefficient_0_w_per_m2_k.value)
-    };
+    let of = |t: &Prepared| Some(papers_steps::of(data, t).ok()?.steps.coefficient_0_w_per_m2_k.value);
     let mut found: Vec<f64> = rests.iter().filter_map(|(_, t)| of(t)).filter(|c| *c > 0.0).collect();
     found.sort_by(f64::total_cmp);
     found.get(found.len() / 2).copied()

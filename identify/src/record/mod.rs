@@ -20,6 +20,7 @@ mod local_cubic;
 mod moving;
 pub mod noise;
 pub mod outliers;
+pub mod papers_steps;
 mod position_noise;
 pub mod positions;
 mod prepare;

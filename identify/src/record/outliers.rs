@@ -142,7 +142,7 @@ fn reach_of_moves(t: &Prepared, rows: &[usize]) -> Vec<bool> {
     out
 }
 
-/// The rows of a move from the first that differs from its begin to the last that does from its end.
+/// The rows of a move from the first that differs from its start to the last that does from its end.
 fn seen_to_move(t: &Prepared, s: &Segment) -> Range<usize> {
     /// Of the position's noise.
     const DEVIATIONS: f64 = 5.0;

@@ -34,7 +34,7 @@ pub fn beside_each_other(traces: &[&Prepared], segment: usize, rows: &[Vec<usize
         let from = |(half, own): (usize, &Vec<usize>)| own.iter().copied().filter(|i| *i >= half + begin).collect();
         Some(halves.into_iter().zip(rows).map(from).collect::<Vec<Vec<usize>>>())
     });
-    // A hold most of which counts as a move in another repeat is compared from its begin.
+    // A hold most of which counts as a move in another repeat is compared from its start.
     let kept = latest.filter(|kept| 2 * shortest(kept) >= length).unwrap_or_else(|| rows.to_vec());
     let length = shortest(&kept);
     kept.into_iter().map(|own| own[..length].to_vec()).collect()

@@ -170,7 +170,7 @@ impl Motion {
             .collect()
     }
 
-    /// Its begin and its end, s.
+    /// Its start and its end, s.
     pub fn extent(&self) -> (f64, f64) {
         (self.segments[0].from_s, self.segments[self.segments.len() - 1].to_s)
     }

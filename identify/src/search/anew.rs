@@ -43,7 +43,7 @@ impl Search {
     /// open where the records are averages, without its outliers, and with the noise that it leaves where it has found when each
     /// record was read, or leaves far less of it. Before, repeats that are read at different times, or that moved differently,
     /// differ by more than noise. All that was tried is fitted anew.
-    pub(super) fn settle(&mut self) {
+    pub(super) fn reweigh(&mut self) {
         let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
         let Some(data) = self.as_shown_by(&self.chosen.fit, has_own_times) else { return };
         self.begin_again(data);

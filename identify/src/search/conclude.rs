@@ -7,7 +7,7 @@
 
 use super::entry::is_credible;
 use super::starts::{as_stated, fit_model};
-use super::{Candidate, Found, Search, Verdict, distinct, sort, terms};
+use super::{Candidate, Found, Search, Verdict, distinct, terms};
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::evidence::bic_widened;
@@ -66,7 +66,7 @@ impl Search {
             Verdict::Improved if self.chosen_adequacy.is_adequate() && !follows_the_test => None,
             Verdict::Improved | Verdict::Unexplained => self.read_off(settled),
         };
-        if let Some(found) = read_off.as_ref().filter(|found| found.accepted) {
+        if let Some(found) = read_off.as_ref().filter(|found| found.fate.is_accepted()) {
             self.steps.retain(|s| terms::is_part(&s.model, &found.candidate.model));
             self.steps.push(found.candidate.clone());
             self.tried.insert(0, found.candidate.clone());
@@ -90,9 +90,9 @@ impl Search {
             by_geometry,
             read_off,
         };
-        sanity::dead_volume(&self.data, &found.settled().fit)?;
+        sanity::dead_volume(&self.data, &found.reported().fit)?;
         if found.coefficient_stands_for().is_none() {
-            sanity::coefficient(&self.data, &found.settled().fit)?;
+            sanity::coefficient(&self.data, &found.reported().fit)?;
         }
         Ok((self.data, found))
     }
@@ -226,8 +226,7 @@ impl Search {
         let fresh: Vec<Model> =
             models.into_iter().filter(|m| !self.tried.iter().any(|c| c.model.has_same_terms(m))).collect();
         let fitted = self.fit_all(&fresh);
-        self.tried.extend(fitted);
-        sort(&mut self.tried);
+        self.keep(fitted);
     }
 
     /// Whether a set shifts or smears the records in time otherwise than the chosen one, and each of them by less than half a row:

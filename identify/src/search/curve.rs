@@ -1,7 +1,7 @@
 //! Where no name fits, the missing term as a curve: read off the residual, refitted with everything else, and kept only where
 //! it carries over.
 //!
-//! The families that a model can hold ([`discrepancy::Search::curves`]) are ranked by what they take away to first order, on
+//! The families that a model can hold ([`discrepancy::Families::curves`]) are ranked by what they take away to first order, on
 //! the paper's model and on the one with the named effects. The best are refitted, their values free beside all else: as closely
 //! as the judgement needs, the accepted one to its minimum. What experiments leave in common is easily fitted by any curve, so
 //! that a curve has to predict whole experiments that took no part, decisively better than the model without it:
@@ -43,8 +43,38 @@ pub struct ReadOff {
     pub candidate: Candidate,
     /// Error on experiments left out whole, Pa rms: of the model to go on with otherwise, and with the curve.
     pub left_out_pa: [f64; 2],
-    /// Whether it carries over.
-    pub accepted: bool,
+    /// Whether it is in the model, and if not, why.
+    pub fate: Fate,
+}
+
+/// What became of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It is in the model: it predicts experiments left out whole decisively better.
+    Accepted,
+    /// The records that it is fitted to do not ask for it decisively, or no longer with wider tolerances.
+    NotEvident,
+    /// It does not predict experiments left out whole decisively better.
+    PredictsNoBetter,
+    /// As few named effects are more likely.
+    LikelierNames,
+}
+
+impl Fate {
+    /// Whether it is in the model.
+    pub fn is_accepted(self) -> bool {
+        self == Self::Accepted
+    }
+
+    /// The reason, in a clause.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Accepted => "it predicts left-out data decisively better",
+            Self::NotEvident => "the records hardly ask for it once the geometry may move within its tolerances",
+            Self::PredictsNoBetter => "it does not predict left-out data decisively better",
+            Self::LikelierNames => "named effects are more likely, with no more terms",
+        }
+    }
 }
 
 /// A curve that was refitted.
@@ -80,7 +110,7 @@ impl Search {
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
         let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE, 0.0);
         let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
-        Some(self.told(self.settled(best), self.left_out(named)?, true))
+        Some(self.told(self.refitted_fully(best), self.left_out(named)?, Fate::Accepted))
     }
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
@@ -112,9 +142,14 @@ impl Search {
         };
         let accepted = curves.iter().filter(acceptable).filter(alike).min_by(by_terms);
         let told = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
-        let best = if accepted.is_some() { self.pruned(self.settled(told.clone())) } else { told.clone() };
-        let accepted = accepted.is_some() && !self.has_likelier_names(&best.candidate);
-        Some(self.told(best, settled_pa, accepted))
+        let best = if accepted.is_some() { self.pruned(self.refitted_fully(told.clone())) } else { told.clone() };
+        let fate = match accepted {
+            Some(_) if self.has_likelier_names(&best.candidate) => Fate::LikelierNames,
+            Some(_) => Fate::Accepted,
+            None if !best.is_evident => Fate::NotEvident,
+            None => Fate::PredictsNoBetter,
+        };
+        Some(self.told(best, settled_pa, fate))
     }
 
     /// Whether as few names as a model with a curve has terms are more likely than it.
@@ -123,10 +158,10 @@ impl Search {
         as_few.any(|c| c.delta_bic > with_curve.delta_bic && is_credible(&c.fit))
     }
 
-    fn told(&self, curve: Judged, settled_pa: f64, accepted: bool) -> ReadOff {
+    fn told(&self, curve: Judged, settled_pa: f64, fate: Fate) -> ReadOff {
         ReadOff {
             first_order: curve.first_order,
-            accepted,
+            fate,
             candidate: self.judged(curve.candidate),
             left_out_pa: [settled_pa, curve.left_out_pa],
         }
@@ -161,8 +196,8 @@ impl Search {
     /// The curves that take most away from what a model leaves, at least that share of it, refitted; those of more than this
     /// evidence judged.
     fn curves_on(&self, part: &Candidate, empirical: usize, least_bic: f64, least_share: f64) -> Vec<Judged> {
-        let Some(search) = discrepancy::Search::new(&self.data, &part.fit) else { return Vec::new() };
-        let mut curves = search.curves();
+        let Some(families) = discrepancy::Families::new(&self.data, &part.fit) else { return Vec::new() };
+        let mut curves = families.curves();
         curves.sort_by(|a, b| b.worth(&part.fit).total_cmp(&a.worth(&part.fit)));
         curves.truncate(REFITTED);
         let may_enter = |curve: &Missing| {
@@ -206,7 +241,7 @@ impl Search {
     }
 
     /// A curve that was refitted roughly, at its minimum.
-    fn settled(&self, rough: Judged) -> Judged {
+    fn refitted_fully(&self, rough: Judged) -> Judged {
         let Some(fit) = self.refit(&rough.candidate.fit).filter(|fit| fit.converged) else { return rough };
         let candidate = self.judged(self.candidate(fit));
         let left_out_pa = self.left_out(&candidate).unwrap_or(rough.left_out_pa);

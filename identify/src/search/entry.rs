@@ -42,14 +42,12 @@ impl Search {
         candidates.retain(|c| c.delta_bic > highest - policy::DECISIVE);
         // Which of those next to each other is best may show with their secondary parameters free only.
         let freed: Vec<Candidate> = candidates.par_iter().filter_map(|c| self.freed(c)).collect();
-        self.tried.extend(freed.iter().cloned());
-        sort(&mut self.tried);
+        self.keep(freed.iter().cloned());
         candidates.extend(freed);
         sort(&mut candidates);
         let Some(best) = candidates.into_iter().next() else { return false };
         let plain = self.no_longer_freed(&best);
-        self.tried.extend(plain.iter().cloned());
-        sort(&mut self.tried);
+        self.keep(plain.iter().cloned());
         let best = plain.unwrap_or(best);
         self.chosen_adequacy = adequacy::test(&self.data, &best.fit);
         self.steps.push(best.clone());

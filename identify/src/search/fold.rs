@@ -5,7 +5,7 @@
 //! beside a leak is first taken by the records' own ones, which enter the search before it. Hence the mean of those is where to
 //! begin.
 
-use super::{Candidate, Search, sort, starts, terms};
+use super::{Candidate, Search, starts, terms};
 use crate::fit::{self, Fit};
 use crate::judge::adequacy;
 use crate::parameters::{self, Hypothesis, Model, Own};
@@ -26,8 +26,7 @@ impl Search {
             return;
         }
         self.judge(&mut folded, usize::MAX);
-        self.tried.extend(folded.iter().cloned());
-        sort(&mut self.tried);
+        self.keep(folded.iter().cloned());
         let best = folded.into_iter().filter(|c| self.agrees(c)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
         let Some(best) = best else { return };
         self.put_in_place_of_chosen(best);

@@ -91,11 +91,11 @@ pub struct Found {
 
 impl Found {
     /// The model that is reported and written: the chosen one, or the paper's where nothing known predicts better.
-    pub fn settled(&self) -> &Candidate {
+    pub fn reported(&self) -> &Candidate {
         if self.verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen }
     }
 
-    /// What the settled model leaves.
+    /// What the reported model leaves.
     pub fn adequacy(&self) -> &Adequacy {
         if self.verdict == Verdict::Unexplained { &self.baseline_adequacy } else { &self.chosen_adequacy }
     }
@@ -125,7 +125,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
     progress("one term at a time", 0.1);
     search.first_round();
     search.refuse_hopeless()?;
-    search.settle();
+    search.reweigh();
     search.fold();
     let mut level = 1;
     while search.goes_on(level) {
@@ -133,7 +133,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
         if !search.round(level) && !search.describes() {
             break;
         }
-        search.settle();
+        search.reweigh();
         search.fold();
         level = (level + 1).max(search.chosen.model.terms());
     }
@@ -147,7 +147,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
 /// leaves more than noise: what it lacks is no noise of the recording.
 ///
 /// # Errors
-/// Where its simulation fails at the very begin.
+/// Where its simulation fails at the very start.
 pub fn paper(data: Data) -> Result<(Data, Fit, Adequacy), Error> {
     let (data, baseline) = baseline::fitted(data)?;
     let adequacy = adequacy::test(&data, &baseline);
@@ -319,15 +319,26 @@ impl Search {
     fn try_all(&mut self, models: Vec<Model>) -> bool {
         let fresh = with_all_that_is_freed(models).into_iter().filter(|model| {
             let has_it = |c: &Candidate| c.model.has_same_terms(model) && c.model.secondary.contains(model.secondary);
-            terms::is_small(model, 0) && !self.tried.iter().any(has_it)
+            terms::is_small(model) && !self.tried.iter().any(has_it)
         });
         let fresh = fresh.collect();
         let found = self.fit_all(&self.promising(fresh));
         let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());
         self.judge(&mut found, policy::JUDGED);
-        self.tried.extend(found.iter().cloned().chain(exhausting));
-        sort(&mut self.tried);
+        self.keep(found.iter().cloned().chain(exhausting));
         self.take_best(found)
+    }
+
+    /// Adds to what was tried: of each model the better fit stays, the best evidence first.
+    fn keep(&mut self, more: impl IntoIterator<Item = Candidate>) {
+        self.tried.extend(more);
+        sort(&mut self.tried);
+        let mut kept: Vec<Model> = Vec::with_capacity(self.tried.len());
+        self.tried.retain(|c| {
+            let is_new = !kept.contains(&c.model);
+            kept.extend(is_new.then_some(c.model));
+            is_new
+        });
     }
 
     fn candidate(&self, fit: Fit) -> Candidate {

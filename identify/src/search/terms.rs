@@ -44,11 +44,11 @@ pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
     out
 }
 
-/// Whether a model may have so many terms more: see [`policy::MOST_TERMS`].
-pub fn is_small(model: &Model, more: usize) -> bool {
+/// Whether a model has no more terms than it may: see [`policy::MOST_TERMS`].
+pub fn is_small(model: &Model) -> bool {
     let gas = |e: &usize| !matches!(CARDS[*e].acts_on, ActsOn::Reading | ActsOn::RecordedStroke);
     let of_gas = model.effects.iter().filter(gas).count();
-    of_gas + more <= policy::MOST_TERMS && model.terms() + more <= policy::MOST_IN_ALL
+    of_gas <= policy::MOST_TERMS && model.terms() <= policy::MOST_IN_ALL
 }
 
 /// Whether a model takes the stroke back from a record of it that lags or averages.

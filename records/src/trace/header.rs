@@ -129,7 +129,7 @@ pub fn missing_column(wanted: &str, dialect: &Dialect, stated: bool) -> TracePro
     } else if let Some(near) = near {
         format!(", did you mean `{near}`? Say so in the rig's [columns]")
     } else {
-        ", other names are told in the rig's [columns]; `pneutherm look` writes them".to_owned()
+        ", if it has another name, give that in the rig's [columns]; `pneutherm look` proposes it".to_owned()
     };
     let there = dialect.names.iter().map(|name| format!("`{}`", name.chars().take(40).collect::<String>()));
     TraceProblem::MissingColumn { line, column: wanted.to_owned(), there: at_most(there, 12), hint }

@@ -262,8 +262,8 @@ pub fn missing(m: &Unnamed, caption: String) -> Result<Drawing, Error> {
     let known = m.value.iter().zip(&m.sd);
     let term = Term {
         title: format!("explains {:.0} % of the residual beyond noise", 100.0 * m.share),
-        x: (m.variable, m.variable_unit),
-        y: (m.quantity, m.unit),
+        x: m.subject.variable.name(),
+        y: m.subject.quantity(),
         at: &m.at,
         values: &m.value,
         band: known.map(|(value, sd)| [value - 2.0 * sd, value + 2.0 * sd]).collect(),
@@ -273,12 +273,11 @@ pub fn missing(m: &Unnamed, caption: String) -> Result<Drawing, Error> {
 
 /// The refitted curve of a missing term, with its 95 % intervals.
 pub fn empirical(e: &Empirical, caption: String) -> Result<Drawing, Error> {
-    let title =
-        if e.accepted { "in the model" } else { "rejected: it does not predict left-out data decisively better" };
+    let title = if e.fate.is_accepted() { "in the model".to_owned() } else { format!("rejected: {}", e.fate.words()) };
     let term = Term {
-        title: title.to_owned(),
-        x: (e.variable, e.variable_unit),
-        y: (e.quantity, e.unit),
+        title,
+        x: e.subject.variable.name(),
+        y: e.subject.quantity(),
         at: &e.knots,
         values: &e.values,
         band: e.ci95.clone(),

@@ -1,56 +1,82 @@
 //! What a curve that was read off the data looks like, in one sentence. A hint for people, no verdict.
 
-use identify::outcome::unnamed::Unnamed;
+use chamber::effects::empirical::Term;
+use identify::discrepancy::Variable;
+use identify::outcome::read_off::Empirical;
+use identify::outcome::unnamed::{Subject, Unnamed};
 use report::digits;
 
+/// A missing term as a curve, and how well it is known.
+pub struct Curve<'a> {
+    subject: Subject,
+    /// Values of the variable.
+    at: &'a [f64],
+    /// The term there.
+    value: &'a [f64],
+    /// Its standard deviation there.
+    sd: Vec<f64>,
+}
+
+impl<'a> From<&'a Unnamed> for Curve<'a> {
+    fn from(m: &'a Unnamed) -> Self {
+        Self { subject: m.subject, at: &m.at, value: &m.value, sd: m.sd.clone() }
+    }
+}
+
+impl<'a> From<&'a Empirical> for Curve<'a> {
+    fn from(e: &'a Empirical) -> Self {
+        let sd = e.ci95.iter().map(|[low, high]| 0.25 * (high - low)).collect();
+        Self { subject: e.subject, at: &e.knots, value: &e.values, sd }
+    }
+}
+
 /// What the curve of a missing term points to; empty where it says nothing in particular.
-pub fn sentence(m: &Unnamed, ambient_pa: f64) -> String {
-    let curve = Curve(m);
+pub fn sentence<'a>(curve: impl Into<Curve<'a>>, ambient_pa: f64) -> String {
+    let curve: Curve<'_> = curve.into();
     let grows = curve.slope() > 0.0;
-    let quantity = m.quantity.trim_start_matches("missing ");
-    match (quantity, m.variable) {
-        ("mass flow into the gas", "pressure") => flow(&curve, ambient_pa),
-        ("mass flow into the gas", "rate of pressure") if curve.is_monotonic() && !grows => {
+    match (curve.subject.term, curve.subject.variable) {
+        (Term::MassFlow, Variable::Pressure) => flow(&curve, ambient_pa),
+        (Term::MassFlow, Variable::PressureRate) if curve.is_monotonic() && !grows => {
             "Gas leaves while the pressure rises and returns while it falls. This suggests a connected volume at another temperature, such as a tube.".to_owned()
         }
-        ("heat flow into the gas", "temperature difference gas − wall") => {
+        (Term::HeatFlow, Variable::TemperatureDifference) => {
             "There is another heat flow beside the model's. Where the curve is zero, the gas has the temperature of the true wall.".to_owned()
         }
-        ("heat flow into the gas", "piston speed") if curve.is_positive() => {
+        (Term::HeatFlow, Variable::Speed) if curve.is_positive() => {
             "Heat is released while the piston moves in either direction. This suggests friction, or a pressure sensor that lags.".to_owned()
         }
-        ("heat flow into the gas", "power of the gas on the piston") if curve.is_positive() => {
+        (Term::HeatFlow, Variable::PistonPower) if curve.is_positive() => {
             "Heat is released in proportion to the work of the piston in either direction. This suggests friction.".to_owned()
         }
-        ("share of the heat transfer coefficient", "piston position") => {
+        (Term::CoefficientShare, Variable::Position) => {
             "The coefficient depends on the position of the piston. This suggests an effect of the length of the gas column, of the wall of the dead volume, or a wrong bore.".to_owned()
         }
-        ("share of the heat transfer coefficient", "absolute piston speed") if grows => {
+        (Term::CoefficientShare, Variable::SpeedAmount) if grows => {
             "The coefficient is larger while the piston moves. This suggests forced convection.".to_owned()
         }
-        ("share of the heat transfer coefficient", "time since the last move began") if !grows => {
+        (Term::CoefficientShare, Variable::SinceMove) if !grows => {
             "The coefficient is larger just after a move and then decreases. This suggests turbulence from the move, or a wall that warms up.".to_owned()
         }
-        ("share of the heat transfer coefficient", "pressure") => {
+        (Term::CoefficientShare, Variable::Pressure) => {
             format!("The coefficient grows {} with pressure than the square root in the model.", if grows { "faster" } else { "more slowly" })
         }
-        ("share of the heat transfer coefficient", variable) if variable.contains("temperature difference") => {
+        (Term::CoefficientShare, Variable::TemperatureDifference | Variable::TemperatureDistance) => {
             "The coefficient depends on the temperature difference between gas and wall. This suggests natural convection, or a wall that is not at ambient temperature.".to_owned()
         }
-        ("share of the volume", "pressure") if grows => {
+        (Term::VolumeShare, Variable::Pressure) if grows => {
             "The volume grows with pressure. This suggests a hose or a seal that yields.".to_owned()
         }
-        ("share of the volume", "piston position") => {
+        (Term::VolumeShare, Variable::Position) => {
             "The relative error of the volume depends on the position. This suggests a wrong bore, rod or position scale.".to_owned()
         }
-        ("share of the volume", "piston speed") => {
+        (Term::VolumeShare, Variable::Speed) => {
             "The volume is wrong while the piston moves. This suggests that position and pressure are not recorded at the same time.".to_owned()
         }
-        ("part of the pressure reading", "time from the record's start") => "The reading drifts with time.".to_owned(),
-        ("part of the pressure reading", "pressure") => {
+        (Term::Reading, Variable::Time) => "The reading drifts with time.".to_owned(),
+        (Term::Reading, Variable::Pressure) => {
             "The error of the reading depends on the pressure. This suggests an offset or a wrong calibration of the sensor.".to_owned()
         }
-        ("part of the pressure reading", "rate of pressure") => {
+        (Term::Reading, Variable::PressureRate) => {
             "The reading is wrong while the pressure changes. This suggests that the sensor lags, or that position and pressure are not recorded at the same time.".to_owned()
         }
         _ => String::new(),
@@ -81,39 +107,34 @@ fn flow(curve: &Curve<'_>, ambient_pa: f64) -> String {
     }
 }
 
-/// A curve and how well it is known.
-struct Curve<'a>(&'a Unnamed);
-
 impl Curve<'_> {
     /// Slope of the straight line through the curve, each point weighted by its uncertainty.
     fn slope(&self) -> f64 {
-        let m = self.0;
-        let weights: Vec<f64> = m.sd.iter().map(|sd| 1.0 / sd.max(f64::MIN_POSITIVE).powi(2)).collect();
+        let weights: Vec<f64> = self.sd.iter().map(|sd| 1.0 / sd.max(f64::MIN_POSITIVE).powi(2)).collect();
         let sum: f64 = weights.iter().sum();
         let mean = |values: &[f64]| values.iter().zip(&weights).map(|(v, w)| v * w).sum::<f64>() / sum;
-        let (x, y) = (mean(&m.at), mean(&m.value));
-        m.at.iter().zip(&m.value).zip(&weights).map(|((a, v), w)| w * (a - x) * (v - y)).sum()
+        let (x, y) = (mean(self.at), mean(self.value));
+        self.at.iter().zip(self.value).zip(&weights).map(|((a, v), w)| w * (a - x) * (v - y)).sum()
     }
 
     fn is_monotonic(&self) -> bool {
-        let steps = self.0.value.windows(2).map(|w| w[1] - w[0]);
+        let steps = self.value.windows(2).map(|w| w[1] - w[0]);
         let against = steps.filter(|s| s * self.slope() < 0.0).map(f64::abs).sum::<f64>();
-        let (low, high) = self.0.value.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        let (low, high) = self.value.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
         against < 0.2 * (high - low)
     }
 
     fn is_positive(&self) -> bool {
-        self.0.value.iter().zip(&self.0.sd).all(|(v, sd)| *v > -2.0 * sd)
+        self.value.iter().zip(&self.sd).all(|(v, sd)| *v > -2.0 * sd)
     }
 
     fn is_negative(&self) -> bool {
-        self.0.value.iter().zip(&self.0.sd).all(|(v, sd)| *v < 2.0 * sd)
+        self.value.iter().zip(&self.sd).all(|(v, sd)| *v < 2.0 * sd)
     }
 
     /// Where it crosses zero, once.
     fn zero(&self) -> Option<f64> {
-        let m = self.0;
-        let mut crossings = m.at.windows(2).zip(m.value.windows(2)).filter(|(_, v)| v[0] * v[1] < 0.0);
+        let mut crossings = self.at.windows(2).zip(self.value.windows(2)).filter(|(_, v)| v[0] * v[1] < 0.0);
         let (at, v) = crossings.next()?;
         let crossing = at[0] + (at[1] - at[0]) * v[0] / (v[0] - v[1]);
         crossings.next().is_none().then_some(crossing)
@@ -128,10 +149,7 @@ mod tests {
         let at: Vec<f64> = (1..=6).map(|bar| f64::from(bar) * 0.9e5).collect();
         Unnamed {
             balance: "mass",
-            quantity: "missing mass flow into the gas",
-            unit: "kg/s",
-            variable: "pressure",
-            variable_unit: "Pa",
+            subject: Subject { term: Term::MassFlow, variable: Variable::Pressure },
             value: at.iter().map(|p| 1e-12 * (zero_pa - p)).collect(),
             sd: vec![1e-9; at.len()],
             at,

@@ -58,6 +58,19 @@ fn effect_names(names: &[&str]) -> String {
     listed(&names.iter().map(|n| format!("**{}**", spaced(n))).collect::<Vec<_>>())
 }
 
+/// The terms of a model, and in brackets what its effects are.
+fn terms(d: &Diagnosis) -> String {
+    let term = |term: &str| match term.split_once(" (") {
+        Some((name, whose)) => format!("**{}** ({whose}", spaced(name)),
+        None => format!("**{}**", spaced(term)),
+    };
+    let terms = listed(&d.each_term().map(term).collect::<Vec<_>>());
+    match documented(d.effects_of_model()) {
+        effects if effects.is_empty() => terms,
+        effects => format!("{terms} ({effects})"),
+    }
+}
+
 fn documented(names: &[&str]) -> String {
     let docs = names.iter().filter_map(|e| effects::find(e)).map(|(_, card)| lower(card.doc));
     docs.collect::<Vec<_>>().join("; ")
@@ -102,17 +115,15 @@ fn verdict_text(d: &Diagnosis) -> String {
             documented(&d.effects)
         ),
         Verdict::Improved if d.has_curve() => format!(
-            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out experiments decisively better. \
+            "**Improved.** The paper's chamber model does not describe these records. With {} it predicts left-out experiments decisively better. \
              The curve describes the records and names no cause; {}.",
-            effect_names(d.effects_of_model()),
-            documented(d.effects_of_model()),
+            terms(d),
             d.remainder
         ),
         Verdict::Improved => format!(
-            "**Improved.** The paper's chamber model does not describe these records. With {} ({}) it predicts left-out records decisively better, \
+            "**Improved.** The paper's chamber model does not describe these records. With {} it predicts left-out records decisively better, \
              but {}. The model describes the records; its effects need not be the cause.",
-            effect_names(d.effects_of_model()),
-            documented(d.effects_of_model()),
+            terms(d),
             d.remainder
         ),
         Verdict::Unexplained => format!(
@@ -213,23 +224,26 @@ fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
     let mut section = Section::new("The missing term as a curve");
     let errors = format!(
         "the error on left-out data {} {}, from {} without it",
-        if e.accepted { "falls to" } else { "is then" },
+        if e.fate.is_accepted() { "falls to" } else { "is then" },
         pressure(e.left_out_rmse_pa.with, 3),
         pressure(e.left_out_rmse_pa.without, 3)
     );
-    section.text(if e.accepted {
+    section.text(if e.fate.is_accepted() {
         format!(
             "No named effect has the shape of the residual. A curve was fitted together with all other parameters and is now in the model, a {} over {}: {errors}. \
              It is linear between its knots and constant beyond them, where there are no data.",
-            e.quantity, e.variable
+            e.subject.quantity().0,
+            e.subject.variable.name().0
         )
     } else {
         format!(
-            "Neither a named effect nor a curve explains the residual. The best curve, a {} over {}, does not predict left-out data decisively better and is not in the model: {errors}.",
-            e.quantity, e.variable
+            "Neither a named effect nor a curve explains the residual. The best curve, a {} over {}, is not in the model, because {}; {errors}.",
+            e.subject.quantity().0,
+            e.subject.variable.name().0,
+            e.fate.words()
         )
     });
-    let caption = meaning::sentence(&e.as_first_order(), rig.ambient.pressure_pa);
+    let caption = meaning::sentence(e, rig.ambient.pressure_pa);
     section.blocks.push(Block::Charts(vec![drawings::empirical(e, caption)?]));
     section.note("Bars: 95 % intervals, with all other parameters fitted.");
     Ok(section)
@@ -284,7 +298,7 @@ fn evidence(d: &Diagnosis) -> Section {
         let held_out = c.held_out_rmse_pa.map_or("–".to_owned(), |h| pressure(h, 3));
         let own: Vec<String> = own.collect();
         table.row([spaced(&c.effect), format!("{:.1}", c.delta_bic), held_out, own.join(", ")]);
-        if is_chosen(&c.effect, d) {
+        if c.effect == d.terms() {
             table.chosen = Some(i);
         }
     }
@@ -293,12 +307,6 @@ fn evidence(d: &Diagnosis) -> Section {
         section.note(format!("{} more are in the JSON.", d.candidates.len() - SHOWN));
     }
     section
-}
-
-/// Whether a row of the evidence is the set that was chosen.
-fn is_chosen(row: &str, d: &Diagnosis) -> bool {
-    let names: Vec<&str> = row.split(" + ").collect();
-    names.len() == d.effects.len() && d.effects.iter().all(|e| names.contains(e))
 }
 
 fn data(rig: &records::Rig, d: &Diagnosis) -> Section {

@@ -115,7 +115,7 @@ push_time_s = { distribution = \"triangular\", from = 0.03, mode = 0.04, to = 0.
 fn a_distribution_that_cannot_be_is_refused_before_any_row() {
     for (vary, expected) in [
         ("bore_m = { distribution = \"gauss\", mean = 1, sd = 1 }", "expected one of: normal, log-normal"),
-        ("bore_m = { distribution = \"normal\", mean = 0.02 }", "bore_m.sd: missing; the standard deviation is needed"),
+        ("bore_m = { distribution = \"normal\", mean = 0.02 }", "bore_m.sd: missing; expected the standard deviation"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.0 }", "has an `sd` of 0"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.01 }", "reaches -"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.01, from = -1.0 }", "`from` and `to` truncate"),

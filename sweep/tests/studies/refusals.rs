@@ -99,7 +99,7 @@ fn a_number_of_the_test_that_cannot_be_is_named() {
             "line 5: test.initial_pressure_pa: is -1, but has to be from 1000 to 1e8",
         ),
         ("initial_pressure_pa = 1.01e5", "", "test.initial_pressure_pa: missing"),
-        ("duration_s = 5.0", "", "test.duration_s: missing; duration_s or hold_time_constants"),
+        ("duration_s = 5.0", "", "test.duration_s: missing; expected duration_s or hold_time_constants"),
         ("duration_s = 5.0", "duration_s = \"5 s\"", "expected a finite number"),
         ("[vary]", "[varry]", "varry: unknown key; did you mean `vary`?"),
         ("design = \"factorial\"", "design = \"grid\"", "expected one of: factorial, latin-hypercube"),

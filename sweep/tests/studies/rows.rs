@@ -92,7 +92,7 @@ fn the_strokes_are_solved_for_a_volume_to_area_ratio_at_a_bore() {
 
 #[test]
 fn a_hold_in_time_constants_ends_where_the_exact_solution_says() {
-    // 1 - Pf/P decays with exactly one time constant, so P at the end follows from P at the begin of the hold.
+    // 1 - Pf/P decays with exactly one time constant, so P at the end follows from P at the start of the hold.
     let text = text("design = \"factorial\"\ntolerance = 1e-12", "bore_m = { values = [0.016, 0.063] }")
         .replace("duration_s = 5.0", "hold_time_constants = 3.0");
     let study = Study::about(&model(), &text).unwrap();

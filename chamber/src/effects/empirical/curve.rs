@@ -22,7 +22,7 @@ fn called_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
 #[inline(always)]
 fn inlined_curve<R: Real>(p: &[R], x: R) -> [R; 2] {
     let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);
-    // Knots and values at that piece's begin and end.
+    // Knots and values at that piece's start and end.
     let (mut from, mut to) = (knots[0], knots[0]);
     let (mut begin, mut end) = (values[0], values[0]);
     let mut open = R::ONE;

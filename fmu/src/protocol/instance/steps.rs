@@ -25,7 +25,7 @@ impl Instance {
 
     /// As [`Instance::do_step`], but no further than to the first event; whether there was one. An event is located to a
     /// billionth of the step, on its far side. Two that undo each other within a step are not seen, nor is one to which the
-    /// chamber is so near at the step's begin that it counts as being there: what begins at rest begins at T = Tw.
+    /// chamber is so near at the step's start that it counts as being there: what begins at rest begins at T = Tw.
     ///
     /// # Errors
     /// As for a step.

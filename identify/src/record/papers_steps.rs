@@ -1,0 +1,26 @@
+//! The paper's steps 2 to 7 on one record, its outliers left out: the time constant method of Carneiro and Gomes de Almeida (2006).
+
+use crate::record::data::{Data, Prepared};
+use paper::time_constant::{self, TimeConstant};
+use paper::{Recording, Setup};
+
+/// What the steps find in a record.
+///
+/// # Errors
+/// A record that is no single push and hold, and what else [`time_constant::evaluate`] refuses.
+pub fn of(data: &Data, t: &Prepared) -> Result<TimeConstant, paper::Error> {
+    let setup = Setup {
+        gas: data.gas,
+        geometry: data.cylinder.geometry(0.0),
+        ambient_temperature_k: t.initial_temperature_k,
+        reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
+        reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
+    };
+    let without_outliers = |column: &[f64]| -> Vec<f64> {
+        let kept = (0..column.len()).filter(|row| t.readout.outliers.binary_search(row).is_err());
+        kept.map(|row| column[row]).collect()
+    };
+    let [time_s, pressure_pa, position_m] = [&t.time_s, &t.pressure_pa, &t.position_m].map(|c| without_outliers(c));
+    let recording = Recording { time_s: &time_s, pressure_pa: &pressure_pa, position_m: &position_m };
+    time_constant::evaluate(&setup, &recording)
+}
