@@ -1,6 +1,7 @@
 //! Measured records as reference experiments of an FMU: the model along each record as `pneutherm simulate` has it,
 //! but for the stroke, which is linear from row to row.
 
+use crate::other_rig;
 use crate::simulation::course::along_record;
 use anyhow::Context;
 use chamber::signals::Signals;
@@ -15,6 +16,11 @@ use records::{Model, Rig, Trace};
 /// A record without pressure, or one that the model cannot follow.
 pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<Vec<Validation>> {
     rig.traces().map(|record| validation(model, rig, record)).collect()
+}
+
+/// What to know beside the errors: rows left out, and what makes a model's error another than that of a prediction.
+pub fn notes(model: &Model, rig: &Rig) -> Vec<String> {
+    rig.notes().into_iter().chain(other_rig::notes(model, rig)).collect()
 }
 
 fn validation(model: &Model, rig: &Rig, record: &Trace) -> anyhow::Result<Validation> {

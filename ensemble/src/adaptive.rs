@@ -165,6 +165,7 @@ pub fn run<const N: usize, T: OwnTest<N>>(
                     let scenario = &scenarios[row as usize];
                     let Pushed { state, energy: [received, work] } = &pushed[index];
                     let received = received + problem.energy[0];
+                    let hold = duration - scenario.push_time_s;
                     let ending = Ending {
                         scenario,
                         duration,
@@ -173,6 +174,7 @@ pub fn run<const N: usize, T: OwnTest<N>>(
                         end,
                         pressure_per_temperature: test.pressure_per_reading(),
                         settling: settling[lane],
+                        flowing: turns.as_ref().map_or(0.0, |turns| (end * turns.inflow[lane] * hold).abs()),
                         regression: regression.as_ref().and_then(|found| found.lane(lane)),
                     };
                     let outcome = ending.outcome();

@@ -77,6 +77,7 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
                 end: ends.end[lane],
                 pressure_per_temperature: per_temperature[lane],
                 settling: ends.settling[lane],
+                flowing: 0.0,
                 regression: found.as_ref().and_then(|found| found.lane(lane)),
             });
         }

@@ -7,13 +7,12 @@ use crate::filter::Sensor;
 use crate::fit;
 use crate::general::{self, General, Row};
 use crate::history::{History, Knot};
-use crate::outcome::SETTLED;
-use crate::outcome::{Failure, Outcome, closure};
+use crate::outcome::{Failure, Outcome, Standing, closure};
 use crate::plan::Plan;
 use crate::reader::{self, Answer, Bends, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
 use crate::relaxing_rows::{self, AfterPush};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, lets_gas_pass};
 use crate::step::View;
 use crate::{Batch, Kind};
 use chamber::balance::{Balance, ENERGY, MASS, STATES};
@@ -343,15 +342,29 @@ impl<'a> Course<'a> {
         1.0 / self.at_rest().rate(self.end().volume)
     }
 
+    /// How its record stands at the end, where the gas has that pressure, Pa, and the wall comes to that temperature, K.
+    fn standing(&self, a: &Answer, gas_pressure: f64, wall: f64) -> Standing {
+        let Plan { duration, push_end, delay, .. } = *self.plan;
+        let hold = duration - push_end;
+        let reading = self.sensor.shown(gas_pressure, duration);
+        let to_be_lost = gas_pressure * (1.0 - wall / a.temperature_final);
+        let to_come = if self.sensor.lag > 0.0 || delay > 0.0 {
+            a.pressure_final - self.bends.shown(self.sensor.shown(gas_pressure - to_be_lost, duration))
+        } else {
+            self.bends.change(reading, to_be_lost)
+        };
+        let flows = lets_gas_pass(self.plan.active, self.scenario);
+        let flowing = if flows { self.bends.change(reading, -gas_pressure * a.inflow * hold) } else { 0.0 };
+        let distance = (a.pressure_peak - a.pressure_final).abs();
+        let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs() && delay < hold;
+        Standing { distance, to_come: to_come.abs(), flowing: flowing.abs(), stands }
+    }
+
     /// The outcome from what the record has answered.
     fn outcome(&self, a: &Answer, regression: Option<Regression>) -> Outcome {
         let End { position, volume, ambient_temperature: ambient } = self.end();
-        let distance = (a.pressure_peak - a.pressure_final).abs();
         let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;
-        let to_be_lost = gas_pressure * (1.0 - ambient / a.temperature_final);
-        let reading = self.sensor.shown(gas_pressure, self.plan.duration);
-        let unsettled = self.bends.change(reading, to_be_lost).abs();
-        let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs();
+        let (settling_time_s, flows_on) = self.standing(a, gas_pressure, ambient).judge(a.settling);
         let positions = [self.plan.stretches[0].position, position];
         let start = self.scenario.initial_pressure_pa;
         Outcome {
@@ -360,7 +373,8 @@ impl<'a> Course<'a> {
             temperature_final_k: a.temperature_final,
             temperature_peak_k: a.temperature_peak,
             fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
-            settling_time_s: (unsettled <= SETTLED * distance || stands).then_some(a.settling),
+            settling_time_s,
+            flows_on,
             energy_error: closure(self.initial[ENERGY], self.contents[ENERGY], self.energy[0], self.energy[1]),
             duration_s: self.plan.duration,
             exact: false,

@@ -211,6 +211,7 @@ impl Solved<'_> {
             end: ends.end[lane],
             pressure_per_temperature: tests.closed.mass_gas_constant[lane] / tests.to[lane],
             settling: if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 },
+            flowing: 0.0,
             regression,
         }
     }
@@ -260,7 +261,8 @@ impl Solved<'_> {
         for lane in 0..WIDTH {
             let (scenario, answer) = (scenario(lane), &answers[lane]);
             let regression = found.as_ref().and_then(|found| found.lane(lane));
-            out[lane] = answer.outcome(scenario, regression, wall[lane], self.ending(lane, scenario, None).outcome());
+            let gas = self.ending(lane, scenario, None).outcome();
+            out[lane] = answer.outcome(scenario, regression, (wall[lane], &behind(lane)), gas);
         }
     }
 }

@@ -39,9 +39,12 @@ pub struct Outcome {
     /// The paper's regression, where it was asked for and the record allows one.
     pub fit: Option<Fit>,
     /// From the end of the push until the pressure stays within 1 % of its peak-to-final distance of the final one, s.
-    /// None when not settled in time: when the test ends with more than that 1 % of the pressure, P |1 − Tamb/T| as the
-    /// sensor shows it, still to be lost to or gained from the wall; so too where the pressure peaks at the end.
+    /// None when not settled in time: where it is within that 1 % only because the test ends. Then more than the 1 % is still to
+    /// come as the gas takes the temperature of the wall and the sensor shows it, or gas that flows in or out as at the end changes
+    /// more in as long as the hold has lasted; so too where the pressure peaks at the end.
     pub settling_time_s: Option<f64>,
+    /// Whether it has not settled for one reason only: gas goes on to flow in or out.
+    pub flows_on: bool,
     /// Closure of the energy balance: |U(t) − U(0) − ∫Q̇ dt − ∫ḣ dt + ∫P dV| over the work of the push, or over U(0) where the
     /// piston rests. The integrals are quadratures beside the integrator's states; zero for the exact solution, and of the push
     /// alone where the hold is an integral over the temperature or solved by collocation.
@@ -64,11 +67,37 @@ impl Outcome {
             temperature_peak_k: f64::NAN,
             fit: None,
             settling_time_s: None,
+            flows_on: false,
             energy_error: f64::NAN,
             duration_s: f64::NAN,
             exact: false,
             status: Err(reason),
         }
+    }
+}
+
+/// How the record of a test stands at its end, Pa. It has settled where neither what is to come nor what flows is more than 1 % of
+/// its distance: else it is within its band only because the test ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing {
+    /// From its peak to its end.
+    pub distance: f64,
+    /// What it still loses or gains once the gas has the temperature of the wall, P |1 − Tamb/T|, and the sensor has shown all
+    /// of that.
+    pub to_come: f64,
+    /// What gas that flows in or out as at the end, past a leak for instance, changes in as long as the hold has lasted.
+    pub flowing: f64,
+    /// Whether it shows a hold in which nothing changes.
+    pub stands: bool,
+}
+
+impl Standing {
+    /// [`Outcome::settling_time_s`] from when it is within its band, s, and [`Outcome::flows_on`].
+    pub fn judge(&self, settling: f64) -> (Option<f64>, bool) {
+        let small = |change: f64| change <= SETTLED * self.distance;
+        let [at_rest, tight] = [self.to_come, self.flowing].map(small);
+        let settled = self.stands || at_rest && tight;
+        (settled.then_some(settling), !settled && at_rest)
     }
 }
 

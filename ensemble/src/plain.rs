@@ -3,12 +3,12 @@
 use crate::filter::Sensor;
 use crate::fit;
 use crate::lanes::Lanes;
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::{Failure, Outcome, Standing};
 use crate::plan::{Plan, Stretch};
 use crate::reader::Bends;
 use crate::regression::{Guess, Part, Records};
 use crate::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
-use crate::scenario::{Options, Scenario};
+use crate::scenario::{Options, Scenario, lets_gas_pass};
 use chamber::Chamber;
 use chamber::balance::{self, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet};
@@ -132,12 +132,24 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let gas_final = integrator.state[ENERGY] * (chamber.gas.heat_capacity_ratio - 1.0)
         / chamber.geometry.volume(plan.stretches[plan.stretches.len() - 1].boundary(0.0).position);
     let ambient = plan.stretches[plan.stretches.len() - 1].boundary(plan.stretches[plan.stretches.len() - 1].length);
-    let distance = (peak - pressure_final).abs();
     let rest = effects::rest_temperature(&chamber.effects, ambient.ambient_temperature);
     let (sensor, bends) = (Sensor::new(set, &chamber.effects), Bends::new(set, &chamber.effects));
     let to_be_lost = gas_final * (1.0 - rest / temperature_final);
-    let unsettled = bends.change(sensor.shown(gas_final, plan.duration), to_be_lost).abs();
+    let reading = sensor.shown(gas_final, plan.duration);
+    let to_come = if sensor.lag > 0.0 || plan.delay > 0.0 {
+        pressure_final - bends.shown(sensor.shown(gas_final - to_be_lost, plan.duration))
+    } else {
+        bends.change(reading, to_be_lost)
+    };
+    let hold = plan.duration - plan.push_end;
+    let inflow = balance::rates(set, chamber, &ambient, &integrator.state)[MASS] / integrator.state[MASS];
+    let flows = lets_gas_pass(plan.active, scenario);
+    let flowing = if flows { bends.change(reading, -gas_final * inflow * hold).abs() } else { 0.0 };
+    let distance = (peak - pressure_final).abs();
     let settling = settling(&run, pressure_final, distance);
+    let stands = settling == 0.0 && plan.delay < hold;
+    let standing = Standing { distance, to_come: to_come.abs(), flowing, stands };
+    let (settling_time_s, flows_on) = standing.judge(settling);
     let fit = if options.fit { evaluate(&run, scenario, sign) } else { None };
     Ok(Outcome {
         pressure_peak_pa: peak,
@@ -145,7 +157,8 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
         temperature_final_k: temperature_final,
         temperature_peak_k: temperature_peak,
         fit,
-        settling_time_s: (unsettled <= 0.01 * distance || settling == 0.0).then_some(settling),
+        settling_time_s,
+        flows_on,
         energy_error: f64::NAN,
         duration_s: plan.duration,
         exact: false,

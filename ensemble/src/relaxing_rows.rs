@@ -103,6 +103,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
                 end: ends.end[lane],
                 pressure_per_temperature: after.mass * scenario.chamber.gas.gas_constant / volume[lane],
                 settling: ends.settling[lane],
+                flowing: 0.0,
                 regression: found.as_ref().and_then(|found| found.lane(lane)),
             };
             out[after.row as usize] = after.outcome(&ending);

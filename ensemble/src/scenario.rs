@@ -1,6 +1,8 @@
 //! What one row of a study asks for, and how a run goes about it. SI units.
 
 use chamber::Chamber;
+use chamber::card::Balance;
+use chamber::effects::{self, EffectSet};
 use chamber::signals::Knot;
 use std::sync::Arc;
 
@@ -83,6 +85,13 @@ impl Scenario {
     pub(crate) fn peak(&self, [a, b]: [f64; 2]) -> f64 {
         if self.expands() { a.min(b) } else { a.max(b) }
     }
+}
+
+/// Whether gas may enter or leave a test's chamber with these active effects. What passes to a tube and back stays gas of the test.
+pub fn lets_gas_pass(active: EffectSet, s: &Scenario) -> bool {
+    let passes = |effect: usize| !matches!(effects::CARDS[effect].balance, Balance::Energy | Balance::Volume);
+    let is_fed = s.mass_flow_in_kg_per_s > 0.0 || s.mass_flow_out_kg_per_s > 0.0 || s.profile.is_some();
+    is_fed || crate::on_the_gas(active).iter().any(passes)
 }
 
 /// How a batch is solved.

@@ -16,8 +16,7 @@ use crate::clock::Clock;
 use crate::fit;
 use crate::hermite::Hermite;
 use crate::lanes::Lanes;
-use crate::outcome::Outcome;
-use crate::outcome::SETTLED;
+use crate::outcome::{Outcome, Standing};
 use crate::regression::{Guess, Regression};
 use crate::scenario::Scenario;
 use crate::step::{LaneSystem, Moment, View};
@@ -247,6 +246,8 @@ pub struct Ending<'a> {
     pub pressure_per_temperature: f64,
     /// From the end of the push until within 1 %, s.
     pub settling: f64,
+    /// What gas that flows in or out as at the end changes in as long as the hold has lasted, K; zero of a closed chamber.
+    pub flowing: f64,
     /// The paper's regression of its record, where it was asked for.
     pub regression: Option<Regression>,
 }
@@ -258,7 +259,9 @@ impl Ending<'_> {
         let (s, pushed, end) = (self.scenario, self.pushed, self.end);
         let positions = [s.initial_position_m, s.final_position_m];
         let peak = s.peak([pushed, end]);
-        let settled = (end - self.wall).abs() <= SETTLED * (peak - end).abs() || pushed == end;
+        let (to_come, distance) = ((end - self.wall).abs(), (peak - end).abs());
+        let standing = Standing { distance, to_come, flowing: self.flowing, stands: pushed == end };
+        let (settling_time_s, flows_on) = standing.judge(self.settling);
         Outcome {
             pressure_peak_pa: peak * self.pressure_per_temperature,
             pressure_final_pa: end * self.pressure_per_temperature,
@@ -267,7 +270,8 @@ impl Ending<'_> {
             // A record that peaks at its end has no relaxation to describe.
             fit: (self.regression.filter(|_| peak == pushed))
                 .and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
-            settling_time_s: settled.then_some(self.settling),
+            settling_time_s,
+            flows_on,
             energy_error: 0.0,
             duration_s: self.duration,
             exact: true,

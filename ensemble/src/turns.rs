@@ -11,6 +11,7 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::log::Attempted;
 use crate::root::{Curve, root};
 use crate::sealed::{Holding, OwnTest, Within};
+use crate::step::View;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -30,6 +31,8 @@ pub struct Turns {
     value: Lanes,
     /// Whether the hold is of the kind that is told here.
     pub told: [bool; WIDTH],
+    /// Gas that flows in at the end of the hold, less what flows out, over the gas there, 1/s.
+    pub inflow: Lanes,
 }
 
 impl Turns {
@@ -51,7 +54,10 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
     (sign, falls_on): (Lanes, [bool; WIDTH]),
     [begin, end]: [&[Lanes; N]; 2],
 ) -> Turns {
-    let [at_begin, at_end] = [begin, end].map(|state| arch.dispatch(Wide(Slopes { system, state })));
+    let [at_begin, at_end] = [begin, end].map(|state| arch.dispatch(Wide(Seen { system, state })));
+    // M = P V/T, of a volume that stays.
+    let inflow = at_end.slope[0] / at_end.value[0] - at_end.slope[1] / at_end.value[1];
+    let [at_begin, at_end] = [at_begin.slope, at_end.slope];
     let of_lane = |state: &[Lanes; N], lane: usize| -> [f64; N] { core::array::from_fn(|i| state[i][lane]) };
     let (mut step, mut told) = ([NOWHERE; WIDTH], [true; WIDTH]);
     // The states where the reading is farthest from its peak.
@@ -98,14 +104,14 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
         }
     }
     if between.iter().any(Option::is_some) {
-        let at_farthest = arch.dispatch(Wide(Slopes { system, state: &farthest }));
+        let at_farthest = arch.dispatch(Wide(Seen { system, state: &farthest })).slope;
         for lane in 0..WIDTH {
             if let Some([before, behind]) = between[lane] {
                 step[lane] = if sign[lane] * at_farthest[0][lane] > 0.0 { before } else { behind };
             }
         }
     }
-    let mut turns = Turns { step, share: Lanes::ZERO, value: Lanes::ZERO, told };
+    let mut turns = Turns { step, share: Lanes::ZERO, value: Lanes::ZERO, told, inflow };
     if step.iter().any(|step| *step != NOWHERE) {
         let (mut length, mut ends) = (Lanes::ZERO, [*begin; 2]);
         for lane in 0..WIDTH {
@@ -118,18 +124,18 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
     turns
 }
 
-/// Slopes of the reading and of the temperature in some states: times any positive number.
-struct Slopes<'a, const N: usize, H> {
+/// What is seen in some states.
+struct Seen<'a, const N: usize, H> {
     system: &'a H,
     state: &'a [Lanes; N],
 }
 
-impl<const N: usize, H: Holding<N>> WithSimd for Slopes<'_, N, H> {
-    type Output = [Lanes; 2];
+impl<const N: usize, H: Holding<N>> WithSimd for Seen<'_, N, H> {
+    type Output = View<Lanes>;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 2] {
-        self.system.rates(Lanes::ZERO, self.state).view.slope
+    fn with_simd<I: Simd>(self, _: I) -> View<Lanes> {
+        self.system.rates(Lanes::ZERO, self.state).view
     }
 }
 

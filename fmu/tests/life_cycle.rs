@@ -230,6 +230,26 @@ fn a_step_that_would_empty_the_chamber_is_discarded_and_the_last_good_state_kept
 }
 
 #[test]
+fn a_host_that_repeats_a_discarded_step_is_told_to_end_and_one_that_shortens_it_is_not() {
+    let host = Host::started(&[]);
+    let wants_to_end = || {
+        let mut ended = -1;
+        assert_eq!(unsafe { fmi2GetBooleanStatus(host.c, 3, &mut ended) }, OK);
+        ended == 1
+    };
+    host.set("massFlowOut", 1e-3);
+    for h in [0.1, 0.05] {
+        assert_eq!(host.try_step(0.0, h), DISCARD);
+        assert!(!wants_to_end(), "{h}");
+    }
+    assert_eq!(host.try_step(0.0, 0.05), DISCARD);
+    assert!(wants_to_end());
+    host.messages();
+    host.step(0.0, 1e-3);
+    assert!(!wants_to_end());
+}
+
+#[test]
 fn a_position_without_volume_is_discarded_at_the_step_and_noise_at_the_end_stop_passes() {
     let host = Host::started(&[("position", 0.01)]);
     host.set("position", -1e-6);

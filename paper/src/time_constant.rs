@@ -118,6 +118,10 @@ pub fn evaluate(setup: &Setup, recording: &Recording) -> Result<TimeConstant, Er
     let relaxation = recording.relaxation()?;
     let fit = decay::fit::<Exponential>(&relaxation.time_s, &relaxation.pressure_pa)?;
     let [pf, rise, tau] = fit.parameters.into();
+    let hold_s = relaxation.time_s[relaxation.time_s.len() - 1] - relaxation.time_s[0];
+    if tau > hold_s {
+        return Err(Error::NoDecay { hold_s });
+    }
     let regression = Regression { final_pressure_pa: pf, pressure_rise_pa: rise, time_constant_s: tau };
     let uncertainty = Uncertainty {
         regression: fit.covariance,
@@ -198,6 +202,23 @@ mod tests {
         let expected = 2.0 * with.coefficient_0_w_per_m2_k.value * sigma / regression.time_constant_s;
         assert!((half / expected - 1.0).abs() < 1e-12);
         assert_eq!(with.mass_kg.ci95[0], with.mass_kg.value);
+    }
+
+    #[test]
+    fn a_hold_that_is_shorter_than_its_time_constant_shows_no_decay() {
+        let time_s: Vec<f64> = (0..600).map(|i| 0.01 * f64::from(i)).collect();
+        let position_m: Vec<f64> = time_s.iter().map(|t| 0.1 - ((t - 0.5) / 0.1).clamp(0.0, 1.0) * 0.05).collect();
+        let evaluated = |time_constant_s: f64| {
+            let pressure = |t: &f64| match t - 0.6 {
+                since if since < 0.0 => 1e5,
+                since => 1.91e5 + 5e4 * (-since / time_constant_s).exp(),
+            };
+            let pressure_pa: Vec<f64> = time_s.iter().map(pressure).collect();
+            let recording = Recording { time_s: &time_s, pressure_pa: &pressure_pa, position_m: &position_m };
+            evaluate(&example().0, &recording).map(|found| found.regression.time_constant_s.value)
+        };
+        assert!((evaluated(2.0).unwrap() - 2.0).abs() < 0.01);
+        assert!(matches!(evaluated(8.0), Err(Error::NoDecay { .. })));
     }
 
     #[test]

@@ -4,7 +4,9 @@
 //! table may have ([`Table::allow`]), then asks for them by type and [`Bounds`](crate::key::Bounds).
 
 use crate::error::Error;
+use crate::format::Format;
 use crate::table::Table;
+use crate::trace::{Dialect, Sample};
 use crate::value::{Entry, Value};
 use std::borrow::Cow;
 use std::fs::File;
@@ -15,6 +17,35 @@ use toml::de::{DeArray, DeTable, DeValue};
 
 /// Larger than any file typed by a person.
 const MAX_BYTES: u64 = 16 << 20;
+
+/// How much of a file that is no TOML is looked at for a trace's rows, bytes ...
+const HEAD_BYTES: usize = 1 << 16;
+/// ... and lines.
+const HEAD_LINES: usize = 200;
+/// So many rows of numbers are those of a trace.
+const FEW_ROWS: usize = 3;
+
+/// What a TOML file is expected to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A rig file.
+    Rig,
+    /// A model file.
+    Model,
+    /// Any of them.
+    Any,
+}
+
+impl Kind {
+    /// What is expected, where something else stands.
+    fn words(self) -> &'static str {
+        match self {
+            Kind::Rig => "a rig file (TOML) that names it is expected here, and `pneutherm look` writes one",
+            Kind::Model => "a model file (TOML), as `pneutherm identify` writes it, is expected here",
+            Kind::Any => "a TOML file is expected here",
+        }
+    }
+}
 
 /// A TOML file.
 #[derive(Clone, Debug)]
@@ -34,13 +65,26 @@ fn has_decimal_comma(line: &str) -> bool {
 }
 
 impl Document {
-    /// Reads and parses the file.
+    /// Reads and parses the file, of whatever kind it is.
     ///
     /// # Errors
-    /// [`Error::Read`] or [`Error::Syntax`].
+    /// [`Error::Read`], [`Error::Syntax`] or [`Error::IsTrace`].
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = read_text(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        Self::parse(path, text)
+        Self::read_as(Kind::Any, path)
+    }
+
+    /// Reads and parses a file of that kind.
+    ///
+    /// # Errors
+    /// As [`Document::read`].
+    pub fn read_as(kind: Kind, path: &Path) -> Result<Self, Error> {
+        let unreadable = |source| Error::Read { path: path.to_owned(), source };
+        let bytes = read_bytes(path).map_err(unreadable)?;
+        let parsed = text_of(&bytes).map_err(unreadable).and_then(|text| Self::parse(path, text));
+        match parsed {
+            Err(_) if is_trace(path, &bytes) => Err(Error::IsTrace { path: path.to_owned(), expected: kind.words() }),
+            parsed => parsed,
+        }
     }
 
     /// Parses `text` as the content of the file at `path`.
@@ -54,10 +98,10 @@ impl Document {
             let (line, column) = lines.line_and_column(&text, error.span().map_or(0, |span| span.start));
             // The parser's message may span lines; a sentence does not.
             let mut message = error.message().lines().map(str::trim).collect::<Vec<_>>().join(", ");
-            if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv")) {
-                message += "; a trace is named in a rig file (TOML), which is expected here";
-            }
             let source = text.lines().nth(line - 1).unwrap_or("");
+            if source.split('#').next().unwrap_or("").trim() == "[experiment]" && message.contains("duplicate") {
+                message += "; each of several experiments begins with two brackets: [[experiment]]";
+            }
             if source.contains('"') && source.contains('\\') {
                 message += "; write a path with a backslash in single quotes, or with forward slashes";
             }
@@ -94,25 +138,49 @@ impl Document {
     }
 }
 
-/// The text of a settings file.
+/// The bytes of a settings file; of one that has more than a person types (a device without end, say), one too many.
 ///
 /// # Errors
-/// Besides the system's reasons: a folder, more bytes than a person types (a device without end among them), no UTF-8.
-fn read_text(path: &Path) -> io::Result<String> {
-    let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
+/// Besides the system's reasons: a folder.
+fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
     if std::fs::metadata(path)?.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, a TOML file is expected"));
     }
     let mut bytes = Vec::new();
     File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The text of a settings file.
+///
+/// # Errors
+/// More bytes than a person types, no UTF-8.
+fn text_of(bytes: &[u8]) -> io::Result<String> {
+    let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
     if bytes.len() as u64 > MAX_BYTES {
         return Err(invalid(format!("it has more bytes than settings take ({MAX_BYTES} at most)")));
     }
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+    std::str::from_utf8(bytes).map(str::to_owned).map_err(|error| {
+        let valid = &bytes[..error.valid_up_to()];
         let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
         invalid(format!("line {line} has bytes that are not UTF-8 text"))
     })
+}
+
+/// Whether a file that is no TOML is a trace, by its name or by rows of numbers at its beginning.
+fn is_trace(path: &Path, bytes: &[u8]) -> bool {
+    let ends_in = |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+    ends_in("csv")
+        || (!ends_in("toml") && has_rows_of_numbers(&String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD_BYTES)])))
+}
+
+/// Whether at least two columns of a text have a few numbers each.
+fn has_rows_of_numbers(head: &str) -> bool {
+    let lines = head.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let lines: Vec<(usize, String)> = lines.map(|(nth, line)| (nth + 1, line.to_owned())).take(HEAD_LINES).collect();
+    let dialect = Dialect::find(&lines, &Format::default(), &[]);
+    let sample = Sample::of(&dialect, &lines);
+    sample.numbers.iter().filter(|column| column.len() >= FEW_ROWS).count() >= 2
 }
 
 /// A key with the tables it stands in.
@@ -226,6 +294,33 @@ mod tests {
     #[test]
     fn a_key_given_twice_is_refused_at_the_second() {
         assert!(message("a = 1\n\na = 2\n").contains("line 3"));
+    }
+
+    #[test]
+    fn a_second_experiment_in_single_brackets_is_refused_with_what_to_write() {
+        let message = message("[experiment]\nname = \"a\"\n\n[experiment]  # later\nname = \"b\"\n");
+        assert!(message.contains("line 4") && message.ends_with("with two brackets: [[experiment]]"), "{message}");
+    }
+
+    #[test]
+    fn a_trace_in_the_place_of_a_settings_file_is_told_as_such() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows: String = (0..9).map(|k| format!("0,{k};1,01;100,0\r\n")).collect();
+        let latin: Vec<u8> = format!("Prüfstand\r\nZeit;Druck;Weg\r\n{rows}").chars().map(|c| c as u8).collect();
+        for name in ["run.csv", "run.txt", "run"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, &latin).unwrap();
+            let said = |kind| Document::read_as(kind, &path).unwrap_err().to_string();
+            let begin = format!("{}: this looks like a trace; ", path.display());
+            assert!(said(Kind::Rig).starts_with(&format!("{begin}a rig file (TOML)")), "{}", said(Kind::Rig));
+            assert!(said(Kind::Model).starts_with(&format!("{begin}a model file (TOML)")), "{}", said(Kind::Model));
+        }
+        for (name, text) in [("rig.toml", &b"bore_m = 0.02 \xb0\n"[..]), ("rig", b"[cylinder\n"), ("rig", b"\0\xff")] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            let message = Document::read_as(Kind::Rig, &path).unwrap_err().to_string();
+            assert!(!message.contains("trace"), "{message}");
+        }
     }
 
     #[test]

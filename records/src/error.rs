@@ -17,6 +17,14 @@ pub enum Error {
         /// The system's reason.
         source: io::Error,
     },
+    /// A trace that was given in the place of another file.
+    #[error("{}: this looks like a trace; {expected}", path.display())]
+    IsTrace {
+        /// Path of the file, as it was given.
+        path: PathBuf,
+        /// What is expected in its place, in words.
+        expected: &'static str,
+    },
     /// A folder that was given in the place of a rig file has none.
     #[error("{}: this folder has no rig.toml; `pneutherm look TRACE -o rig.toml` writes one", folder.display())]
     NoRig {

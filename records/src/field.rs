@@ -44,7 +44,7 @@ impl<'d> Field<'d> {
     /// A whole number of `least` or above.
     ///
     /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
+    /// [`KeyProblem::WrongType`] or [`KeyProblem::WholeOutOfBounds`].
     pub fn whole(&self, least: u64) -> Result<u64, Error> {
         let expected = match least {
             0 => "a whole number, zero or above".to_owned(),
@@ -54,7 +54,7 @@ impl<'d> Field<'d> {
             Value::Integer(value) => u64::try_from(*value)
                 .ok()
                 .filter(|whole| *whole >= least)
-                .ok_or_else(|| self.refuse(KeyProblem::OutOfBounds { value: *value as f64, expected })),
+                .ok_or_else(|| self.refuse(KeyProblem::WholeOutOfBounds { value: *value, expected })),
             other => Err(self.wrong_type(&expected, other)),
         }
     }

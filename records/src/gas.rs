@@ -28,7 +28,10 @@ const CONSTANT_BOUNDS: Bounds = Bounds::Within(10.0..=10_000.0, "in J/(kg K)");
 /// From large molecules to single atoms.
 const RATIO_BOUNDS: Bounds = Bounds::Within(1.01..=1.7, "");
 
-/// Reads `[gas]` under `root`; air where it is missing. Constants given beside a known name take its place.
+/// Constants given beside a known gas's name differ from the gas's by no more than this share: by rounding and by the source.
+const ALIKE: f64 = 0.02;
+
+/// Reads `[gas]` under `root`; air where it is missing. Constants given beside a known name are its own, as near as they are stated.
 pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
     let Some(table) = root.table("gas")? else { return Ok(NamedGas::default()) };
     table.allow(&["name", CONSTANT, RATIO])?;
@@ -44,6 +47,10 @@ pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
     if table.keys().next().is_none() {
         return Err(table.missing("name", &format!("a gas's name, or {CONSTANT} and {RATIO}")));
     }
+    if let (Some(name), Some(known)) = (name, known) {
+        refuse_another_gas(&table, name, CONSTANT, constant, known.gas_constant)?;
+        refuse_another_gas(&table, name, RATIO, ratio, known.heat_capacity_ratio)?;
+    }
     let gas = Gas {
         gas_constant: constant
             .or(known.map(|gas| gas.gas_constant))
@@ -53,4 +60,13 @@ pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
             .ok_or_else(|| table.missing(RATIO, &RATIO_BOUNDS.words()))?,
     };
     Ok(NamedGas { name: name.map(str::to_owned), gas })
+}
+
+/// Refuses a constant that is not the named gas's.
+fn refuse_another_gas(table: &Table<'_>, name: &str, key: &str, stated: Option<f64>, known: f64) -> Result<(), Error> {
+    let Some(stated) = stated.filter(|stated| (stated / known - 1.0).abs() > ALIKE) else { return Ok(()) };
+    let problem = format!(
+        "{stated:?} is not {name}'s, which is {known:?}; leave out the constants, or give the gas that has them another name"
+    );
+    Err(table.refuse(key, KeyProblem::Contradiction(problem)))
 }

@@ -45,6 +45,14 @@ pub enum KeyProblem {
         /// What it may be.
         expected: String,
     },
+    /// A whole number that cannot be.
+    #[error("{value} is out of range; expected {expected}")]
+    WholeOutOfBounds {
+        /// What the file says.
+        value: i64,
+        /// What it may be.
+        expected: String,
+    },
     /// A word that is none of those known.
     #[error("unknown value `{value}`; {}", offer(near, known))]
     UnknownName {

@@ -6,7 +6,7 @@
 
 use crate::ambient;
 use crate::atomic::write_atomically;
-use crate::document::Document;
+use crate::document::{Document, Kind};
 use crate::effect;
 use crate::error::Error;
 use crate::gas::{self, NamedGas};
@@ -45,7 +45,7 @@ impl Model {
     /// # Errors
     /// [`Error`] names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        Self::from_document(&Document::read(path)?)
+        Self::from_document(&Document::read_as(Kind::Model, path)?)
     }
 
     /// Reads a model from a document.

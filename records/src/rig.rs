@@ -4,7 +4,7 @@
 //! no rod, air, surroundings of 101325 Pa at an unknown temperature, SI columns.
 
 use crate::ambient;
-use crate::document::Document;
+use crate::document::{Document, Kind};
 use crate::error::Error;
 use crate::gas::{self, NamedGas};
 use crate::key::{Bounds, KeyProblem};
@@ -187,10 +187,10 @@ impl RigFile {
     /// As [`Document::read`]; [`Error::NoRig`].
     pub fn document(path: &Path) -> Result<Document, Error> {
         if !path.is_dir() {
-            return Document::read(path);
+            return Document::read_as(Kind::Rig, path);
         }
         let file = path.join("rig.toml");
-        if file.exists() { Document::read(&file) } else { Err(Error::NoRig { folder: path.to_owned() }) }
+        if file.exists() { Document::read_as(Kind::Rig, &file) } else { Err(Error::NoRig { folder: path.to_owned() }) }
     }
 
     /// How the trace files of a rig are laid out, and the cylinder's stroke, m, where it is known; a document without
@@ -235,9 +235,23 @@ impl RigFile {
             experiments: Vec::new(),
         };
         let folder = document.path().parent().unwrap_or(Path::new(""));
-        let plan = root.tables("experiment")?.into_iter().map(|table| read_experiment(&table, folder));
-        Ok(Self { rig, stated_tolerance, layout, plan: plan.collect::<Result<_, _>>()? })
+        let experiments = root.tables("experiment")?;
+        let plan: Vec<PlannedExperiment> =
+            experiments.iter().map(|table| read_experiment(table, folder)).collect::<Result<_, _>>()?;
+        refuse_same_names(&experiments, &plan)?;
+        Ok(Self { rig, stated_tolerance, layout, plan })
     }
+}
+
+/// Refuses two experiments of one name: results name experiments by it.
+fn refuse_same_names(tables: &[Table<'_>], plan: &[PlannedExperiment]) -> Result<(), Error> {
+    let is_taken = |nth: usize| plan[..nth].iter().any(|other| other.name == plan[nth].name);
+    let Some(nth) = (0..plan.len()).find(|nth| is_taken(*nth)) else { return Ok(()) };
+    let problem = format!(
+        "another experiment is named `{}` already; list repeats in one experiment's traces, or choose another name",
+        plan[nth].name
+    );
+    Err(tables[nth].refuse("name", KeyProblem::Contradiction(problem)))
 }
 
 /// Refuses rows that are for the most part another record's as well: a copy is no repeat. One test may begin with the rest that
@@ -290,9 +304,21 @@ fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
     let bore_m = bore_m.ok_or_else(|| table.missing("bore_m", "the bore in m, or area_m2, the piston area in m2"))?;
     let rod_m = table.number("rod_m", &limits::ROD_M)?.unwrap_or(0.0);
     limits::check_rod(table, bore_m, rod_m)?;
+    if rod_side && rod_m == 0.0 {
+        return Err(missing_rod(table));
+    }
     let rod_through_m = if rod_side { rod_m } else { 0.0 };
     let piston_area_m2 = Geometry::new(bore_m, rod_through_m, 0.0, AreaLaw::Total).piston_area;
     Ok(Cylinder { bore_m, rod_through_m, piston_area_m2, stroke_m })
+}
+
+/// That the rod side has no rod, or one without thickness.
+fn missing_rod(table: &Table<'_>) -> Error {
+    if table.has("rod_m") {
+        let problem = "0 m is no rod; the area of the rod side needs the rod's diameter in m";
+        return table.refuse("rod_m", KeyProblem::Contradiction(problem.to_owned()));
+    }
+    table.missing("rod_m", "the rod's diameter in m, which the area of the rod side (chamber = \"rod\") needs")
 }
 
 fn read_dead_volume(table: &Table<'_>) -> Result<Option<DeadVolume>, Error> {

@@ -99,7 +99,7 @@ impl<'d> Table<'d> {
     /// A whole number of zero or above.
     ///
     /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
+    /// [`KeyProblem::WrongType`] or [`KeyProblem::WholeOutOfBounds`].
     pub fn count(&self, key: &str) -> Result<Option<u64>, Error> {
         self.field(key).map(|field| field.whole(0)).transpose()
     }

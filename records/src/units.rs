@@ -26,7 +26,7 @@ pub struct Unit {
     pub factor: f64,
     /// ... and what is then added.
     pub offset: f64,
-    /// How else column names and units lines spell it, in lower case.
+    /// How else column names and units lines spell it, in lower case; gauge pressures' units are known without.
     pub spellings: &'static [&'static str],
 }
 
@@ -58,11 +58,11 @@ const TIME: [Unit; 8] = [
 const PRESSURE: [Unit; 11] = [
     unit("Pa", 1.0, &["pascal"]),
     unit("hPa", 1e2, &[]),
-    unit("kPa", 1e3, &["kpaa", "kpag", "kpa rel", "kpa abs", "kn/m2", "kn/m²"]),
-    unit("MPa", 1e6, &["mpaa", "mpag", "n/mm2", "n/mm²"]),
-    unit("bar", 1e5, &["bara", "barg", "bar(a)", "bar(g)", "bar abs", "bar rel", "bar_a", "bar_g", "barabs", "barrel"]),
-    unit("mbar", 1e2, &["mbara", "mbarg"]),
-    unit("psi", PSI_PA, &["psia", "psig", "psi(a)", "psi(g)", "lbf/in2", "lbf/in²"]),
+    unit("kPa", 1e3, &["kpaa", "kpa abs", "kn/m2", "kn/m²"]),
+    unit("MPa", 1e6, &["mpaa", "n/mm2", "n/mm²"]),
+    unit("bar", 1e5, &["bara", "bar(a)", "bar abs", "bar_a", "barabs"]),
+    unit("mbar", 1e2, &["mbara"]),
+    unit("psi", PSI_PA, &["psia", "psi(a)", "lbf/in2", "lbf/in²"]),
     unit("atm", 101_325.0, &[]),
     unit(
         "kgf/cm2",
@@ -160,10 +160,12 @@ impl Quantity {
         let text = unbracketed(text);
         let lower = text.to_lowercase();
         let exact = self.units().iter().find(|unit| unit.name == text);
-        exact.or_else(|| {
-            let alike = |unit: &&Unit| unit.name.to_lowercase() == lower || unit.spellings.contains(&lower.as_str());
+        let spelled = |spelling: &str| {
+            let alike = |unit: &&Unit| unit.name.to_lowercase() == spelling || unit.spellings.contains(&spelling);
             self.units().iter().find(alike)
-        })
+        };
+        let gauge = || (self == Quantity::Pressure).then(|| without_gauge(&lower)).flatten().and_then(spelled);
+        exact.or_else(|| spelled(&lower)).or_else(gauge)
     }
 }
 
@@ -211,11 +213,21 @@ fn unbracketed(text: &str) -> &str {
     text
 }
 
+/// A pressure's unit, in lower case, without what says that it counts from the surroundings': `bar` of `bar(g)`, `bar g`, `bar_g`
+/// and, in German, `barü`; `None` where nothing says so.
+fn without_gauge(spelling: &str) -> Option<&str> {
+    const SIGNS: [&str; 5] = ["gauge", "rel", "ue", "ü", "g"];
+    const UNITS: [&str; 5] = ["bar", "mbar", "psi", "kpa", "mpa"];
+    let open =
+        spelling.strip_suffix(')').filter(|inside| inside.contains('(')).unwrap_or(spelling).trim_end_matches('.');
+    let unit = |sign: &&str| Some(open.strip_suffix(*sign)?.trim_end_matches([' ', '_', '(']));
+    SIGNS.iter().filter_map(unit).find(|unit| UNITS.contains(unit))
+}
+
 /// Whether a unit's spelling says that a pressure counts from the surroundings' (`psig`, `barg`).
 pub fn says_gauge(spelling: &str) -> bool {
     let text = unbracketed(spelling).to_lowercase();
-    ["psig", "barg", "mbarg", "kpag", "mpag", "kg/cm2g", "psi(g)", "bar(g)", "bar_g", "bar rel", "barrel", "kpa rel"]
-        .contains(&text.as_str())
+    text == "kg/cm2g" || without_gauge(&text).is_some()
 }
 
 /// Whether a unit's spelling says that a pressure counts from vacuum (`psia`, `bara`).
@@ -246,6 +258,26 @@ mod tests {
         assert_eq!(name(Quantity::Position, "kPa"), None);
         assert!(says_absolute("(psia)") && says_absolute("bar abs") && !says_absolute("psig") && !says_absolute("bar"));
         assert!(says_gauge("(psig)") && says_gauge("[bar(g)]") && !says_gauge("psia") && !says_gauge("bar"));
+    }
+
+    #[test]
+    fn a_gauge_pressure_s_unit_is_known_however_that_is_written() {
+        let spellings =
+            ["barg", "bar(g)", "bar_g", "(bar g)", "(bar Ü)", "[barü]", "bar rel", "[bar gauge]", "bar(ü)", "bar ue"];
+        for spelling in spellings {
+            let unit = Quantity::Pressure.unit_spelled(spelling).map(|unit| unit.name);
+            assert_eq!((unit, says_gauge(spelling)), (Some("bar"), true), "{spelling}");
+            assert_eq!(Quantity::Time.unit_spelled(spelling), None, "{spelling}");
+        }
+        for (spelling, name) in [("psi g", "psi"), ("kPa(g)", "kPa"), ("MPag", "MPa"), ("mbarü", "mbar")] {
+            assert_eq!(Quantity::Pressure.unit_spelled(spelling).map(|unit| unit.name), Some(name), "{spelling}");
+            assert!(says_gauge(spelling), "{spelling}");
+        }
+        for none in ["g", "ü", "kg", "bar", "bar (a)", "degree", "bar)", "bar g)"] {
+            assert!(!says_gauge(none), "{none}");
+        }
+        assert_eq!(name_and_unit("Druck (bar g)"), ("Druck ", Some("bar g")));
+        assert_eq!(name_and_unit("Druck A [bar Ü]"), ("Druck A ", Some("bar Ü")));
     }
 
     #[test]

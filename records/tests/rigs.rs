@@ -77,6 +77,55 @@ fn a_gas_is_a_name_or_its_constants() {
 }
 
 #[test]
+fn constants_beside_a_known_gas_s_name_are_its_own() {
+    let gas = |lines: &str| format!("[cylinder]\nbore_m = 0.02\n[gas]\n{lines}\n");
+    let helium = "name = \"helium\"\ngas_constant_j_per_kg_k";
+    let what_to_do = "leave out the constants, or give the gas that has them another name";
+    refusal(
+        &gas(&format!("{helium} = 287.0\nheat_capacity_ratio = 1.4")),
+        &["line 5: gas.gas_constant_j_per_kg_k: 287.0 is not helium's, which is 2077.1", what_to_do],
+    );
+    refusal(
+        &gas(&format!("{helium} = 2077.1\nheat_capacity_ratio = 1.4")),
+        &["line 6: gas.heat_capacity_ratio: 1.4 is not helium's, which is 1.667", what_to_do],
+    );
+    refusal(&gas("name = \"nitrogen\"\ngas_constant_j_per_kg_k = 287"), &["line 5", "nitrogen's, which is 296.8"]);
+    // As other sources round them, and as files that the program writes have them.
+    let argon = parse(&gas("name = \"argon\"\ngas_constant_j_per_kg_k = 208\nheat_capacity_ratio = 1.66")).unwrap();
+    assert_eq!((argon.rig.gas.gas.gas_constant, argon.rig.gas.gas.heat_capacity_ratio), (208.0, 1.66));
+    for (name, known) in chamber::Gas::NAMED {
+        let chamber::Gas { gas_constant, heat_capacity_ratio } = known;
+        let both = format!("gas_constant_j_per_kg_k = {gas_constant:?}\nheat_capacity_ratio = {heat_capacity_ratio:?}");
+        assert_eq!(parse(&gas(&format!("name = \"{name}\"\n{both}"))).unwrap().rig.gas.gas, known, "{name}");
+    }
+    let own = parse(&gas("name = \"our mixture\"\ngas_constant_j_per_kg_k = 300\nheat_capacity_ratio = 1.3")).unwrap();
+    assert_eq!((own.rig.gas.name.as_deref(), own.rig.gas.gas.gas_constant), (Some("our mixture"), 300.0));
+}
+
+#[test]
+fn the_rod_side_needs_its_rod() {
+    let cylinder = |lines: &str| format!("[cylinder]\nbore_m = 0.05\nchamber = \"rod\"\n{lines}");
+    refusal(&cylinder(""), &["line 1: cylinder.rod_m: missing", "which the area of the rod side"]);
+    refusal(&cylinder("rod_m = 0\n"), &["line 4: cylinder.rod_m: 0 m is no rod", "the area of the rod side"]);
+    assert!(parse("[cylinder]\narea_m2 = 0.0016\nchamber = \"rod\"\n").is_ok());
+    assert!(parse("[cylinder]\nbore_m = 0.05\nchamber = \"cap\"\n").is_ok());
+}
+
+#[test]
+fn two_experiments_of_one_name_are_refused() {
+    let experiment = |name: &str| format!("[[experiment]]\nname = \"{name}\"\ntraces = [\"{name}.csv\"]\n");
+    let rig = |names: &[&str]| {
+        let experiments: String = names.iter().map(|name| experiment(name)).collect();
+        format!("[cylinder]\nbore_m = 0.02\n{experiments}")
+    };
+    refusal(
+        &rig(&["push", "pull", "push"]),
+        &["line 10: experiment.name: another experiment is named `push` already", "choose another name"],
+    );
+    assert_eq!(parse(&rig(&["push", "pull"])).unwrap().plan.len(), 2);
+}
+
+#[test]
 fn sensor_accuracy_and_tolerances_are_read() {
     let text = "[cylinder]\nbore_m = 0.04\n[sensor]\nstep_pa = 390\nreadout_hz = 10\n[accuracy]\npressure_pa = 50\n\
                 [tolerance]\nbore_m = 1e-5\nposition_scale = 0.001\nposition_linearity = 0\n\
@@ -239,7 +288,7 @@ fn columns_and_formats_that_cannot_be_are_refused() {
     refusal(&format("separator = \",\"\ndecimal = \",\""), &["line 5: format.decimal", "commas separate"]);
     refusal(&format("decimal = \"'\""), &["line 4: format.decimal"]);
     refusal(&format("encoding = \"latin1\""), &["line 4: format.encoding", "did you mean `latin-1`?"]);
-    refusal(&format("skip_lines = -1"), &["line 4: format.skip_lines", "zero or above"]);
+    refusal(&format("skip_lines = -7"), &["line 4: format.skip_lines: -7 is out of range", "zero or above"]);
     refusal(&format("skip = 1"), &["line 4: format.skip", "`skip_lines`"]);
 }
 
@@ -273,7 +322,8 @@ fn a_copy_of_a_record_is_no_repeat_but_another_part_of_the_same_file_is_one() {
         std::fs::write(folder.path().join(name), &one).unwrap();
     }
     let read = |experiments: &[&str]| {
-        let experiments: String = experiments.iter().map(|e| format!("[[experiment]]\nname = \"x\"\n{e}\n")).collect();
+        let table = |(nth, e)| format!("[[experiment]]\nname = \"x{nth}\"\n{e}\n");
+        let experiments: String = experiments.iter().enumerate().map(table).collect();
         std::fs::write(folder.path().join("rig.toml"), format!("[cylinder]\nbore_m = 0.02\n{experiments}")).unwrap();
         Rig::read(folder.path()).map_err(|error| error.to_string())
     };

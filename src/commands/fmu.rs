@@ -11,7 +11,7 @@ use fmu::plant::values::{
 };
 use fmu::table::effects::parameter_name;
 use records::{Model, Rig, Verdict};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The FMU's libraries, built by `build.rs`.
 const LIBRARIES: &[Library<'static>] = include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
@@ -48,8 +48,8 @@ pub struct Args {
 
 fn version(text: &str) -> Result<Version, String> {
     match text {
-        "2" => Ok(Version::Two),
-        "3" => Ok(Version::Three),
+        "2" | "2.0" => Ok(Version::Two),
+        "3" | "3.0" => Ok(Version::Three),
         _ => Err("expected 2 or 3".into()),
     }
 }
@@ -67,8 +67,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let identity = Identity::of(name.unwrap_or("Chamber"));
     let rig = args.validation.as_deref().map(Rig::read).transpose()?;
     output::check([&args.output], rig.iter().flat_map(output::files).chain([args.model.as_path()]))?;
+    if !is_named_as_fmu(&args.output) {
+        output::note(&format!("{}: most tools open an FMU only if its name ends in .fmu", args.output.display()));
+    }
     // With what the model says of how a stroke is recorded: the inputs inside are the piston's true stroke.
-    let validations = rig.map_or_else(|| Ok(Vec::new()), |rig| measured::validations(&whole, &rig))?;
+    let validations = rig.as_ref().map_or_else(|| Ok(Vec::new()), |rig| measured::validations(&whole, rig))?;
+    rig.iter().flat_map(|rig| measured::notes(&whole, rig)).for_each(|note| output::note(&note));
     let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?, &validations)
         .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;
@@ -89,6 +93,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Whether the file's name ends in `.fmu`; what is no file, as standard output and devices, needs none.
+fn is_named_as_fmu(path: &Path) -> bool {
+    let is_file = !output::is_stdout(path) && (path.is_file() || !path.exists());
+    !is_file || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"))
 }
 
 /// What to know before the model is used, where its diagnosis found no cause.

@@ -25,7 +25,7 @@ pub struct Args {
     #[arg(value_name = "TRACE")]
     trace: PathBuf,
     /// Bore of the cylinder, mm
-    #[arg(long, value_name = "MM", value_parser = bore)]
+    #[arg(long, value_name = "MM", value_parser = bore, allow_negative_numbers = true)]
     bore_mm: Option<f64>,
     /// Name of the time column, if it is not recognised
     #[arg(long, value_name = "COLUMN")]
@@ -231,7 +231,8 @@ fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {
     });
     if let Some(Found { trace, readings, phases }) = &look.found {
         let phase = |p: &Phase| {
-            let (from, to) = (trace.time_s[p.rows.start], trace.time_s[p.rows.end - 1]);
+            let [from, to] =
+                [p.rows.start, p.rows.end - 1].map(|row| motion::as_written(trace.time_s[row], readings.interval_s));
             json!({ "moving": p.moving, "from_s": from, "to_s": to })
         };
         let cycle = |c: &Cycle| json!({ "from_s": c.from_s, "to_s": c.to_s, "compresses": c.compresses });

@@ -3,6 +3,7 @@
 use crate::output;
 use crate::simulation::band::{LEVEL, SAMPLES, Wanted};
 use crate::simulation::{self, Request, Simulated};
+use records::document::Kind;
 use records::limits::PRESSURE_PA;
 use records::{Document, RigFile};
 use std::path::PathBuf;
@@ -31,7 +32,7 @@ pub struct Args {
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
     /// Initial gas pressure, Pa absolute; by default from the motion's pressure before the first movement
-    #[arg(long, value_name = "PA", value_parser = pressure)]
+    #[arg(long, value_name = "PA", value_parser = pressure, allow_negative_numbers = true)]
     initial_pressure: Option<f64>,
     /// Take noisy positions as they are, linear between rows
     #[arg(long)]
@@ -41,7 +42,7 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())))]
     samples: Option<u32>,
     /// Coverage probability of the band, between 0 and 1
-    #[arg(long, value_name = "P", value_parser = level, default_value_t = LEVEL, requires = "samples")]
+    #[arg(long, value_name = "P", value_parser = level, allow_negative_numbers = true, default_value_t = LEVEL, requires = "samples")]
     level: f64,
     /// Seed of the random draws
     #[arg(long, value_name = "SEED", default_value_t = 0, requires = "samples")]
@@ -70,7 +71,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let inputs = [Some(&args.model), Some(&args.motion), args.rig.as_ref()];
     output::check([&args.output], inputs.into_iter().flatten().map(PathBuf::as_path))?;
     let simulated = simulation::simulated(&Request {
-        model: Document::read(&args.model)?,
+        model: Document::read_as(Kind::Model, &args.model)?,
         motion: args.motion.clone(),
         rig: args.rig.as_deref().map(RigFile::document).transpose()?,
         initial_pressure_pa: args.initial_pressure,

@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
-use sweep::folder::file_names;
+use sweep::folder::{Folder, file_names, verify};
 use sweep::study::SOLVERS;
 use sweep::{Earlier, Options, Report, Shard, Study, traces};
 
@@ -36,7 +36,8 @@ pub struct Args {
     /// object-store also takes s3://bucket/prefix
     #[arg(short, long, value_name = "DIR", required_unless_present = "verify")]
     output: Option<PathBuf>,
-    /// Read the folder of a finished study and compare every part with its SHA-256 in manifest.json
+    /// Read the folder of a finished study and compare every part, the statistics, the sensitivity indices and the traces with
+    /// their SHA-256 in manifest.json
     #[arg(long, value_name = "DIR", exclusive = true)]
     verify: Option<PathBuf>,
     /// Compute only the parts i with i mod N = I, where I is 0 to N-1
@@ -59,7 +60,7 @@ pub struct Args {
     #[arg(long, value_name = "ROWS")]
     traces: Option<traces::RowNumbers>,
     /// Sampling rate of these time series, Hz
-    #[arg(long, value_name = "HZ", default_value_t = traces::RATE_HZ)]
+    #[arg(long, value_name = "HZ", default_value_t = traces::RATE_HZ, requires = "traces")]
     trace_rate: f64,
     /// Keep only statistics.json, no rows: the study's [statistics], or those of every result
     #[arg(long)]
@@ -98,12 +99,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(rows) = traces {
         traces::check(&study, rows, args.trace_rate)?;
     }
-    if args.dry_run {
-        let estimate = pool.install(|| calibrate(&study, folder))?;
-        tell(&study.notes, path);
-        return output::print(estimate_summary(&study, args.shard, &estimate, pool.current_num_threads()).as_bytes());
-    }
     let store = stores::open(folder)?;
+    if args.dry_run {
+        Folder::open(&study, &*store)?;
+        let estimate = pool.install(|| calibrate(&study, folder, !args.no_rows))?;
+        tell(&study.notes, path);
+        let threads = pool.current_num_threads();
+        let told = estimate_summary(&study, args.shard, &estimate, threads) + &size_summary(&study, args, &estimate);
+        return output::print(told.as_bytes());
+    }
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
     let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
     tell(&study.notes, path);
@@ -120,7 +124,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(rows) = traces {
         text += &traces_summary(&pool.install(|| traces::write(&study, &*store, rows, args.trace_rate))?);
     }
-    output::print(text.as_bytes())
+    output::print(text.as_bytes())?;
+    match report.why_without_results() {
+        None => Ok(()),
+        Some((reason, rows)) => bail!(
+            "{}: no row of the study has a result; the most frequent reason ({rows} of {} rows): {reason}",
+            folder.display(),
+            study.rows
+        ),
+    }
 }
 
 /// Tells what in the study's file has no effect.
@@ -141,20 +153,44 @@ fn verify(folder: &Path) -> anyhow::Result<()> {
             folder.display()
         );
     }
-    if report.wrong.is_empty() {
-        let (parts, bytes) = (counted(report.parts as u64), indicatif::BinaryBytes(report.bytes));
-        let text = format!("{}: {} rows, {parts}, {bytes}: agree with manifest.json\n", folder.display(), report.rows);
-        return output::print(text.as_bytes());
+    match differences(&report) {
+        None => output::print(verified_summary(folder, &report).as_bytes()),
+        Some(differences) => bail!("{}: {differences}; run the study again to recompute them", folder.display()),
     }
-    let named = report.wrong.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
-    let more = report.wrong.len().saturating_sub(NAMED);
-    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-    bail!(
-        "{}: {} of {} parts do not agree with manifest.json: {named}{more}; run the study again to recompute them",
-        folder.display(),
-        report.wrong.len(),
-        report.parts,
-    )
+}
+
+/// What does not agree with the manifest, if anything.
+fn differences(report: &verify::Report) -> Option<String> {
+    let verify::Report { parts, wrong, wrong_results, .. } = report;
+    let mut said = Vec::new();
+    if !wrong.is_empty() {
+        let named = wrong.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
+        let more = wrong.len().saturating_sub(NAMED);
+        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+        said.push(format!("{} of {parts} parts do not agree with manifest.json: {named}{more}", wrong.len()));
+    }
+    if !wrong_results.is_empty() {
+        said.push(format!("results do not agree with manifest.json: {}", wrong_results.join("; ")));
+    }
+    if wrong_results.iter().any(|result| result.starts_with(file_names::TRACES_PLACE)) {
+        said.push("traces are written again with --traces".to_owned());
+    }
+    (!said.is_empty()).then(|| said.join("; "))
+}
+
+fn verified_summary(folder: &Path, report: &verify::Report) -> String {
+    let verify::Report { rows, parts, bytes, results, not_covered, .. } = report;
+    let (parts, bytes) = (counted(*parts as u64), indicatif::BinaryBytes(*bytes));
+    let results: String = results.iter().map(|result| format!(", {result}")).collect();
+    let mut text = format!("{}: {rows} rows, {parts}, {bytes}{results}: agree with manifest.json\n", folder.display());
+    if !not_covered.is_empty() {
+        let _ = writeln!(
+            text,
+            "not named in manifest.json, so not compared: {}; run the study again, for traces with --traces, to have them named",
+            not_covered.join(", ")
+        );
+    }
+    text
 }
 
 /// Parts of a shard.
@@ -186,13 +222,15 @@ fn estimate_summary(study: &Study, shard: Shard, estimate: &Estimate, threads: u
         rate,
         estimate.calibrated_rows,
     );
-    let _ = writeln!(
-        text,
-        "size       {} ({:.0} bytes/row)",
-        indicatif::BinaryBytes(estimate.bytes(rows) as u64),
-        estimate.bytes_per_row,
-    );
     text
+}
+
+fn size_summary(study: &Study, args: &Args, estimate: &Estimate) -> String {
+    if args.no_rows {
+        return "size       statistics only, no rows\n".to_owned();
+    }
+    let bytes = estimate.bytes(rows_of(study, args.shard));
+    format!("size       {} ({:.0} bytes/row)\n", indicatif::BinaryBytes(bytes as u64), estimate.bytes_per_row)
 }
 
 fn summary(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Duration) -> String {
@@ -248,8 +286,7 @@ fn earlier_summary(report: &Report, earlier: &Earlier) -> String {
 }
 
 fn traces_summary(report: &traces::Report) -> String {
-    let (folder, file) = (file_names::TRACES, file_names::TRACES_FILE);
-    let mut text = format!("{folder}/{file}: {} samples of {} rows\n", report.samples, report.rows);
+    let mut text = format!("{}: {} samples of {} rows\n", file_names::TRACES_PLACE, report.samples, report.rows);
     for (row, reason) in &report.without {
         let _ = writeln!(text, "row {row} has no trace: {reason}");
     }

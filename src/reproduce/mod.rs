@@ -68,6 +68,11 @@ const FILES: [(&str, Content); 20] = [
     ("report.html", |w, _| text(&report::page::page(TITLE, LEAD, w.sections()?))),
 ];
 
+/// Names of all files that are written.
+pub fn files() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|(name, _)| *name)
+}
+
 fn text(text: &str) -> Result<Option<Vec<u8>>> {
     Ok(Some(text.as_bytes().to_vec()))
 }

@@ -30,7 +30,7 @@ pub struct Estimate {
     pub rows_per_second: f64,
     /// Time in which a part and its record reach the disk, s; zero where the disk could not be tried.
     pub seconds_per_part: f64,
-    /// Bytes of Parquet for each row.
+    /// Bytes of Parquet for each row; zero where no rows are kept.
     pub bytes_per_row: f64,
 }
 
@@ -48,11 +48,11 @@ impl Estimate {
 }
 
 /// Computes and encodes pieces of the study from all over its design, in memory, for about a second, and tries the disk that
-/// `folder` is on or will be on. Leaves nothing there.
+/// `folder` is on or will be on. Leaves nothing there. With `rows` they are kept, otherwise only their statistics.
 ///
 /// # Errors
 /// A table of points cannot be read.
-pub fn calibrate(study: &Study, folder: &Path) -> Result<Estimate, Error> {
+pub fn calibrate(study: &Study, folder: &Path, rows: bool) -> Result<Estimate, Error> {
     let pieces = (rayon::current_num_threads() as u64 * PIECES).min(study.rows);
     let empty = encode(study, 0, 0)?;
     let mut length = FIRST.min(study.rows);
@@ -66,15 +66,16 @@ pub fn calibrate(study: &Study, folder: &Path) -> Result<Estimate, Error> {
             .map(|start| encode(study, start, length))
             .collect::<Result<_, _>>()?;
         let elapsed = begun.elapsed();
-        let rows = length * pieces;
+        let solved = length * pieces;
         if elapsed > LONG_ENOUGH || length == study.rows || length >= LARGEST {
-            let bytes_per_row = bytes.iter().map(|bytes| bytes - empty).sum::<usize>() as f64 / rows as f64;
-            let rows_per_part = study.rows as f64 / study.parts as f64;
+            let bytes_per_row = bytes.iter().map(|bytes| bytes - empty).sum::<usize>() as f64 / solved as f64;
+            let bytes_per_part = empty as f64 + study.rows as f64 / study.parts as f64 * bytes_per_row;
+            let kept = |bytes: f64| if rows { bytes } else { 0.0 };
             return Ok(Estimate {
-                calibrated_rows: rows,
-                rows_per_second: rows as f64 / elapsed.as_secs_f64(),
-                seconds_per_part: seconds_per_part(folder, empty as f64 + rows_per_part * bytes_per_row),
-                bytes_per_row,
+                calibrated_rows: solved,
+                rows_per_second: solved as f64 / elapsed.as_secs_f64(),
+                seconds_per_part: seconds_per_part(folder, kept(bytes_per_part)),
+                bytes_per_row: kept(bytes_per_row),
             });
         }
         length = (2 * length).min(study.rows);
@@ -90,7 +91,10 @@ fn seconds_per_part(folder: &Path, bytes: f64) -> f64 {
     let Some(folder) = folder.into_iter().find(|path| path.is_dir()) else { return 0.0 };
     let probe = (bytes as usize).min(PROBE);
     let record = synced(folder, 1 << 10);
-    let part = synced(folder, probe).map(|seconds| seconds * (bytes / probe as f64).max(1.0));
+    let part = match probe {
+        0 => Ok(0.0),
+        _ => synced(folder, probe).map(|seconds| seconds * (bytes / probe as f64).max(1.0)),
+    };
     record.and_then(|record| Ok(record + part?)).unwrap_or(0.0)
 }
 

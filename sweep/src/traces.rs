@@ -5,7 +5,7 @@
 
 use crate::error::Error;
 use crate::folder::Folder;
-use crate::folder::file_names::{TRACES, TRACES_FILE};
+use crate::folder::file_names::TRACES_PLACE;
 use crate::folder::store::Store;
 use crate::part::columns;
 use crate::part::encoding;
@@ -134,7 +134,8 @@ pub fn check(study: &Study, rows: &RowNumbers, rate_hz: f64) -> Result<(), Error
     Ok(())
 }
 
-/// Writes the traces of some rows beside the study's parts. The file appears when it is whole, in place of an earlier one.
+/// Writes the traces of some rows beside the study's parts. The file appears when it is whole, in place of an earlier one; the
+/// manifest of a finished study then names it.
 ///
 /// # Errors
 /// As [`check`], or a folder that is another study's or cannot be written.
@@ -142,8 +143,7 @@ pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) 
     check(study, rows, rate_hz)?;
     let folder = Folder::open(study, store)?;
     folder.prepare()?;
-    let name = format!("{TRACES}/{TRACES_FILE}");
-    let path = folder.path(&name);
+    let path = folder.path(TRACES_PLACE);
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
     let properties = encoding::properties(study, &schema, &rate);
@@ -166,7 +166,10 @@ pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) 
         }
     }
     flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
-    file.end()?.publish(store, &name)?;
+    let ended = file.end()?;
+    folder.record_result(TRACES_PLACE, ended.digest())?;
+    ended.publish(store, TRACES_PLACE)?;
+    folder.renew_manifest()?;
     report.without.sort();
     Ok(report)
 }

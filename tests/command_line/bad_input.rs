@@ -61,13 +61,19 @@ fn a_file_of_another_kind_is_told_as_such() {
     bench.file("study.toml", "[study]\nname = \"a\"\n");
     // As `identify` writes it.
     bench.file("whole_model.toml", "[gas]\nname = \"air\"\n[chamber]\nbore_m = 0.032\n");
-    let calls: [(&[&str], &str); 6] = [
+    let of_rig = "motion.csv: this looks like a trace; a rig file (TOML) that names it is expected here";
+    let of_model = "motion.csv: this looks like a trace; a model file (TOML)";
+    let calls: [(&[&str], &str); 10] = [
         (&["fmu", "rig.toml"], "rig.toml: line 1: cylinder: belongs to a rig file"),
         (&["identify", "model.toml"], "model.toml: line 1: chamber: belongs to a model file"),
         (&["identify", "study.toml"], "study.toml: line 1: study: belongs to a study file"),
         (&["sweep", "rig.toml", "-o", "out"], "rig.toml: line 1: cylinder: belongs to a rig file"),
         (&["sweep", "whole_model.toml", "-o", "out"], "whole_model.toml: line 1: gas: belongs to a rig or model file"),
-        (&["identify", "motion.csv"], "a trace is named in a rig file (TOML), which is expected here"),
+        (&["identify", "motion.csv"], of_rig),
+        (&["diagnose", "motion.csv"], of_rig),
+        (&["validate", "model.toml", "motion.csv"], of_rig),
+        (&["simulate", "motion.csv", "--motion", "motion.csv"], of_model),
+        (&["fmu", "motion.csv"], of_model),
     ];
     for (call, says) in calls {
         let sentence = bench.refusal(call);

@@ -1,6 +1,6 @@
 //! `pneutherm fmu` and `pneutherm sweep`: what they write, and what they refuse.
 
-use crate::common::{Bench, MODEL, text};
+use crate::common::{Bench, MODEL, RIG, text};
 
 const STUDY: &str = "\
 [study]
@@ -60,6 +60,53 @@ fn a_record_inside_an_fmu_has_the_error_of_simulate_though_its_stroke_is_recorde
     let error = (squares / measured.len() as f64).sqrt();
     assert!((stated.parse::<f64>().unwrap() / error - 1.0).abs() < 1e-2, "{told} {error}");
     assert!(told.contains("left out of the model: position_delay"), "{told}");
+}
+
+#[test]
+fn a_version_of_fmi_is_known_with_and_without_its_decimal() {
+    let bench = bench();
+    for (version, told) in [("2", "FMI 2.0"), ("2.0", "FMI 2.0"), ("3", "FMI 3.0"), ("3.0", "FMI 3.0")] {
+        let out = text(&bench.call(0, &["fmu", "model.toml", "--fmi", version, "-o", "a.fmu"]).stdout);
+        assert!(out.contains(told), "{version}: {out}");
+    }
+    assert!(text(&bench.call(2, &["fmu", "model.toml", "--fmi", "1.0"]).stderr).contains("expected 2 or 3"));
+}
+
+#[test]
+fn an_fmu_under_another_ending_is_noted() {
+    let bench = bench();
+    let note = |name: &str| text(&bench.call(0, &["fmu", "model.toml", "-o", name]).stderr);
+    assert_eq!(note("Chamber.zip"), "note: Chamber.zip: most tools open an FMU only if its name ends in .fmu\n");
+    for name in ["Chamber.fmu", "Chamber.FMU", "-"] {
+        assert_eq!(note(name), "", "{name}");
+    }
+}
+
+#[test]
+fn records_of_another_rig_in_an_fmu_are_noted_as_validate_notes_them() {
+    let bench = bench();
+    let notes = |rig: &str| {
+        bench.file("other.toml", rig);
+        text(&bench.call(0, &["fmu", "model.toml", "--validation", "other.toml", "-o", "a.fmu"]).stderr)
+    };
+    assert_eq!(notes(RIG), "");
+    let found = notes(&RIG.replace("bore_m = 0.02", "bore_m = 0.032"));
+    assert!(found.starts_with("note: bore: 32.00 mm in the rig file, 20.00 mm in the model, which is used"), "{found}");
+    assert!(notes(&format!("{RIG}[gas]\nname = \"helium\"\n")).contains("note: gas: helium, R = 2077"));
+}
+
+#[test]
+fn reproduce_replaces_no_file_of_other_work() {
+    for name in ["model.toml", "Chamber.fmu", "report.html", "table4.csv"] {
+        let bench = Bench::new();
+        std::fs::create_dir(bench.path("out")).unwrap();
+        bench.file(&format!("out/{name}"), "mine");
+        let sentence = bench.refusal(&["reproduce", "-o", "out"]);
+        let says = format!("out/{name}: not written, because a file that `pneutherm reproduce` did not write is there");
+        assert!(sentence.contains(&says) && sentence.contains("choose another folder"), "{sentence}");
+        assert_eq!(std::fs::read(bench.path(format!("out/{name}"))).unwrap(), b"mine");
+        assert_eq!(std::fs::read_dir(bench.path("out")).unwrap().count(), 1);
+    }
 }
 
 #[test]
@@ -124,4 +171,62 @@ fn a_shard_that_is_none_is_wrong_usage() {
     for shard in ["4/4", "x", "-1/3", "1/0"] {
         bench().call(2, &["sweep", "study.toml", "-o", "out", &format!("--shard={shard}")]);
     }
+}
+
+#[test]
+fn a_dry_run_without_rows_shows_no_size_of_rows() {
+    let told = text(&bench().call(0, &["sweep", "study.toml", "-o", "out", "--dry-run", "--no-rows"]).stdout);
+    assert!(told.contains("size       statistics only, no rows") && !told.contains("bytes/row"), "{told}");
+}
+
+#[test]
+fn a_dry_run_into_the_folder_of_another_study_is_refused_as_the_run_is() {
+    let bench = bench();
+    bench.call(0, &["sweep", "study.toml", "-o", "out"]);
+    bench.call(0, &["sweep", "study.toml", "-o", "out", "--dry-run"]);
+    bench.file("study.toml", STUDY.replace("0.032", "0.04"));
+    let sentences = [&["--dry-run"][..], &[]].map(|option| {
+        let arguments = [&["sweep", "study.toml", "-o", "out"], option].concat();
+        bench.refusal(&arguments)
+    });
+    assert!(sentences[0].contains("holds another study"), "{}", sentences[0]);
+    assert_eq!(sentences[0], sentences[1]);
+}
+
+#[test]
+fn a_trace_rate_without_traces_is_wrong_usage() {
+    let told = text(&bench().call(2, &["sweep", "study.toml", "-o", "out", "--trace-rate", "10"]).stderr);
+    assert!(told.contains("--traces"), "{told}");
+}
+
+#[test]
+fn a_study_whose_rows_all_fail_is_written_and_ends_with_an_error() {
+    let bench = bench();
+    // At a stroke of 50 mm the ratio stays below 25 mm and a little for the dead volume, whatever the bore.
+    let ratios = STUDY.replace("bore_m = { values = [0.016, 0.032] }", "volume_to_area_m = { values = [0.03] }");
+    bench.file("study.toml", ratios);
+    let told = text(&bench.call(1, &["sweep", "study.toml", "-o", "out"]).stderr);
+    assert!(
+        told.contains("no row of the study has a result; the most frequent reason (3 of 3 rows): no bore"),
+        "{told}"
+    );
+    assert!(text(&bench.call(0, &["sweep", "--verify", "out"]).stdout).contains("3 rows"));
+}
+
+#[test]
+fn verify_names_what_it_compares_and_what_of_it_is_missing() {
+    let bench = bench();
+    bench.call(0, &["sweep", "study.toml", "-o", "out", "--no-rows", "--traces", "0"]);
+    let told = text(&bench.call(0, &["sweep", "--verify", "out"]).stdout);
+    assert!(told.contains("statistics.json, traces/traces.parquet: agree with manifest.json"), "{told}");
+    std::fs::remove_file(bench.path("out/traces/traces.parquet")).unwrap();
+    let sentence = bench.refusal(&["sweep", "--verify", "out"]);
+    assert!(sentence.contains("traces/traces.parquet: it is not there"), "{sentence}");
+    assert!(sentence.contains("with --traces"), "{sentence}");
+    std::fs::remove_file(bench.path("out/manifest.json")).unwrap();
+    let sentence = bench.refusal(&["sweep", "--verify", "out"]);
+    assert!(
+        sentence.contains("the study is not complete: all parts are there (1), but manifest.json is not"),
+        "{sentence}"
+    );
 }

@@ -60,3 +60,29 @@ fn columns_without_names_are_asked_for_by_number() {
     let named = ["--time", "column 1", "--pressure", "column 2", "--position", "column 3"];
     assert!(text(&bench.call(0, &[&["look", "bare.csv"][..], &named].concat()).stdout).contains("200 rows"));
 }
+
+#[test]
+fn windows_of_single_tests_are_written_without_what_rounding_adds() {
+    let bench = Bench::new();
+    // Three pushes of one record, whose times are not those of a clock.
+    let rows: Vec<Vec<f64>> =
+        logged(0.0).lines().skip(1).map(|line| line.split(',').map(|field| field.parse().unwrap()).collect()).collect();
+    let mut out = "time_s,p_bar,x_mm\n".to_owned();
+    for test in 0..3 {
+        for row in &rows {
+            out += &format!("{},{},{}\n", f64::from(test) * 2.0 + row[0] + 2.9e-12, row[1], row[2]);
+        }
+    }
+    bench.file("tests.csv", out);
+    bench.call(0, &["look", "tests.csv", "--bore-mm", "20", "--split", "-o", "split.toml"]);
+    let rig = std::fs::read_to_string(bench.path("split.toml")).unwrap();
+    let times: Vec<&str> =
+        rig.lines().filter_map(|l| l.strip_prefix("from_s = ").or(l.strip_prefix("to_s = "))).collect();
+    assert!(!times.is_empty(), "{rig}");
+    assert!(times.iter().all(|time| time.len() <= "5.990".len()), "{times:?}");
+    let json: serde_json::Value =
+        serde_json::from_slice(&bench.call(0, &["look", "tests.csv", "--json", "-"]).stdout).unwrap();
+    for phase in json["record"]["phases"].as_array().unwrap() {
+        assert!(phase["from_s"].to_string().len() <= "5.990".len(), "{phase}");
+    }
+}

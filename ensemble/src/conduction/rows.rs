@@ -150,6 +150,7 @@ fn hold(
             end: end[lane],
             pressure_per_temperature: per_temperature[lane],
             settling: settling[lane],
+            flowing: 0.0,
             regression: found.as_ref().and_then(|found| found.lane(lane)),
         });
     }

@@ -19,6 +19,7 @@ use crate::outcome::SETTLED;
 use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
 use crate::samples::POINTS;
+use crate::step::View;
 use bends::Straight;
 use chamber::real::Real;
 use curves::{Followed, Prompt};
@@ -46,6 +47,8 @@ pub struct Answer {
     pub temperature_final: f64,
     /// From the end of the push until within 1 % for good, s.
     pub settling: f64,
+    /// Gas that flows in at the end of the test, less what flows out, over the gas there, 1/s.
+    pub inflow: f64,
 }
 
 /// The trace of a row: the knots of each of its segments from [`Traces::begin`] on.
@@ -178,6 +181,11 @@ struct Job {
 /// The first stretch of a row that is looked into.
 pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
     if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
+}
+
+/// Gas that flows in, less what flows out, over the gas there, by the rates of its pressure and temperature in a volume that stays.
+fn inflow(View { value, slope }: &View<f64>) -> f64 {
+    slope[PRESSURE] / value[PRESSURE] - slope[TEMPERATURE] / value[TEMPERATURE]
 }
 
 /// Rows whose pressure is traced, with the knots of their traces.
@@ -388,6 +396,7 @@ impl<'a> Traces<'a> {
                 }
                 rises = slope > 0.0;
                 answer.temperature_final = view.value[TEMPERATURE];
+                answer.inflow = inflow(view);
             }
         }
         for group in turns.chunks(WIDTH) {
@@ -440,7 +449,6 @@ impl<'a> Traces<'a> {
 mod tests {
     use super::*;
     use crate::scenario::{Hold, Scenario};
-    use crate::step::View;
     use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 
     /// P = P1 + ΔP e^(−t/T) of the hold behind a push over which P rises as a parabola, read by a sensor that lags.

@@ -19,8 +19,7 @@ use crate::fit;
 use crate::gauss::{NODES, Panel};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
-use crate::outcome::Outcome;
-use crate::outcome::SETTLED;
+use crate::outcome::{Outcome, Standing};
 use crate::reader::ROUNDING;
 use crate::regression::Regression;
 use crate::scenario::Scenario;
@@ -87,19 +86,37 @@ impl Behind {
 }
 
 impl Answer {
-    /// The outcome, where that of a record that shows the gas is `gas`.
-    pub fn outcome(&self, s: &Scenario, regression: Option<Regression>, wall: f64, gas: Outcome) -> Outcome {
-        let distance = (self.peak - self.last).abs();
-        let unsettled = gas.pressure_final_pa * (1.0 - wall / gas.temperature_final_k).abs();
-        let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
+    /// The outcome, where that of a record that shows the gas is `gas` and `behind` is the sensor.
+    pub fn outcome(
+        &self,
+        s: &Scenario,
+        regression: Option<Regression>,
+        (wall, behind): (f64, &Behind),
+        gas: Outcome,
+    ) -> Outcome {
+        let (settling_time_s, flows_on) = self.standing(wall, behind, &gas).judge(self.settling);
         let positions = [s.initial_position_m, s.final_position_m];
         Outcome {
             pressure_peak_pa: self.peak,
             pressure_final_pa: self.last,
             fit: regression.and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
-            settling_time_s: (unsettled <= SETTLED * distance || stands).then_some(self.settling),
+            settling_time_s,
+            flows_on,
             ..gas
         }
+    }
+
+    /// How the record stands at its end.
+    fn standing(&self, wall: f64, behind: &Behind, gas: &Outcome) -> Standing {
+        let distance = (self.peak - self.last).abs();
+        let cooled = wall / gas.temperature_final_k;
+        let to_come = if behind.looks_back() {
+            (self.last - behind.sensor.shown(gas.pressure_final_pa * cooled, gas.duration_s)).abs()
+        } else {
+            gas.pressure_final_pa * (1.0 - cooled).abs()
+        };
+        let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
+        Standing { distance, to_come, flowing: 0.0, stands }
     }
 }
 

@@ -1,9 +1,11 @@
 //! Rows that only the integrator solves: against the plain one.
 
-use crate::common::{assert_close, assert_same, flowing, heated, reference, results, sealed, varied, walled};
+use crate::common::{
+    assert_close, assert_same, flowing, heated, reference, results, sealed, varied, walled, with_instructions,
+};
 use crate::numbers::Numbers;
-use chamber::{EffectSet, effects};
-use ensemble::{Hold, Options, plain};
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
+use ensemble::{Hold, InstructionSet, Options, Scenario, plain};
 
 #[test]
 fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
@@ -152,5 +154,41 @@ fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
     }
     for (k, (s, o)) in rows.iter().zip(results(EffectSet::NONE, &rows, &Options::default())).enumerate() {
         assert_same(&o, &reference(EffectSet::NONE, s), 1e-7, &format!("row {k}"));
+    }
+}
+
+/// The test of section 3.1 with a leak, of several durations.
+fn leaking(conductance: f64) -> (EffectSet, Vec<Scenario>) {
+    let leak = effects::find("leakage").unwrap().0;
+    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+    let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+    chamber.effects.of_mut(leak)[0] = conductance;
+    let test = |duration| Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(duration));
+    (EffectSet::one(leak), [10.0, 20.0, 40.0].map(test).into())
+}
+
+#[test]
+fn a_chamber_that_leaks_on_has_not_settled_however_long_the_test() {
+    let options = Options { fit: false, ..Options::default() };
+    let (set, rows) = leaking(1e-12);
+    for (name, instructions) in InstructionSet::all() {
+        for (s, o) in rows.iter().zip(with_instructions(instructions, set, &rows, &options)) {
+            assert_eq!((o.settling_time_s, o.flows_on), (None, true), "{name}");
+            let expected = reference(set, s);
+            assert_eq!((expected.settling_time_s, expected.flows_on), (None, true));
+        }
+    }
+}
+
+#[test]
+fn a_leak_too_small_to_show_leaves_the_settling_time_of_a_tight_chamber() {
+    let options = Options { fit: false, ..Options::default() };
+    let (set, rows) = leaking(1e-16);
+    let (_, tight) = leaking(0.0);
+    for (name, instructions) in InstructionSet::all() {
+        let of = |rows| with_instructions(instructions, set, rows, &options);
+        for (leaking, tight) in of(&rows).iter().zip(of(&tight)) {
+            assert_close(leaking.settling_time_s.unwrap(), tight.settling_time_s.unwrap(), 1e-2, name);
+        }
     }
 }

@@ -1,9 +1,11 @@
 //! What a sensor shows of the gas: against the integrator.
 
-use crate::common::{assert_independent, assert_same, reference, results, sealed, with_a_curve_of_the_reading};
+use crate::common::{
+    assert_independent, assert_same, reference, results, sealed, with_a_curve_of_the_reading, with_instructions,
+};
 use crate::numbers::Numbers;
-use chamber::{EffectSet, effects};
-use ensemble::{InstructionSet, Options, Scenario, Solver};
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
+use ensemble::{Hold, InstructionSet, Options, Scenario, Solver};
 
 #[test]
 fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
@@ -73,5 +75,44 @@ fn what_a_sensor_shows_by_a_curve_of_its_reading_agrees_with_the_plain_integrato
             (ours.fit, expected.fit) = (None, None);
         }
         assert_same(&ours, &expected, 1e-7, &format!("row {k} {:?}", s.chamber.effects.active()));
+    }
+}
+
+/// Whether the reading of the test of section 3.1, of 5 s, has settled behind sensors with some values of one effect.
+fn settles_behind(effect: &str, values: &[f64]) -> Vec<(String, Vec<bool>)> {
+    let effect = effects::find(effect).unwrap().0;
+    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+    let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+    let test = |value: &f64| {
+        chamber.effects.of_mut(effect)[0] = *value;
+        Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.0))
+    };
+    let (set, rows): (_, Vec<_>) = (EffectSet::one(effect), values.iter().map(test).collect());
+    let mut found = Vec::new();
+    for (name, instructions) in InstructionSet::all() {
+        for solver in [Solver::Auto, Solver::Adaptive] {
+            let options = Options { solver, ..Options::default() };
+            let out = with_instructions(instructions, set, &rows, &options);
+            let settled = out.iter().map(|o| o.settling_time_s.is_some()).collect();
+            found.push((format!("{name} {solver:?}"), settled));
+        }
+    }
+    let plain = rows.iter().map(|s| reference(set, s).settling_time_s.is_some()).collect();
+    found.push(("the plain integrator".into(), plain));
+    found
+}
+
+#[test]
+fn a_record_so_late_that_it_does_not_show_the_gas_settle_has_not_settled() {
+    // At the end it shows the gas of 5 s less the delay: of the hold, of the push, or of before the test.
+    for (name, settled) in settles_behind("record_delay", &[0.0, 0.01, 1.0, 4.5, 4.9, 4.98, 5.0, 6.0]) {
+        assert_eq!(settled, [true, true, true, false, false, false, false, false], "{name}");
+    }
+}
+
+#[test]
+fn a_record_that_lags_so_far_behind_that_it_is_still_on_its_way_has_not_settled() {
+    for (name, settled) in settles_behind("sensor_lag", &[0.0, 0.01, 0.1, 3.0]) {
+        assert_eq!(settled, [true, true, true, false], "{name}");
     }
 }

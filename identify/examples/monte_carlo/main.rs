@@ -2,7 +2,7 @@
 //!
 //! From the project's root, one line a set appended to a file, then the tables and the figure from all such files:
 //! `cargo run --release -p pneutherm-identify --example monte_carlo -- run clean 0 1000 results/diagnosis_sets.csv`
-//! (likewise `effects`, `pairs`, `many`, `outside`), `… -- report results/diagnosis_sets.csv`; `… -- show effects 17` tells all of one.
+//! (likewise `effects`, `pairs`, `many`, `outside`, `intervals`), `… -- report results/diagnosis_sets.csv`; `… -- show effects 17` tells all of one.
 
 mod figure;
 mod page;
@@ -13,10 +13,11 @@ use chamber::effects::CARDS;
 use identify::fit::{self, Fit, Linear};
 use identify::judge::misfit;
 use identify::outcome::{diagnosis, estimates};
-use identify::parameters::{Model, names};
+use identify::parameters::{Model, Sizes, names};
 use identify::record::block::Block;
+use identify::record::colour;
 use identify::record::data::{Data, Prepared};
-use identify::search::{self, Found, Verdict};
+use identify::search::{self, Found, Verdict, baseline, starts};
 use identify::synthetic::visibility;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -26,7 +27,7 @@ use std::time::Instant;
 /// Columns of a set's line.
 pub const HEADER: &str = "study,set,rig,truth,strength,verdict,named,alike,balance,signal_over_noise,left_over_noise,delta_bic,squares_deviations,family_probability,rows,seconds,deviations,probabilities,left_out_over_noise,shows_over_noise";
 
-const UNKNOWN: &str = "studies are clean, effects, pairs, many, outside";
+const UNKNOWN: &str = "studies are clean, effects, pairs, many, outside, intervals";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -65,8 +66,13 @@ fn run(study: &str, from: u64, to: u64, file: &str) -> Result<(), Box<dyn std::e
 fn diagnosed(study: &str, index: u64) -> Option<String> {
     let set = sets::set(study, index)?;
     let begun = Instant::now();
-    let line = match traced(&set) {
-        Ok((data, t)) => line(&set, data, t, begun),
+    let line = if study == sets::INTERVALS {
+        line_of_true_model(&set, begun)
+    } else {
+        traced(&set).map(|(data, t)| line(&set, data, t, begun))
+    };
+    let line = match line {
+        Ok(line) => line,
         Err(error) => {
             format!("refused,{},,,,,,,,,,{:.2},", error.to_string().replace(',', ";"), begun.elapsed().as_secs_f64())
         }
@@ -80,22 +86,9 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let found = names(t.chosen.model.of_rig()).join("+");
     let reported = t.reported();
     // Intervals are judged where the model is the true one.
-    let mut deviations = String::new();
-    if (t.verdict == Verdict::Adequate && set.truth == "none")
-        || (t.verdict == Verdict::Explained && found == set.truth)
-    {
-        let h = &reported.fit.hypothesis;
-        // As the zero of the position was recorded the true dead volume may be below zero, and is reported as zero then.
-        let mut truth = set.recipe.chamber_as_recorded();
-        truth.geometry.dead_volume = truth.geometry.dead_volume.max(0.0);
-        let truth = h.coordinates(&truth);
-        for ((name, e), (axis, x)) in
-            estimates::parameters(&data, &reported.fit, true).iter().zip(h.axes.iter().zip(truth))
-        {
-            let half = (e.ci95[1] - e.ci95[0]) / 3.92;
-            let _ = write!(deviations, "{name}:{:.3};", (e.value - axis.value(x)) / half);
-        }
-    }
+    let is_true =
+        t.verdict == Verdict::Adequate && set.truth == "none" || t.verdict == Verdict::Explained && found == set.truth;
+    let deviations = if is_true { deviations(set, &data, &reported.fit) } else { String::new() };
     let over = |fit| {
         let rms = misfit::rms(&data, &misfit::residuals(&data, fit)) / data.noise.total_pa();
         (rms * rms - 1.0).max(0.0).sqrt()
@@ -125,6 +118,37 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
         a.squares_deviations,
         a.family_probability
     )
+}
+
+/// The same where the true model is fitted, with the noise that it shows.
+fn line_of_true_model(set: &sets::Set, begun: Instant) -> Result<String, identify::Error> {
+    let (data, paper) = baseline::fitted(Data::prepare(&set.recipe.rig())?)?;
+    let sizes = Sizes::of(&data, &paper.chamber());
+    let model = Model::with(set.recipe.chamber.active());
+    let fitted = |data: &Data, part: &Fit| starts::fit_model(data, model, part, &sizes);
+    let refitted = fitted(&data, &paper).and_then(|rough| {
+        let noise = colour::estimate(&data, &misfit::residuals(&data, &rough), &data.noise);
+        let data = data.clone().with_noise(noise);
+        fitted(&data, &rough).map(|fit| deviations(set, &data, &fit))
+    });
+    let rows: usize = data.traces.iter().map(|t| t.time_s.len()).sum();
+    let (verdict, deviations) = refitted.map_or(("failed", String::new()), |deviations| ("fitted", deviations));
+    Ok(format!("{verdict},,,,,,,,,{rows},{:.2},{deviations},,,", begun.elapsed().as_secs_f64()))
+}
+
+/// How far each number of a fit is off, in standard deviations of its interval.
+fn deviations(set: &sets::Set, data: &Data, fit: &Fit) -> String {
+    let h = &fit.hypothesis;
+    // As the zero of the position was recorded the true dead volume may be below zero, and is reported as zero then.
+    let mut truth = set.recipe.chamber_as_recorded();
+    truth.geometry.dead_volume = truth.geometry.dead_volume.max(0.0);
+    let truth = h.coordinates(&truth);
+    let mut out = String::new();
+    for ((name, e), (axis, x)) in estimates::parameters(data, fit, true).iter().zip(h.axes.iter().zip(truth)) {
+        let half = (e.ci95[1] - e.ci95[0]) / 3.92;
+        let _ = write!(out, "{name}:{:.3};", (e.value - axis.value(x)) / half);
+    }
+    out
 }
 
 fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::Error>> {

@@ -20,7 +20,9 @@ pub struct Set {
 }
 
 /// Names of the studies, as `run` takes them.
-pub const STUDIES: [&str; 5] = ["clean", "effects", "pairs", "outside", "many"];
+pub const STUDIES: [&str; 6] = ["clean", "effects", "pairs", "outside", "many", INTERVALS];
+/// The study in which the true model is fitted without a search.
+pub const INTERVALS: &str = "intervals";
 /// Pairs are drawn from all; sets of `many` effects have three and four in turn.
 const MANY: [usize; 2] = [3, 4];
 
@@ -34,6 +36,7 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
         "effects" => count * STRENGTHS.len(),
         "pairs" => count * (count - 1) / 2,
         "outside" => 2 * outside::KINDS.len(),
+        INTERVALS => count,
         _ => MANY.len(),
     } as u64;
     let (kind, round) = ((index % kinds) as usize, index / kinds);
@@ -48,17 +51,17 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
         "clean" => (recipe, "none".to_owned(), 0.0),
         "effects" => {
             let (e, strength) = (simulated[kind % count], STRENGTHS[kind / count]);
-            let recipe = recipe.with_strength(e, strength);
-            (if wide { recipe.varied() } else { recipe }, CARDS[e].name.to_owned(), strength)
+            together(recipe, &[e], strength, wide)
         }
+        INTERVALS => together(recipe, &[simulated[kind]], random.log_uniform(0.3, 1.5), wide),
         "pairs" => {
             let (a, b) = pair(kind, &simulated);
-            together(recipe, &[a, b], random.log_uniform(0.1, 1.5))
+            together(recipe, &[a, b], random.log_uniform(0.1, 1.5), true)
         }
         "many" => {
             let mut rest = simulated;
             let drawn = (0..MANY[kind]).map(|_| rest.swap_remove(random.below(rest.len()))).collect::<Vec<_>>();
-            together(recipe, &drawn, random.log_uniform(0.3, 1.5))
+            together(recipe, &drawn, random.log_uniform(0.3, 1.5), true)
         }
         _ => {
             let strength = [0.3, 1.0][kind % 2];
@@ -69,9 +72,10 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
     Some(Set { recipe, wide, truth, strength })
 }
 
-/// A rig with several effects of one strength.
-fn together(recipe: Recipe, effects: &[usize], strength: f64) -> (Recipe, String, f64) {
-    let recipe = effects.iter().fold(recipe, |recipe, e| recipe.with_strength(*e, strength)).varied();
+/// A rig with effects of one strength, their second parameters and signs varied or as usual.
+fn together(recipe: Recipe, effects: &[usize], strength: f64, varied: bool) -> (Recipe, String, f64) {
+    let recipe = effects.iter().fold(recipe, |recipe, e| recipe.with_strength(*e, strength));
+    let recipe = if varied { recipe.varied() } else { recipe };
     let names: Vec<&str> = effects.iter().map(|e| CARDS[*e].name).collect();
     (recipe, names.join("+"), strength)
 }

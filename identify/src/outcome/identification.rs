@@ -157,7 +157,11 @@ fn exact(data: Data) -> Result<Identification, Error> {
         residual_is_noise: adequacy.is_adequate(),
         experiments: experiments(&data, &steps(&data), Some(&masses)),
         undetermined: undetermined(&fit),
-        assumptions: notes(&data, None).into_iter().chain(positions_too_far(&fit)).chain(of_two_rigs).collect(),
+        assumptions: notes(&data, None)
+            .into_iter()
+            .chain(positions_too_far(&fit, adequacy.is_adequate()))
+            .chain(of_two_rigs)
+            .collect(),
         uncertainty: Some(uncertainty(&fit, adequacy.is_adequate())),
         chamber: fit.chamber_of_rig(),
         ambient_temperature_k: data.ambient_temperature_k,

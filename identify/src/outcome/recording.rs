@@ -145,6 +145,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             data.traces.len()
         ));
     }
+    out.extend(every_row_is_a_reading(data));
     out.extend(positions(data));
     out.extend(noise_of_positions(data));
     let averaged = data.traces.iter().filter(|t| t.look.window_s > 0.0);
@@ -182,8 +183,39 @@ pub fn left_out(data: &Data) -> Vec<String> {
         };
         out.push(format!("{}: {rows}", t.path.display()));
     }
+    out.extend(opened(data));
     out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
     out
+}
+
+/// Which records end with an opened chamber.
+fn opened(data: &Data) -> Option<String> {
+    let first_row = |t: &Prepared| t.readout.opened.as_ref().map(|rows| rows.start);
+    let records: Vec<String> = data
+        .traces
+        .iter()
+        .filter_map(|t| Some((t, first_row(t)?)))
+        .map(|(t, row)| format!("{} from {} on", t.path.display(), far_off::named(&[row], &t.lines, &t.time_s)))
+        .collect();
+    let (named, more) = far_off::first_few(&records);
+    (!records.is_empty()).then(|| {
+        format!(
+            "at the end the pressure leaves its course while the piston is held, as if the port was opened; these rows are left out ({}{more})",
+            named.join("; ")
+        )
+    })
+}
+
+/// Whether the rig states a slower readout than the records show.
+fn every_row_is_a_reading(data: &Data) -> Option<String> {
+    let stated_hz = data.stated_readout_hz?;
+    let is_slower = |t: &Prepared| stated_hz * t.row_s() < 0.5 && t.readout.period == 1;
+    data.traces.iter().all(is_slower).then(|| {
+        format!(
+            "the rig states a readout of {} Hz, but the rows in between neither repeat a reading nor lie on straight lines: every row counts as a reading",
+            digits(stated_hz, 3)
+        )
+    })
 }
 
 /// Which records start in motion.
@@ -291,7 +323,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         ));
     }
     out.extend(common_start(data, fit));
-    out.extend(positions_too_far(&found.reported().fit));
+    out.extend(positions_too_far(&found.reported().fit, found.adequacy().is_adequate()));
     if found.follows_the_test {
         let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
         out.push(format!(
@@ -317,13 +349,17 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
 }
 
 /// What a dead volume below zero says of the positions.
-pub fn positions_too_far(fit: &Fit) -> Option<String> {
+pub fn positions_too_far(fit: &Fit, is_adequate: bool) -> Option<String> {
     let too_far_m = fit.positions_too_far_m()?;
-    Some(format!(
-        "the dead volume that fits best is below zero and is given as zero: positions seem to read {} mm too much; with offset_m of the position column smaller by {}, model and records agree",
-        digits(1e3 * too_far_m, 2),
-        digits(too_far_m, 2)
-    ))
+    let reason = if is_adequate {
+        let [millimetres, metres] = [digits(1e3 * too_far_m, 2), digits(too_far_m, 2)];
+        format!(
+            "positions seem to read {millimetres} mm too much; with offset_m of the position column smaller by {metres}, model and records agree"
+        )
+    } else {
+        "positions read too much, the pressures are gauge and declared absolute, or the model lacks an effect (`pneutherm diagnose` looks for both)".to_owned()
+    };
+    Some(format!("the dead volume that fits best is below zero and is given as zero: {reason}"))
 }
 
 /// What the records' initial temperatures have in common, where they are fitted and that is more than chance.

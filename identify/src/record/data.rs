@@ -151,6 +151,8 @@ pub struct Data {
     pub pressure_unit: Option<&'static Unit>,
     /// What speaks for another one.
     pub unit_doubt: Option<Doubt>,
+    /// How often the rig states that the pressure is read, Hz.
+    pub stated_readout_hz: Option<f64>,
     /// Names of the experiments.
     pub experiments: Vec<String>,
     /// The traces, experiment by experiment.

@@ -19,6 +19,7 @@ pub mod line;
 mod local_cubic;
 mod moving;
 pub mod noise;
+pub mod opened;
 pub mod outliers;
 pub mod papers_steps;
 mod position_noise;

@@ -97,8 +97,9 @@ struct Far {
 
 impl Far {
     fn of(t: &Prepared, residual: &[f64], noise_pa: f64) -> Self {
-        let rows: Vec<usize> =
-            (0..residual.len()).filter(|&i| t.readout.is_reading(i) && t.spikes.binary_search(&i).is_err()).collect();
+        let is_looked_at =
+            |i: usize| t.readout.is_reading(i) && !t.readout.is_open(i) && t.spikes.binary_search(&i).is_err();
+        let rows: Vec<usize> = (0..residual.len()).filter(|&i| is_looked_at(i)).collect();
         let at_moves = reach_of_moves(t, &rows);
         let far = far_from_median(&rows, residual, noise_pa);
         let is_far = |k: usize| far.binary_search(&k).is_ok();

@@ -15,9 +15,10 @@ use crate::record::positions::Positions;
 use crate::record::readout::{Between, Readout};
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
-use crate::record::{checks, clock, gaps};
+use crate::record::{checks, clock, gaps, opened};
 use records::{Rig, Trace};
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Ambient temperature where neither rig nor trace states one, K: 20 °C.
 const ASSUMED_AMBIENT_TEMPERATURE_K: f64 = 293.15;
@@ -49,8 +50,9 @@ impl Data {
         drop(quiet);
         for c in &mut columns {
             c.readout.outliers = outliers::spikes(c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
+            c.readout.opened = c.opened(noise.white_pa.hypot(noise.rounding_pa()));
         }
-        if columns.iter().any(|c| !c.readout.outliers.is_empty()) {
+        if columns.iter().any(|c| !c.readout.outliers.is_empty() || c.readout.opened.is_some()) {
             let quiet: Vec<Quiet<'_>> = columns.iter().map(Columns::quiet).collect();
             noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
         }
@@ -77,6 +79,7 @@ impl Data {
             accuracy_pa: rig.accuracy_pa,
             pressure_unit: rig.pressure_unit,
             unit_doubt: None,
+            stated_readout_hz: rig.sensor.readout_hz,
         };
         data.unit_doubt = level::check(&data, rig.pressure_unit)?;
         Ok(data)
@@ -160,6 +163,16 @@ impl<'a> Columns<'a> {
     fn quiet(&self) -> Quiet<'_> {
         let Self { time_s, pressure_pa, motion, readout, .. } = self;
         Quiet { time_s, pressure_pa, motion, readout }
+    }
+
+    /// Rows at the end of which the chamber was opened before, where the piston is held there.
+    fn opened(&self, noise_pa: f64) -> Option<Range<usize>> {
+        let hold = self.motion.segments.last().filter(|s| s.phase == Phase::Hold)?;
+        let rows: Vec<usize> = (hold.first..hold.end).filter(|&i| self.readout.is_data(i)).collect();
+        let [time_s, pressure_pa] =
+            [&self.time_s[..], self.pressure_pa].map(|column| rows.iter().map(|&i| column[i]).collect::<Vec<f64>>());
+        let open = opened::at_end(&time_s, &pressure_pa, noise_pa);
+        (open > 0).then(|| rows[rows.len() - open]..self.time_s.len())
     }
 
     /// Whether neither rig nor trace gives a temperature of the surroundings.

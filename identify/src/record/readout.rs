@@ -47,6 +47,8 @@ pub struct Readout {
     pub unfollowed: Vec<Range<usize>>,
     /// Rows that are no data since others beside them were lost while the piston moved.
     pub at_gaps: Vec<Range<usize>>,
+    /// Rows at the end that are no data since the chamber was opened before: see [`opened`](crate::record::opened).
+    pub opened: Option<Range<usize>>,
     /// Standard deviation of the times of the rows, s, where they were read unevenly; else empty.
     pub open_s: Vec<f64>,
 }
@@ -73,6 +75,7 @@ impl Readout {
             outliers: Vec::new(),
             unfollowed: Vec::new(),
             at_gaps: Vec::new(),
+            opened: None,
             open_s: Vec::new(),
         }
     }
@@ -128,8 +131,8 @@ impl Readout {
         first.map_or_else(Self::every_row, |(first, _)| Self::new(Between::Interpolated, period, first))
     }
 
-    /// Held where hardly any other row than every `period`-th changes, else interpolated: begun where changes, or bends, are
-    /// largest.
+    /// Held where hardly any other row than every `period`-th changes, interpolated where these have most of the bends: begun where
+    /// changes, or bends, are largest. Where the rows in between bend as much, each of them is a reading, whatever was stated.
     fn of_period(pressure_pa: &[f64], period: usize) -> Self {
         let sums = |squares: &mut dyn Iterator<Item = (usize, f64)>| {
             let mut sums = vec![0.0; period];
@@ -140,12 +143,15 @@ impl Readout {
         let changes = pressure_pa.windows(2).enumerate().map(|(i, w)| (i + 1, (w[1] - w[0]).powi(2)));
         let bends = pressure_pa.windows(3).enumerate().map(|(i, w)| (i + 1, (w[0] - 2.0 * w[1] + w[2]).powi(2)));
         let (first, there, all) = sums(&mut { changes });
-        let (between, first) = if all - there <= 1e-3 * all {
-            (Between::Held, first)
-        } else {
-            (Between::Interpolated, sums(&mut { bends }).0)
-        };
-        Self::new(between, period, first)
+        if all - there <= 1e-3 * all {
+            return Self::new(Between::Held, period, first);
+        }
+        /// Share of the bends' squares.
+        const MOST: f64 = 0.5;
+        match sums(&mut { bends }) {
+            (first, there, all) if there >= MOST * all => Self::new(Between::Interpolated, period, first),
+            _ => Self::every_row(),
+        }
     }
 
     /// Whether a row is data.
@@ -153,7 +159,14 @@ impl Readout {
     pub fn is_data(&self, row: usize) -> bool {
         self.is_reading(row)
             && self.outliers.binary_search(&row).is_err()
+            && !self.is_open(row)
             && !self.unfollowed.iter().chain(&self.at_gaps).any(|rows| rows.contains(&row))
+    }
+
+    /// Whether the chamber is open at a row.
+    #[inline]
+    pub fn is_open(&self, row: usize) -> bool {
+        self.opened.as_ref().is_some_and(|rows| rows.contains(&row))
     }
 
     /// Whether a row was really read, be it an outlier or not.
@@ -334,6 +347,9 @@ mod tests {
         let found = Readout::stated(&straight, 0.01, 10.0);
         assert_eq!((found.between, found.period, found.first), (Between::Interpolated, 10, 0));
         assert_eq!(Readout::stated(&held, 0.01, 200.0), Readout::every_row());
+        // Rows that bend all over are readings, whatever the rig states.
+        let every_row = readings(100);
+        assert_eq!(Readout::stated(&every_row, 0.01, 10.0), Readout::every_row());
         assert_eq!(Readout::stated(&held, 0.01, 30.0), Readout::detect(&held));
     }
 

@@ -66,7 +66,9 @@ impl Search {
             Some(_) => c.errs_less(over, least_gain),
             None => c.held_out.is_some(),
         };
-        lower && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
+        // An effect that a fit has driven to where it is off is none.
+        let is_on = c.fit.chamber().active().contains(c.model.of_rig());
+        lower && is_on && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
     }
 
     /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, or less
@@ -169,6 +171,15 @@ mod tests {
         zones.fit.rig[fraction] = 0.0;
         zones.fit.rig[conductance] = zones.fit.hypothesis.axes[conductance].bounds[1];
         assert_eq!(zones.fit.exhausted(), None);
+    }
+
+    #[test]
+    fn a_set_with_an_effect_that_its_fit_has_driven_to_where_it_is_off_does_not_enter() {
+        let (search, mut zones) = search_with_exhausted_zones();
+        let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
+        assert!(search.enters(&zones, 2.0));
+        (zones.fit.rig[fraction], zones.fit.rig[conductance]) = (0.0, 0.0);
+        assert!(!search.enters(&zones, 2.0));
     }
 
     #[test]

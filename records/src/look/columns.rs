@@ -211,6 +211,18 @@ mod tests {
     }
 
     #[test]
+    fn gauge_bars_are_known_by_a_letter_behind_a_blank_and_in_german() {
+        for pressure in ["Druck (bar g)", "Druck (bar Ü)", "Druck [barü]"] {
+            assert_finds(
+                &format!("Zeit [s];{pressure};Weg [mm]\n0;1;2\n1;1;2\n"),
+                ("Zeit [s]", "s"),
+                (pressure, "bar", true),
+                ("Weg [mm]", "mm"),
+            );
+        }
+    }
+
+    #[test]
     fn the_chamber_s_pressure_and_the_measured_position_come_before_those_of_the_supply_and_the_set_point() {
         assert_finds(
             "Time (s),p_supply [bar],p_A [bar],x_set [mm],x_ist [mm]\n0,7,1,80,150\n1,7,1,80,150\n",

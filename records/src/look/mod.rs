@@ -80,7 +80,7 @@ impl Look {
         }
         if sample.is_empty() {
             let problem = match has_decimal_commas(path, &content) {
-                true => TraceProblem::DecimalCommas { line: dialect.first_row },
+                true => TraceProblem::OtherDecimal { line: dialect.first_row, found: Decimal::Comma },
                 false => TraceProblem::NoRows { line: dialect.header.unwrap_or(1) },
             };
             let problem = Box::new(problem);

@@ -80,10 +80,19 @@ pub struct Cycle {
     pub compresses: bool,
 }
 
+/// A row's time as people write it: to the millisecond, or to a tenth of the time from row to row where that is less.
+pub fn as_written(time_s: f64, interval_s: f64) -> f64 {
+    let finest = (0.1 * interval_s).clamp(1e-9, 1e-3);
+    let per_second = 10_f64.powf((-finest.log10() - 1e-6).ceil());
+    // No negative zero.
+    (time_s * per_second).round() / per_second + 0.0
+}
+
 /// The windows of single push-and-hold tests, and how many moves were passed over as the pressure did not answer them:
 /// the port was open. A window ends before the next move, or where the pressure jumps as a port is opened.
 pub fn cycles(time_s: &[f64], pressure_pa: &[f64], position_m: &[f64], phases: &[Phase]) -> (Vec<Cycle>, usize) {
     let mean = |values: &[f64], rows: Range<usize>| values[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
+    let interval_s = median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
     let (mut cycles, mut open) = (Vec::new(), 0);
     for triple in phases.windows(3) {
         let [before, push, after] = triple else { continue };
@@ -108,7 +117,8 @@ pub fn cycles(time_s: &[f64], pressure_pa: &[f64], position_m: &[f64], phases: &
             continue;
         }
         let last = closed_until(pressure_pa, after.rows.clone());
-        cycles.push(Cycle { from_s: time_s[first], to_s: time_s[last - 1], compresses: travel > 0.0 });
+        let [from_s, to_s] = [first, last - 1].map(|row| as_written(time_s[row], interval_s));
+        cycles.push(Cycle { from_s, to_s, compresses: travel > 0.0 });
     }
     (cycles, open)
 }
@@ -158,6 +168,15 @@ mod tests {
             found.windows(2).all(|pair| pair[0].rows.end == pair[1].rows.start && pair[0].moving != pair[1].moving)
         );
         assert_eq!((found[0].rows.start, found.last().unwrap().rows.end), (0, 3000));
+    }
+
+    #[test]
+    fn times_are_written_in_milliseconds_or_tenths_of_a_row() {
+        assert_eq!([0.3000000000029104, 7.99999999].map(|time| as_written(time, 0.005)), [0.3, 8.0]);
+        assert_eq!(as_written(1.23456789, 0.01), 1.235);
+        assert_eq!([1e-3, 1e-4].map(|interval| as_written(1.23456789, interval)), [1.2346, 1.23457]);
+        assert_eq!(as_written(1_764_000_000.3000002, 0.01), 1_764_000_000.3);
+        assert_eq!(as_written(-0.0004, 1.0), 0.0);
     }
 
     #[test]

@@ -44,7 +44,7 @@ impl Dialect {
         let is_comment = |line: &str| comments.iter().any(|begin| line.trim_start().starts_with(begin));
         let all: Vec<&Line> = head.into_iter().collect();
         let rows: Vec<&Line> = all.iter().copied().filter(|(_, line)| !is_comment(line)).collect();
-        let Body { separator, decimal, fields, first } = Body::find(&rows, format);
+        let Body { separator, decimal, fields, first } = Body::find(&rows, format, wanted);
         let first_numbers = first.map_or(usize::MAX, |index| rows[index].0);
         // Before the numbers: comments count, as some loggers write their header as one.
         let before: Vec<&Line> = all.iter().copied().filter(|(number, _)| *number < first_numbers).collect();
@@ -68,7 +68,9 @@ impl Dialect {
         let mut between = after.clone().take_while(|(number, line)| *number < first_numbers && !numbers(line));
         let units = between.find(|(_, line)| is_units(&split(line))).map(|(number, line)| (*number, split(line)));
         let units = units.or_else(|| labview_units(&before, separator));
-        let first_row = after.clone().find(|(_, line)| numbers(line)).or(after.clone().next());
+        // A file without any number has no row in its units line either.
+        let last = header.0.max(units.as_ref().map_or(0, |(line, _)| *line));
+        let first_row = after.clone().find(|(_, line)| numbers(line)).or(after.clone().find(|(line, _)| *line > last));
         let names = split(&header.1);
         Self {
             separator,
@@ -76,7 +78,7 @@ impl Dialect {
             comments,
             header: Some(header.0),
             units,
-            first_row: first_row.map_or(header.0 + 1, |(number, _)| *number),
+            first_row: first_row.map_or(last + 1, |(number, _)| *number),
             fields: if fields == 0 { names.len() } else { fields.min(names.len()) },
             names,
         }
@@ -116,7 +118,7 @@ struct Body {
 }
 
 impl Body {
-    fn find(rows: &[&Line], format: &Format) -> Self {
+    fn find(rows: &[&Line], format: &Format, wanted: &[&str]) -> Self {
         let mut best: (f64, Option<Body>) = (0.0, None);
         for (_, separator) in Separator::ALL {
             for (_, decimal) in Decimal::ALL {
@@ -134,7 +136,9 @@ impl Body {
             }
         }
         best.1.unwrap_or_else(|| {
-            let line = rows.first().map_or("", |(_, line)| line.as_str());
+            // No numbers: the line with the most of the wanted names, or the first.
+            let hits = |line: &str| wanted.iter().filter(|name| line.contains(**name)).count();
+            let line = rows.iter().rev().max_by_key(|(_, line)| hits(line)).map_or("", |(_, line)| line.as_str());
             let in_line = |(_, separator): &(_, Separator)| match separator {
                 Separator::Byte(byte) => line.as_bytes().contains(byte),
                 Separator::Whitespace => false,

@@ -1,5 +1,7 @@
 //! What can be wrong with a trace, in sentences that say where and what to do.
 
+use crate::format::Decimal;
+
 /// What is wrong with a trace. Lines are counted from 1, the header's included.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -127,11 +129,13 @@ pub enum TraceProblem {
         /// The header's line.
         line: usize,
     },
-    /// Rows whose numbers are in quotes with decimal commas, between commas.
-    #[error("line {line}: the numbers have decimal commas; say decimal = \",\" in the rig's [format]")]
-    DecimalCommas {
+    /// Rows whose numbers have another decimal sign than is stated, or than is found: decimal commas in quotes between commas.
+    #[error("line {line}: the numbers have decimal {}; say decimal = \"{}\" in the rig's [format]", decimals(*found), found.name())]
+    OtherDecimal {
         /// The first row's line.
         line: usize,
+        /// What stands before decimals.
+        found: Decimal,
     },
     /// A text that is no table.
     #[error(
@@ -205,6 +209,13 @@ pub enum TraceProblem {
         /// That of the row before, s.
         before: f64,
     },
+}
+
+fn decimals(sign: Decimal) -> &'static str {
+    match sign {
+        Decimal::Point => "points",
+        Decimal::Comma => "commas",
+    }
 }
 
 /// A time in as many digits as tell it, with an exponent where zeros would lead or follow.

@@ -10,6 +10,7 @@ use super::problem::TraceProblem;
 use super::reading::Reading;
 use super::rows::{ReadRows, Rows};
 use crate::error::Error;
+use crate::format::Format;
 use crate::layout::{Layout, Quantity};
 use std::path::Path;
 
@@ -19,7 +20,10 @@ const MIN_ROWS: usize = 3;
 pub(super) fn read(path: &Path, content: &Content, reading: &Reading<'_>) -> Result<Trace, Error> {
     with_lines(path, content, reading.layout, |lines| {
         let dialect = dialect(lines, reading.layout)?;
-        let header = Header::read(&dialect, reading)?;
+        let header = match Header::read(&dialect, reading) {
+            Ok(header) => header,
+            Err(problem) => return Err(with_cause(problem, &dialect, lines, reading.layout)?.into()),
+        };
         let table = read_rows(lines, &dialect, &header, reading)?;
         no_excel_days(&header, &table.columns[0])?;
         let mut columns = table.columns.into_iter();
@@ -69,6 +73,20 @@ pub(super) fn dialect(lines: &mut Lines<'_>, layout: &Layout) -> Result<Dialect,
         });
     }
     Ok(Dialect::find(lines.head()?, &layout.format, &wanted))
+}
+
+/// The problem or, where a column is missing since the rig file states another decimal sign than the rows have, that.
+fn with_cause(
+    problem: TraceProblem,
+    dialect: &Dialect,
+    lines: &mut Lines<'_>,
+    layout: &Layout,
+) -> Result<TraceProblem, Stop> {
+    let TraceProblem::MissingColumn { column, .. } = &problem else { return Ok(problem) };
+    let format = Format { decimal: None, ..layout.format.clone() };
+    let free = Dialect::find(lines.head()?, &format, &[column]);
+    let is_cause = layout.format.decimal.is_some() && free.decimal != dialect.decimal && free.place(column).0.is_some();
+    Ok(if is_cause { TraceProblem::OtherDecimal { line: free.first_row, found: free.decimal } } else { problem })
 }
 
 fn read_rows(

@@ -14,6 +14,17 @@ fn files_without_a_record_are_refused() {
 }
 
 #[test]
+fn a_header_and_units_without_rows_are_told_as_such() {
+    let mapped = "[columns]\ntime = { name = \"Zeit\", unit = \"ms\" }\npressure = { name = \"Druck\", unit = \"bar\" }\n\
+                  position = { name = \"Weg\", unit = \"mm\" }\n";
+    let bench = Bench::with_rig(mapped);
+    for units in ["[ms];[bar];[mm]", "ms;bar;mm"] {
+        let message = bench.refusal(format!("Pruefstand 3\nZeit;Druck;Weg\n{units}\n"));
+        assert_says(&message, &["no row of numbers after the header in line 2"]);
+    }
+}
+
+#[test]
 fn skipping_more_lines_than_there_are_is_told() {
     let bench = Bench::with_rig("[format]\nskip_lines = 9\n");
     assert_says(&bench.refusal(table(&GOOD[..2])), &["skip_lines = 9", "leaves no line to read; the file has 3"]);

@@ -45,6 +45,24 @@ fn a_hash_before_a_header_with_commas_over_blank_separated_rows() {
 }
 
 #[test]
+fn a_wrong_decimal_sign_is_named() {
+    let german = ["0,00;1,0130;100,0", "0,01;1,0131;100,0", "0,02;1,5000;80,0", "0,03;2,0000;50,0"];
+    let columns = "[columns]\ntime = { name = \"Zeit\" }\npressure = { name = \"Druck\", unit = \"bar\" }\n\
+                   position = { name = \"Weg\", unit = \"mm\" }\n";
+    let text = format!("Zeit;Druck;Weg\n{}\n", german.join("\n"));
+    let stated = |format: &str| Bench::with_rig(&format!("{columns}[format]\n{format}\n"));
+    let commas = ["line 2: the numbers have decimal commas; say decimal = \",\" in the rig's [format]"];
+    assert_says(&stated("decimal = \".\"").refusal(&text), &commas);
+    let points = text.replace(',', ".").replace(';', ",");
+    let says = ["line 2, column `Zeit`", "for decimal points say decimal = \".\" in the rig's [format]"];
+    assert_says(&stated("decimal = \",\"").refusal(points), &says);
+    assert_eq!(stated("decimal = \",\"").read(&text).unwrap().len(), 4);
+    // A column that is not there under any sign is the cause itself.
+    let message = stated("decimal = \".\"").refusal(text.replace("Zeit", "t"));
+    assert_says(&message, &["there is no column `Zeit`"]);
+}
+
+#[test]
 fn separators_are_found_and_a_wrong_one_is_named() {
     let plain = Bench::new().read(table(&GOOD)).unwrap();
     for separator in [";", "\t", " ", "   "] {

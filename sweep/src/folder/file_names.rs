@@ -4,8 +4,8 @@
 //! |---|---|
 //! | `rows/` | the parts, and nothing else at any time: readers of folders take it whole |
 //! | `traces/` | the table of traces |
-//! | `parts/` | `study.json`, whose folder this is; for each part its hash, its statuses and its statistics; what is being written |
-//! | `manifest.json` | the study, its columns and its parts, once all are there |
+//! | `parts/` | `study.json`, whose folder this is; for each part its hash, its statuses and its statistics; of each result its hash; what is being written |
+//! | `manifest.json` | the study, its columns, its parts and its results, once all parts are there |
 //! | `statistics.json`, `sensitivity.json` | what the rows come to, where the study asks for it |
 //! | `statistics.svg`, `sensitivity.svg` | pictures of these |
 
@@ -18,10 +18,10 @@ pub const RECORDS: &str = "parts";
 /// File that says which study the folder belongs to.
 pub const STUDY: &str = "study.json";
 
-/// Folder of the table of traces, apart from that of the rows: readers take each of the two whole.
-pub const TRACES: &str = "traces";
 /// The table of traces.
 pub const TRACES_FILE: &str = "traces.parquet";
+/// Its place, in a folder apart from that of the rows: readers take each of the two whole.
+pub const TRACES_PLACE: &str = "traces/traces.parquet";
 /// File with the statistics.
 pub const STATISTICS: &str = "statistics.json";
 /// File with the sensitivity indices.
@@ -32,8 +32,19 @@ pub const STATISTICS_PICTURE: &str = "statistics.svg";
 pub const SENSITIVITY_PICTURE: &str = "sensitivity.svg";
 
 /// Files of the whole study; others are those of a part.
-pub const OF_THE_STUDY: [&str; 7] =
-    [TRACES_FILE, STUDY, MANIFEST, STATISTICS, SENSITIVITY, STATISTICS_PICTURE, SENSITIVITY_PICTURE];
+pub const OF_THE_STUDY: [&str; 8] =
+    [TRACES_FILE, TRACES_RECORD, STUDY, MANIFEST, STATISTICS, SENSITIVITY, STATISTICS_PICTURE, SENSITIVITY_PICTURE];
+/// Name of the record of the table of traces; those of other results are named as these.
+const TRACES_RECORD: &str = "traces.json";
+
+/// Places of the results beside the parts whose hashes the manifest has.
+pub const RESULTS: [&str; 3] = [STATISTICS, SENSITIVITY, TRACES_PLACE];
+
+/// Place of the record of a result.
+pub fn record_of_result(place: &str) -> String {
+    let name = place.rsplit('/').next().unwrap_or(place);
+    format!("{RECORDS}/{}", if name == TRACES_FILE { TRACES_RECORD } else { name })
+}
 
 /// Name of a part's file.
 pub fn part(part: u64, parts: u64) -> String {

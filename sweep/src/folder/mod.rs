@@ -16,8 +16,10 @@ pub mod store;
 pub mod verify;
 
 use crate::error::Error;
+use crate::hash;
 use crate::part::Written;
 use crate::part::columns;
+use crate::part::new_file::Digest;
 use crate::statistics::State;
 use crate::study::Study;
 use file_names::{MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
@@ -282,7 +284,51 @@ impl<'a> Folder<'a> {
         self.store.write(name, text.as_bytes()).map_err(self.writing(name))
     }
 
-    /// Writes the manifest: the study, its columns and its parts.
+    /// Writes a result for programs beside the parts, and before it its record.
+    ///
+    /// # Errors
+    /// One of the two cannot be written.
+    pub fn write_result(&self, name: &str, value: &Value) -> Result<(), Error> {
+        let text = pretty(value);
+        self.record_result(name, &Digest { sha256: hash::of_bytes(text.as_bytes()), bytes: text.len() as u64 })?;
+        self.write_json(name, value)
+    }
+
+    /// Makes last what a result is to hold, before it is there.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn record_result(&self, place: &str, digest: &Digest) -> Result<(), Error> {
+        self.write_json(&file_names::record_of_result(place), &json!(digest))
+    }
+
+    /// The results beside the parts that are there, as their records describe them.
+    fn results(&self) -> Result<Vec<Value>, Error> {
+        let mut found = Vec::new();
+        for place in file_names::RESULTS {
+            let record = file_names::record_of_result(place);
+            let text = self.store.read(&record).map_err(self.reading(&record))?;
+            let digest: Option<Digest> = text.and_then(|text| serde_json::from_slice(&text).ok());
+            let is_there = self.store.length(place).map_err(self.reading(place))?.is_some();
+            if let Some(Digest { sha256, bytes }) = digest.filter(|_| is_there) {
+                found.push(json!({ "file": place, "bytes": bytes, "sha256": sha256 }));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Brings a manifest that is there up to date with the results; without one, the run that finishes the study writes it.
+    ///
+    /// # Errors
+    /// It cannot be read or written.
+    pub fn renew_manifest(&self) -> Result<(), Error> {
+        let Some(text) = self.store.read(MANIFEST).map_err(self.reading(MANIFEST))? else { return Ok(()) };
+        let Ok(mut manifest) = serde_json::from_slice::<Value>(&text) else { return Ok(()) };
+        manifest["results"] = json!(self.results()?);
+        self.write_json(MANIFEST, &manifest)
+    }
+
+    /// Writes the manifest: the study, its columns, its parts and its results.
     ///
     /// # Errors
     /// It cannot be written.
@@ -305,6 +351,7 @@ impl<'a> Folder<'a> {
         manifest["statuses"] = json!(total);
         manifest["columns"] = self.columns();
         manifest["parts"] = json!(files);
+        manifest["results"] = json!(self.results()?);
         self.write_json(MANIFEST, &manifest)
     }
 

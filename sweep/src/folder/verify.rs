@@ -1,12 +1,13 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
-use super::file_names::{MANIFEST, ROWS};
+use super::file_names::{self, MANIFEST, RECORDS, RESULTS, ROWS, STUDY};
+use super::record;
 use super::store::Store;
 use crate::error::Error;
 use crate::part::new_file::Digest;
 use rayon::prelude::*;
 use serde::Deserialize;
-use std::io;
+use serde_json::Value;
 
 /// How a folder compares with its manifest.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,8 +18,14 @@ pub struct Report {
     pub bytes: u64,
     /// Rows that the manifest names.
     pub rows: u64,
-    /// Files that are missing or not what the manifest says, with the difference.
+    /// Parts that are missing or not what the manifest says, with the difference.
     pub wrong: Vec<String>,
+    /// Results beside the parts that the manifest names.
+    pub results: Vec<String>,
+    /// Of these, those that are missing or not what it says, with the difference.
+    pub wrong_results: Vec<String>,
+    /// Results that are there without being named: the manifest is older than they are, or than this program.
+    pub not_covered: Vec<&'static str>,
     /// Files beside the parts that the manifest does not name and readers of the folder would take for parts.
     pub foreign: Vec<String>,
 }
@@ -27,26 +34,33 @@ pub struct Report {
 struct Manifest {
     rows: u64,
     parts: Vec<Part>,
+    #[serde(default)]
+    results: Vec<Named>,
 }
 
 #[derive(Deserialize)]
 struct Part {
-    file: String,
     #[serde(flatten)]
-    digest: Digest,
+    named: Named,
     rows: u64,
 }
 
-/// Reads every part that the manifest names, on the threads of the current pool.
+/// A file as the manifest has it.
+#[derive(Deserialize)]
+struct Named {
+    file: String,
+    #[serde(flatten)]
+    digest: Digest,
+}
+
+/// Reads every part and result that the manifest names, on the threads of the current pool.
 ///
 /// # Errors
-/// The manifest is missing or is none.
+/// The study is not finished, or the manifest cannot be read or is none.
 pub fn verify(store: &dyn Store) -> Result<Report, Error> {
     let path = store.place().join(MANIFEST);
-    let text = store
-        .read(MANIFEST)
-        .and_then(|text| text.ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "it is not there")));
-    let text = text.map_err(|source| Error::Read { path: path.clone(), source })?;
+    let text = store.read(MANIFEST).map_err(|source| Error::Read { path: path.clone(), source })?;
+    let text = text.ok_or_else(|| not_finished(store))?;
     let manifest: Manifest = serde_json::from_slice(&text).map_err(|error| {
         let reason = error.to_string();
         Error::Option(format!(
@@ -54,40 +68,80 @@ pub fn verify(store: &dyn Store) -> Result<Report, Error> {
             path.display()
         ))
     })?;
-    let mut wrong: Vec<String> = manifest.parts.par_iter().filter_map(|part| difference(store, part)).collect();
-    let (rows, has_parts) = (manifest.parts.iter().map(|part| part.rows).sum::<u64>(), !manifest.parts.is_empty());
-    if has_parts && rows != manifest.rows {
-        wrong.push(format!("{MANIFEST}: its parts have {rows} rows, the study {}", manifest.rows));
+    let Manifest { rows, parts, results } = manifest;
+    let mut wrong: Vec<String> = parts.par_iter().filter_map(|part| difference(store, &part.named)).collect();
+    let rows_of_parts = parts.iter().map(|part| part.rows).sum::<u64>();
+    if !parts.is_empty() && rows_of_parts != rows {
+        wrong.push(format!("{MANIFEST}: its parts have {rows_of_parts} rows, the study {rows}"));
     }
     Ok(Report {
-        parts: manifest.parts.len(),
-        bytes: manifest.parts.iter().map(|part| part.digest.bytes).sum(),
-        rows: manifest.rows,
+        parts: parts.len(),
+        bytes: parts.iter().map(|part| part.named.digest.bytes).sum(),
+        rows,
         wrong,
-        foreign: foreign(store, &manifest.parts)?,
+        wrong_results: results.iter().filter_map(|result| difference(store, result)).collect(),
+        not_covered: not_covered(store, &results)?,
+        results: results.into_iter().map(|result| result.file).collect(),
+        foreign: foreign(store, &parts)?,
     })
+}
+
+/// Why there is no manifest: parts are missing, or it is the folder of no study.
+fn not_finished(store: &dyn Store) -> Error {
+    let folder = store.place().display();
+    let study = store.read(&format!("{RECORDS}/{STUDY}")).ok().flatten();
+    let study = study.and_then(|text| serde_json::from_slice::<Value>(&text).ok());
+    let Some(parts) = study.and_then(|study| study["study"]["parts"].as_u64()) else {
+        return Error::Option(format!("{folder}: holds no {MANIFEST}; expected the folder of a finished study"));
+    };
+    let there = (0..parts).into_par_iter().filter(|part| is_there(store, &file_names::part(*part, parts))).count();
+    let how_far = if there as u64 == parts {
+        format!("all parts are there ({parts}), but {MANIFEST} is not")
+    } else {
+        format!("{there} of its {parts} parts are there")
+    };
+    Error::Option(format!("{folder}: the study is not complete: {how_far}; run it to its end, then verify it"))
+}
+
+/// Whether a part of that name is there, or its record where no rows are kept.
+fn is_there(store: &dyn Store, part: &str) -> bool {
+    record::read(store, part).is_some_and(|record| {
+        record.file.is_none() || store.length(&format!("{ROWS}/{part}")).is_ok_and(|length| length.is_some())
+    })
+}
+
+/// Results that are there and not named.
+fn not_covered(store: &dyn Store, named: &[Named]) -> Result<Vec<&'static str>, Error> {
+    let mut found = Vec::new();
+    for place in RESULTS.into_iter().filter(|place| named.iter().all(|named| named.file != *place)) {
+        let length = store.length(place);
+        if length.map_err(|source| Error::Read { path: store.place().join(place), source })?.is_some() {
+            found.push(place);
+        }
+    }
+    Ok(found)
 }
 
 /// Files among the parts that are none. Readers pass over names that begin with a dot or an underscore.
 fn foreign(store: &dyn Store, parts: &[Part]) -> Result<Vec<String>, Error> {
     let names = store.names(ROWS).map_err(|source| Error::Read { path: store.place().join(ROWS), source })?;
     let seen = names.into_iter().filter(|name| !name.starts_with(['.', '_'])).map(|name| format!("{ROWS}/{name}"));
-    Ok(seen.filter(|name| parts.iter().all(|part| part.file != *name)).collect())
+    Ok(seen.filter(|name| parts.iter().all(|part| part.named.file != *name)).collect())
 }
 
-/// How a part differs from what the manifest says.
-fn difference(store: &dyn Store, part: &Part) -> Option<String> {
-    let length = match store.length(&part.file) {
+/// How a file differs from what the manifest says.
+fn difference(store: &dyn Store, Named { file, digest }: &Named) -> Option<String> {
+    let length = match store.length(file) {
         Ok(Some(length)) => length,
-        Ok(None) => return Some(format!("{}: it is not there", part.file)),
-        Err(error) => return Some(format!("{}: {error}", part.file)),
+        Ok(None) => return Some(format!("{file}: it is not there")),
+        Err(error) => return Some(format!("{file}: {error}")),
     };
-    if length != part.digest.bytes {
-        return Some(format!("{}: {length} bytes, not {}", part.file, part.digest.bytes));
+    if length != digest.bytes {
+        return Some(format!("{file}: {length} bytes, not {}", digest.bytes));
     }
-    match store.sha256(&part.file) {
-        Ok(sha256) if sha256 == part.digest.sha256 => None,
-        Ok(_) => Some(format!("{}: its SHA-256 differs", part.file)),
-        Err(error) => Some(format!("{}: {error}", part.file)),
+    match store.sha256(file) {
+        Ok(sha256) if sha256 == digest.sha256 => None,
+        Ok(_) => Some(format!("{file}: its SHA-256 differs")),
+        Err(error) => Some(format!("{file}: {error}")),
     }
 }

@@ -12,6 +12,20 @@ use std::sync::Arc;
 /// How many rows ended with each status.
 pub type StatusCounts = BTreeMap<String, u64>;
 
+/// Beginnings of the statuses of rows without results.
+const FAILED: &str = "failed: ";
+const LEFT_OUT: &str = "left_out: ";
+
+/// Why a row failed, from its status as text, if it did.
+pub fn failure(status: &str) -> Option<&str> {
+    status.strip_prefix(FAILED)
+}
+
+/// Whether a row of that status, as text, has results.
+pub fn has_results(status: &str) -> bool {
+    !status.starts_with(FAILED) && !status.starts_with(LEFT_OUT)
+}
+
 /// Adds how many further rows ended with each status.
 pub fn add_counts(total: &mut StatusCounts, further: &StatusCounts) {
     for (status, count) in further {
@@ -27,9 +41,9 @@ pub fn text(status: Status, study: &Study) -> Cow<'static, str> {
         Status::NoTimeConstant => "no_time_constant".into(),
         Status::LeftOut(number) => {
             let constraint = study.constraints.get(usize::from(number));
-            format!("left_out: {}", constraint.map_or("", Constraint::text)).into()
+            format!("{LEFT_OUT}{}", constraint.map_or("", Constraint::text)).into()
         }
-        Status::Failed(failure) => format!("failed: {failure}").into(),
+        Status::Failed(failure) => format!("{FAILED}{failure}").into(),
     }
 }
 

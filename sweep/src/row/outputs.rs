@@ -59,6 +59,8 @@ impl RowResult {
             bore: scenario.chamber.geometry.bore,
             strokes: [scenario.initial_position_m, scenario.final_position_m],
             status: match (outcome.settling_time_s, described) {
+                // Gas that flows on makes no exponential, however long the test.
+                (None, None) if fit_wanted && outcome.flows_on => Status::NoTimeConstant,
                 (None, _) => Status::NotSettled,
                 (_, None) if fit_wanted => Status::NoTimeConstant,
                 _ => Status::Ok,
@@ -135,7 +137,7 @@ pub const OUTPUTS: [Output; 15] = [
     Output { name: "time_constant_s", unit: "s", when: Fit, doc: "Time constant of P = Pf + dP exp(-t/tau) fitted from the peak of the pressure on: the end of the push, or later with a lag or delay of the sensor", append: each!(o => o.time_constant) },
     Output { name: "lambda_av_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Average heat transfer coefficient by the paper's steps", append: each!(o => o.lambda_av) },
     Output { name: "lambda0_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Heat transfer coefficient at the reference state by the paper's steps", append: each!(o => o.lambda0) },
-    Output { name: "settling_time_s", unit: "s", when: Always, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance", append: each!(o => o.settling_time) },
+    Output { name: "settling_time_s", unit: "s", when: Always, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance; null where it does so only because the test ends: more than that 1 % is still to come from the wall or out of a late sensor, or the flow of gas at the end, through a leak for instance, changes more in as long as the hold has lasted", append: each!(o => o.settling_time) },
     Output { name: "energy_error", unit: "1", when: Always, doc: "Closure of the energy balance over the work of the push: change of internal energy less the integrals of heat, enthalpy and work, which the step control does not know; 0 where the solution is exact", append: each!(o => o.energy_error) },
 ];
 

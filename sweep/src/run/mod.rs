@@ -17,7 +17,7 @@ use crate::folder::record::{Record, statuses_of};
 use crate::folder::store::Store;
 use crate::folder::{Folder, Found, Look};
 use crate::part::new_file::keep_memory;
-use crate::part::status_column::StatusCounts;
+use crate::part::status_column::{self, StatusCounts};
 use crate::part::{Place, Work, Workers};
 use crate::progress::Progress;
 use crate::sensitivity;
@@ -70,8 +70,22 @@ pub struct Report {
     pub statuses: StatusCounts,
     /// Whether all parts of the study are in the folder now and the manifest is written.
     pub complete: bool,
+    /// Rows of all parts by status, once they are there.
+    pub statuses_of_study: Option<StatusCounts>,
     /// Files with results beside the rows, by name.
     pub results: Vec<&'static str>,
+}
+
+impl Report {
+    /// Of a study that is complete and has no row with results: the most frequent reason, and how many rows it keeps from one.
+    pub fn why_without_results(&self) -> Option<(&str, u64)> {
+        let statuses = self.statuses_of_study.as_ref()?;
+        if statuses.keys().any(|status| status_column::has_results(status)) {
+            return None;
+        }
+        let failures = statuses.iter().filter_map(|(status, rows)| Some((status_column::failure(status)?, *rows)));
+        failures.max_by_key(|(_, rows)| *rows)
+    }
 }
 
 /// Carries out a shard of a study into a folder. Parts that are there and whole, which is checked byte for byte, stay;
@@ -130,6 +144,7 @@ pub fn run<'a>(
         bytes: parts.iter().filter_map(|part| part.file.as_ref()).map(|file| file.bytes).sum(),
         statuses: statuses_of(&parts),
         complete: all.is_some(),
+        statuses_of_study: all.as_deref().map(statuses_of),
         results,
     })
 }
@@ -144,13 +159,13 @@ fn finish(
 ) -> Result<Vec<&'static str>, Error> {
     let mut results = Vec::new();
     if rows && let Some(indices) = sensitivity::of_study(study, |part| folder.local_part(part))? {
-        folder.write_json(SENSITIVITY, &indices)?;
+        folder.write_result(SENSITIVITY, &indices)?;
         results.push(SENSITIVITY);
     }
     if let Some(plan) = plan
         && let Some(summary) = summary(study, plan, folder, all)?
     {
-        folder.write_json(STATISTICS, &summary)?;
+        folder.write_result(STATISTICS, &summary)?;
         results.push(STATISTICS);
     }
     folder.write_manifest(all)?;

@@ -33,6 +33,19 @@ enum Kind {
     Empirical,
 }
 
+impl Kind {
+    /// The keys that it takes.
+    fn keys(self) -> &'static [&'static str] {
+        match self {
+            Kind::Normal => &["distribution", "mean", "sd", "from", "to"],
+            Kind::LogNormal => &["distribution", "median", "sd_log", "mean", "sd", "from", "to"],
+            Kind::Uniform => &["distribution", "from", "to"],
+            Kind::Triangular => &["distribution", "from", "mode", "to"],
+            Kind::Empirical => &["distribution", "values"],
+        }
+    }
+}
+
 /// One quantity that varies, and where the study says so.
 pub struct VariedAxis<'a> {
     /// The entry of `[vary]`, for error messages.
@@ -226,6 +239,8 @@ fn range(entry: Field<'_>, from: f64, to: f64, count: Option<u64>, scale: Scale)
 
 /// A distribution by its name and its parameters.
 fn drawn(entry: Field<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Error> {
+    // A key that is misspelt is not one that is missing.
+    section.allow(kind.keys())?;
     let optional = |key: &str| section.get(key).map(|entry| entry.finite()).transpose();
     let number = |key: &str, expected: &str| section.require(key, expected)?.finite();
     let limits = || Ok::<_, Error>(Limits { from: optional("from")?, to: optional("to")? });
@@ -254,7 +269,6 @@ fn drawn(entry: Field<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Er
             Distribution::Empirical { values }
         }
     };
-    section.finish()?;
     match distribution.problem() {
         Some(problem) => Err(entry.because(problem)),
         None => Ok(Axis::Drawn(distribution)),

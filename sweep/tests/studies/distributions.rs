@@ -116,6 +116,11 @@ fn a_distribution_that_cannot_be_is_refused_before_any_row() {
     for (vary, expected) in [
         ("bore_m = { distribution = \"gauss\", mean = 1, sd = 1 }", "expected one of: normal, log-normal"),
         ("bore_m = { distribution = \"normal\", mean = 0.02 }", "bore_m.sd: missing; expected the standard deviation"),
+        (
+            "bore_m = { distribution = \"normal\", mean = 0.02, std = 1e-4 }",
+            "bore_m.std: unknown key; did you mean `sd`?",
+        ),
+        ("bore_m = { distribution = \"triangular\", from = 0.01, top = 0.02, to = 0.03 }", "bore_m.top: unknown key"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.0 }", "has an `sd` of 0"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.01 }", "reaches -"),
         ("bore_m = { distribution = \"normal\", mean = 0.02, sd = 0.01, from = -1.0 }", "`from` and `to` truncate"),

@@ -1,7 +1,7 @@
 //! A study's folder: resumed, verified, found finished, and left alone where it is another study's.
 
-use crate::common::{BORES, at, parts, quiet, study};
-use sweep::{Shard, run, verify};
+use crate::common::{BORES, at, model, parts, quiet, study, text};
+use sweep::{Options, Shard, Study, run, traces, verify};
 
 /// Files of the whole study in its folder.
 const OF_THE_FOLDER: [&str; 5] =
@@ -134,4 +134,106 @@ fn a_folder_with_another_study_is_refused_and_left_alone() {
     let message = run(&second, &at(&folder), Shard::WHOLE, &quiet).unwrap_err().to_string();
     assert!(message.contains("holds another study") && message.contains("differs in tolerance"), "{message}");
     assert_eq!(parts(folder.path()), before);
+}
+
+/// A study whose folder holds all results that there are.
+fn with_results() -> Study {
+    let head = "design = \"saltelli\"\nsamples = 16\nfit = false";
+    let vary = "bore_m = { from = 0.016, to = 0.063 }\ninitial_pressure_pa = { from = 1e5, to = 7e5 }";
+    Study::about(&model(), &(text(head, vary) + "[statistics]\n")).unwrap()
+}
+
+#[test]
+fn results_beside_the_rows_that_are_gone_or_not_as_written_are_found_by_verify() {
+    let (study, folder) = (with_results(), tempfile::tempdir().unwrap());
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
+    traces::write(&study, &at(&folder), &"0-2".parse().unwrap(), 10.0).unwrap();
+    let wrong = || verify(&at(&folder)).unwrap().wrong_results;
+    let names = ["statistics.json", "sensitivity.json", "traces/traces.parquet"];
+    let report = verify(&at(&folder)).unwrap();
+    assert_eq!((report.results, report.not_covered), (names.map(str::to_owned).to_vec(), vec![]));
+    assert_eq!(wrong(), Vec::<String>::new());
+    for name in names {
+        let path = folder.path().join(name);
+        let whole = std::fs::read(&path).unwrap();
+        let mut bytes = whole.clone();
+        bytes[whole.len() / 2] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+        assert_eq!(wrong(), [format!("{name}: its SHA-256 differs")]);
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(wrong(), [format!("{name}: it is not there")]);
+        std::fs::write(&path, whole).unwrap();
+        assert_eq!(wrong(), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn a_second_run_mends_results_and_further_traces_are_named_in_the_manifest() {
+    let (study, folder) = (with_results(), tempfile::tempdir().unwrap());
+    let of_rows = |rows: &str| traces::write(&study, &at(&folder), &rows.parse().unwrap(), 10.0).unwrap();
+    let wrong = || verify(&at(&folder)).unwrap().wrong_results;
+    // Traces may be there before the rows are.
+    of_rows("0");
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!(verify(&at(&folder)).unwrap().results.len(), 3);
+    std::fs::write(folder.path().join("statistics.json"), "{}").unwrap();
+    std::fs::write(folder.path().join("traces/traces.parquet"), "").unwrap();
+    assert_eq!(wrong().len(), 2);
+    // Nobody asks for traces again: what is there is not taken for what was written.
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!(wrong(), ["traces/traces.parquet: 0 bytes, not ".to_owned() + &bytes_of_traces(folder.path())]);
+    of_rows("1-3");
+    assert_eq!(wrong(), Vec::<String>::new());
+}
+
+/// Length of the traces by the manifest.
+fn bytes_of_traces(folder: &std::path::Path) -> String {
+    let manifest = std::fs::read(folder.join("manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap();
+    manifest["results"][2]["bytes"].to_string()
+}
+
+#[test]
+fn results_that_an_older_manifest_does_not_name_are_told() {
+    let (study, folder) = (with_results(), tempfile::tempdir().unwrap());
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
+    let path = folder.path().join("manifest.json");
+    let mut manifest: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    manifest.as_object_mut().unwrap().remove("results");
+    std::fs::write(&path, manifest.to_string()).unwrap();
+    assert_eq!(verify(&at(&folder)).unwrap().not_covered, ["statistics.json", "sensitivity.json"]);
+    run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
+    assert_eq!(verify(&at(&folder)).unwrap().not_covered, Vec::<&str>::new());
+}
+
+#[test]
+fn verify_of_an_unfinished_study_says_how_many_parts_are_there() {
+    let study = study("design = \"factorial\"", BORES);
+    for rows in [true, false] {
+        let folder = tempfile::tempdir().unwrap();
+        let options = Options { shard: Shard { index: 0, count: 2 }, rows, ..Options::default() };
+        run(&study, &at(&folder), options, &quiet).unwrap();
+        let message = verify(&at(&folder)).unwrap_err().to_string();
+        assert!(message.contains("the study is not complete: 2 of its 3 parts are there"), "{message}");
+    }
+    let whole = tempfile::tempdir().unwrap();
+    run(&study, &at(&whole), Shard::WHOLE, &quiet).unwrap();
+    std::fs::remove_file(whole.path().join("manifest.json")).unwrap();
+    let message = verify(&at(&whole)).unwrap_err().to_string();
+    assert!(message.contains("all parts are there (3), but manifest.json is not"), "{message}");
+    let message = verify(&at(&tempfile::tempdir().unwrap())).unwrap_err().to_string();
+    assert!(message.contains("holds no manifest.json; expected the folder of a finished study"), "{message}");
+}
+
+#[test]
+fn a_study_without_any_result_has_its_most_frequent_reason() {
+    let why = |vary: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let report = run(&study("design = \"factorial\"", vary), &at(&folder), Shard::WHOLE, &quiet).unwrap();
+        report.why_without_results().map(|(reason, rows)| (reason.to_owned(), rows))
+    };
+    // At a stroke of 50 mm the ratio stays below 25 mm and a little for the dead volume, whatever the bore.
+    let all_fail = "volume_to_area_m = { values = [0.03, 0.04] }";
+    assert_eq!(why(all_fail), Some(("no bore gives this volume-to-area ratio".to_owned(), 2)));
+    assert_eq!(why("volume_to_area_m = { values = [0.003, 0.03, 0.04] }"), None);
 }

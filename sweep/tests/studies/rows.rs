@@ -36,11 +36,39 @@ fn a_leaky_row_is_not_ok_and_has_no_coefficient() {
     assert!(found[1..].iter().all(|status| *status == "no_time_constant" || *status == "not_settled"), "{found:?}");
     assert!(found.contains(&"no_time_constant".into()), "{found:?}");
     for (row, status) in found.iter().enumerate().filter(|(_, status)| status.as_str() == "no_time_constant") {
-        for column in ["time_constant_s", "lambda_av_w_per_m2_k", "lambda0_w_per_m2_k"] {
+        for column in ["time_constant_s", "lambda_av_w_per_m2_k", "lambda0_w_per_m2_k", "settling_time_s"] {
             assert!(values(&batches[0], column)[row].is_nan(), "{column}, {status}");
         }
         assert!(values(&batches[0], "pressure_peak_pa")[row] > 1.01e5);
     }
+}
+
+#[test]
+fn a_chamber_that_leaks_on_is_not_settled_whatever_the_duration() {
+    let vary = "duration_s = { values = [10.0, 20.0, 40.0] }
+\"effect.leakage.conductance_m3_per_s_pa\" = { values = [0.0, 1e-16, 1e-12] }";
+    let study = study("design = \"factorial\"\nfit = false", vary);
+    let batch = &run_in_memory(&study).unwrap()[0];
+    assert_eq!(statuses(batch), ["ok", "ok", "not_settled"].repeat(3));
+    let settling = values(batch, "settling_time_s");
+    for of_duration in settling.chunks(3) {
+        assert!((of_duration[0] / settling[0] - 1.0).abs() < 1e-6 && (of_duration[1] / settling[0] - 1.0).abs() < 1e-2);
+        assert!(of_duration[2].is_nan());
+    }
+}
+
+#[test]
+fn a_reading_that_is_too_late_to_show_the_gas_settle_is_not_settled() {
+    let study = study(
+        "design = \"factorial\"",
+        "\"effect.record_delay.delay_s\" = { values = [0.0, 1.0, 4.5, 4.98, 5.0, 7.0] }",
+    );
+    let batch = &run_in_memory(&study).unwrap()[0];
+    assert_eq!(statuses(batch), ["ok", "ok", "not_settled", "not_settled", "not_settled", "not_settled"]);
+    let has = |column: &str| values(batch, column).iter().map(|value| !value.is_nan()).collect::<Vec<_>>();
+    assert_eq!(has("settling_time_s"), [true, true, false, false, false, false]);
+    // No relaxation to describe.
+    assert_eq!(has("lambda0_w_per_m2_k")[3..], [false, false, false]);
 }
 
 #[test]

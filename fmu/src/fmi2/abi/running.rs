@@ -39,12 +39,13 @@ c_functions! {
     /// Always refused: no status is an Integer.
     extern "C" fn fmi2GetIntegerStatus(_kind: CEnum, _value: *mut c_int) = |_| Err(NO_STATUS);
 
-    /// `fmi2GetBooleanStatus`: the FMU never wants to end the simulation.
-    extern "C" fn fmi2GetBooleanStatus(kind: CEnum, value: *mut c_int) = |_| {
+    /// `fmi2GetBooleanStatus`: the FMU wants to end the simulation where the host repeats a step that was discarded. FMPy would do
+    /// so for ever.
+    extern "C" fn fmi2GetBooleanStatus(kind: CEnum, value: *mut c_int) = |instance| {
         if kind != TERMINATED {
             return Err(NO_STATUS);
         }
-        *place(value, "value")? = FALSE;
+        *place(value, "value")? = c_int::from(instance.is_stuck());
         Ok(())
     };
 

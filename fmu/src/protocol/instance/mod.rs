@@ -36,12 +36,24 @@ pub struct Instance {
     saved: BTreeMap<usize, Box<Snapshot>>,
     warnings: Warnings,
     messages: Vec<Message>,
+    refused: Option<RefusedStep>,
     /// Whether the host wants to hear of events.
     pub tells_events: bool,
     /// Whether co-simulation has an event mode, which it begins in and which follows an early return.
     pub uses_event_mode: bool,
     /// Whether a step may end early, at an event.
     pub returns_early: bool,
+}
+
+/// A step that could not be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RefusedStep {
+    /// Where it was to begin, s.
+    point: f64,
+    /// How long it was to be, s.
+    h: f64,
+    /// Whether the host has asked for the same one again.
+    is_repeated: bool,
 }
 
 /// What an event's iteration has come to.
@@ -65,6 +77,7 @@ impl Instance {
             saved: BTreeMap::new(),
             warnings: Warnings::default(),
             messages: Vec::new(),
+            refused: None,
             tells_events: false,
             uses_event_mode: false,
             returns_early: false,
@@ -74,6 +87,12 @@ impl Instance {
     /// Present time, s: for co-simulation, the end of the last successful step.
     pub fn time(&self) -> f64 {
         self.now.time
+    }
+
+    /// Whether the simulation cannot go on: the host asks again for a step that was refused, instead of a shorter one, and no other
+    /// input makes it possible.
+    pub fn is_stuck(&self) -> bool {
+        self.refused.is_some_and(|step| step.is_repeated)
     }
 
     /// Phase of the life cycle.
@@ -158,6 +177,7 @@ impl Instance {
         self.phase = Phase::Instantiated;
         self.outputs = None;
         self.warnings = Warnings::default();
+        self.refused = None;
     }
 }
 

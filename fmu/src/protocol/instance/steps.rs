@@ -1,6 +1,6 @@
 //! Steps of co-simulation: to the next communication point, or no further than to the first event.
 
-use super::{Instance, warning};
+use super::{Instance, RefusedStep, warning};
 use crate::plant::corners::CORNERS;
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
@@ -77,8 +77,11 @@ impl Instance {
         let time = std::mem::replace(&mut self.now.time, point);
         if let Err(fault) = self.now.step(h) {
             self.now.time = time;
+            let is_repeated = self.refused.is_some_and(|step| (step.point, step.h) == (point, h));
+            self.refused = Some(RefusedStep { point, h, is_repeated });
             return Err(fault.into());
         }
+        self.refused = None;
         self.outputs = None;
         Ok([reached, begin])
     }
