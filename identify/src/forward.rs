@@ -7,8 +7,8 @@
 
 use crate::characteristic::Characteristic;
 use crate::isentrope::Isentrope;
+use crate::record::course::Course;
 use crate::record::gaps;
-use crate::record::stroke::{Motion, Spline};
 use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
 use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, STATES};
@@ -19,19 +19,6 @@ use chamber::record::{self, Inputs, Mesh, Readings};
 use chamber::simulate::{Start, tolerance};
 use pulp::{Arch, Simd, WithSimd};
 use std::cell::Cell;
-
-/// What the surroundings do along a record.
-#[derive(Clone, Debug)]
-pub struct Course {
-    /// Stroke of the piston over time.
-    pub motion: Motion,
-    /// Temperature of the surroundings over time, K.
-    pub ambient_temperature: Spline,
-    /// Pressure of the surroundings, Pa.
-    pub ambient_pressure: f64,
-    /// Mass flow into the chamber over time, kg/s, if the record has one.
-    pub mass_flow: Option<Spline>,
-}
 
 /// By how much surroundings and stroke differ from what is recorded or stated.
 #[derive(Clone, Copy, Debug)]
@@ -430,6 +417,7 @@ fn shown<R: Scalar>(pressure: R) -> (R, [R; OWN_STATES]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::stroke::{Motion, Spline};
     use chamber::dual::Dual;
     use chamber::{AreaLaw, Gas, Geometry, HeatTransfer};
 

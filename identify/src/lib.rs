@@ -1,6 +1,6 @@
 //! Measured traces in, an identified model out: the fit of a rig, its residual, and the effect that explains it.
 //!
-//! The stages only look forward:
+//! Each stage uses only those above it:
 //!
 //! | module | holds |
 //! |---|---|
@@ -8,8 +8,8 @@
 //! | [`record`] | from rows to blocks: moves, holds, noise, bad input |
 //! | [`parameters`], [`forward`] | what is free; the model's pressure along a record, with exact sensitivities |
 //! | [`fit`] | least squares over all records, intervals |
-//! | [`judge`] | evidence, the error on left-out data, what remains |
 //! | [`discrepancy`] | the missing term as a curve |
+//! | [`judge`] | evidence, the error on left-out data, what remains |
 //! | [`search`] | from the residual to the effects that explain it, or to the statement that none does |
 //! | [`outcome`] | results for programs and reports |
 //! | [`synthetic`] | rigs with a known truth, for tests and the Monte Carlo study |

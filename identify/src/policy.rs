@@ -26,6 +26,8 @@ pub const JUDGED: usize = 4;
 /// before it lacked: the search begins again with the noise that the set shows.
 pub const FAR_LESS_NOISE: f64 = 0.7;
 
+/// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
+pub const FIRST_LAMBDA0: f64 = 30.0;
 /// How far λ0 may lie from its first guess, as the logarithm of their ratio. Fits of the paper's model begin at the first
 /// guess and so far on either side of it. A model with λ0 farther away lacks something, and a larger one begins from the
 /// first guess too. A set whose ln λ0 has a larger standard deviation than this does not determine it, and does not enter.

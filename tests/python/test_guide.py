@@ -180,6 +180,7 @@ POLICY = {
     "FITTED: usize = 8": "eight with terms of single records and eight without",
     "JUDGED: usize = 4": "for the four best of these that may enter",
     "FAR_LESS_NOISE: f64 = 0.7": "less than 0.7 of what was taken for noise",
+    "FIRST_LAMBDA0: f64 = 30.0": "times as large or as small as 30 W/(m² K)",
     "FIRST_GUESS_REACH: f64 = 2.0": "more than e² times as large or as small as 30 W/(m² K)",
     "GAP_STEPS: f64 = 5.0": "more than five times as long as the median step on either side of it",
     "GAP_WAY: f64 = 0.01": "more than a hundredth of its travel",

@@ -1,6 +1,6 @@
 //! All records of a rig at once: weighted least squares by Levenberg–Marquardt with bounds.
 //!
-//! Minimises Σ v², v the whitened block residuals ([`whiten`]). The normal equations are bordered: each record's own numbers
+//! Minimises Σ v², v the whitened block residuals ([`crate::record::whiten`]). The normal equations are bordered: each record's own numbers
 //! appear in its rows only and are eliminated record by record ([`bordered`]), so that the system solved has the size of the
 //! rig's numbers. Sensitivities are exact (dual numbers, in several passes where there are many). Records are simulated in
 //! parallel and summed in order: the same data gives the same bits on any number of threads.
@@ -16,7 +16,6 @@ pub mod covariance;
 mod descent;
 mod found;
 mod linear;
-pub mod whiten;
 
 use crate::parameters::{Hypothesis, Model};
 use crate::record::data::Data;

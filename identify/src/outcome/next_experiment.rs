@@ -3,7 +3,8 @@
 //! Each of a handful of push-and-hold tests within the rig's stroke is simulated with both fitted models from the same
 //! initial pressure; their difference, rms over the record in units of the noise, says how well that test separates them.
 
-use crate::forward::{Correction, Course, Run};
+use crate::forward::{Correction, Run};
+use crate::record::course::Course;
 use crate::record::data::{Data, Prepared};
 use crate::record::stroke::{Motion, Phase};
 use crate::search::{Candidate, Found, Verdict};

@@ -16,9 +16,6 @@ use chamber::real::Real;
 use chamber::simulate::Start;
 use chamber::{Chamber, HeatTransfer};
 
-/// λ0 at which a fit begins, W/(m² K): the paper's experiments lie between 10 and 60.
-pub const FIRST_LAMBDA0: f64 = 30.0;
-
 /// Rows by which a position may be early at the most: what has passed a digital filter is, by half of the filter's step, which is no
 /// longer than a row. With more than that, low-pass and delay together would smooth like an average, without any delay.
 const EARLIEST_ROWS: f64 = 0.6;
@@ -56,7 +53,7 @@ impl Hypothesis {
         let positions_m = data.positions_m();
         let swept = data.cylinder.piston_area_m2 * positions_m[0];
         let axis = |slot, logarithmic, scale, bounds| Axis { slot, logarithmic, scale, bounds, prior: None };
-        let mut axes = vec![axis(Slot::Lambda0, true, FIRST_LAMBDA0, [-12.0, 12.0])];
+        let mut axes = vec![axis(Slot::Lambda0, true, policy::FIRST_LAMBDA0, [-12.0, 12.0])];
         if !data.dead_volume_known {
             let scale = base.geometry.volume(positions_m[0]).abs().max(1e-12);
             // Some volume must remain at the smallest position.
@@ -276,7 +273,11 @@ fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2])
 
 /// The paper's model of a rig before anything is fitted.
 pub fn first_chamber(data: &Data) -> Chamber {
-    Chamber::new(data.gas, data.cylinder.geometry(data.dead_volume_m3), HeatTransfer::at_paper_reference(FIRST_LAMBDA0))
+    Chamber::new(
+        data.gas,
+        data.cylinder.geometry(data.dead_volume_m3),
+        HeatTransfer::at_paper_reference(policy::FIRST_LAMBDA0),
+    )
 }
 
 #[cfg(test)]

@@ -19,6 +19,6 @@ mod stated;
 
 pub use axis::{Axis, Own, Slot};
 pub use curve::curve_of;
-pub use hypothesis::{FIRST_LAMBDA0, Hypothesis, Setting, first_chamber};
+pub use hypothesis::{Hypothesis, Setting, first_chamber};
 pub use model::{Model, delays_position, delays_pressure, is_timing, names};
 pub use sizes::Sizes;

@@ -1,10 +1,9 @@
 //! What a fit sees of a rig: the surroundings' course and block means of the pressure with their noise.
 
-use crate::fit::whiten::{Place, Whitener};
-use crate::forward::Course;
 use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::block::{Block, blocks};
+use crate::record::course::Course;
 use crate::record::gaps;
 use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
@@ -12,6 +11,7 @@ use crate::record::readout::Readout;
 use crate::record::stroke::{Phase, Spline};
 use crate::record::unit::Doubt;
 use crate::record::unresolved;
+use crate::record::whiten::{Place, Whitener};
 use chamber::Gas;
 use records::units::Unit;
 use records::{Cylinder, LineNumbers, Tolerance};

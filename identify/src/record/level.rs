@@ -8,8 +8,7 @@
 //! Gauge pressures in another unit contradict the volumes: see [`crate::judge::sanity`].
 
 use crate::error::Error;
-use crate::parameters::FIRST_LAMBDA0;
-use crate::policy::{AT_AMBIENT, COMPRESSED_AIR_PA};
+use crate::policy::{AT_AMBIENT, COMPRESSED_AIR_PA, FIRST_LAMBDA0};
 use crate::record::data::{Data, Prepared};
 use crate::record::papers_steps;
 use crate::record::stroke::Phase;

@@ -1,9 +1,8 @@
 //! From a rig's traces to what a fit sees of them.
 
 use crate::error::Error;
-use crate::fit::whiten::Whitener;
-use crate::forward::Course;
 use crate::record::between_rows::Look;
+use crate::record::course::Course;
 use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
 use crate::record::first_volume::first_guess;
 use crate::record::jitter::{self, Stamped, Times};
@@ -15,6 +14,7 @@ use crate::record::positions::Positions;
 use crate::record::readout::{Between, Readout};
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
+use crate::record::whiten::Whitener;
 use crate::record::{checks, clock, gaps, opened};
 use records::{Rig, Trace};
 use std::borrow::Cow;

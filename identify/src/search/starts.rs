@@ -2,8 +2,8 @@
 
 use crate::fit::{self, Descent, Fit, Selection, Until};
 use crate::judge::evidence;
-use crate::parameters::{FIRST_LAMBDA0, Hypothesis, Model, Sizes, first_chamber};
-use crate::policy::FIRST_GUESS_REACH;
+use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
+use crate::policy::{FIRST_GUESS_REACH, FIRST_LAMBDA0};
 use crate::record::data::Data;
 use chamber::Chamber;
 use chamber::card::Unit;

@@ -80,7 +80,7 @@ impl Look {
         }
         if sample.is_empty() {
             let problem = match has_decimal_commas(path, &content) {
-                true => TraceProblem::OtherDecimal { line: dialect.first_row, found: Decimal::Comma },
+                true => TraceProblem::OtherDecimal { line: dialect.first_row, found: Decimal::Comma.name() },
                 false => TraceProblem::NoRows { line: dialect.header.unwrap_or(1) },
             };
             let problem = Box::new(problem);

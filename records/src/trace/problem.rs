@@ -1,7 +1,5 @@
 //! What can be wrong with a trace, in sentences that say where and what to do.
 
-use crate::format::Decimal;
-
 /// What is wrong with a trace. Lines are counted from 1, the header's included.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -130,12 +128,16 @@ pub enum TraceProblem {
         line: usize,
     },
     /// Rows whose numbers have another decimal sign than is stated, or than is found: decimal commas in quotes between commas.
-    #[error("line {line}: the numbers have decimal {}; say decimal = \"{}\" in the rig's [format]", decimals(*found), found.name())]
+    #[error(
+        "line {line}: the numbers have decimal {}; say decimal = \"{}\" in the rig's [format]",
+        decimals(found),
+        found
+    )]
     OtherDecimal {
         /// The first row's line.
         line: usize,
-        /// What stands before decimals.
-        found: Decimal,
+        /// What stands before decimals, as `[format]` says it.
+        found: &'static str,
     },
     /// A text that is no table.
     #[error(
@@ -211,11 +213,8 @@ pub enum TraceProblem {
     },
 }
 
-fn decimals(sign: Decimal) -> &'static str {
-    match sign {
-        Decimal::Point => "points",
-        Decimal::Comma => "commas",
-    }
+fn decimals(sign: &str) -> &'static str {
+    if sign == "," { "commas" } else { "points" }
 }
 
 /// A time in as many digits as tell it, with an exponent where zeros would lead or follow.

@@ -86,7 +86,7 @@ fn with_cause(
     let format = Format { decimal: None, ..layout.format.clone() };
     let free = Dialect::find(lines.head()?, &format, &[column]);
     let is_cause = layout.format.decimal.is_some() && free.decimal != dialect.decimal && free.place(column).0.is_some();
-    Ok(if is_cause { TraceProblem::OtherDecimal { line: free.first_row, found: free.decimal } } else { problem })
+    Ok(if is_cause { TraceProblem::OtherDecimal { line: free.first_row, found: free.decimal.name() } } else { problem })
 }
 
 fn read_rows(

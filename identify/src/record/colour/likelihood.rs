@@ -3,9 +3,9 @@
 //! Windows are free of a polynomial each; the innovations are those of a Kalman filter ([`Whitener`]).
 
 use super::windows::Window;
-use crate::fit::whiten::{Place, Whitener};
 use crate::policy::DECISIVE;
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
+use crate::record::whiten::{Place, Whitener};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -16,9 +16,6 @@ const FINENESS: f64 = 0.5;
 const MOST_ROUNDS: usize = 100;
 /// Longest windows in which a line keeps its phase: what loses it sooner is a colour, what keeps it longer is a sine.
 pub const COHERENT: RangeInclusive<f64> = 5.0..=1000.0;
-/// A hum is no larger than so many times what all windows scatter: of a hold that lasts little more than a period, its polynomial and
-/// a hum could nearly cancel each other.
-const LARGEST_HUM: f64 = 1.5;
 /// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
 
@@ -206,7 +203,6 @@ impl Likelihood<'_> {
         ];
         let longest_s = self.longest_s();
         let [least_s, most_s] = [coherent.start(), coherent.end()].map(|windows| windows * longest_s);
-        let largest_pa = LARGEST_HUM * self.scatter_pa();
         let (mut step_hz, mut factor) = (0.25 / longest_s, 1.4f64);
         for _ in 0..MOST_ROUNDS {
             if step_hz <= 0.01 / longest_s {
@@ -223,8 +219,7 @@ impl Likelihood<'_> {
                     continue;
                 }
                 let trial = self.scaled(&trial);
-                let is_seen = size <= 0 || trial.1.hum.is_none_or(|hum| hum.sd_pa <= largest_pa);
-                if is_seen && trial.0 < best.0 - 1e-3 {
+                if trial.0 < best.0 - 1e-3 {
                     (best, moved) = (trial, true);
                 }
             }
@@ -233,15 +228,6 @@ impl Likelihood<'_> {
             }
         }
         best
-    }
-
-    /// Standard deviation of all values about the means of their windows, Pa.
-    fn scatter_pa(&self) -> f64 {
-        let squares = |w: &Window| {
-            let mean = w.values.iter().sum::<f64>() / w.values.len() as f64;
-            w.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
-        };
-        (self.windows.iter().map(squares).sum::<f64>() / self.points() as f64).sqrt()
     }
 
     /// Duration of the longest window, s.
