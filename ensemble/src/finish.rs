@@ -46,7 +46,7 @@ pub fn settling<const N: usize, H: Holding<N>>(
 }
 
 /// Share of a step, after `low`, at which the reading comes within a band around its end. `ends` are the states at the step's
-/// begin and at its end.
+/// start and at its end.
 struct Entry<'a, const N: usize, H> {
     system: &'a H,
     length: Lanes,
