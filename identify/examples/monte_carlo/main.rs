@@ -15,9 +15,8 @@ use identify::judge::misfit;
 use identify::outcome::{diagnosis, estimates};
 use identify::parameters::{Model, Sizes, names};
 use identify::record::block::Block;
-use identify::record::colour;
 use identify::record::data::{Data, Prepared};
-use identify::search::{self, Found, Verdict, baseline, starts};
+use identify::search::{self, Found, Verdict, anew, baseline, starts};
 use identify::synthetic::visibility;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -120,15 +119,14 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     )
 }
 
-/// The same where the true model is fitted, with the noise that it shows.
+/// The same where the true model is fitted, to the data as it shows them.
 fn line_of_true_model(set: &sets::Set, begun: Instant) -> Result<String, identify::Error> {
     let (data, paper) = baseline::fitted(Data::prepare(&set.recipe.rig())?)?;
     let sizes = Sizes::of(&data, &paper.chamber());
     let model = Model::with(set.recipe.chamber.active());
     let fitted = |data: &Data, part: &Fit| starts::fit_model(data, model, part, &sizes);
     let refitted = fitted(&data, &paper).and_then(|rough| {
-        let noise = colour::estimate(&data, &misfit::residuals(&data, &rough), &data.noise);
-        let data = data.clone().with_noise(noise);
+        let data = anew::as_shown_by(&data, &rough, true).unwrap_or_else(|| data.clone());
         fitted(&data, &rough).map(|fit| deviations(set, &data, &fit))
     });
     let rows: usize = data.traces.iter().map(|t| t.time_s.len()).sum();

@@ -10,33 +10,33 @@ use crate::record::data::Data;
 use crate::record::{colour, outliers};
 use rayon::prelude::*;
 
+/// The data as a fit shows them, with the noise that it leaves where it tells that or leaves far less than was taken for noise;
+/// `None` where that is as they are taken.
+pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
+    let residuals = misfit::residuals(data, fit);
+    let found = outliers::in_residuals(data, &residuals);
+    let mut other = data.looked_at(&fit.looks(data));
+    if !data.is_without(&found) {
+        other = Some(other.unwrap_or_else(|| data.clone()).without(&found));
+    }
+    let shown = other.as_ref().unwrap_or(data);
+    let leaves_far_less = misfit::rms(shown, &residuals) < policy::FAR_LESS_NOISE * shown.noise.total_pa();
+    if tells_noise || leaves_far_less {
+        let noise = colour::estimate(shown, &residuals, &shown.noise);
+        if !baseline::is_alike(&noise, &shown.noise) {
+            other = Some(other.unwrap_or_else(|| data.clone()).with_noise(noise));
+        }
+    }
+    other
+}
+
 impl Search {
     /// Begins again with the outliers and the noise that this fit leaves and, where its records are moving averages, without what
     /// these leave open of the moves; whether that is other data. The paper's model is then fitted anew.
     pub(super) fn weighs_anew(&mut self, best: &Fit) -> bool {
-        let Some(data) = self.as_shown_by(best, true) else { return false };
+        let Some(data) = as_shown_by(&self.data, best, true) else { return false };
         self.begin_again(data);
         true
-    }
-
-    /// The data as a fit shows them, with the noise that it leaves where it tells that or leaves far less than was taken for noise;
-    /// `None` where that is as they are taken.
-    fn as_shown_by(&self, fit: &Fit, tells_noise: bool) -> Option<Data> {
-        let residuals = misfit::residuals(&self.data, fit);
-        let found = outliers::in_residuals(&self.data, &residuals);
-        let mut other = self.data.looked_at(&fit.looks(&self.data));
-        if !self.data.is_without(&found) {
-            other = Some(other.unwrap_or_else(|| self.data.clone()).without(&found));
-        }
-        let data = other.as_ref().unwrap_or(&self.data);
-        let leaves_far_less = misfit::rms(data, &residuals) < policy::FAR_LESS_NOISE * data.noise.total_pa();
-        if tells_noise || leaves_far_less {
-            let noise = colour::estimate(data, &residuals, &data.noise);
-            if !baseline::is_alike(&noise, &data.noise) {
-                other = Some(other.unwrap_or_else(|| self.data.clone()).with_noise(noise));
-            }
-        }
-        other
     }
 
     /// Begins again with the data as the chosen model shows them, in whatever round that was found: without what the moves leave
@@ -45,7 +45,7 @@ impl Search {
     /// differ by more than noise. All that was tried is fitted anew.
     pub(super) fn reweigh(&mut self) {
         let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
-        let Some(data) = self.as_shown_by(&self.chosen.fit, has_own_times) else { return };
+        let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_own_times) else { return };
         self.begin_again(data);
         let mut tried = self.refitted(&self.tried);
         self.judge(&mut tried, policy::FITTED);

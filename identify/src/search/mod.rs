@@ -10,7 +10,7 @@
 //! with the stated numbers far more uncertain than stated, or it goes out again (`conclude`). Where that leaves more than noise, the
 //! missing term is read off the residual as a curve ([`curve`]).
 
-mod anew;
+pub mod anew;
 pub mod baseline;
 mod conclude;
 pub mod curve;
