@@ -1,7 +1,7 @@
 //! What `pneutherm identify`, `diagnose` and `validate` do before they print, for other callers: Python.
 
 use crate::pages::diagnosis;
-use crate::{other_rig, output};
+use crate::{measured, output};
 use anyhow::{Context, bail};
 use chamber::Chamber;
 use identify::outcome::estimates;
@@ -57,8 +57,7 @@ pub fn validate(model: &Model, rig: &Rig, whole_record: bool) -> anyhow::Result<
     let predictor = Predictor { chamber: model.chamber, error_pa, of_each_record: model.provenance.of_each_record };
     let mut found =
         identify::validate(&predictor, rig, whole_record).with_context(|| rig.path.display().to_string())?;
-    found.validation.notes.extend(rig.notes());
-    found.validation.notes.extend(other_rig::notes(model, rig));
+    found.validation.notes.extend(measured::notes(model, rig));
     Ok(found)
 }
 

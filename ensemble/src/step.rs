@@ -15,6 +15,14 @@ pub struct View<R> {
     pub slope: [R; 2],
 }
 
+impl<R: Real> View<R> {
+    /// Gas that flows in, less what flows out, over the gas there, M = P V/(R T) in a volume that stays: in the integrator's time.
+    #[inline(always)]
+    pub fn inflow(&self) -> R {
+        self.slope[0] / self.value[0] - self.slope[1] / self.value[1]
+    }
+}
+
 impl View<Lanes> {
     /// Zero throughout: a lane without a system.
     pub const NONE: Self = Self { value: [Lanes::ZERO; 2], slope: [Lanes::ZERO; 2] };

@@ -55,8 +55,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
     [begin, end]: [&[Lanes; N]; 2],
 ) -> Turns {
     let [at_begin, at_end] = [begin, end].map(|state| arch.dispatch(Wide(Seen { system, state })));
-    // M = P V/T, of a volume that stays.
-    let inflow = at_end.slope[0] / at_end.value[0] - at_end.slope[1] / at_end.value[1];
+    let inflow = at_end.inflow();
     let [at_begin, at_end] = [at_begin.slope, at_end.slope];
     let of_lane = |state: &[Lanes; N], lane: usize| -> [f64; N] { core::array::from_fn(|i| state[i][lane]) };
     let (mut step, mut told) = ([NOWHERE; WIDTH], [true; WIDTH]);

@@ -53,7 +53,7 @@ pub use model::Model;
 pub use names::{listed, nearest, repeated};
 pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
-pub use statistics::{bends, correlation, extremes, noise_of_bends, turned_back};
+pub use statistics::{DEVIATION_OF_MEDIAN, bends, correlation, extremes, median, noise_of_bends, turned_back};
 pub use table::Table;
 pub use trace::{LeftOut, LineNumbers, Need, Reading, Trace, Window, fields_of_line, near_column};
 pub use uncertainty::Uncertainty;

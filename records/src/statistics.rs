@@ -24,10 +24,9 @@ pub fn bends(values: &[f64]) -> impl Iterator<Item = f64> {
 }
 
 /// Standard deviation of the white noise that makes second differences of these sizes; 0 of none. By their median, so that a
-/// few large ones do not count. 1.4826 medians are a normal distribution's standard deviation, and the variance of a second
-/// difference is 1 + 4 + 1 times that of its values.
+/// few large ones do not count. The variance of a second difference is 1 + 4 + 1 times that of its values.
 pub fn noise_of_bends(bends: Vec<f64>) -> f64 {
-    1.4826 * median(bends) / 6.0_f64.sqrt()
+    DEVIATION_OF_MEDIAN * median(bends) / 6.0_f64.sqrt()
 }
 
 /// Share of the changes from value to value that go the other way than the change before: noise turns two of three back, what goes
@@ -39,13 +38,19 @@ pub fn turned_back(values: impl IntoIterator<Item = f64>) -> f64 {
     pairs.clone().filter(|w| (w[0] < 0.0) != (w[1] < 0.0)).count() as f64 / pairs.len().max(1) as f64
 }
 
-/// The value in the middle; 0 of none.
-pub(crate) fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
+/// Standard deviation of a normal distribution over the median distance from its middle.
+pub const DEVIATION_OF_MEDIAN: f64 = 1.4826;
+
+/// The value in the middle; 0 of none. Values that are lent come back in another order.
+pub fn median(mut values: impl AsMut<[f64]>) -> f64 {
+    let values = values.as_mut();
     let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// The median step from a time to the next; 0 of fewer than two.
+pub(crate) fn interval(times: &[f64]) -> f64 {
+    median(times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>())
 }
 
 /// The least and the greatest value.

@@ -19,7 +19,6 @@ use crate::outcome::SETTLED;
 use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
 use crate::samples::POINTS;
-use crate::step::View;
 use bends::Straight;
 use chamber::real::Real;
 use curves::{Followed, Prompt};
@@ -181,11 +180,6 @@ struct Job {
 /// The first stretch of a row that is looked into.
 pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
     if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
-}
-
-/// Gas that flows in, less what flows out, over the gas there, by the rates of its pressure and temperature in a volume that stays.
-fn inflow(View { value, slope }: &View<f64>) -> f64 {
-    slope[PRESSURE] / value[PRESSURE] - slope[TEMPERATURE] / value[TEMPERATURE]
 }
 
 /// Rows whose pressure is traced, with the knots of their traces.
@@ -396,7 +390,7 @@ impl<'a> Traces<'a> {
                 }
                 rises = slope > 0.0;
                 answer.temperature_final = view.value[TEMPERATURE];
-                answer.inflow = inflow(view);
+                answer.inflow = view.inflow();
             }
         }
         for group in turns.chunks(WIDTH) {
@@ -449,6 +443,7 @@ impl<'a> Traces<'a> {
 mod tests {
     use super::*;
     use crate::scenario::{Hold, Scenario};
+    use crate::step::View;
     use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 
     /// P = P1 + ΔP e^(−t/T) of the hold behind a push over which P rises as a parabola, read by a sensor that lags.

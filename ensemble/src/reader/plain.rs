@@ -2,7 +2,7 @@
 //! it turns round and the one in which it settles: between its turns it goes one way, so that peaks stand at its ends or turns.
 
 use super::bends::Straight;
-use super::{Answer, Cut, Job, Memory, PRESSURE, Piece, ROUNDING, TEMPERATURE, Trace, Traces, inflow};
+use super::{Answer, Cut, Job, Memory, PRESSURE, Piece, ROUNDING, TEMPERATURE, Trace, Traces};
 use crate::history::Knot;
 use crate::outcome::SETTLED;
 use crate::plan::Plan;
@@ -113,7 +113,7 @@ impl Traces<'_> {
             temperature_peak: (sign * temperatures[0]).max(sign * temperatures[1]),
             temperature_final: temperatures[1],
             settling: 0.0,
-            inflow: inflow(&knots[last].view),
+            inflow: knots[last].view.inflow(),
         }
     }
 

@@ -1,8 +1,8 @@
 //! All records of a rig at once: weighted least squares by Levenberg–Marquardt with bounds.
 //!
-//! Minimises Σ v², v the whitened block residuals ([`crate::record::whiten`]). The normal equations are bordered: each record's own numbers
-//! appear in its rows only and are eliminated record by record ([`bordered`]), so that the system solved has the size of the
-//! rig's numbers. Sensitivities are exact (dual numbers, in several passes where there are many). Records are simulated in
+//! Minimises Σ v², v the whitened block residuals ([`crate::record::whiten`]). The normal equations are bordered: each record's
+//! own numbers appear in its rows only and are eliminated record by record ([`bordered`]), so that the system solved has the size
+//! of the rig's numbers. Sensitivities are exact (dual numbers, in several passes where there are many). Records are simulated in
 //! parallel and summed in order: the same data gives the same bits on any number of threads.
 //!
 //! What the rig states within a tolerance stays as stated in the fit. At its end the problem is linearised in those numbers

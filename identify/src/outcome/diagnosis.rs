@@ -181,7 +181,7 @@ impl Diagnosed {
 
     /// Effects of the recording that each record has for itself: that chamber has none of them.
     pub fn of_each_record(&self) -> EffectSet {
-        self.found.reported().fit.hypothesis.model.own
+        self.found.reported().model.own
     }
 
     /// How well that chamber's numbers are known.

@@ -2,6 +2,7 @@
 //! Pressures in Pa, positions in µm.
 
 use super::lattice::{self, lattice};
+use records::median;
 
 /// A bend's square over the usual one of a reading, at the most.
 pub const MOST_OF_USUAL: f64 = 25.0;
@@ -50,9 +51,7 @@ impl Bends {
     /// Median square at those readings: a sensor that sticks to its steps bends here and there, an interpolated one at nearly every
     /// reading.
     pub fn usual(&self, period: usize, first: usize) -> f64 {
-        let mut squares: Vec<f64> = self.at(period, first).collect();
-        let middle = squares.len() / 2;
-        *squares.select_nth_unstable_by(middle, f64::total_cmp).1
+        median(self.at(period, first).collect::<Vec<f64>>())
     }
 
     /// How far those readings stand out of the rows between them, which lie on straight lines; `None` where they do not. No square

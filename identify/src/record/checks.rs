@@ -7,7 +7,7 @@ use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
 use crate::record::stroke::{Motion, Phase, Segment};
 use crate::record::unit::Declared;
-use records::{Cylinder, Trace, correlation, extremes, turned_back};
+use records::{Cylinder, Trace, correlation, extremes, median, turned_back};
 use std::iter;
 use std::ops::Range;
 use std::path::Path;
@@ -77,12 +77,10 @@ pub fn trace(
 /// # Errors
 /// [`Error::ImplausiblePressure`] with the units that would make compressed air of them.
 pub fn level(trace: &Path, pressure_pa: &[f64], declared: Declared) -> Result<(), Error> {
-    let mut sorted = pressure_pa.to_vec();
-    let middle = sorted.len() / 2;
-    if sorted.is_empty() {
+    if pressure_pa.is_empty() {
         return Ok(());
     }
-    let median_pa = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let median_pa = median(pressure_pa.to_vec());
     if !PLAUSIBLE_PRESSURE_PA.contains(&median_pa) {
         let units = declared.of_level(median_pa);
         return Err(Error::ImplausiblePressure { trace: trace.to_owned(), median_pa, units });

@@ -14,7 +14,7 @@ use crate::record::unresolved;
 use crate::record::whiten::{Place, Whitener};
 use chamber::Gas;
 use records::units::Unit;
-use records::{Cylinder, LineNumbers, Tolerance};
+use records::{Cylinder, LineNumbers, Tolerance, median};
 use std::path::PathBuf;
 
 /// One trace, ready to be fitted. Times count from its first row.
@@ -297,11 +297,10 @@ pub(super) fn usual_row_s(time_s: &[f64]) -> f64 {
     /// A step so many times as long as the median one has lost a row, and one that only the clock makes longer has not.
     const LOST: f64 = 1.5;
     let mut steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
-    let middle = steps.len() / 2;
     if steps.is_empty() {
         return 1.0;
     }
-    let longest = LOST * *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let longest = LOST * median(&mut steps);
     let whole: Vec<f64> = steps.into_iter().filter(|step| *step < longest).collect();
     whole.iter().sum::<f64>() / whole.len() as f64
 }

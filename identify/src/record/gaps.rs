@@ -12,7 +12,7 @@ use crate::record::position_noise::position_noise;
 use crate::record::positions::Positions;
 use crate::record::smoothed::Held;
 use crate::record::stroke::{Motion, Phase, Segment, Spline};
-use records::{LineNumbers, extremes};
+use records::{LineNumbers, extremes, median};
 use std::cell::Cell;
 use std::ops::Range;
 use std::path::Path;
@@ -156,12 +156,12 @@ fn parts(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Vec<Range
 /// Rows before which others were lost while the piston moved.
 fn cuts(time_s: &[f64], position_m: &[f64]) -> Vec<usize> {
     let steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
-    let usual = usual(&steps);
+    let usual = median(steps.clone());
     // Most steps are no longer than that, and need no closer look.
     let is_long = |k: &usize| {
         steps[*k] > policy::GAP_STEPS * usual && {
             let beside = [k.saturating_sub(STEPS_BESIDE)..*k, k + 1..(k + 1 + STEPS_BESIDE).min(steps.len())];
-            beside.into_iter().all(|steps_beside| steps[*k] > policy::GAP_STEPS * self::usual(&steps[steps_beside]))
+            beside.into_iter().all(|steps_beside| steps[*k] > policy::GAP_STEPS * median(steps[steps_beside].to_vec()))
         }
     };
     let long: Vec<usize> = (FEWEST_ROWS - 1..steps.len()).filter(is_long).collect();
@@ -183,13 +183,6 @@ fn cuts(time_s: &[f64], position_m: &[f64]) -> Vec<usize> {
         way(*k, k + 1).max(before).max(behind) > policy::GAP_WAY * (high - low)
     };
     long.into_iter().filter(moves).map(|k| k + 1).collect()
-}
-
-/// The median of some steps; zero of none.
-fn usual(steps: &[f64]) -> f64 {
-    let mut sorted = steps.to_vec();
-    let middle = sorted.len() / 2;
-    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 #[cfg(test)]

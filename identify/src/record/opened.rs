@@ -6,6 +6,7 @@
 //! stopped. Two dozen good readings that go with them are no loss.
 
 use crate::record::line::Line;
+use records::{DEVIATION_OF_MEDIAN, median};
 
 /// Readings at the end that are looked at, at the least; each further number is half as many more.
 const FEWEST: usize = 8;
@@ -19,8 +20,6 @@ const FEWEST_PLACES: usize = 6;
 const TIMES: f64 = 10.0;
 /// ...and by so many times as much as at the worst of those places, as few of them show the usual poorly.
 const TIMES_WORST: f64 = 3.0;
-/// Standard deviation over the median amount of a normal distribution.
-const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 /// A reading that is off the course before by more than so many standard deviations of a single one is of the open chamber.
 const OFF_COURSE: f64 = 3.0;
 
@@ -39,32 +38,30 @@ fn open_within(time_s: &[f64], pressure_pa: &[f64], width: usize, noise_pa: f64)
     let line = |first: usize| Line::through(&time_s[first - before..first], &pressure_pa[first - before..first]);
     let off_course = |first: usize| {
         let course = line(first);
-        median((first..first + width).map(|row| pressure_pa[row] - course.at(time_s[row])).collect())
+        median((first..first + width).map(|row| pressure_pa[row] - course.at(time_s[row])).collect::<Vec<f64>>()).abs()
     };
     let last = rows - width;
-    let later_half = (rows / 2).max(before)..=last - width;
-    let elsewhere: Vec<f64> = later_half.step_by(width).map(|first| off_course(first).abs()).collect();
-    if elsewhere.len() < FEWEST_PLACES {
-        return None;
-    }
     // The line errs at the middle of the readings behind it by so much: 1/before + 12 (distance)²/before³, and 1/width of theirs.
     let (w, b) = (width as f64, before as f64);
     let distance = 0.5 * (w + b);
     let of_noise = noise_pa * (1.0 / w + 1.0 / b + 12.0 * distance * distance / b.powi(3)).sqrt();
+    let off_at_end = off_course(last);
+    // Cheap first: most records end on their course.
+    if off_at_end <= TIMES * of_noise {
+        return None;
+    }
+    let later_half = (rows / 2).max(before)..=last - width;
+    let elsewhere: Vec<f64> = later_half.step_by(width).map(off_course).collect();
     let worst = elsewhere.iter().copied().fold(0.0, f64::max);
-    let usual = (DEVIATION_OF_MEDIAN * median(elsewhere)).max(of_noise);
-    (off_course(last).abs() > (TIMES * usual).max(TIMES_WORST * worst)).then(|| {
+    let is_open = elsewhere.len() >= FEWEST_PLACES
+        && off_at_end > (TIMES * DEVIATION_OF_MEDIAN * median(elsewhere)).max(TIMES_WORST * worst);
+    is_open.then(|| {
         // Those before the last that are off the course too, which may have begun to leave it within the line's readings.
         let course = line(last.saturating_sub(width).max(before));
         let is_off = |row: usize| (pressure_pa[row] - course.at(time_s[row])).abs() > OFF_COURSE * noise_pa;
         let first = (before..rows).rev().take_while(|row| is_off(*row)).last().unwrap_or(last);
         rows - first.min(last)
     })
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

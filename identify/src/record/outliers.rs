@@ -10,6 +10,7 @@ use crate::record::hampel::{accidental, middle_and_scatter};
 use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
 use crate::record::stroke::{Phase, Segment};
+use records::DEVIATION_OF_MEDIAN;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::cell::Cell;
 use std::ops::Range;
@@ -170,7 +171,7 @@ fn far_from_median(rows: &[usize], residual: &[f64], noise_pa: f64) -> Vec<usize
         around.clear();
         around.extend(near.iter().map(|&i| residual[i]));
         let [middle, scatter] = middle_and_scatter(&mut around);
-        let scatter = (1.4826 * scatter).max(noise_pa);
+        let scatter = (DEVIATION_OF_MEDIAN * scatter).max(noise_pa);
         if (off - middle).abs() > FROM_MEDIAN * scatter {
             found.push(k);
         }

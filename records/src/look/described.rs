@@ -1,6 +1,6 @@
 //! One column of a trace: how likely it holds a quantity, by its name, its unit and its first values.
 
-use crate::statistics::median;
+use crate::statistics::interval;
 use crate::trace::{Dialect, Sample, excel};
 use crate::units::{CLOCK, Quantity, Unit, VOLT, name_and_unit, says_absolute, says_gauge};
 
@@ -159,10 +159,9 @@ fn is_numbered_p(word: &str) -> bool {
 /// The unit that the values' size speaks for.
 fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
     let size = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
-    let steps = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let name = match quantity {
         Quantity::Time if are_excel_days(values) => "d",
-        Quantity::Time if median(steps) >= 1.0 => "ms",
+        Quantity::Time if interval(values) >= 1.0 => "ms",
         Quantity::Pressure if size > 2e4 => "Pa",
         Quantity::Pressure if size > 50.0 => "kPa",
         Quantity::Pressure => "bar",

@@ -1,6 +1,6 @@
 //! Rests and moves of a piston, and the windows of single push-and-hold tests.
 
-use crate::statistics::{extremes, median};
+use crate::statistics::{extremes, interval};
 use crate::trace::movement_threshold;
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ pub struct Phase {
 pub fn phases(time_s: &[f64], position_m: &[f64]) -> Vec<Phase> {
     let n = position_m.len();
     let threshold = movement_threshold(position_m);
-    let interval = median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let interval = interval(time_s);
     let width = ((REST_S / interval.max(f64::MIN_POSITIVE)) as usize).clamp(REST_ROWS, (n / 10).max(REST_ROWS));
     let spread = |rows: Range<usize>| {
         let (low, high) = extremes(&position_m[rows]);
@@ -92,7 +92,7 @@ pub fn as_written(time_s: f64, interval_s: f64) -> f64 {
 /// the port was open. A window ends before the next move, or where the pressure jumps as a port is opened.
 pub fn cycles(time_s: &[f64], pressure_pa: &[f64], position_m: &[f64], phases: &[Phase]) -> (Vec<Cycle>, usize) {
     let mean = |values: &[f64], rows: Range<usize>| values[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
-    let interval_s = median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let interval_s = interval(time_s);
     let (mut cycles, mut open) = (Vec::new(), 0);
     for triple in phases.windows(3) {
         let [before, push, after] = triple else { continue };

@@ -215,7 +215,7 @@ impl<'a> Rows<'a> {
 
 /// Many rows of one time each: the logger, or who exported the file, has rounded the times.
 fn coarse(column: &Column, sorted_times: &[f64], repeats: usize) -> TraceProblem {
-    let steps = sorted_times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    let steps: Vec<f64> = sorted_times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     let (column, rows) = (column.name.clone(), sorted_times.len());
     TraceProblem::CoarseTimes { column, rows, times: rows - repeats, step_s: median(steps) }
 }

@@ -277,7 +277,11 @@ impl<'a> Folder<'a> {
     /// # Errors
     /// It cannot be written.
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), Error> {
-        let text = pretty(value);
+        self.write_changed(name, &pretty(value))
+    }
+
+    /// Writes a text where another one is there, or none.
+    fn write_changed(&self, name: &str, text: &str) -> Result<(), Error> {
         if self.store.read(name).is_ok_and(|found| found.as_deref() == Some(text.as_bytes())) {
             return Ok(());
         }
@@ -291,7 +295,7 @@ impl<'a> Folder<'a> {
     pub fn write_result(&self, name: &str, value: &Value) -> Result<(), Error> {
         let text = pretty(value);
         self.record_result(name, &Digest { sha256: hash::of_bytes(text.as_bytes()), bytes: text.len() as u64 })?;
-        self.write_json(name, value)
+        self.write_changed(name, &text)
     }
 
     /// Makes last what a result is to hold, before it is there.
