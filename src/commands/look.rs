@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 fn cycles(found: &Found) -> (Vec<Cycle>, usize) {
     let trace = &found.trace;
     let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
-    motion::cycles(&trace.time_s, pressure, &trace.position_m, &found.phases)
+    motion::cycles([&trace.time_s, pressure, &trace.position_m], &found.readings, &found.phases)
 }
 
 /// The trace's path as a rig file at `rig` has to name it: relative to its folder where both are in one.
@@ -198,7 +198,7 @@ fn record(out: &mut String, found: &Found, tests: &Tests<'_>) {
     }
     if tests.open > 0 {
         let open = tests.open;
-        let _ = writeln!(out, "{open} moves without a response of the pressure: the port was open");
+        let _ = writeln!(out, "{open} moves without a response of the pressure that lasts: the port was open");
     }
 }
 

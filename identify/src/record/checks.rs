@@ -2,12 +2,11 @@
 
 use crate::error::Error;
 use crate::record::lattice;
-use crate::record::line::Line;
 use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
 use crate::record::stroke::{Motion, Phase, Segment};
 use crate::record::unit::Declared;
-use records::{Cylinder, Trace, correlation, extremes, median, turned_back};
+use records::{Cylinder, Line, Trace, correlation, extremes, median, turned_back};
 use std::iter;
 use std::ops::Range;
 use std::path::Path;

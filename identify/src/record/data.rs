@@ -14,7 +14,7 @@ use crate::record::unresolved;
 use crate::record::whiten::{Place, Whitener};
 use chamber::Gas;
 use records::units::Unit;
-use records::{Cylinder, LineNumbers, Tolerance, median};
+use records::{Cylinder, LineNumbers, Tolerance, extremes, median};
 use std::path::PathBuf;
 
 /// One trace, ready to be fitted. Times count from its first row.
@@ -263,6 +263,16 @@ impl Data {
     pub fn accuracy_pa(&self) -> f64 {
         let of_noise = policy::ACCURACY_OF_NOISE * self.noise.total_pa();
         self.accuracy_pa.unwrap_or(of_noise.max(self.least_noise_pa()))
+    }
+
+    /// The range of a record's readings, Pa: the median of the records.
+    pub fn pressure_range_pa(&self) -> f64 {
+        let range = |t: &Prepared| {
+            let readings = t.pressure_pa.iter().enumerate().filter(|(row, _)| t.readout.is_data(*row)).map(|(_, p)| *p);
+            let (low, high) = extremes(&readings.collect::<Vec<f64>>());
+            high - low
+        };
+        median(self.traces.iter().map(range).collect::<Vec<f64>>())
     }
 
     /// The least white noise that counts, Pa.

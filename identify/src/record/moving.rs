@@ -1,10 +1,9 @@
 //! Which rows of a record belong to moves of the piston, by its positions in m.
 
-use crate::record::line::Line;
 use crate::record::position_noise::position_noise;
 use crate::record::spline::mean;
 use crate::record::turn::{REACH, is_turn};
-use records::extremes;
+use records::{Line, extremes};
 
 /// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one, and positions have that noise, m.
 ///

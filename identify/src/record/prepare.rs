@@ -7,7 +7,6 @@ use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
 use crate::record::first_volume::first_guess;
 use crate::record::jitter::{self, Stamped, Times};
 use crate::record::level;
-use crate::record::line::Line;
 use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
 use crate::record::positions::Positions;
@@ -15,8 +14,8 @@ use crate::record::readout::{Between, Readout};
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
 use crate::record::whiten::Whitener;
-use crate::record::{checks, clock, gaps, opened};
-use records::{Rig, Trace};
+use crate::record::{checks, clock, gaps};
+use records::{Line, Rig, Trace, opened_from};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -165,14 +164,13 @@ impl<'a> Columns<'a> {
         Quiet { time_s, pressure_pa, motion, readout }
     }
 
-    /// Rows at the end of which the chamber was opened before, where the piston is held there.
+    /// Rows at the end since the chamber was opened, where the piston is held there.
     fn opened(&self, noise_pa: f64) -> Option<Range<usize>> {
         let hold = self.motion.segments.last().filter(|s| s.phase == Phase::Hold)?;
         let rows: Vec<usize> = (hold.first..hold.end).filter(|&i| self.readout.is_data(i)).collect();
         let [time_s, pressure_pa] =
             [&self.time_s[..], self.pressure_pa].map(|column| rows.iter().map(|&i| column[i]).collect::<Vec<f64>>());
-        let open = opened::at_end(&time_s, &pressure_pa, noise_pa);
-        (open > 0).then(|| rows[rows.len() - open]..self.time_s.len())
+        opened_from(&time_s, &pressure_pa, noise_pa).map(|first| rows[first]..self.time_s.len())
     }
 
     /// Whether neither rig nor trace gives a temperature of the surroundings.

@@ -47,7 +47,7 @@ pub struct Readout {
     pub unfollowed: Vec<Range<usize>>,
     /// Rows that are no data since others beside them were lost while the piston moved.
     pub at_gaps: Vec<Range<usize>>,
-    /// Rows at the end that are no data since the chamber was opened before: see [`opened`](crate::record::opened).
+    /// Rows at the end that are no data since the chamber was opened before: see [`opened_from`](records::opened_from).
     pub opened: Option<Range<usize>>,
     /// Standard deviation of the times of the rows, s, where they were read unevenly; else empty.
     pub open_s: Vec<f64>,

@@ -7,7 +7,6 @@
 //! (`corner`). Position in m, time in s from the record's start.
 
 use crate::record::corner;
-use crate::record::line::Line;
 use crate::record::moving::{moving, narrow, ranges};
 use crate::record::position_noise::position_noise;
 use crate::record::positions::Positions;
@@ -16,6 +15,7 @@ use crate::record::smoothed::{self, Held};
 pub use crate::record::spline::Spline;
 use crate::record::spline::mean;
 use crate::record::{thinned, unfollowed};
+use records::Line;
 use std::cell::Cell;
 use std::ops::Range;
 

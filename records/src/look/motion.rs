@@ -1,5 +1,7 @@
 //! Rests and moves of a piston, and the windows of single push-and-hold tests.
 
+use crate::look::readings::Readings;
+use crate::opened::opened_from;
 use crate::statistics::{extremes, interval};
 use crate::trace::movement_threshold;
 use std::ops::Range;
@@ -16,6 +18,8 @@ const LEAST_ANSWER: f64 = 0.15;
 const EARLY: f64 = 0.1;
 /// ... a closed chamber's pressure has changed by no more than this share of all that it changes.
 const MOST_EARLY: f64 = 0.6;
+/// The pressure of a chamber that was opened is steady again if it changes by less than so many times its noise before a move.
+const STEADY: f64 = 10.0;
 
 /// A part of a record in which the piston rests, or moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,10 +93,12 @@ pub fn as_written(time_s: f64, interval_s: f64) -> f64 {
 }
 
 /// The windows of single push-and-hold tests, and how many moves were passed over as the pressure did not answer them:
-/// the port was open. A window ends before the next move, or where the pressure jumps as a port is opened.
-pub fn cycles(time_s: &[f64], pressure_pa: &[f64], position_m: &[f64], phases: &[Phase]) -> (Vec<Cycle>, usize) {
+/// the port was open. A window ends before the next move, or where the pressure leaves its course as a port is opened.
+///
+/// The record is its time, s, pressure, Pa, and position, m.
+pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Vec<Cycle>, usize) {
+    let [time_s, pressure_pa, position_m] = record;
     let mean = |values: &[f64], rows: Range<usize>| values[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
-    let interval_s = interval(time_s);
     let (mut cycles, mut open) = (Vec::new(), 0);
     for triple in phases.windows(3) {
         let [before, push, after] = triple else { continue };
@@ -104,33 +110,45 @@ pub fn cycles(time_s: &[f64], pressure_pa: &[f64], position_m: &[f64], phases: &
         let first = before.rows.start + time_s[before.rows.clone()].partition_point(|t| *t < lead);
         let begin = before.rows.end.saturating_sub(REST_ROWS).max(first)..before.rows.end;
         let end = after.rows.start..(after.rows.start + REST_ROWS).min(after.rows.end);
-        let answer = (mean(pressure_pa, end.clone()) / mean(pressure_pa, begin.clone())).ln();
-        let (from_m, to_m) = (mean(position_m, begin.clone()), mean(position_m, end));
+        let [from_m, to_m] = [begin.clone(), end.clone()].map(|rows| mean(position_m, rows));
         // Positions may count from anywhere: of the volume no more is taken than that it shrinks by so much at the least.
         let travel = (from_m - to_m) / from_m.abs().max(to_m.abs());
+        let rest_pa = mean(pressure_pa, begin.clone());
+        let answer = |rows: Range<usize>| (mean(pressure_pa, rows) / rest_pa).ln();
+        let is_answered = |rows: Range<usize>| answer(rows) * travel.signum() >= LEAST_ANSWER * travel.abs();
         // An opened port changes the pressure before the piston is on its way.
         let on_its_way = |row: &usize| (position_m[*row] - from_m).abs() > EARLY * (to_m - from_m).abs();
         let early = push.rows.clone().find(on_its_way).map_or(push.rows.start, |row| (row - 1).max(begin.start));
-        let answered = (pressure_pa[early] / mean(pressure_pa, begin)).ln() / answer;
-        if answer * travel.signum() < LEAST_ANSWER * travel.abs() || answered > MOST_EARLY {
+        let answered_early = (pressure_pa[early] / rest_pa).ln() / answer(end.clone());
+        let last = closed_until([time_s, pressure_pa], readings, after.rows.clone());
+        // What answers for a moment only is a narrow port, and so is what still empties or fills the chamber.
+        let settled = last.saturating_sub(REST_ROWS).max(after.rows.start)..last;
+        let is_steady = (pressure_pa[first] - rest_pa).abs() < STEADY * readings.deviation_pa();
+        let opened_before = closed_until([time_s, pressure_pa], readings, before.rows.clone()) < first;
+        if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || opened_before && !is_steady {
             open += 1;
             continue;
         }
-        let last = closed_until(pressure_pa, after.rows.clone());
-        let [from_s, to_s] = [first, last - 1].map(|row| as_written(time_s[row], interval_s));
+        let [from_s, to_s] = [first, last - 1].map(|row| as_written(time_s[row], readings.interval_s));
         cycles.push(Cycle { from_s, to_s, compresses: travel > 0.0 });
     }
     (cycles, open)
 }
 
-/// One past the last row of a hold before its pressure changes faster, in the second half, than it did in the first.
-fn closed_until(pressure_pa: &[f64], hold: Range<usize>) -> usize {
+/// One past the last row of a hold before its pressure leaves its course, or changes faster, in the second half, than it did in the
+/// first.
+fn closed_until([time_s, pressure_pa]: [&[f64]; 2], readings: &Readings, hold: Range<usize>) -> usize {
     let rate = |row: usize| (pressure_pa[row + 1] - pressure_pa[row]).abs();
     let middle = hold.start + hold.len() / 2;
     let fastest = (hold.start..middle).map(rate).fold(0.0, f64::max);
     let jump = (middle..hold.end - 1).find(|row| rate(*row) > 2.0 * fastest);
+    let readout = hold.clone().step_by(readings.rows_a_readout());
+    let [times_s, held_pa] =
+        [time_s, pressure_pa].map(|column| readout.clone().map(|row| column[row]).collect::<Vec<_>>());
+    let opened = opened_from(&times_s, &held_pa, readings.deviation_pa()).and_then(|k| readout.clone().nth(k));
     // The last rows before a move, or a jump, may already belong to it.
-    jump.unwrap_or(hold.end).saturating_sub(2).max(hold.start + 1)
+    let until = jump.into_iter().chain(opened).min().unwrap_or(hold.end);
+    until.saturating_sub(2).max(hold.start + 1)
 }
 
 #[cfg(test)]
@@ -190,13 +208,33 @@ mod tests {
     #[test]
     fn cycles_are_cut_where_the_chamber_is_closed() {
         let [time, position, pressure] = record();
-        let (found, open) = cycles(&time, &pressure, &position, &phases(&time, &position));
+        let (found, open) =
+            cycles([&time, &pressure, &position], &Readings::of(&time, &pressure), &phases(&time, &position));
         assert_eq!((found.len(), open), (3, 3), "{found:?}");
         for (k, cycle) in found.iter().enumerate() {
             let start = 10.0 * k as f64;
             assert!(cycle.from_s >= start && cycle.from_s <= start + 1.05, "{cycle:?}");
             assert!((cycle.to_s - start - 6.49).abs() < 0.03, "{cycle:?}");
             assert!(cycle.compresses);
+        }
+    }
+
+    #[test]
+    fn a_window_ends_where_a_held_chamber_is_opened_and_a_return_through_a_narrow_port_is_none() {
+        let [time, position, mut pressure] = record();
+        let normal = |k: usize| 50.0 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
+        for (k, (t, p)) in time.iter().zip(&mut pressure).enumerate() {
+            let t = t % 10.0;
+            // Opened at 5 s, it empties with 0.8 s; the return draws it down by a third, and it fills again.
+            let open = (1e5 - *p).min(0.0) * (1.0 - (-(t - 5.0).max(0.0) / 0.8).exp());
+            let drawn = if t < 7.0 { 0.0 } else { -3e4 * ((t - 7.0) / 0.1).min((-(t - 7.1) / 0.8).exp()) };
+            *p = if t < 6.5 { *p + open } else { 1e5 + 9.3e4 * (-(t - 5.0) / 0.8).exp() + drawn } + normal(k);
+        }
+        let readings = Readings::of(&time, &pressure);
+        let (found, open) = cycles([&time, &pressure, &position], &readings, &phases(&time, &position));
+        assert_eq!((found.len(), open), (3, 3), "{found:?}");
+        for (k, cycle) in found.iter().enumerate() {
+            assert!((cycle.to_s - 10.0 * k as f64 - 4.99).abs() < 0.06, "{cycle:?}");
         }
     }
 }

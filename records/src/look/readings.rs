@@ -40,6 +40,16 @@ impl Readings {
         }
     }
 
+    /// Rows from one readout to the next.
+    pub fn rows_a_readout(&self) -> usize {
+        self.readout_hz.map_or(1, |hz| (self.rate_hz() / hz).round() as usize)
+    }
+
+    /// Standard deviation of a pressure, Pa, its rounding included.
+    pub fn deviation_pa(&self) -> f64 {
+        self.noise_pa.hypot(self.step_pa.unwrap_or(0.0) / 12.0_f64.sqrt())
+    }
+
     /// Rows in a second.
     pub fn rate_hz(&self) -> f64 {
         1.0 / self.interval_s

@@ -33,6 +33,10 @@ const FEWEST_PERIODS: f64 = 2.0;
 /// passes for a hum in the holds behind them.
 const FEWEST_SEEN: f64 = 1.0;
 
+/// Slow noise is no larger than this share of the range of a record's pressures: a sensor that wanders or hums by a twentieth of what it
+/// measures is broken, and a model that lacks an open port or a wrong unit leaves as much.
+const MOST_OF_RANGE: f64 = 0.05;
+
 /// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
 /// change: step, what the rig states.
 pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
@@ -53,7 +57,10 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, record_s, ..before.clone() };
     let longest_s = if pure { record_s } else { likelihood.longest_s() };
     let hum = if pure { None } else { slow_hum(data, residuals, &start) };
-    let mut noise = likelihood.best(&Noise { hum, ..start }, longest_s, record_s);
+    let mut noise = likelihood.best(&Noise { hum, ..start.clone() }, longest_s, record_s);
+    if noise.coloured_pa() > MOST_OF_RANGE * data.pressure_range_pa() {
+        return start;
+    }
     let rows = likelihood.points() as f64;
     noise.variance_error = (2.0 / (rows - 2.0).max(1.0)).sqrt();
     if let Some(stated) = noise.stated_pa.filter(|s| *s > 1.2 * noise.total_pa()) {
@@ -148,6 +155,15 @@ mod tests {
         let hum = noise.hum.unwrap_or_else(|| panic!("{noise:?}"));
         assert!((hum.frequency_hz * longest_s - 1.2).abs() < 0.1 && noise.colours.is_empty(), "{noise:?}");
         assert!((hum.sd_pa / 70.7 - 1.0).abs() < 0.3, "{noise:?}");
+    }
+
+    #[test]
+    fn what_is_a_tenth_of_the_range_is_no_hum_of_the_recording() {
+        let mut recipe = Recipe { noise_pa: 1000.0, ..Recipe::from_seed(5) };
+        let amplitude_pa = 0.15 * Data::prepare(&recipe.rig()).unwrap().pressure_range_pa();
+        recipe.faults.disturbances.push(Disturbance::Hum { amplitude_pa, frequency_hz: 0.7 });
+        let noise = shown(&recipe);
+        assert!(noise.hum.is_none() && noise.colours.is_empty() && noise.white_pa < 0.1 * amplitude_pa, "{noise:?}");
     }
 
     #[test]
