@@ -133,6 +133,8 @@ pub fn run<const N: usize, T: OwnTest<N>>(
             let falls_on = core::array::from_fn(|lane| tests[at(lane)].falls_on(&problems[at(lane)].state));
             turns::find::<N, T>(arch, &system, log, &steps, (sign, falls_on), [&state, &end_state])
         });
+        // Gas alone is on its way to the wall's temperature; with a wall of its own, a heat flow or flows it may stay warm.
+        let at_end = T::HAS_ANOTHER_WAY.then(|| turns::seen(arch, &system, &end_state));
         let settling = finish::settling(arch, &system, log, &steps, turns.as_ref(), [begin, end]);
         let regression = options.fit.then(|| {
             knots.clear();
@@ -175,6 +177,7 @@ pub fn run<const N: usize, T: OwnTest<N>>(
                         pressure_per_temperature: test.pressure_per_reading(),
                         settling: settling[lane],
                         flowing: turns.as_ref().map_or(0.0, |turns| (end * turns.inflow[lane] * hold).abs()),
+                        relative_rate: at_end.map(|view| view.pressure_rate()[lane] * hold),
                         regression: regression.as_ref().and_then(|found| found.lane(lane)),
                     };
                     let outcome = ending.outcome();

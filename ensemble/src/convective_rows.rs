@@ -78,6 +78,7 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
                 pressure_per_temperature: per_temperature[lane],
                 settling: ends.settling[lane],
                 flowing: 0.0,
+                relative_rate: None,
                 regression: found.as_ref().and_then(|found| found.lane(lane)),
             });
         }

@@ -7,7 +7,7 @@ use crate::filter::Sensor;
 use crate::fit;
 use crate::general::{self, General, Row};
 use crate::history::{History, Knot};
-use crate::outcome::{Failure, Outcome, Standing, closure};
+use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
 use crate::plan::Plan;
 use crate::reader::{self, Answer, Bends, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
@@ -347,17 +347,19 @@ impl<'a> Course<'a> {
         let Plan { duration, push_end, delay, .. } = *self.plan;
         let hold = duration - push_end;
         let reading = self.sensor.shown(gas_pressure, duration);
-        let to_be_lost = gas_pressure * (1.0 - wall / a.temperature_final);
+        let to_be_lost =
+            to_be_lost(gas_pressure * (1.0 - wall / a.temperature_final), -gas_pressure * a.pressure_rate * hold);
         let to_come = if self.sensor.lag > 0.0 || delay > 0.0 {
             a.pressure_final - self.bends.shown(self.sensor.shown(gas_pressure - to_be_lost, duration))
         } else {
             self.bends.change(reading, to_be_lost)
         };
         let flows = lets_gas_pass(self.plan.active, self.scenario);
-        let flowing = if flows { self.bends.change(reading, -gas_pressure * a.inflow * hold) } else { 0.0 };
+        let flowing = if flows { self.bends.change(reading, -gas_pressure * a.inflow * hold).abs() } else { 0.0 };
+        let going_on = flowing + (self.sensor.drift * hold).abs();
         let distance = (a.pressure_peak - a.pressure_final).abs();
         let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs() && delay < hold;
-        Standing { distance, to_come: to_come.abs(), flowing: flowing.abs(), stands }
+        Standing { distance, to_come: to_come.abs(), going_on, stands }
     }
 
     /// The outcome from what the record has answered.

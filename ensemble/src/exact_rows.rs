@@ -212,6 +212,7 @@ impl Solved<'_> {
             pressure_per_temperature: tests.closed.mass_gas_constant[lane] / tests.to[lane],
             settling: if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 },
             flowing: 0.0,
+            relative_rate: None,
             regression,
         }
     }

@@ -41,9 +41,9 @@ pub struct Outcome {
     /// From the end of the push until the pressure stays within 1 % of its peak-to-final distance of the final one, s.
     /// None when not settled in time: where it is within that 1 % only because the test ends. Then more than the 1 % is still to
     /// come as the gas takes the temperature of the wall and the sensor shows it, or gas that flows in or out as at the end changes
-    /// more in as long as the hold has lasted; so too where the pressure peaks at the end.
+    /// more in as long as the hold has lasted, or a sensor drifts by more; so too where the pressure peaks at the end.
     pub settling_time_s: Option<f64>,
-    /// Whether it has not settled for one reason only: gas goes on to flow in or out.
+    /// Whether it has not settled for one reason only: gas goes on to flow in or out, or the sensor drifts.
     pub flows_on: bool,
     /// Closure of the energy balance: |U(t) − U(0) − ∫Q̇ dt − ∫ḣ dt + ∫P dV| over the work of the push, or over U(0) where the
     /// piston rests. The integrals are quadratures beside the integrator's states; zero for the exact solution, and of the push
@@ -76,17 +76,17 @@ impl Outcome {
     }
 }
 
-/// How the record of a test stands at its end, Pa. It has settled where neither what is to come nor what flows is more than 1 % of
+/// How the record of a test stands at its end, Pa. It has settled where neither what is to come nor what goes on is more than 1 % of
 /// its distance: else it is within its band only because the test ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Standing {
     /// From its peak to its end.
     pub distance: f64,
-    /// What it still loses or gains once the gas has the temperature of the wall, P |1 − Tamb/T|, and the sensor has shown all
-    /// of that.
+    /// What it still loses or gains once the gas has come to rest ([`to_be_lost`]), and the sensor has shown all of that.
     pub to_come: f64,
-    /// What gas that flows in or out as at the end, past a leak for instance, changes in as long as the hold has lasted.
-    pub flowing: f64,
+    /// What goes on as at the end changes in as long as the hold has lasted: gas that flows in or out, past a leak for instance, and
+    /// a sensor that drifts.
+    pub going_on: f64,
     /// Whether it shows a hold in which nothing changes.
     pub stands: bool,
 }
@@ -95,10 +95,17 @@ impl Standing {
     /// [`Outcome::settling_time_s`] from when it is within its band, s, and [`Outcome::flows_on`].
     pub fn judge(&self, settling: f64) -> (Option<f64>, bool) {
         let small = |change: f64| change <= SETTLED * self.distance;
-        let [at_rest, tight] = [self.to_come, self.flowing].map(small);
+        let [at_rest, tight] = [self.to_come, self.going_on].map(small);
         let settled = self.stands || at_rest && tight;
         (settled.then_some(settling), !settled && at_rest)
     }
+}
+
+/// What the gas still loses once it has the temperature of the wall, P (1 − Tamb/T), Pa or K: or, if it is on no way there, what it
+/// loses in as long as the hold has lasted at the rate of its end. Gas that a flow or a wall of its own keeps warm never has the
+/// temperature of the surroundings.
+pub fn to_be_lost(to_the_wall: f64, at_its_rate: f64) -> f64 {
+    if at_its_rate.abs() < SETTLED * to_the_wall.abs() { at_its_rate } else { to_the_wall }
 }
 
 /// Closure of an energy balance: energies at the start and at the end, what the gas has received less its work, and the

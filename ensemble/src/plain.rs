@@ -3,7 +3,7 @@
 use crate::filter::Sensor;
 use crate::fit;
 use crate::lanes::Lanes;
-use crate::outcome::{Failure, Outcome, Standing};
+use crate::outcome::{Failure, Outcome, Standing, to_be_lost};
 use crate::plan::{Plan, Stretch};
 use crate::reader::Bends;
 use crate::regression::{Guess, Part, Records};
@@ -134,21 +134,23 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let ambient = plan.stretches[plan.stretches.len() - 1].boundary(plan.stretches[plan.stretches.len() - 1].length);
     let rest = effects::rest_temperature(&chamber.effects, ambient.ambient_temperature);
     let (sensor, bends) = (Sensor::new(set, &chamber.effects), Bends::new(set, &chamber.effects));
-    let to_be_lost = gas_final * (1.0 - rest / temperature_final);
+    let hold = plan.duration - plan.push_end;
+    let rates = balance::rates(set, chamber, &ambient, &integrator.state);
+    let [inflow, pressure_rate] = [MASS, ENERGY].map(|of| rates[of] / integrator.state[of]);
+    let to_be_lost = to_be_lost(gas_final * (1.0 - rest / temperature_final), -gas_final * pressure_rate * hold);
     let reading = sensor.shown(gas_final, plan.duration);
     let to_come = if sensor.lag > 0.0 || plan.delay > 0.0 {
         pressure_final - bends.shown(sensor.shown(gas_final - to_be_lost, plan.duration))
     } else {
         bends.change(reading, to_be_lost)
     };
-    let hold = plan.duration - plan.push_end;
-    let inflow = balance::rates(set, chamber, &ambient, &integrator.state)[MASS] / integrator.state[MASS];
     let flows = lets_gas_pass(plan.active, scenario);
     let flowing = if flows { bends.change(reading, -gas_final * inflow * hold).abs() } else { 0.0 };
     let distance = (peak - pressure_final).abs();
     let settling = settling(&run, pressure_final, distance);
     let stands = settling == 0.0 && plan.delay < hold;
-    let standing = Standing { distance, to_come: to_come.abs(), flowing, stands };
+    let going_on = flowing + (sensor.drift * hold).abs();
+    let standing = Standing { distance, to_come: to_come.abs(), going_on, stands };
     let (settling_time_s, flows_on) = standing.judge(settling);
     let fit = if options.fit { evaluate(&run, scenario, sign) } else { None };
     Ok(Outcome {

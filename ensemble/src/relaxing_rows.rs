@@ -5,11 +5,12 @@ use crate::Batch;
 use crate::chambers::Chambers;
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
-use crate::outcome::{Failure, Outcome, closure};
+use crate::outcome::{Failure, Outcome, SETTLED, closure};
 use crate::regression::Records;
 use crate::relaxation::{Part, Pushed, Record, Solve};
 use crate::scenario::Scenario;
 use crate::sealed::{Ending, Test};
+use chamber::balance::{self, Boundary, ENERGY};
 use chamber::effects::EffectSet;
 
 /// How the push of a test has ended.
@@ -46,6 +47,19 @@ impl AfterPush {
             received: [received - work, work.abs()],
             failure: (!is_gas).then_some(Failure::Empty),
         }
+    }
+
+    /// [`Ending::relative_rate`] of gas at a temperature, K, that is not yet that of the wall, K.
+    fn relative_rate(&self, set: EffectSet, s: &Scenario, wall: f64, [pushed, end]: [f64; 2]) -> Option<f64> {
+        let is_there = (end - wall).abs() <= SETTLED * (pushed - end).abs();
+        (!is_there).then(|| {
+            let chamber = &s.chamber;
+            let boundary = Boundary::closed(s.final_position_m, s.ambient_temperature_k, s.ambient_pressure_pa);
+            let pressure = self.mass * chamber.gas.gas_constant * end / chamber.geometry.volume(s.final_position_m);
+            let state = balance::state_at(chamber, &boundary, pressure, end);
+            let rates = balance::rates(set, chamber, &boundary, &state);
+            (self.duration - s.push_time_s) * rates[ENERGY] / state[ENERGY]
+        })
     }
 
     /// The outcome of a test that has ended so.
@@ -104,6 +118,12 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
                 pressure_per_temperature: after.mass * scenario.chamber.gas.gas_constant / volume[lane],
                 settling: ends.settling[lane],
                 flowing: 0.0,
+                relative_rate: after.relative_rate(
+                    set,
+                    scenario,
+                    ends.wall()[lane],
+                    [ends.pushed()[lane], ends.end[lane]],
+                ),
                 regression: found.as_ref().and_then(|found| found.lane(lane)),
             };
             out[after.row as usize] = after.outcome(&ending);

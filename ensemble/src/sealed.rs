@@ -16,7 +16,7 @@ use crate::clock::Clock;
 use crate::fit;
 use crate::hermite::Hermite;
 use crate::lanes::Lanes;
-use crate::outcome::{Outcome, Standing};
+use crate::outcome::{Outcome, Standing, to_be_lost};
 use crate::regression::{Guess, Regression};
 use crate::scenario::Scenario;
 use crate::step::{LaneSystem, Moment, View};
@@ -248,6 +248,8 @@ pub struct Ending<'a> {
     pub settling: f64,
     /// What gas that flows in or out as at the end changes in as long as the hold has lasted, K; zero of a closed chamber.
     pub flowing: f64,
+    /// The rate of its pressure at the end over the pressure, times the hold; none of a closed chamber, in which the wall tells it.
+    pub relative_rate: Option<f64>,
     /// The paper's regression of its record, where it was asked for.
     pub regression: Option<Regression>,
 }
@@ -259,8 +261,9 @@ impl Ending<'_> {
         let (s, pushed, end) = (self.scenario, self.pushed, self.end);
         let positions = [s.initial_position_m, s.final_position_m];
         let peak = s.peak([pushed, end]);
-        let (to_come, distance) = ((end - self.wall).abs(), (peak - end).abs());
-        let standing = Standing { distance, to_come, flowing: self.flowing, stands: pushed == end };
+        let to_be_lost = self.relative_rate.map_or(end - self.wall, |rate| to_be_lost(end - self.wall, -end * rate));
+        let (to_come, distance) = (to_be_lost.abs(), (peak - end).abs());
+        let standing = Standing { distance, to_come, going_on: self.flowing, stands: pushed == end };
         let (settling_time_s, flows_on) = standing.judge(self.settling);
         Outcome {
             pressure_peak_pa: peak * self.pressure_per_temperature,

@@ -21,6 +21,12 @@ impl<R: Real> View<R> {
     pub fn inflow(&self) -> R {
         self.slope[0] / self.value[0] - self.slope[1] / self.value[1]
     }
+
+    /// Rate of the pressure over the pressure, in the integrator's time.
+    #[inline(always)]
+    pub fn pressure_rate(&self) -> R {
+        self.slope[0] / self.value[0]
+    }
 }
 
 impl View<Lanes> {

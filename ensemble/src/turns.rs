@@ -54,7 +54,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
     (sign, falls_on): (Lanes, [bool; WIDTH]),
     [begin, end]: [&[Lanes; N]; 2],
 ) -> Turns {
-    let [at_begin, at_end] = [begin, end].map(|state| arch.dispatch(Wide(Seen { system, state })));
+    let [at_begin, at_end] = [begin, end].map(|state| seen(arch, system, state));
     let inflow = at_end.inflow();
     let [at_begin, at_end] = [at_begin.slope, at_end.slope];
     let of_lane = |state: &[Lanes; N], lane: usize| -> [f64; N] { core::array::from_fn(|i| state[i][lane]) };
@@ -121,6 +121,11 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
         [turns.share, turns.value] = arch.dispatch(Wide(Turn { system, length, ends: &ends, sign }));
     }
     turns
+}
+
+/// What holds show in states, one a lane.
+pub fn seen<const N: usize, H: Holding<N>>(arch: Arch, system: &H, state: &[Lanes; N]) -> View<Lanes> {
+    arch.dispatch(Wide(Seen { system, state }))
 }
 
 /// What is seen in some states.

@@ -144,7 +144,9 @@ impl LaneSystem<2> for Held<'_> {
         let heat = self.gas.exchange * (wall - temperature);
         let power = [temperature * heat, Lanes::ZERO];
         let warming = self.cooling * (self.gas.wall - wall) - self.share * power[0];
-        Moment { slope: [state * 0.5 * heat, warming], view: View::NONE, power }
+        // The pressure is in proportion to the temperature.
+        let view = View { value: [temperature; 2], slope: [power[0]; 2] };
+        Moment { slope: [state * 0.5 * heat, warming], view, power }
     }
 }
 

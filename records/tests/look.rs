@@ -314,7 +314,8 @@ fn cycles_in_one_file_become_experiments() {
     let look = Look::at(&path, &Names::default()).unwrap();
     let found = look.found.as_ref().unwrap();
     let pressure = found.trace.pressure_pa.as_deref().unwrap();
-    let (cycles, open) = motion::cycles(&found.trace.time_s, pressure, &found.trace.position_m, &found.phases);
+    let (cycles, open) =
+        motion::cycles([&found.trace.time_s, pressure, &found.trace.position_m], &found.readings, &found.phases);
     assert_eq!((cycles.len(), open), (3, 3), "{cycles:?}");
     let stated = UserInput { bore_m: Some(0.032), trace: "cycles.csv".to_owned(), name: "cycle".to_owned(), cycles };
     std::fs::write(folder.path().join("rig.toml"), rig_file(&look, &stated)).unwrap();

@@ -151,6 +151,7 @@ fn hold(
             pressure_per_temperature: per_temperature[lane],
             settling: settling[lane],
             flowing: 0.0,
+            relative_rate: None,
             regression: found.as_ref().and_then(|found| found.lane(lane)),
         });
     }

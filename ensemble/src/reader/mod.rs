@@ -48,6 +48,8 @@ pub struct Answer {
     pub settling: f64,
     /// Gas that flows in at the end of the test, less what flows out, over the gas there, 1/s.
     pub inflow: f64,
+    /// Rate of the gas's pressure at the end of the test, over the pressure, 1/s.
+    pub pressure_rate: f64,
 }
 
 /// The trace of a row: the knots of each of its segments from [`Traces::begin`] on.
@@ -390,7 +392,7 @@ impl<'a> Traces<'a> {
                 }
                 rises = slope > 0.0;
                 answer.temperature_final = view.value[TEMPERATURE];
-                answer.inflow = view.inflow();
+                (answer.inflow, answer.pressure_rate) = (view.inflow(), view.pressure_rate());
             }
         }
         for group in turns.chunks(WIDTH) {

@@ -114,6 +114,7 @@ impl Traces<'_> {
             temperature_final: temperatures[1],
             settling: 0.0,
             inflow: knots[last].view.inflow(),
+            pressure_rate: knots[last].view.pressure_rate(),
         }
     }
 

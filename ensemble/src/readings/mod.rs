@@ -94,7 +94,7 @@ impl Answer {
         (wall, behind): (f64, &Behind),
         gas: Outcome,
     ) -> Outcome {
-        let (settling_time_s, flows_on) = self.standing(wall, behind, &gas).judge(self.settling);
+        let (settling_time_s, flows_on) = self.standing(s, wall, behind, &gas).judge(self.settling);
         let positions = [s.initial_position_m, s.final_position_m];
         Outcome {
             pressure_peak_pa: self.peak,
@@ -107,7 +107,7 @@ impl Answer {
     }
 
     /// How the record stands at its end.
-    fn standing(&self, wall: f64, behind: &Behind, gas: &Outcome) -> Standing {
+    fn standing(&self, s: &Scenario, wall: f64, behind: &Behind, gas: &Outcome) -> Standing {
         let distance = (self.peak - self.last).abs();
         let cooled = wall / gas.temperature_final_k;
         let to_come = if behind.looks_back() {
@@ -116,7 +116,8 @@ impl Answer {
             gas.pressure_final_pa * (1.0 - cooled).abs()
         };
         let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
-        Standing { distance, to_come, flowing: 0.0, stands }
+        let going_on = (behind.sensor.drift * (gas.duration_s - s.push_time_s)).abs();
+        Standing { distance, to_come, going_on, stands }
     }
 }
 

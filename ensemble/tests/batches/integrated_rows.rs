@@ -180,6 +180,49 @@ fn a_chamber_that_leaks_on_has_not_settled_however_long_the_test() {
     }
 }
 
+/// The test of section 3.1 with an effect of these numbers, of several durations.
+fn with_effect(name: &str, numbers: &[f64]) -> (EffectSet, Vec<Scenario>) {
+    let (_, mut rows) = leaking(0.0);
+    let effect = effects::find(name).unwrap().0;
+    for s in &mut rows {
+        s.chamber.effects.of_mut(effect)[..numbers.len()].copy_from_slice(numbers);
+    }
+    (EffectSet::one(effect), rows)
+}
+
+#[test]
+fn gas_that_comes_to_rest_warmer_than_the_surroundings_has_settled() {
+    let options = Options { fit: false, ..Options::default() };
+    let insulated = with_effect("wall_heating", &[1.0, 0.0]);
+    let (set, mut rows) = leaking(0.0);
+    for s in &mut rows {
+        (s.mass_flow_in_kg_per_s, s.mass_flow_out_kg_per_s, s.temperature_in_k) = (5e-6, 5e-6, 350.0);
+    }
+    for (set, rows) in [insulated, (set, rows)] {
+        for (name, instructions) in InstructionSet::all() {
+            for (s, o) in rows.iter().zip(with_instructions(instructions, set, &rows, &options)) {
+                assert!(o.temperature_final_k - s.ambient_temperature_k > 1.0, "{o:?}");
+                let expected = reference(set, s).settling_time_s.unwrap();
+                assert_close(o.settling_time_s.unwrap(), expected, 1e-2, name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sensor_that_drifts_by_more_than_a_hundredth_has_not_settled() {
+    let options = Options { fit: false, ..Options::default() };
+    for (drift, settles) in [(-300.0, false), (300.0, false), (1.0, true)] {
+        let (set, rows) = with_effect("sensor_drift", &[drift]);
+        for (name, instructions) in InstructionSet::all() {
+            for (s, o) in rows.iter().zip(with_instructions(instructions, set, &rows, &options)) {
+                assert_eq!(o.settling_time_s.is_some(), settles, "{name} {drift}");
+                assert_eq!(reference(set, s).settling_time_s.is_some(), settles, "{drift}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_leak_too_small_to_show_leaves_the_settling_time_of_a_tight_chamber() {
     let options = Options { fit: false, ..Options::default() };

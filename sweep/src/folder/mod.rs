@@ -25,6 +25,7 @@ use crate::study::Study;
 use file_names::{MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use record::{Record, statuses_of};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::io;
 use std::path::PathBuf;
 use store::{LocalFile, Store};
@@ -210,7 +211,11 @@ impl<'a> Folder<'a> {
         }
         let keys = ours.as_object().map(|map| map.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
         let different: Vec<_> = keys.into_iter().filter(|key| theirs[key] != ours[key]).collect();
-        format!("{}, which differs in {}", theirs["name"], different.join(", "))
+        let told = different.into_iter().flat_map(|key| match key.as_str() {
+            "fixed" => different_numbers(&theirs[&key], &ours[&key]),
+            _ => vec![key],
+        });
+        format!("{}, which differs in {}", theirs["name"], told.collect::<Vec<_>>().join(", "))
     }
 
     /// The statistics in a part's record. [`Folder::find`] leaves them out: those of all parts of a large study are more than
@@ -382,4 +387,11 @@ impl<'a> Folder<'a> {
 /// JSON as a file has it.
 fn pretty(value: &Value) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
+}
+/// The numbers of a study's model and test that another one's differ from, with both.
+fn different_numbers(theirs: &Value, ours: &Value) -> Vec<String> {
+    let [of_theirs, of_ours] = [theirs, ours].map(|all| all.as_object().into_iter().flatten());
+    let names: BTreeSet<&String> = of_theirs.chain(of_ours).map(|(name, _)| name).collect();
+    let differ = names.into_iter().filter(|name| theirs[name.as_str()] != ours[name.as_str()]);
+    differ.map(|name| format!("{name} ({} there, {} here)", theirs[name.as_str()], ours[name.as_str()])).collect()
 }

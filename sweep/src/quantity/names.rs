@@ -92,6 +92,10 @@ fn nearest(name: &str) -> Option<&'static str> {
         // As results, reports and the FMU call it.
         return Some("coefficient_w_per_m2_k");
     }
+    // As a column of a trace writes it: `ambient_temperature_k`.
+    if let Some(dotted) = all().iter().find(|q| q.name.replace('.', "_") == name) {
+        return Some(&dotted.name);
+    }
     if name.contains('.') {
         records::nearest(name, all().iter().map(|q| q.name.as_str()))
     } else {
@@ -141,6 +145,8 @@ mod tests {
         assert_eq!(find("test.final_strok_m"), Err(NotFound::Unknown(Some("test.final_stroke_m"))));
         assert_eq!(find("zzz"), Err(NotFound::Unknown(None)));
         assert!(matches!(find("ore_m"), Err(NotFound::Unknown(Some("bore_m")))));
+        assert_eq!(find("ambient_temperature_k"), Err(NotFound::Unknown(Some("ambient.temperature_k"))));
+        assert_eq!(find("ambient_pressure_pa"), Err(NotFound::Unknown(Some("ambient.pressure_pa"))));
         assert_eq!(find("lambda0_w_per_m2_k"), Err(NotFound::Unknown(Some("coefficient_w_per_m2_k"))));
     }
 

@@ -128,8 +128,8 @@ pub const OUTPUTS: [Output; 15] = [
     Output { name: "initial_stroke_m", unit: "m", when: Solved(Base::VolumeToAreaByLength), doc: "Piston position before the push, solved for", append: each!(o => o.strokes[0]) },
     Output { name: "final_stroke_m", unit: "m", when: Solved(Base::VolumeToAreaByLength), doc: "Piston position after the push, solved for", append: each!(o => o.strokes[1]) },
     Output { name: "volume_m3", unit: "m3", when: Always, doc: "Gas volume at the final stroke", append: each!(o => o.volume) },
-    Output { name: "area_m2", unit: "m2", when: Always, doc: "Heat transfer area at the final stroke", append: each!(o => o.area) },
-    Output { name: "volume_to_area_m", unit: "m", when: Always, doc: "Gas volume over heat transfer area at the final stroke", append: each!(o => o.volume / o.area) },
+    Output { name: "area_m2", unit: "m2", when: Always, doc: "Heat transfer area at the final stroke by the area law, without that of `dead_volume_surface`", append: each!(o => o.area) },
+    Output { name: "volume_to_area_m", unit: "m", when: Always, doc: "Gas volume over that area", append: each!(o => o.volume / o.area) },
     Output { name: "pressure_peak_pa", unit: "Pa", when: Always, doc: "Largest pressure from the end of the push on; for an expansion the smallest", append: each!(o => o.pressure_peak) },
     Output { name: "pressure_final_pa", unit: "Pa", when: Always, doc: "Pressure at the end of the test", append: each!(o => o.pressure_final) },
     Output { name: "temperature_final_k", unit: "K", when: Always, doc: "Gas temperature at the end of the test", append: each!(o => o.temperature_final) },
@@ -137,7 +137,7 @@ pub const OUTPUTS: [Output; 15] = [
     Output { name: "time_constant_s", unit: "s", when: Fit, doc: "Time constant of P = Pf + dP exp(-t/tau) fitted from the peak of the pressure on: the end of the push, or later with a lag or delay of the sensor", append: each!(o => o.time_constant) },
     Output { name: "lambda_av_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Average heat transfer coefficient by the paper's steps", append: each!(o => o.lambda_av) },
     Output { name: "lambda0_w_per_m2_k", unit: "W/(m2.K)", when: Fit, doc: "Heat transfer coefficient at the reference state by the paper's steps", append: each!(o => o.lambda0) },
-    Output { name: "settling_time_s", unit: "s", when: Always, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance; null where it does so only because the test ends: more than that 1 % is still to come from the wall or out of a late sensor, or the flow of gas at the end, through a leak for instance, changes more in as long as the hold has lasted", append: each!(o => o.settling_time) },
+    Output { name: "settling_time_s", unit: "s", when: Always, doc: "From the end of the push until pressure stays within 1 % of its peak-to-final distance; null where it does so only because the test ends: more than that 1 % is still to come from the wall or out of a late sensor, or the flow of gas at the end, through a leak for instance, or the drift of the sensor changes more in as long as the hold has lasted. Gas that a flow or a wall of its own keeps warm has nothing more to come from the wall", append: each!(o => o.settling_time) },
     Output { name: "energy_error", unit: "1", when: Always, doc: "Closure of the energy balance over the work of the push: change of internal energy less the integrals of heat, enthalpy and work, which the step control does not know; 0 where the solution is exact", append: each!(o => o.energy_error) },
 ];
 

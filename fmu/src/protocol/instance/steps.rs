@@ -49,7 +49,13 @@ impl Instance {
 
     /// Whether a step can be asked for now, and this one.
     fn check_step(&self, point: f64, h: f64) -> Result<(), Refusal> {
-        self.need(&[Phase::Step], "call fmi2ExitInitializationMode first; only a co-simulation instance makes steps")?;
+        let advice = match self.phase {
+            _ if self.now.kind == Kind::ModelExchange => "only a co-simulation instance makes steps",
+            Phase::Event => "call fmi3EnterStepMode first",
+            Phase::Terminated => "call fmi2Reset first",
+            _ => "call fmi2ExitInitializationMode first",
+        };
+        self.need(&[Phase::Step], advice)?;
         let bad = |argument, value, expected| Err(Refusal::BadArgument { argument, value, expected });
         if !point.is_finite() {
             return bad("currentCommunicationPoint", point, "a finite time is expected");

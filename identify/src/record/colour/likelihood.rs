@@ -7,7 +7,7 @@ use crate::policy::DECISIVE;
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
 use crate::record::whiten::{Place, Whitener};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
 /// Distance of the frequencies that are looked at, in periods of the longest window.
@@ -16,6 +16,9 @@ const FINENESS: f64 = 0.5;
 const MOST_ROUNDS: usize = 100;
 /// Longest windows in which a line keeps its phase: what loses it sooner is a colour, what keeps it longer is a sine.
 pub const COHERENT: RangeInclusive<f64> = 5.0..=1000.0;
+/// A line's variance is no more than what the windows show of it and so many standard errors more, by one in each of √n windows: few
+/// windows happen to show less than is usual.
+const SEEN_WITHIN: f64 = 3.0;
 /// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
 
@@ -48,6 +51,9 @@ pub struct Likelihood<'a> {
     pub free: usize,
     /// Periods of a hum that the longest window has at least.
     pub fewest_periods: f64,
+    /// Whether the windows are contrasts of repeats, in which a line shows as large as it is: what it is in single records a model
+    /// has partly adapted to.
+    pub pure: bool,
     /// The white part is no smaller than this, Pa. Without an end the likelihood of windows without noise would rise for ever
     /// as the white part shrinks beside a coloured one.
     pub least_pa: f64,
@@ -219,7 +225,7 @@ impl Likelihood<'_> {
                     continue;
                 }
                 let trial = self.scaled(&trial);
-                if trial.0 < best.0 - 1e-3 {
+                if trial.0 < best.0 - 1e-3 && self.is_seen(&trial.1) {
                     (best, moved) = (trial, true);
                 }
             }
@@ -228,6 +234,22 @@ impl Likelihood<'_> {
             }
         }
         best
+    }
+
+    /// Whether the windows scatter as much as a line of this size makes them. A line of about a period may come out far larger: its
+    /// sine and cosine then cancel each other where they follow what is no line.
+    fn is_seen(&self, noise: &Noise) -> bool {
+        let Some(hum) = noise.hum.filter(|_| self.pure) else { return true };
+        let (mut seen, mut expected) = (0.0, 0.0);
+        for Window { values, distance_s, .. } in self.windows {
+            let n = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / n;
+            seen += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+            // The mean of a sine whose phase is anyone's has the variance sinc² of the sine's.
+            let half_turn = PI * hum.frequency_hz * distance_s * n;
+            expected += n * (1.0 - (half_turn.sin() / half_turn).powi(2));
+        }
+        hum.sd_pa * hum.sd_pa * expected <= (1.0 + SEEN_WITHIN / (self.windows.len() as f64).sqrt()) * seen
     }
 
     /// Duration of the longest window, s.
@@ -375,7 +397,7 @@ mod tests {
     fn white_noise_has_no_colour_and_no_line() {
         let mut random = Random::new(1);
         let windows = windows_of(|_| 80.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         assert!((white.1.white_pa / 80.0 - 1.0).abs() < 0.03);
         assert!(likelihood.with_another_colour(&white.1, 6.0).0 > white.0 - 12.0);
@@ -394,7 +416,7 @@ mod tests {
             };
             state + 40.0 * random.normal()
         });
-        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, least_pa: 0.0 };
+        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let (deviance, found) = likelihood.with_another_colour(&white.1, 6.0);
         assert!(deviance < white.0 - 1000.0);
@@ -415,7 +437,8 @@ mod tests {
                 Window { values, distance_s: ROW_S, averaged: 1 }
             })
             .collect();
-        let likelihood = Likelihood { windows: &windows, free: FREE_IN_CONTRAST, fewest_periods: 0.5, least_pa: 0.0 };
+        let likelihood =
+            Likelihood { windows: &windows, free: FREE_IN_CONTRAST, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
         let coloured = likelihood.coloured(likelihood.scaled(&Noise::white(1.0)), 10.0);
         assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
         let found = likelihood.best(&Noise::white(1.0), 10.0, 10.0);
@@ -448,7 +471,8 @@ mod tests {
     fn short_windows_tell_how_flicker_noise_wanders_over_a_record() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let windows = coloured_windows(&times_s, 6);
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 0.0 };
+        let likelihood =
+            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert!(found.flickers(), "{found:?}");
         // 40 Pa in each half of a decade.
@@ -459,7 +483,8 @@ mod tests {
     #[test]
     fn noise_of_one_correlation_time_does_not_flicker() {
         let windows = coloured_windows(&[0.05; 8], 7);
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 0.0 };
+        let likelihood =
+            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert_eq!(found.colours.len(), 1, "{found:?}");
         assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.1, "{found:?}");
@@ -471,7 +496,8 @@ mod tests {
         let mut coloured = 0;
         for seed in 0..8 {
             let windows: Vec<Window> = coloured_windows(&times_s, 100 + seed).into_iter().take(8).collect();
-            let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 2.0, least_pa: 0.0 };
+            let likelihood =
+                Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 2.0, pure: false, least_pa: 0.0 };
             let white = likelihood.scaled(&Noise::white(1.0));
             let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
             assert!(found.flickers(), "{seed}: {found:?}");
@@ -486,7 +512,8 @@ mod tests {
     fn what_a_model_leaves_of_records_without_noise_is_no_colour_and_no_less_than_the_least_white() {
         // A decay of 1 Pa without any noise: the likelihood of a colour alone has no end.
         let windows = windows_of(|i| (-(i as f64) / 200.0).exp());
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 5.0 };
+        let likelihood =
+            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 5.0 };
         let found = likelihood.best(&Noise::white(5.0), likelihood.longest_s(), 60.0);
         assert_eq!(found, Noise::white(5.0));
     }
@@ -495,12 +522,40 @@ mod tests {
     fn hum_is_found_by_its_frequency() {
         let mut random = Random::new(3);
         let windows = windows_of(|i| 120.0 * (TAU * 1.3 * ROW_S * i as f64 + 0.4).sin() + 60.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, least_pa: 0.0 };
+        let likelihood =
+            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");
         let (_, noise) = likelihood.humming(&white.1).unwrap();
         assert!((noise.hum.unwrap().frequency_hz - 1.3).abs() < 2e-3, "{noise:?}");
         assert!((noise.white_pa / 60.0 - 1.0).abs() < 0.05, "{noise:?}");
+    }
+
+    #[test]
+    fn a_line_in_contrasts_is_no_larger_than_they_show() {
+        // Repeats that begin warmer or colder than the wall differ by what relaxes: no line.
+        let mut random = Random::new(21);
+        let windows: Vec<Window> = (0..20)
+            .map(|_| {
+                let size = 800.0 * random.normal();
+                let relaxing = |i: usize| size * (-(i as f64) / 300.0).exp();
+                let values = (0..900).map(|i| relaxing(i) + 60.0 * random.normal()).collect();
+                Window { values, distance_s: 0.01, averaged: 1 }
+            })
+            .collect();
+        let scatter = |w: &Window| {
+            let mean = w.values.iter().sum::<f64>() / w.values.len() as f64;
+            w.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / w.values.len() as f64
+        };
+        let shown_pa = (windows.iter().map(scatter).sum::<f64>() / windows.len() as f64).sqrt();
+        let sd_pa = |pure: bool| {
+            let free = FREE_IN_CONTRAST;
+            let likelihood = Likelihood { windows: &windows, free, fewest_periods: 1.0, pure, least_pa: 0.0 };
+            let (_, noise) = likelihood.humming(&likelihood.scaled(&Noise::white(60.0)).1).unwrap();
+            noise.hum.unwrap().sd_pa
+        };
+        let most_pa = shown_pa * (1.0 + SEEN_WITHIN / 20.0_f64.sqrt()).sqrt();
+        assert!(sd_pa(true) <= most_pa && sd_pa(false) > most_pa, "{} {} {most_pa}", sd_pa(true), sd_pa(false));
     }
 }

@@ -51,7 +51,7 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
         windows = windows.into_iter().step_by(2).collect();
     }
     let (free, fewest_periods) = if pure { (FREE_IN_CONTRAST, FEWEST_SEEN) } else { (FREE_ALONE, FEWEST_PERIODS) };
-    let likelihood = Likelihood { windows: &windows, free, fewest_periods, least_pa: data.least_noise_pa() };
+    let likelihood = Likelihood { windows: &windows, free, fewest_periods, pure, least_pa: data.least_noise_pa() };
     let white_pa = before.white_pa.max(before.rounding_pa());
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
     let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, record_s, ..before.clone() };
@@ -90,7 +90,7 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     };
     let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
     let (fewest_periods, least_pa) = (FEWEST_SEEN, data.least_noise_pa());
-    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, least_pa };
+    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, pure: false, least_pa };
     let longest_s = likelihood.longest_s();
     // A colour stands for what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
