@@ -79,6 +79,20 @@ impl Search {
         if nobody_minds { accuracy_pa } else { accuracy_pa.min(chosen.systematic_pa * 0.5f64.sqrt()) }
     }
 
+    /// The set without the effects that its fit has driven to where they are off, where it is none that was tried, or decisively
+    /// better than that: beside such an effect a fit may come to a valley that it has missed without.
+    pub(super) fn without_what_is_off(&self, c: &Candidate) -> Option<Candidate> {
+        let off = c.model.of_rig().without(c.fit.chamber().active());
+        let effects = c.model.effects.without(off);
+        let model = Model { effects, secondary: c.model.secondary.without(off), ..c.model };
+        if off.is_empty() || model.terms() == 0 {
+            return None;
+        }
+        let part = self.candidate(self.refitted_without(&c.fit, model)?);
+        let known = self.tried.iter().find(|known| known.model == model);
+        known.is_none_or(|known| part.delta_bic > known.delta_bic + policy::DECISIVE).then_some(part)
+    }
+
     /// The same set with its secondary parameters free, where that is decisively better.
     pub(super) fn freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = Model { secondary: c.model.of_rig(), ..c.model };
@@ -180,6 +194,24 @@ mod tests {
         assert!(search.enters(&zones, 2.0));
         (zones.fit.rig[fraction], zones.fit.rig[conductance]) = (0.0, 0.0);
         assert!(!search.enters(&zones, 2.0));
+    }
+
+    #[test]
+    fn what_a_set_is_without_an_effect_that_is_off_is_fitted_from_there() {
+        let (search, mut zones) = search_with_exhausted_zones();
+        let model = Model::with(EffectSet::one(find("natural_convection").unwrap().0).union(zones.model.effects));
+        zones = search.candidate(fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap());
+        let of_zones = |fit: &Fit| {
+            let is_of_zones = |axis: &crate::parameters::Axis| axis.slot.name().starts_with("gas_zones");
+            (0..fit.rig.len()).filter(|k| is_of_zones(&fit.hypothesis.axes[*k])).collect::<Vec<_>>()
+        };
+        of_zones(&zones.fit).into_iter().for_each(|k| zones.fit.rig[k] = 0.0);
+        let part = search.without_what_is_off(&zones).unwrap();
+        assert_eq!(part.model, Model::with(EffectSet::one(find("natural_convection").unwrap().0)));
+        assert!(part.delta_bic > policy::DECISIVE && part.fit.converged);
+        // No more where that is known as well.
+        let tried = vec![part];
+        assert!(Search { tried, ..search }.without_what_is_off(&zones).is_none());
     }
 
     #[test]

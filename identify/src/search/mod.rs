@@ -322,7 +322,9 @@ impl Search {
             terms::is_small(model) && !self.tried.iter().any(has_it)
         });
         let fresh = fresh.collect();
-        let found = self.fit_all(&self.promising(fresh));
+        let mut found = self.fit_all(&self.promising(fresh));
+        found.extend(found.par_iter().filter_map(|c| self.without_what_is_off(c)).collect::<Vec<_>>());
+        sort(&mut found);
         let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());
         self.judge(&mut found, policy::JUDGED);
         self.keep(found.iter().cloned().chain(exhausting));
