@@ -98,6 +98,17 @@ fn derivatives_at_the_start_are_those_of_central_differences() {
 }
 
 #[test]
+fn a_piston_held_by_the_far_end_goes_with_the_stroke() {
+    let host = Host::new();
+    host.set("position", 0.08);
+    host.set("stroke", 0.05);
+    assert_eq!(unsafe { fmu::fmi2::abi::fmi2EnterInitializationMode(host.c) }, 0);
+    assert_eq!(host.get("pistonPosition"), 0.05);
+    assert_eq!(host.directional("pistonPosition", "stroke"), 1.0);
+    assert_eq!(host.directional("pistonPosition", "position"), 0.0);
+}
+
+#[test]
 fn a_mass_flow_changes_the_mass_s_rate_by_itself_even_at_rest() {
     let host = Host::started(&[]);
     assert_eq!(host.directional("der(mass)", "massFlowIn"), 1.0);

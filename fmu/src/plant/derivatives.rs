@@ -9,7 +9,7 @@ use super::rates::{Moment, Present, Sensor};
 use super::simulation::{Kind, Simulation};
 use super::states::{self, ALL, Origin, TRAVEL};
 use super::tangent::{D, Here, Seed, lifted, moving, tangents};
-use super::values::{INPUTS, OUTPUTS, Parameters, input};
+use super::values::{INPUTS, OUTPUTS, Parameters, input, parameter};
 use chamber::balance::{self, Balance, ENERGY, MASS, OWN, STATES};
 use chamber::dual::Dual;
 use chamber::effects::{self, EffectSet};
@@ -28,7 +28,7 @@ fn with_fresh_states(moment: &Moment<'_, D>, seeded: EffectSet, on: EffectSet, m
 }
 
 /// Present inputs along a direction, with the piston where it is: it follows the position, or the way its velocity has
-/// made, unless an end holds it.
+/// made, unless an end holds it: the far one goes with the stroke.
 fn inputs_along(now: &Simulation, seed: &Seed) -> [D; INPUTS] {
     let here = now.here();
     let mut u = lifted(&here, &seed.inputs);
@@ -36,7 +36,9 @@ fn inputs_along(now: &Simulation, seed: &Seed) -> [D; INPUTS] {
     let travels = now.started && now.is_moved_by_velocity();
     let position = if travels { seed.states[TRAVEL] } else { seed.inputs[input::POSITION] };
     let held = now.plant.limits.excludes(said.position) && !(travels && now.kind == Kind::ModelExchange);
-    u[input::POSITION].tangent[0] = if held { 0.0 } else { position };
+    let at_far_end = held && said.position > 0.0;
+    let end = if at_far_end { seed.parameters[parameter::STROKE] } else { 0.0 };
+    u[input::POSITION].tangent[0] = if held { end } else { position };
     if here[input::VELOCITY] != said.velocity {
         u[input::VELOCITY].tangent[0] = 0.0;
     }

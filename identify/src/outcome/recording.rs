@@ -188,7 +188,7 @@ pub fn left_out(data: &Data) -> Vec<String> {
     out
 }
 
-/// Which records end with an opened chamber.
+/// Which records end with an opened chamber, and from where on.
 fn opened(data: &Data) -> Option<String> {
     let first_row = |t: &Prepared| t.readout.opened.as_ref().map(|rows| rows.start);
     let records: Vec<String> = data
@@ -200,7 +200,7 @@ fn opened(data: &Data) -> Option<String> {
     let (named, more) = far_off::first_few(&records);
     (!records.is_empty()).then(|| {
         format!(
-            "at the end the pressure leaves its course while the piston is held, as if the port was opened; these rows are left out ({}{more})",
+            "the pressure leaves its course while the piston is held, as if the port was opened; the rows from there to the end are left out ({}{more})",
             named.join("; ")
         )
     })
