@@ -36,8 +36,7 @@ fn inputs_along(now: &Simulation, seed: &Seed) -> [D; INPUTS] {
     let travels = now.started && now.is_moved_by_velocity();
     let position = if travels { seed.states[TRAVEL] } else { seed.inputs[input::POSITION] };
     let held = now.plant.limits.excludes(said.position) && !(travels && now.kind == Kind::ModelExchange);
-    let at_far_end = held && said.position > 0.0;
-    let end = if at_far_end { seed.parameters[parameter::STROKE] } else { 0.0 };
+    let end = if said.position > 0.0 { seed.parameters[parameter::STROKE] } else { 0.0 };
     u[input::POSITION].tangent[0] = if held { end } else { position };
     if here[input::VELOCITY] != said.velocity {
         u[input::VELOCITY].tangent[0] = 0.0;

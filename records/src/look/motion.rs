@@ -124,8 +124,8 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
         // What answers for a moment only is a narrow port, and so is what still empties or fills the chamber.
         let settled = last.saturating_sub(REST_ROWS).max(after.rows.start)..last;
         let is_steady = (pressure_pa[first] - rest_pa).abs() < STEADY * readings.deviation_pa();
-        let opened_before = closed_until([time_s, pressure_pa], readings, before.rows.clone()) < first;
-        if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || opened_before && !is_steady {
+        let was_opened = || closed_until([time_s, pressure_pa], readings, before.rows.clone()) < first;
+        if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || !is_steady && was_opened() {
             open += 1;
             continue;
         }

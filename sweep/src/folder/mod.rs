@@ -25,7 +25,6 @@ use crate::study::Study;
 use file_names::{MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use record::{Record, statuses_of};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
 use std::io;
 use std::path::PathBuf;
 use store::{LocalFile, Store};
@@ -210,9 +209,10 @@ impl<'a> Folder<'a> {
             );
         }
         let keys = ours.as_object().map(|map| map.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
-        let different: Vec<_> = keys.into_iter().filter(|key| theirs[key] != ours[key]).collect();
-        let told = different.into_iter().flat_map(|key| match key.as_str() {
-            "fixed" => different_numbers(&theirs[&key], &ours[&key]),
+        let told = keys.into_iter().filter(|key| theirs[key] != ours[key]).flat_map(|key| match key.as_str() {
+            "fixed" => different(&theirs[&key], &ours[&key])
+                .map(|(name, [theirs, ours])| format!("{name} ({theirs} there, {ours} here)"))
+                .collect(),
             _ => vec![key],
         });
         format!("{}, which differs in {}", theirs["name"], told.collect::<Vec<_>>().join(", "))
@@ -388,10 +388,11 @@ impl<'a> Folder<'a> {
 fn pretty(value: &Value) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }
-/// The numbers of a study's model and test that another one's differ from, with both.
-fn different_numbers(theirs: &Value, ours: &Value) -> Vec<String> {
-    let [of_theirs, of_ours] = [theirs, ours].map(|all| all.as_object().into_iter().flatten());
-    let names: BTreeSet<&String> = of_theirs.chain(of_ours).map(|(name, _)| name).collect();
-    let differ = names.into_iter().filter(|name| theirs[name.as_str()] != ours[name.as_str()]);
-    differ.map(|name| format!("{name} ({} there, {} here)", theirs[name.as_str()], ours[name.as_str()])).collect()
+
+/// The entries in which two parts of studies differ, each with both values; null where there is none.
+fn different<'a>(theirs: &'a Value, ours: &'a Value) -> impl Iterator<Item = (&'a String, [&'a Value; 2])> {
+    let entries = |of: &'a Value| of.as_object().into_iter().flatten().map(|(name, _)| name);
+    let only_theirs = entries(theirs).filter(move |name| ours.get(name.as_str()).is_none());
+    let both = move |name: &'a String| (name, [theirs, ours].map(|of| &of[name.as_str()]));
+    entries(ours).chain(only_theirs).map(both).filter(|(_, [theirs, ours])| theirs != ours)
 }

@@ -240,15 +240,14 @@ impl Likelihood<'_> {
     /// sine and cosine then cancel each other where they follow what is no line.
     fn is_seen(&self, noise: &Noise) -> bool {
         let Some(hum) = noise.hum.filter(|_| self.pure) else { return true };
-        let (mut seen, mut expected) = (0.0, 0.0);
-        for Window { values, distance_s, .. } in self.windows {
-            let n = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / n;
-            seen += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-            // The mean of a sine whose phase is anyone's has the variance sinc² of the sine's.
-            let half_turn = PI * hum.frequency_hz * distance_s * n;
-            expected += n * (1.0 - (half_turn.sin() / half_turn).powi(2));
-        }
+        // The mean of a sine whose phase is anyone's has the variance sinc² of the sine's.
+        let of_a_sine = |w: &Window| {
+            let n = w.values.len() as f64;
+            let half_turn = PI * hum.frequency_hz * w.distance_s * n;
+            n * (1.0 - (half_turn.sin() / half_turn).powi(2))
+        };
+        let seen: f64 = self.windows.iter().map(Window::squares).sum();
+        let expected: f64 = self.windows.iter().map(of_a_sine).sum();
         hum.sd_pa * hum.sd_pa * expected <= (1.0 + SEEN_WITHIN / (self.windows.len() as f64).sqrt()) * seen
     }
 
@@ -544,10 +543,7 @@ mod tests {
                 Window { values, distance_s: 0.01, averaged: 1 }
             })
             .collect();
-        let scatter = |w: &Window| {
-            let mean = w.values.iter().sum::<f64>() / w.values.len() as f64;
-            w.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / w.values.len() as f64
-        };
+        let scatter = |w: &Window| w.squares() / w.values.len() as f64;
         let shown_pa = (windows.iter().map(scatter).sum::<f64>() / windows.len() as f64).sqrt();
         let sd_pa = |pure: bool| {
             let free = FREE_IN_CONTRAST;

@@ -73,12 +73,8 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
 /// Whether repeats differ by more than twice the variance of rounding: coloured noise moves the readings over their steps, though
 /// not from each to the next.
 fn exceeds_rounding(windows: &[Window], rounding_pa: f64) -> bool {
-    let of = |w: &Window| {
-        let mean = w.values.iter().sum::<f64>() / w.values.len() as f64;
-        w.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
-    };
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
-    windows.iter().map(of).sum::<f64>() > 2.0 * rounding_pa * rounding_pa * points as f64
+    windows.iter().map(Window::squares).sum::<f64>() > 2.0 * rounding_pa * rounding_pa * points as f64
 }
 
 /// Hum that whole rests and holds of single records show: a short window holds less than a period of it.

@@ -21,6 +21,14 @@ pub struct Window {
     pub averaged: usize,
 }
 
+impl Window {
+    /// Sum of the squares of its values about their mean, Pa².
+    pub fn squares(&self) -> f64 {
+        let mean = self.values.iter().sum::<f64>() / self.values.len() as f64;
+        self.values.iter().map(|v| (v - mean).powi(2)).sum()
+    }
+}
+
 /// Windows of noise, and whether they are contrasts of repeats.
 pub fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
     let mut out = Vec::new();

@@ -11,8 +11,8 @@ pub use rows::EarlierReader;
 use crate::design::Design;
 use crate::error::Error;
 use crate::folder::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
-use crate::folder::record;
 use crate::folder::store::{LocalFile, Store};
+use crate::folder::{different, record};
 use crate::hash;
 use crate::part::reader;
 use crate::study::Study;
@@ -179,12 +179,7 @@ fn continues(study: &Study, found: &Value) -> Result<u64, String> {
 /// In which of its entries a key of the study differs.
 fn difference(key: &str, theirs: &Value, ours: &Value) -> String {
     let said = |value: &Value| if value.is_null() { "nothing".to_owned() } else { value.to_string() };
-    if let (Some(a), Some(b)) = (theirs.as_object(), ours.as_object()) {
-        let names = b.keys().chain(a.keys());
-        if let Some(name) = names.into_iter().find(|name| a.get(*name) != b.get(*name)) {
-            let [theirs, ours] = [a, b].map(|all| said(all.get(name).unwrap_or(&Value::Null)));
-            return format!("its {name} is {theirs}, this study's {ours}");
-        }
-    }
-    format!("its {key} is {}, this study's {}", said(theirs), said(ours))
+    let entry = if theirs.is_object() && ours.is_object() { different(theirs, ours).next() } else { None };
+    let (name, [theirs, ours]) = entry.map_or((key, [theirs, ours]), |(name, both)| (name.as_str(), both));
+    format!("its {name} is {}, this study's {}", said(theirs), said(ours))
 }
