@@ -5,10 +5,12 @@
 //! | module | holds |
 //! |---|---|
 //! | [`file_names`], `record` | what stands where; what is known of a part |
+//! | `differing` | in which entries two studies differ |
 //! | [`store`] | where the folder is: on a disk or elsewhere |
 //! | [`earlier`] | rows that a smaller study has solved already |
 //! | [`verify`] | whether it holds what its manifest says |
 
+mod differing;
 pub mod earlier;
 pub mod file_names;
 pub(crate) mod record;
@@ -22,6 +24,7 @@ use crate::part::columns;
 use crate::part::new_file::Digest;
 use crate::statistics::State;
 use crate::study::Study;
+use differing::differing;
 use file_names::{MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use record::{Record, statuses_of};
 use serde_json::{Value, json};
@@ -210,7 +213,7 @@ impl<'a> Folder<'a> {
         }
         let keys = ours.as_object().map(|map| map.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
         let told = keys.into_iter().filter(|key| theirs[key] != ours[key]).flat_map(|key| match key.as_str() {
-            "fixed" => different(&theirs[&key], &ours[&key])
+            "fixed" => differing(&theirs[&key], &ours[&key])
                 .map(|(name, [theirs, ours])| format!("{name} ({theirs} there, {ours} here)"))
                 .collect(),
             _ => vec![key],
@@ -387,12 +390,4 @@ impl<'a> Folder<'a> {
 /// JSON as a file has it.
 fn pretty(value: &Value) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
-}
-
-/// The entries in which two parts of studies differ, each with both values; null where there is none.
-fn different<'a>(theirs: &'a Value, ours: &'a Value) -> impl Iterator<Item = (&'a String, [&'a Value; 2])> {
-    let entries = |of: &'a Value| of.as_object().into_iter().flatten().map(|(name, _)| name);
-    let only_theirs = entries(theirs).filter(move |name| ours.get(name.as_str()).is_none());
-    let both = move |name: &'a String| (name, [theirs, ours].map(|of| &of[name.as_str()]));
-    entries(ours).chain(only_theirs).map(both).filter(|(_, [theirs, ours])| theirs != ours)
 }

@@ -10,9 +10,10 @@ pub use rows::EarlierReader;
 
 use crate::design::Design;
 use crate::error::Error;
+use crate::folder::differing::differing;
 use crate::folder::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
+use crate::folder::record;
 use crate::folder::store::{LocalFile, Store};
-use crate::folder::{different, record};
 use crate::hash;
 use crate::part::reader;
 use crate::study::Study;
@@ -179,7 +180,7 @@ fn continues(study: &Study, found: &Value) -> Result<u64, String> {
 /// In which of its entries a key of the study differs.
 fn difference(key: &str, theirs: &Value, ours: &Value) -> String {
     let said = |value: &Value| if value.is_null() { "nothing".to_owned() } else { value.to_string() };
-    let entry = if theirs.is_object() && ours.is_object() { different(theirs, ours).next() } else { None };
+    let entry = if theirs.is_object() && ours.is_object() { differing(theirs, ours).next() } else { None };
     let (name, [theirs, ours]) = entry.map_or((key, [theirs, ours]), |(name, both)| (name.as_str(), both));
     format!("its {name} is {}, this study's {}", said(theirs), said(ours))
 }
