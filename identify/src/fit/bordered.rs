@@ -172,6 +172,7 @@ mod tests {
             base: Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(30.0)),
             positions_m: [0.0, 0.1],
             at_rest: Vec::new(),
+            ambient_scatter_k: 0.0,
         };
         // Residuals 1000 (y − x) and x + y − 8, from x = y = 0 on: the least is at x = y = 4, with y ≤ 1 at x = 1.
         let linear = Linear {

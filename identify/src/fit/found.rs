@@ -40,6 +40,8 @@ pub struct Fit {
     /// Numbers of the linearised problem, free or stated, that may move to where the records ask for them: not one at a bound, nor
     /// one that a card states.
     pub adapts: Vec<bool>,
+    /// Root mean square by which the surroundings of single records differ from the rig's, in standard deviations beforehand.
+    pub ambient_scatter: f64,
     /// Iterations used.
     pub iterations: usize,
     /// Whether the iteration ended at a minimum rather than at its limit.
@@ -75,6 +77,11 @@ impl Fit {
     /// [`policy::EASED`].
     pub fn is_eased_by_moves(&self) -> bool {
         self.chi2 - self.marginal > policy::EASED * (self.chi2 - self.blocks as f64)
+    }
+
+    /// Whether the surroundings of the records would have to scatter by more than they can: [`policy::TOLERANCES`].
+    pub fn needs_other_surroundings(&self) -> bool {
+        self.ambient_scatter > policy::TOLERANCES
     }
 
     /// The fitted chamber.

@@ -67,6 +67,8 @@ pub enum Own {
     Pressure,
     /// Initial temperature over its first guess.
     Temperature,
+    /// Temperature of its surroundings over the stated one.
+    AmbientTemperature,
     /// Temperature of the gas behind one of its gaps, over that which the stroke taken for the gap leads to.
     BehindGap(usize),
     /// A parameter of an effect of the recording.
@@ -79,6 +81,7 @@ impl Own {
         match self {
             Own::Pressure => "initial_pressure_pa".to_owned(),
             Own::Temperature => "initial_temperature_k".to_owned(),
+            Own::AmbientTemperature => Slot::AmbientTemperature.name(),
             Own::BehindGap(gap) => format!("behind_gap_{}.temperature_ratio", gap + 1),
             Own::Effect(e, p) => Slot::Effect(e, p).name(),
         }
@@ -88,7 +91,7 @@ impl Own {
     pub fn unit(self) -> &'static str {
         match self {
             Own::Pressure => "Pa",
-            Own::Temperature => "K",
+            Own::Temperature | Own::AmbientTemperature => "K",
             Own::BehindGap(_) => "1",
             Own::Effect(e, p) => Slot::Effect(e, p).unit(),
         }

@@ -38,6 +38,8 @@ pub struct Hypothesis {
     pub positions_m: [f64; 2],
     /// Which records begin at rest.
     pub at_rest: Vec<bool>,
+    /// How far the surroundings of one record scatter about those of all, K: a standard deviation.
+    pub ambient_scatter_k: f64,
 }
 
 impl Hypothesis {
@@ -104,7 +106,10 @@ impl Hypothesis {
         }
         let stated = stated(data, &model, positions_m);
         let at_rest = data.traces.iter().map(|t| t.starts_at_rest).collect();
-        Self { model, axes, stated, own, base: *base, positions_m, at_rest }
+        // Of a single record the rig's tolerance says it all.
+        let scatters = if data.traces.len() > 1 { policy::BETWEEN_RECORDS } else { 0.0 };
+        let ambient_scatter_k = scatters * data.tolerance.ambient_temperature_k;
+        Self { model, axes, stated, own, base: *base, positions_m, at_rest, ambient_scatter_k }
     }
 
     /// How many of the stated numbers are the rig's.
@@ -161,6 +166,12 @@ impl Hypothesis {
             axis.prior = trace.starts_at_rest.then_some([1.0, REST_DEVIATION_K / trace.initial_temperature_k]);
             out.push(axis);
         }
+        if self.ambient_scatter_k > 0.0 && !trace.shows_ambient {
+            let sd = self.ambient_scatter_k / trace.initial_temperature_k;
+            let far = policy::DEVIATIONS_BEFOREHAND * sd;
+            let axis = initial(Own::AmbientTemperature, trace.initial_temperature_k);
+            out.push(Axis { bounds: [1.0 - far, 1.0 + far], prior: Some([1.0, sd]), ..axis });
+        }
         let gaps = 0..gaps::of(&trace.course.motion).count();
         out.extend(
             gaps.map(|gap| Axis { prior: Some([1.0, policy::BEHIND_GAP]), ..initial(Own::BehindGap(gap), 1.0) }),
@@ -172,7 +183,7 @@ impl Hypothesis {
     /// Where a record's own numbers begin: its first guesses, what `base` has of the effects.
     pub fn first_own(&self, trace: &Prepared) -> Vec<f64> {
         let begin = |axis: &Axis<Own>| match axis.slot {
-            Own::Pressure | Own::Temperature | Own::BehindGap(_) => 1.0,
+            Own::Pressure | Own::Temperature | Own::AmbientTemperature | Own::BehindGap(_) => 1.0,
             Own::Effect(e, p) => axis.coordinate(self.base.effects.of(e)[p]),
         };
         self.own_of(trace).iter().map(begin).collect()
@@ -209,10 +220,15 @@ impl Hypothesis {
                 _ => {}
             }
         }
+        let own_of = self.own_of(trace);
+        if let Some(place) = own_of.iter().position(|axis| axis.slot == Own::AmbientTemperature) {
+            correction.warmer += own_of[place].value(own[place]) - trace.initial_temperature_k;
+        }
         let ambient = correction.warmer + trace.initial_temperature_k;
         let mut start = Start::at_rest(&chamber, R::from(trace.initial_pressure_pa), ambient);
-        for (axis, x) in self.own_of(trace).iter().zip(own) {
+        for (axis, x) in own_of.iter().zip(own) {
             match axis.slot {
+                Own::AmbientTemperature => {}
                 Own::Pressure => start.pressure = axis.value(*x),
                 Own::Temperature => start.temperature = axis.value(*x) + correction.warmer + at_rest,
                 Own::BehindGap(gap) => correction.behind_gaps[gap] = axis.value(*x),
@@ -285,6 +301,32 @@ mod tests {
     use super::*;
     use crate::synthetic::Recipe;
     use chamber::effects::{EffectSet, find};
+
+    #[test]
+    fn records_that_do_not_show_their_surroundings_have_a_temperature_of_them_each_and_a_single_one_has_not() {
+        let own_of = |recipe: &Recipe, shows_ambient: bool| {
+            let mut data = Data::prepare(&recipe.rig()).unwrap();
+            data.traces[0].shows_ambient = shows_ambient;
+            let chamber = first_chamber(&data);
+            let h = Hypothesis::new(&data, Model::PAPER, &chamber, &Sizes::of(&data, &chamber));
+            let own = h.own_of(&data.traces[0]);
+            (own.into_iter().find(|axis| axis.slot == Own::AmbientTemperature), data, h)
+        };
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        let mut single = recipe.clone();
+        single.tests.truncate(1);
+        assert!(own_of(&single, false).0.is_none() && own_of(&recipe, true).0.is_none());
+        let (axis, data, h) = own_of(&recipe, false);
+        let (axis, t) = (axis.unwrap(), &data.traces[0]);
+        let scatter_k = axis.prior.unwrap()[1] * axis.scale;
+        assert!((scatter_k - 0.2 * data.tolerance.ambient_temperature_k).abs() < 1e-9);
+        // Gas at rest and the wall have it.
+        let x = h.coordinates(&h.base);
+        let setting = |kelvin: f64| h.setting(t, &x, &[], &[1.0, 1.0 + kelvin / t.initial_temperature_k]);
+        let (as_stated, warmer) = (setting(0.0), setting(0.5));
+        assert!((warmer.start.temperature - as_stated.start.temperature - 0.5).abs() < 1e-9);
+        assert!((warmer.correction.warmer - as_stated.correction.warmer - 0.5).abs() < 1e-9);
+    }
 
     #[test]
     fn a_position_is_early_by_little_more_than_half_a_row_and_only_behind_a_low_pass() {

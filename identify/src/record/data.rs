@@ -56,6 +56,8 @@ pub struct Prepared {
     pub initial_pressure_pa: f64,
     /// First guess of the initial temperature, K: where the record starts in motion it is free.
     pub initial_temperature_k: f64,
+    /// Whether it shows the temperature of its surroundings.
+    pub shows_ambient: bool,
     /// Whether it begins with the piston held.
     pub starts_at_rest: bool,
 }

@@ -200,6 +200,7 @@ impl<'a> Columns<'a> {
             spikes: readout.outliers.clone(),
             readout,
             initial_temperature_k: ambient_temperature.at(0.0, &Default::default()).0,
+            shows_ambient: trace.ambient_temperature_k.is_some(),
             starts_at_rest: motion.starts_at_rest(),
             course: Course { motion, ambient_temperature, ambient_pressure: rig.ambient.pressure_pa, mass_flow },
             time_s,

@@ -91,6 +91,9 @@ impl Search {
             read_off,
         };
         sanity::dead_volume(&self.data, &found.reported().fit)?;
+        if let Some(better) = found.better_than_reported(&self.data) {
+            sanity::dead_volume(&self.data, &better.fit)?;
+        }
         if found.coefficient_stands_for().is_none() {
             sanity::coefficient(&self.data, &found.reported().fit)?;
         }
@@ -155,7 +158,9 @@ impl Search {
         if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
             return match self.chosen_adequacy.explains(before_pa) {
                 _ if nothing_named => Verdict::Adequate,
-                _ if self.chosen.fit.exhausted().is_some() => Verdict::Improved,
+                _ if self.chosen.fit.exhausted().is_some() || self.chosen.fit.needs_other_surroundings() => {
+                    Verdict::Improved
+                }
                 true if carries_over => Verdict::Explained,
                 _ => Verdict::Improved,
             };
@@ -352,6 +357,13 @@ mod tests {
             search.verdict(false, search.carries_over())
         };
         assert_eq!([times(1.5), times(2.5)], [Verdict::Explained, Verdict::Improved]);
+        // Nor do surroundings of the records that differ by more than they can.
+        search.chosen.held_out = Some(predicted);
+        let mut scattered = |deviations: f64| {
+            search.chosen.fit.ambient_scatter = deviations;
+            search.verdict(false, true)
+        };
+        assert_eq!([scattered(3.5), scattered(2.5)], [Verdict::Improved, Verdict::Explained]);
 
         // Of few records, which need not show all of the effect each, only that most of the error goes.
         search.data.traces.truncate(3);

@@ -1,10 +1,10 @@
 //! What a set needs to enter: decisive evidence, a lower error on left-out data, and numbers that can be a rig's.
 
 use super::starts::fit_model;
-use super::{Candidate, Search, sort};
+use super::{Candidate, Search, sort, terms};
 use crate::fit::{Fit, covariance};
 use crate::judge::evidence::bic;
-use crate::judge::{adequacy, left_out};
+use crate::judge::{adequacy, left_out, sanity};
 use crate::parameters::Model;
 use crate::policy;
 use chamber::effects::CARDS;
@@ -62,13 +62,31 @@ impl Search {
         // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
         let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
         let least_gain = if in_place { 0.0 } else { self.least_gain() };
+        let decisive = policy::DECISIVE + among.ln();
         let lower = match over.held_out {
-            Some(_) => c.errs_less(over, least_gain),
+            Some(_) => c.errs_less(over, least_gain) || self.is_another_cause(c, decisive),
             None => c.held_out.is_some(),
         };
         // An effect that a fit has driven to where it is off is none.
         let is_on = c.fit.chamber().active().contains(c.model.of_rig());
-        lower && is_on && c.delta_bic - over.delta_bic > policy::DECISIVE + among.ln() && is_credible(&c.fit)
+        let has_room = sanity::dead_volume(&self.data, &c.fit).is_ok();
+        lower && is_on && has_room && c.delta_bic - over.delta_bic > decisive && is_credible(&c.fit)
+    }
+
+    /// Whether a set of the rig's effects without all of the chosen ones, which leave noise or what nobody minds, predicts left-out
+    /// data no worse by what matters, and has so much more evidence than those with whatever further terms. Then these imitate its
+    /// cause: that they leave little does not make them the cause.
+    fn is_another_cause(&self, c: &Candidate, decisive: f64) -> bool {
+        let chosen = &self.chosen;
+        let has_chosen = |other: &&Candidate| terms::is_part(&chosen.model, &other.model);
+        if chosen.model.terms() == 0 || !self.needs_no_more_names() || c.model.has_terms_of_records() || has_chosen(&c)
+        {
+            return false;
+        }
+        let as_large = |other: &&Candidate| other.model.terms() <= c.model.terms();
+        let with_chosen = self.tried.iter().filter(has_chosen).filter(as_large);
+        let most = with_chosen.map(|with| with.delta_bic).fold(chosen.delta_bic, f64::max);
+        c.delta_bic > most + decisive && !chosen.errs_less(c, self.data.accuracy_pa())
     }
 
     /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, or less
@@ -153,7 +171,7 @@ mod tests {
     use super::*;
     use crate::judge::adequacy::Adequacy;
     use crate::judge::left_out::HeldOut;
-    use crate::parameters::Sizes;
+    use crate::parameters::{Sizes, Slot};
     use crate::record::data::Data;
     use crate::search::{Verdict, baseline};
     use crate::synthetic::Recipe;
@@ -194,6 +212,48 @@ mod tests {
         assert!(search.enters(&zones, 2.0));
         (zones.fit.rig[fraction], zones.fit.rig[conductance]) = (0.0, 0.0);
         assert!(!search.enters(&zones, 2.0));
+    }
+
+    #[test]
+    fn a_set_that_needs_a_volume_below_zero_does_not_enter() {
+        let (search, mut zones) = search_with_exhausted_zones();
+        assert!(search.enters(&zones, 2.0));
+        let place = zones.fit.hypothesis.axes.iter().position(|axis| axis.slot == Slot::DeadVolume).unwrap();
+        zones.fit.rig[place] = zones.fit.hypothesis.axes[place].bounds[0];
+        assert!(!search.enters(&zones, 2.0));
+    }
+
+    #[test]
+    fn another_cause_enters_beside_effects_that_leave_little_only_where_these_have_less_evidence_whatever_is_added() {
+        let (mut search, mut zones) = search_with_exhausted_zones();
+        let single = |name: &str| Model::with(EffectSet::one(find(name).unwrap().0));
+        let of = |model: Model| fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+        let convection = search.candidate(of(single("natural_convection")));
+        let with_more = search.candidate(of(Model::with(convection.model.effects.union(single("sensor_lag").effects))));
+        let [evidence, error] = [convection.delta_bic, 100.0];
+        let errs = |rmse_pa: f64| Some(HeldOut { rmse_pa, weighed_pa: rmse_pa });
+        search.chosen = Candidate { held_out: errs(error), ..convection };
+        search.chosen_adequacy = Adequacy { is_noise: true, ..search.chosen_adequacy };
+        (zones.delta_bic, zones.held_out) = (evidence + 30.0, errs(error));
+        assert!(search.enters(&zones, 2.0));
+        search.tried = vec![Candidate { delta_bic: evidence + 25.0, ..with_more.clone() }];
+        assert!(
+            search.enters(&Candidate { delta_bic: evidence + 40.0, ..zones.clone() }, 2.0) && zones.model.terms() < 2
+        );
+        // As large as the set in question, it counts.
+        let larger = single("wall_heating").effects.union(zones.model.effects);
+        let mut large = search.candidate(of(Model::with(larger)));
+        (large.delta_bic, large.held_out) = (evidence + 30.0, errs(error));
+        assert!(!search.enters(&large, 2.0));
+        large.delta_bic = evidence + 40.0;
+        assert!(search.enters(&large, 2.0));
+        // Not if it predicts worse by what matters, nor where more than noise is left.
+        large.held_out = errs(error + 2.0 * search.data.accuracy_pa());
+        assert!(!search.enters(&large, 2.0));
+        large.held_out = errs(error);
+        search.chosen_adequacy.is_noise = false;
+        search.chosen_adequacy.is_good_enough = false;
+        assert!(!search.enters(&large, 2.0));
     }
 
     #[test]

@@ -100,6 +100,16 @@ impl Found {
         if self.verdict == Verdict::Unexplained { &self.baseline_adequacy } else { &self.chosen_adequacy }
     }
 
+    /// The best set with no more terms than the reported one that has decisively more evidence and leaves noise: what kept it from
+    /// entering may be a volume that cannot be.
+    fn better_than_reported(&self, data: &Data) -> Option<&Candidate> {
+        let reported = self.reported();
+        let is_better = |c: &&Candidate| c.delta_bic > reported.delta_bic + policy::DECISIVE && c.fit.converged;
+        let is_no_larger = |c: &&Candidate| c.model.terms() <= reported.model.terms().max(1);
+        let leaves_noise = |c: &&Candidate| adequacy::has_squares_of_noise(data, &c.fit);
+        self.tried.iter().filter(is_better).filter(is_no_larger).find(leaves_noise)
+    }
+
     /// Where nothing explains the records and the coefficient of the paper's model is none that a gas can have: the best set, much
     /// better than that model, with which it is one. Then it stands for what the model lacks and not for a wrong unit.
     pub fn coefficient_stands_for(&self) -> Option<&Candidate> {
@@ -262,7 +272,8 @@ impl Search {
             models.extend(terms::pairs(&self.best_of(level, policy::PAIRED, |_| true), &Model::PAPER));
         }
         let of_rig = self.best_of_rig();
-        if self.try_all(models) {
+        let delayed = if level == 1 { self.singles_with_a_delay() } else { Vec::new() };
+        if self.try_all([models, delayed]) {
             return true;
         }
         if enough || chosen.terms() == 0 {
@@ -270,7 +281,19 @@ impl Search {
         }
         // None of them helps alone: the better ones two by two.
         let more = self.best_of(chosen.terms() + 1, policy::PAIRED, |m| terms::is_part(&chosen, m));
-        self.try_all(terms::pairs(&more, &chosen)) || self.catches_up(self.best_of_rig() - of_rig, level + 1)
+        self.try_all([terms::pairs(&more, &chosen)]) || self.catches_up(self.best_of_rig() - of_rig, level + 1)
+    }
+
+    /// Each single effect of the gas with a delay of either sign. Beside a delay that it lacks, of half a row already, another term
+    /// may fit better that imitates both, and leave next to nothing.
+    fn singles_with_a_delay(&self) -> Vec<Model> {
+        let singles = self.tried.iter().map(|c| c.model).filter(|m| m.terms() == 1 && !m.has_terms_of_records());
+        let (delays, others): (Vec<Model>, Vec<Model>) =
+            distinct(singles.collect()).into_iter().partition(terms::is_delay);
+        delays
+            .iter()
+            .flat_map(|delay| others.iter().flat_map(|other| terms::pairs(&[*other, *delay], &Model::PAPER)))
+            .collect()
     }
 
     /// Whether sets of the rig's effects, whose evidence grew by `gain` with the last of so many terms, may come to that of the
@@ -315,14 +338,18 @@ impl Search {
         [of_records, of_rig].into_iter().flat_map(|models| models.into_iter().take(policy::FITTED)).collect()
     }
 
-    /// Fits the promising of those that were not tried yet; whether one of them entered.
-    fn try_all(&mut self, models: Vec<Model>) -> bool {
-        let fresh = with_all_that_is_freed(models).into_iter().filter(|model| {
-            let has_it = |c: &Candidate| c.model.has_same_terms(model) && c.model.secondary.contains(model.secondary);
-            terms::is_small(model) && !self.tried.iter().any(has_it)
-        });
-        let fresh = fresh.collect();
-        let mut found = self.fit_all(&self.promising(fresh));
+    /// Fits the promising of each of these groups that were not tried yet; whether one of them entered.
+    fn try_all(&mut self, groups: impl IntoIterator<Item = Vec<Model>>) -> bool {
+        let fresh = |models: Vec<Model>| {
+            let is_fresh = |model: &Model| {
+                let has_it =
+                    |c: &Candidate| c.model.has_same_terms(model) && c.model.secondary.contains(model.secondary);
+                terms::is_small(model) && !self.tried.iter().any(has_it)
+            };
+            with_all_that_is_freed(models).into_iter().filter(is_fresh).collect()
+        };
+        let promising = groups.into_iter().flat_map(|models| self.promising(fresh(models)));
+        let mut found = self.fit_all(&with_all_that_is_freed(promising.collect()));
         found.extend(found.par_iter().filter_map(|c| self.without_what_is_off(c)).collect::<Vec<_>>());
         sort(&mut found);
         let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());
@@ -450,6 +477,22 @@ mod tests {
         offset.fit.rig[last] = offset.fit.hypothesis.axes[last].bounds[1];
         search.tried[0] = offset;
         assert_eq!(search.best_of(1, 2, |_| true), [leak.model]);
+    }
+
+    #[test]
+    fn an_effect_beside_a_pressure_that_is_half_a_row_late_is_found_behind_what_imitates_both() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        let half_a_row_s = 0.5 * Data::prepare(&recipe.rig()).unwrap().shortest_row_s();
+        let mut recipe = recipe.with("natural_convection", &[0.3]).with("record_delay", &[half_a_row_s]);
+        recipe.tests.truncate(1);
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        search.first_round();
+        let both = ["natural_convection", "record_delay"].map(|name| find(name).unwrap().0).into_iter().collect();
+        assert!(search.singles_with_a_delay().contains(&Model::with(both)));
+        search.round(1);
+        assert!(search.tried.iter().any(|c| c.model.of_rig() == both && c.fit.converged));
     }
 
     #[test]

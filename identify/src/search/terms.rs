@@ -51,9 +51,10 @@ pub fn is_small(model: &Model) -> bool {
     of_gas <= policy::MOST_TERMS && model.terms() <= policy::MOST_IN_ALL
 }
 
-/// Whether a model takes the stroke back from a record of it that lags or averages.
+/// Whether a model takes the stroke back from a record of it that lags or averages: more than one that is only late.
 pub fn takes_back_the_stroke(model: &Model) -> bool {
-    model.effects.iter().any(|e| CARDS[e].acts_on == ActsOn::RecordedStroke)
+    let is_only_late = |e: usize| parameters::delays_position(e) && !model.secondary.has(e);
+    model.effects.iter().any(|e| CARDS[e].acts_on == ActsOn::RecordedStroke && !is_only_late(e))
 }
 
 /// The model with one term less, each way there is; what is freed of the others stays free.
@@ -105,6 +106,11 @@ pub fn timing_of(model: &Model) -> Model {
     Model { effects: part(effects), own: part(own), secondary: part(secondary), initial_temperature: false }
 }
 
+/// Whether a model has nothing but a delay between pressures and positions.
+pub fn is_delay(model: &Model) -> bool {
+    model.terms() == 1 && model.effects.iter().any(|e| parameters::delays_pressure(e) || parameters::delays_position(e))
+}
+
 /// The effect of which that is true.
 pub fn effect_that(is_so: impl Fn(usize) -> bool) -> Option<usize> {
     effects::all().map(|(e, _)| e).find(|e| is_so(*e))
@@ -135,6 +141,15 @@ mod tests {
     use super::*;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
+
+    #[test]
+    fn only_a_record_that_lags_or_averages_is_taken_back_and_not_one_that_is_late() {
+        let with = |name: &str| Model::with(EffectSet::one(find(name).unwrap().0));
+        let late = with("position_delay");
+        assert!(!takes_back_the_stroke(&late) && !takes_back_the_stroke(&with("record_delay")));
+        assert!(takes_back_the_stroke(&Model { secondary: late.effects, ..late }));
+        assert!(takes_back_the_stroke(&with("position_averaging")));
+    }
 
     #[test]
     fn what_is_freed_of_a_set_stays_free_with_a_further_term_and_in_pairs() {
