@@ -28,14 +28,16 @@ pub enum Fault {
     },
     /// More gas leaves than there is.
     #[error(
-        "a step of {step} s would empty the chamber: {mass} kg of gas, {outflow} kg/s leave; take a shorter step or a smaller massFlowOut"
+        "a step of {step} s would empty the chamber: of {mass:.3e} kg of gas nothing is left after {after:.3e} s, when {outflow:.3e} kg/s leave (massFlowOut, ports and leaks, less what enters); take a shorter step or let less gas out"
     )]
     Emptied {
         /// Length of the step, s.
         step: f64,
-        /// Mass of the gas, kg.
+        /// Mass of the gas at its start, kg.
         mass: f64,
-        /// Net mass flow out of the chamber, kg/s.
+        /// When it is gone, s after that.
+        after: f64,
+        /// Net mass flow out of the chamber then, kg/s.
         outflow: f64,
     },
     /// No accurate step exists.

@@ -20,6 +20,8 @@ use chamber::integrate::{IntegrationError, Integrator, Step, Tolerance};
 
 /// Inner steps that a communication step may take: about 0.1 s of computing. A host that wants more takes shorter steps.
 const MAX_INNER_STEPS: usize = 200_000;
+/// An integration that ends for want of gas stands closer to the end than this share of the mass that it began with.
+const EMPTY: f64 = 1e-6;
 /// Mass and energy of the gas, then heat and work within a step.
 const GAS: usize = 4;
 const HEAT_SUM: usize = 2;
@@ -158,9 +160,8 @@ impl Gas {
         let ports = inputs.opens_ports();
         let bare = plant.set.is_empty() && !ports;
         let closed = [input::MASS_FLOW_IN, input::MASS_FLOW_OUT].iter().all(|&i| inputs.value[i] == 0.0);
-        let no_step = |e: IntegrationError| Fault::no_step(h, time, e);
         let is_straight = inputs.is_plain() && motion.is_straight(h);
-        let course = Course { plant, inputs, motion, h, inner_step: self.inner_step, is_straight };
+        let course = Course { plant, inputs, motion, time, h, inner_step: self.inner_step, is_straight };
         let mut gas = if bare && closed && is_straight && speed == 0.0 {
             let mut states = states;
             let volume = plant.balance.chamber.geometry.volume(begin);
@@ -169,17 +170,13 @@ impl Gas {
             states[HEAT] += states[ENERGY] - before;
             Gas { states, position: end, inner_step: self.inner_step, port_flows: Some([0.0; 4]) }
         } else {
-            leaves_gas(inputs, states[MASS], h, bare)?;
-            let outcome = match (ports, plant.few_states) {
+            let (states, inner_step, port_flows) = match (ports, plant.few_states) {
                 _ if bare => course.gas_alone(states),
-                (false, true) => course.in_all_states::<{ GAS + FEW }, 0, FEW>(states, time, record),
-                (false, false) => course.in_all_states::<{ GAS + ALL_OWN }, 0, ALL_OWN>(states, time, record),
-                (true, true) => course.in_all_states::<{ GAS + PORTS + FEW }, PORTS, FEW>(states, time, record),
-                (true, false) => {
-                    course.in_all_states::<{ GAS + PORTS + ALL_OWN }, PORTS, ALL_OWN>(states, time, record)
-                }
-            };
-            let (states, inner_step, port_flows) = outcome.map_err(no_step)?;
+                (false, true) => course.in_all_states::<{ GAS + FEW }, 0, FEW>(states, record),
+                (false, false) => course.in_all_states::<{ GAS + ALL_OWN }, 0, ALL_OWN>(states, record),
+                (true, true) => course.in_all_states::<{ GAS + PORTS + FEW }, PORTS, FEW>(states, record),
+                (true, false) => course.in_all_states::<{ GAS + PORTS + ALL_OWN }, PORTS, ALL_OWN>(states, record),
+            }?;
             Gas { states, position: end, inner_step, port_flows: Some(port_flows) }
         };
         gas.states[TRAVEL] += end - begin;
@@ -201,16 +198,6 @@ impl Gas {
     }
 }
 
-/// Refuses a constant outflow that takes more than there is. Where an effect or a port lets gas in, the integration
-/// decides.
-fn leaves_gas(inputs: &Inputs, mass: f64, h: f64, bare: bool) -> Result<(), Fault> {
-    let outflow = inputs.value[input::MASS_FLOW_OUT] - inputs.value[input::MASS_FLOW_IN];
-    if bare && inputs.is_plain() && mass - outflow * h <= 0.0 {
-        return Err(Fault::Emptied { step: h, mass, outflow });
-    }
-    Ok(())
-}
-
 /// States at a step's end, the inner step to try next, and the means of the ports' flows.
 type Outcome = ([f64; ALL], f64, [f64; 4]);
 
@@ -219,6 +206,8 @@ struct Course<'a> {
     plant: &'a Plant,
     inputs: &'a Inputs,
     motion: Motion<'a>,
+    /// When it begins, s.
+    time: f64,
     h: f64,
     inner_step: f64,
     /// Whether only the position changes within the step, and that linearly.
@@ -246,7 +235,7 @@ impl Course<'_> {
     }
 
     /// Mass and energy, with heat and work.
-    fn gas_alone(&self, states: [f64; ALL]) -> Result<Outcome, IntegrationError> {
+    fn gas_alone(&self, states: [f64; ALL]) -> Result<Outcome, Fault> {
         if self.is_straight {
             let start = Boundary { ambient_temperature: self.wall(), ..self.boundary_at_begin() };
             self.gas_along(states, move |s| Boundary { position: start.position + start.velocity * s, ..start })
@@ -260,11 +249,7 @@ impl Course<'_> {
     }
 
     /// As [`Course::gas_alone`], with the wall's temperature in the place of the surroundings', which nothing else needs.
-    fn gas_along(
-        &self,
-        mut states: [f64; ALL],
-        boundary: impl Fn(f64) -> Boundary,
-    ) -> Result<Outcome, IntegrationError> {
+    fn gas_along(&self, mut states: [f64; ALL], boundary: impl Fn(f64) -> Boundary) -> Result<Outcome, Fault> {
         let Plant { balance, tolerance: Tolerance { relative, absolute }, .. } = self.plant;
         let rates = |s: f64, y: &[f64; GAS]| {
             let boundary = boundary(s);
@@ -287,26 +272,24 @@ impl Course<'_> {
     fn in_all_states<const N: usize, const P: usize, const M: usize>(
         &self,
         states: [f64; ALL],
-        time: f64,
         record: Option<(&mut Record, f64)>,
-    ) -> Result<Outcome, IntegrationError> {
+    ) -> Result<Outcome, Fault> {
         if self.is_straight {
             let (start, u) = (self.boundary_at_begin(), &self.inputs.value);
             let around = Around::of(u, self.plant.choices.external_wall, self.plant.critical_ratios);
             let along = move |s: f64| (Boundary { position: start.position + start.velocity * s, ..start }, around);
-            self.all_along::<N, P, M>(states, time, record, along)
+            self.all_along::<N, P, M>(states, record, along)
         } else {
-            self.all_along::<N, P, M>(states, time, record, |s| self.boundary_at(s))
+            self.all_along::<N, P, M>(states, record, |s| self.boundary_at(s))
         }
     }
 
     fn all_along<const N: usize, const P: usize, const M: usize>(
         &self,
         states: [f64; ALL],
-        time: f64,
         record: Option<(&mut Record, f64)>,
         along: impl Fn(f64) -> (Boundary, Around),
-    ) -> Result<Outcome, IntegrationError> {
+    ) -> Result<Outcome, Fault> {
         let Plant { balance, set, tolerance, .. } = self.plant;
         let first_own = const {
             assert!(N == GAS + P + M);
@@ -357,7 +340,7 @@ impl Course<'_> {
                     reading(self.plant, &along(s).0, &gas_of(&y))
                 };
                 let stretch = Stretch::of(step.from, step.length, reading);
-                record.push(Stretch { from: time + stretch.from, ..stretch }, delay);
+                record.push(Stretch { from: self.time + stretch.from, ..stretch }, delay);
             })?,
         };
         let mut flows = [0.0; 4];
@@ -374,18 +357,25 @@ impl Course<'_> {
         tolerance: Tolerance<N>,
         rates: impl Fn(f64, &[f64; N]) -> [f64; N],
         mut on_step: impl FnMut(&Step<f64, N>),
-    ) -> Result<([f64; N], f64), IntegrationError> {
+    ) -> Result<([f64; N], f64), Fault> {
         let mut run = Integrator::new(0.0, states, tolerance);
         run.step = self.inner_step;
         run.max_steps = MAX_INNER_STEPS;
-        if !self.is_straight {
+        let mut advance = |until: f64| run.advance(&rates, until, &mut on_step);
+        let outcome = if self.is_straight {
+            advance(self.h)
+        } else {
             let (breaks, count) = self.breaks();
-            for &until in &breaks[..count] {
-                run.advance(&rates, until, &mut on_step)?;
+            breaks[..count].iter().try_for_each(|until| advance(*until)).and_then(|()| advance(self.h))
+        };
+        match outcome {
+            Ok(()) => Ok((run.state, run.step)),
+            Err(_) if run.state[MASS] < EMPTY * states[MASS] => {
+                let outflow = -rates(run.time, &run.state)[MASS];
+                Err(Fault::Emptied { step: self.h, mass: states[MASS], after: run.time, outflow })
             }
+            Err(cause) => Err(Fault::no_step(self.h, self.time, cause)),
         }
-        run.advance(&rates, self.h, &mut on_step)?;
-        Ok((run.state, run.step))
     }
 
     /// Corners of the inputs within the step, ascending, s; the integration finds those beyond the number that is kept.
