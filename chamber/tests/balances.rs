@@ -50,6 +50,26 @@ proptest! {
     }
 
     #[test]
+    fn the_effects_of_the_wall_are_those_that_move_its_temperature_and_they_do_nothing_else(
+        chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 240.0..420.0f64,
+    ) {
+        for (index, card) in effects::all() {
+            let mut chamber = chamber;
+            for (to, parameter) in chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
+                *to = parameter.typical;
+            }
+            let mut state = balance::state_at(&chamber, &boundary, p, t);
+            state[OWN..].iter_mut().for_each(|own| *own += 1.0);
+            let wall = |set: EffectSet| balance::evaluate(set, &chamber, &boundary, &state).0;
+            let (without, with) = (wall(EffectSet::NONE), wall(EffectSet::one(index)));
+            let is_of_wall = effects::OF_WALL.has(index);
+            prop_assert_eq!(with.wall_temperature != without.wall_temperature, is_of_wall, "{}", card.name);
+            let put_back = balance::Conditions { wall_temperature: without.wall_temperature, ..with };
+            prop_assert!(!is_of_wall || format!("{put_back:?}") == format!("{without:?}"), "{}", card.name);
+        }
+    }
+
+    #[test]
     fn mass_and_energy_form_agrees_with_equations_1_and_2(
         chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 240.0..420.0f64,
     ) {

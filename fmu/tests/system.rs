@@ -198,17 +198,25 @@ fn states_where_the_model_is_not_valid_are_told_once_each() {
 }
 
 #[test]
-fn the_wall_of_others_takes_the_place_of_its_own() {
+fn the_wall_of_others_takes_the_place_of_the_effects_of_the_wall_which_stay_where_they_are_and_are_told_of_once() {
     for effect in [0.0, 2.0] {
         let host = Host::started(&[
             ("externalWall", 1.0),
             ("wallTemperature", 350.0),
             ("wallHeating.capacity", effect),
+            ("wallConduction.inverseEffusivity", 1e-3 * effect),
             ("initialPressure", 2e5),
         ]);
+        let told = warnings(&host);
+        assert_eq!(told.len(), usize::from(effect > 0.0), "{told:?}");
+        assert!(told.iter().all(|text| text.contains("wallHeating and wallConduction have no influence")), "{told:?}");
         host.step(0.0, 30.0);
         assert!((host.get("temperature") - 350.0).abs() < 1e-6, "{}", host.get("temperature"));
+        assert_eq!((host.get("wallHeating.wallTemperature"), host.get("wallConduction.mode7")), (293.15, 0.0));
+        host.set("warmWall.temperatureDifference", 5.0);
+        assert_eq!(warnings(&host).len(), usize::from(effect == 0.0));
         host.set("wallTemperature", 300.0);
+        assert_eq!(host.get("der(wallHeating.wallTemperature)"), 0.0);
         let expected = -host.get("heatTransferCoefficient") * 50.0;
         let area = host.get("heatFlow") / expected;
         assert!((area - (4.0 * host.get("volume") / 0.02 + PI * 2e-4)).abs() < 1e-8, "{area}");

@@ -50,6 +50,9 @@ pub trait Effect {
         [R::ZERO; 2]
     }
 
+    /// Whether all it does is to say how warm the wall is: then it is off where others hold the wall's temperature.
+    const OF_WALL: bool = false;
+
     /// Changes what the rest of the balance sees of gas and wall: the gas temperature at the wall, the wall's.
     #[inline(always)]
     fn conditions<R: Real>(_p: &[R], _own: &[R], _at: &mut Conditions<R>) {}

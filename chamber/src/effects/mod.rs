@@ -123,6 +123,9 @@ macro_rules! effects {
             heat
         }
 
+        /// Effects with [`Effect::OF_WALL`].
+        pub const OF_WALL: EffectSet = EffectSet::of([$($module::$name::OF_WALL),*]);
+
         /// [`Effect::conditions`] of the effects in `set` whose own states are among the first `M`.
         #[inline(always)]
         pub fn conditions<R: Real, const M: usize>(

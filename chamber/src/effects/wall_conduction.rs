@@ -93,6 +93,8 @@ impl Effect for WallConduction {
         ..Card::DEFAULT
     };
 
+    const OF_WALL: bool = true;
+
     #[inline(always)]
     fn conditions<R: Real>(_: &[R], own: &[R], at: &mut Conditions<R>) {
         for warming in own {

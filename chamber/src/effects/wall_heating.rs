@@ -56,6 +56,8 @@ impl Effect for WallHeating {
         own[0] = at.ambient_temperature;
     }
 
+    const OF_WALL: bool = true;
+
     #[inline(always)]
     fn conditions<R: Real>(p: &[R], own: &[R], at: &mut Conditions<R>) {
         at.wall_temperature = p[0].where_positive(own[0], at.ambient_temperature);

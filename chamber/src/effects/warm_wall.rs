@@ -36,6 +36,8 @@ impl Effect for WarmWall {
         p[0]
     }
 
+    const OF_WALL: bool = true;
+
     #[inline(always)]
     fn conditions<R: Real>(p: &[R], _: &[R], at: &mut Conditions<R>) {
         at.wall_temperature += p[0];

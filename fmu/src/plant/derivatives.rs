@@ -63,7 +63,7 @@ pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
         let origin = Origin { mass: states[MASS], energy: states[ENERGY], position: moment.boundary.position };
         (states, Sensor { elapsed: D::from(0.0), delayed: None }, origin)
     };
-    let seeded = seed.effects();
+    let seeded = parameters.choices.admitted(seed.effects());
     let states = with_fresh_states(&moment, seeded, now.plant.set, states);
     moment.set = now.plant.set.union(seeded);
     Ok(tangents(&moment.evaluate(&states, &sensor, &origin)))

@@ -50,7 +50,7 @@ pub struct Gas {
 pub struct Plant {
     /// Gas, geometry, heat transfer and effects, with what follows from them once.
     pub balance: Balance,
-    /// Effects that are not neutral.
+    /// Effects that take part: those that are not neutral, but none of the wall where others hold its temperature.
     pub set: EffectSet,
     /// Whether their own states are among the few that most sets of effects have.
     pub few_states: bool,
@@ -70,10 +70,11 @@ impl Plant {
     /// The plant with these parameters, integrated to this tolerance.
     pub fn new(parameters: &Parameters, tolerance: Tolerance<STATES>) -> Self {
         let chamber = parameters.chamber();
+        let set = parameters.choices.admitted(chamber.active());
         Self {
             balance: Balance::of(chamber),
-            set: chamber.active(),
-            few_states: effects::own_states_of(chamber.active()) <= FEW_OWN_STATES,
+            set,
+            few_states: effects::own_states_of(set) <= FEW_OWN_STATES,
             choices: parameters.choices,
             critical_ratios: parameters.critical_ratios(),
             limits: Limits::of(parameters.real[parameter::STROKE]),

@@ -1,6 +1,6 @@
 //! Places of inputs, outputs and parameters in their arrays, and parameters as a chamber. SI units.
 
-use chamber::effects::{EffectValues, PARAMETERS};
+use chamber::effects::{self, EffectSet, EffectValues, PARAMETERS};
 use chamber::real::Real;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer, paper};
 
@@ -132,6 +132,11 @@ impl Choices {
             _ => return None,
         }
         Some(self)
+    }
+
+    /// Those of some effects that can take part: where the wall's temperature is the input's, none that says how warm it is.
+    pub fn admitted(self, set: EffectSet) -> EffectSet {
+        if self.external_wall { set.without(effects::OF_WALL) } else { set }
     }
 }
 

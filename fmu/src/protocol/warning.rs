@@ -2,7 +2,9 @@
 
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
+use crate::table::effects::listed;
 use chamber::balance::{ENERGY, MASS};
+use chamber::effects::OF_WALL;
 
 /// Pressures beyond this are implausible, Pa: pneumatic cylinders work up to about a tenth of it, and a perfect gas with
 /// constant heat capacities is off by some percent there.
@@ -21,6 +23,7 @@ const WAY_SHARE: f64 = 0.5;
 /// Kinds of warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Warning {
+    Wall,
     Limited,
     Disagreement,
     Pressure,
@@ -31,7 +34,7 @@ enum Warning {
 /// Which warnings have been given, and what is needed to give the others.
 #[derive(Clone, Debug, Default)]
 pub struct Warnings {
-    given: [bool; 5],
+    given: [bool; 6],
     previous: Option<Way>,
     /// Speed at the last completed step, m/s.
     velocity: f64,
@@ -48,6 +51,17 @@ impl Warnings {
     /// Forgets where the piston was: time or state were set anew.
     pub fn lose_track(&mut self) {
         self.previous = None;
+    }
+
+    /// Looks at parameters that a host has set, at the end of initialization or later.
+    pub fn of_parameters(&mut self, now: &Simulation, tell: &mut impl FnMut(String)) {
+        let off = now.plant.balance.chamber.active().without(now.plant.set).intersection(OF_WALL);
+        if !off.is_empty() {
+            self.once(Warning::Wall, tell, || {
+                let have = if off.iter().count() == 1 { "has" } else { "have" };
+                format!("externalWall = true: wallTemperature is the temperature of the wall, and {} {have} no influence; set externalWall = false to use the wall's own effects", listed(off))
+            });
+        }
     }
 
     /// Looks at a simulation after a step from `begin`, m, to which the host moved a piston that had reached `reached`, m.

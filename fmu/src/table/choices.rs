@@ -1,8 +1,10 @@
 //! The chamber's parameters that are no numbers: two enumerations, which the model description declares as types, and a
 //! Boolean.
 
+use super::effects::listed;
 use super::{Role, Type, Variability, Variable, units};
 use crate::plant::values::Choice;
+use chamber::effects::OF_WALL;
 
 /// An enumeration: a type definition of the model description.
 #[derive(Debug, PartialEq, Eq)]
@@ -52,7 +54,10 @@ pub(super) fn parameters(table: &mut Vec<Variable>) {
         ),
         (
             "externalWall",
-            "Whether the input wallTemperature is the temperature of the wall, for a thermal network that supplies heatFlow",
+            &format!(
+                "Whether the input wallTemperature is the temperature of the wall, for a thermal network that supplies heatFlow; {} have no influence then",
+                listed(OF_WALL)
+            ),
             Choice::ExternalWall,
             Type::Boolean,
         ),

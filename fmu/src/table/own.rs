@@ -17,7 +17,7 @@ pub(super) fn inputs(table: &mut Vec<Variable>) {
         Row("massFlowIn", &units::MASS_FLOW, None, None, 1e-3, "Mass flow into the chamber at temperatureIn; where negative it leaves at the gas's temperature"),
         Row("temperatureIn", &units::TEMPERATURE, Some(1.0), Some(1e5), 300.0, "Temperature of the gas that enters"),
         Row("massFlowOut", &units::MASS_FLOW, None, None, 1e-3, "Mass flow out of the chamber at the gas's temperature; where negative it enters at temperatureIn"),
-        Row("ambientTemperature", &units::TEMPERATURE, Some(1.0), Some(1e5), 300.0, "Temperature of the surroundings, and of the wall unless wallHeating or externalWall is on"),
+        Row("ambientTemperature", &units::TEMPERATURE, Some(1.0), Some(1e5), 300.0, "Temperature of the surroundings, and of the wall unless externalWall, wallHeating, warmWall or wallConduction is on"),
         Row("ambientPressure", &units::PRESSURE, Some(0.0), Some(1e9), 1e5, "Absolute pressure of the surroundings: the pressure outside a leak, and the zero of force"),
         Row("wallTemperature", &units::TEMPERATURE, Some(1.0), Some(1e5), 300.0, "Temperature of the wall if externalWall is true; otherwise not used"),
         Row("supplyPortPressure", &units::PRESSURE, Some(0.0), Some(1e9), 1e5, "Absolute pressure on the other side of the supply port"),

@@ -153,12 +153,18 @@ impl Instance {
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         self.need(&[Phase::Initialization], "call fmi2EnterInitializationMode first")?;
         self.now.begin()?;
+        self.look_at_parameters();
         self.phase = match self.now.kind {
             Kind::CoSimulation if !self.uses_event_mode => Phase::Step,
             _ => Phase::Event,
         };
         self.outputs = None;
         Ok(())
+    }
+
+    fn look_at_parameters(&mut self) {
+        let messages = &mut self.messages;
+        self.warnings.of_parameters(&self.now, &mut |text| messages.push(warning(text)));
     }
 
     /// Ends the simulation; its last values stay readable (`fmi2Terminate`).

@@ -58,6 +58,7 @@ impl Instance {
         }
         if self.phase.is_started() {
             self.now.tune(parameters)?;
+            self.look_at_parameters();
         } else {
             self.now.parameters = parameters;
             self.now.rebuild();
