@@ -415,8 +415,11 @@ const fn place(name: &str) -> usize {
     panic!("no effect of that name")
 }
 
+/// The effects with which a test has no closed form, beside flows.
+pub const WITHOUT_CLOSED_FORM: EffectSet = on_the_gas(EffectSet::ALL).without(kept::EFFECTS);
+
 /// The effects of a set that act on the gas: neither on its reading nor on a record of the stroke.
-fn on_the_gas(set: EffectSet) -> EffectSet {
+const fn on_the_gas(set: EffectSet) -> EffectSet {
     set.without(effects::of_sensor()).without(effects::of_recorded_stroke())
 }
 

@@ -136,7 +136,9 @@ pub enum Failure {
     #[error("an effect is active that the batch does not include")]
     EffectNotInSet,
     /// The exact solution was demanded where there is none.
-    #[error("the exact solution needs a closed chamber, pushed linearly, with no effects but those that keep it")]
+    #[error(
+        "the exact solution needs a closed chamber, with no effects but those that keep it, and a record that is late by less than its push and its hold"
+    )]
     NoExactSolution,
     /// The outflow has emptied the chamber.
     #[error("the chamber runs empty")]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use sweep::estimate::{Estimate, calibrate};
 use sweep::folder::{Folder, file_names, verify};
-use sweep::study::SOLVERS;
+use sweep::study::{Overrides, SOLVERS};
 use sweep::{Earlier, Options, Report, Shard, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
@@ -87,13 +87,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if output::is_stdout(folder) {
         bail!("-: a study is a folder of files, which standard output cannot take; name a folder");
     }
-    let mut study = Study::read(path)?;
-    if let Some(name) = &args.solver {
-        study.solver = SOLVERS.iter().find(|(n, _)| n == name).map(|(_, solver)| *solver).context("unknown solver")?;
-    }
-    if let Some(tolerance) = args.tolerance {
-        study.set_tolerance(tolerance)?;
-    }
+    let solver = SOLVERS.iter().find(|(name, _)| Some(*name) == args.solver.as_deref()).map(|(_, solver)| *solver);
+    let study = Study::read_with(path, Overrides { solver, tolerance: args.tolerance })?;
     // What cannot be is said before any work.
     let traces = args.traces.as_ref().filter(|_| args.shard.index == 0);
     if let Some(rows) = traces {

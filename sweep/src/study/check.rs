@@ -6,8 +6,10 @@
 
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
-use chamber::Geometry;
+use chamber::{Geometry, effects};
+use ensemble::{Solver, WITHOUT_CLOSED_FORM};
 use records::Model;
+use report::number::shortest;
 use std::ops::RangeInclusive;
 
 /// A value that cannot be, and why: "takes 0.03: a rod has to be thinner than the bore, 0.02 at most".
@@ -50,7 +52,10 @@ impl Bounds {
 ///
 /// # Errors
 /// That value.
-pub fn check(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
+pub fn check(bounds: &Bounds, model: &Model, solver: Solver) -> Result<(), Refused> {
+    if solver == Solver::Exact {
+        closed_form(bounds)?;
+    }
     let solved = |base| bounds.get(base).is_some();
     if !solved(Base::VolumeToArea) {
         less(bounds, Base::Rod, Base::Bore, false, "the rod has to be thinner than the bore")?;
@@ -71,6 +76,29 @@ pub fn check(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
         positive(bounds, Base::Coefficient, "without heat transfer there is no time constant to hold for")?;
     }
     ratio(bounds, model)
+}
+
+/// Flows, and effects that have to be integrated, stay off where nothing but the closed form is taken.
+fn closed_form(bounds: &Bounds) -> Result<(), Refused> {
+    let has_to_stay = |quantity: usize, neutral: f64, with: &str| match &bounds.0[quantity] {
+        Some(range) if [range.start(), range.end()].iter().any(|value| **value != neutral) => {
+            let value = if *range.end() == neutral { range.start() } else { range.end() };
+            let message = format!(
+                "takes {}: with {with} there is no closed form, and solver = \"exact\" takes nothing else; set solver = \"auto\", which integrates the rows that have none",
+                shortest(*value)
+            );
+            Err(Refused { quantity, message })
+        }
+        _ => Ok(()),
+    };
+    has_to_stay(Base::MassFlowIn as usize, 0.0, "a mass flow")?;
+    has_to_stay(Base::MassFlowOut as usize, 0.0, "a mass flow")?;
+    let of_effects = (0..bounds.0.len()).filter_map(|quantity| Some((quantity, quantity::effect_of(quantity)?)));
+    for (quantity, (effect, parameter)) in of_effects.filter(|(_, (effect, _))| WITHOUT_CLOSED_FORM.has(*effect)) {
+        let card = &effects::CARDS[effect];
+        has_to_stay(quantity, card.parameters[parameter].neutral, &format!("the effect {}", card.name))?;
+    }
+    Ok(())
 }
 
 /// `a` has to be less than `b`, or as much where `or_equal` says so.

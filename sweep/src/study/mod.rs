@@ -94,22 +94,31 @@ pub struct Study {
     table_sha256: Option<String>,
 }
 
-impl Study {
-    /// Sets the relative tolerance of the adaptive integration.
-    ///
-    /// # Errors
-    /// It is not within [`TOLERANCES`].
-    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<(), Error> {
-        if !TOLERANCES.contains(&tolerance) {
-            let (least, most) = (TOLERANCES.start(), TOLERANCES.end());
-            return Err(Error::Option(format!(
-                "the tolerance is {tolerance}; expected a number from {least:e} to {most:e}"
-            )));
-        }
-        self.tolerance = tolerance;
-        Ok(())
-    }
+/// What takes the place of a study file's own.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overrides {
+    /// How the equations are solved.
+    pub solver: Option<Solver>,
+    /// Relative tolerance of the adaptive integration.
+    pub tolerance: Option<f64>,
+}
 
+impl Overrides {
+    /// The tolerance, where there is one.
+    fn tolerance(&self) -> Result<Option<f64>, Error> {
+        match self.tolerance.filter(|tolerance| !TOLERANCES.contains(tolerance)) {
+            None => Ok(self.tolerance),
+            Some(tolerance) => {
+                let (least, most) = (TOLERANCES.start(), TOLERANCES.end());
+                Err(Error::Option(format!(
+                    "the tolerance is {tolerance}; expected a number from {least:e} to {most:e}"
+                )))
+            }
+        }
+    }
+}
+
+impl Study {
     /// Number of parts that follows from a number of rows.
     fn default_parts(rows: u64) -> u64 {
         let small = rows.div_ceil(ROWS_WORTH_A_PART).clamp(1, PARTS_OF_A_LARGE_STUDY);

@@ -15,6 +15,7 @@ use crate::quantity::names::{self, NotFound};
 use crate::quantity::point::Point;
 use crate::quantity::uncertain::Uncertain;
 use crate::quantity::{self, Base};
+use ensemble::Solver;
 use records::{Field, Model};
 use std::path::Path;
 
@@ -32,7 +33,14 @@ pub struct Points<'a> {
 
 impl Points<'_> {
     /// Refuses values that no row could use, and rows of a table that cannot be; `base` is what does not vary.
-    pub fn check(&mut self, model: &Model, base: &Point, test: &Section<'_>, path: &Path) -> Result<(), Error> {
+    pub fn check(
+        &mut self,
+        model: &Model,
+        base: &Point,
+        solver: Solver,
+        test: &Section<'_>,
+        path: &Path,
+    ) -> Result<(), Error> {
         let Self { design, varied, entries, .. } = self;
         let is_beyond = |v: &Varied| quantity::is_beyond_table(v.quantity, &model.chamber.effects);
         if let Some(place) = varied.iter().position(is_beyond) {
@@ -50,7 +58,7 @@ impl Points<'_> {
                     for (varied, value) in varied.iter().zip(values) {
                         point.0[varied.quantity] = *value;
                     }
-                    check::check(&Bounds::of_point(&point), model)
+                    check::check(&Bounds::of_point(&point), model, solver)
                         .map_err(|refused| format!("{} {}", quantity::all()[refused.quantity].name, refused.message))
                 },
             );
@@ -59,7 +67,7 @@ impl Points<'_> {
         for (varied, axis) in varied.iter().zip(design.axes()) {
             bounds.set(varied.quantity, axis.bounds());
         }
-        check::check(&bounds, model).map_err(|refused| {
+        check::check(&bounds, model, solver).map_err(|refused| {
             let name = &quantity::all()[refused.quantity].name;
             let varies = varied.iter().zip(entries).find(|(v, _)| v.quantity == refused.quantity).map(|(_, e)| *e);
             let given = || name.strip_prefix("test.").and_then(|key| test.get(key));

@@ -5,7 +5,7 @@ use super::points::{self, Points};
 use super::section::{Entry, Section};
 use super::statistics;
 use super::test;
-use super::{MOST_PARTS, MOST_ROWS, SOLVERS, Study, TOLERANCES};
+use super::{MOST_PARTS, MOST_ROWS, Overrides, SOLVERS, Study, TOLERANCES};
 use crate::design::Design;
 use crate::error::Error;
 use crate::quantity::uncertain::Uncertain;
@@ -29,7 +29,15 @@ impl Study {
     /// # Errors
     /// Whatever is wrong with either file, with its line and key.
     pub fn read(path: &Path) -> Result<Study, Error> {
-        Study::from_document(&Document::read(path)?)
+        Study::read_with(path, Overrides::default())
+    }
+
+    /// The same with some of its numbers replaced.
+    ///
+    /// # Errors
+    /// As [`Study::read`]; also where what replaces them is wrong.
+    pub fn read_with(path: &Path, overrides: Overrides) -> Result<Study, Error> {
+        Study::parse(&Document::read(path)?, None, overrides)
     }
 
     /// A study from the content of a file; paths in it are relative to the document's folder.
@@ -37,7 +45,7 @@ impl Study {
     /// # Errors
     /// As [`Study::read`].
     pub fn from_document(document: &Document) -> Result<Study, Error> {
-        Study::parse(document, None)
+        Study::parse(document, None, Overrides::default())
     }
 
     /// A study from its text; paths in it are relative to the folder of `path`, which also names it in errors.
@@ -53,10 +61,10 @@ impl Study {
     /// # Errors
     /// As [`Study::read`].
     pub fn about(model: &Model, text: &str) -> Result<Study, Error> {
-        Study::parse(&Document::parse(Path::new("study"), text.to_owned())?, Some(model))
+        Study::parse(&Document::parse(Path::new("study"), text.to_owned())?, Some(model), Overrides::default())
     }
 
-    fn parse(document: &Document, model: Option<&Model>) -> Result<Study, Error> {
+    fn parse(document: &Document, model: Option<&Model>, overrides: Overrides) -> Result<Study, Error> {
         let path = document.path();
         let top = Section::new(document.root());
         let (study, test, vary) = (top.section("study")?, top.section("test")?, top.section("vary")?);
@@ -76,15 +84,17 @@ impl Study {
         let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
         let fit = study.get("fit").map(|e| e.flag()).transpose()?.unwrap_or(true);
-        let solver = study.get("solver").map(|e| e.choice(&SOLVERS)).transpose()?.unwrap_or(Solver::Auto);
-        let tolerance = study.get("tolerance").map(tolerance).transpose()?.unwrap_or(Options::RELATIVE_TOLERANCE);
+        let solver = study.get("solver").map(|e| e.choice(&SOLVERS)).transpose()?;
+        let solver = overrides.solver.or(solver).unwrap_or(Solver::Auto);
+        let tolerance = study.get("tolerance").map(tolerance).transpose()?;
+        let tolerance = overrides.tolerance()?.or(tolerance).unwrap_or(Options::RELATIVE_TOLERANCE);
         let samples = study.get("samples").map(|e| e.whole(1)).transpose()?;
         let parts = study.get("parts").map(|e| Ok::<_, Error>((e, e.whole(1)?))).transpose()?;
 
         let mut points = points::read(&study, &vary, &uncertain, path, seed)?;
         study.finish()?;
         let base = test::read(&model, &test, &points.varied)?;
-        points.check(&model, &base, &test, path)?;
+        points.check(&model, &base, solver, &test, path)?;
         let Points { design, varied, table_sha256, .. } = points;
         let rows = design.rows().filter(|&rows| rows <= MOST_ROWS).ok_or_else(|| {
             let path = path.display();

@@ -179,6 +179,34 @@ fn a_value_that_no_row_could_use_is_refused_before_the_first_row() {
 }
 
 #[test]
+fn what_has_no_closed_form_is_refused_with_its_name_where_only_that_is_to_be_taken() {
+    let refused = |vary: &str| refusal(&text("design = \"factorial\"\nsolver = \"exact\"", vary));
+    for (vary, expected) in [
+        (
+            "effect.leakage.conductance_m3_per_s_pa = { values = [0.0, 1e-12] }",
+            "line 13: vary.effect.leakage.conductance_m3_per_s_pa: takes 1e-12: with the effect leakage there is no closed form",
+        ),
+        (
+            "effect.pressure_exponent.temperature_exponent = { values = [0.4, 0.5] }",
+            "takes 0.4: with the effect pressure_exponent",
+        ),
+        ("mass_flow_in_kg_per_s = { values = [0.0, 1e-6] }", "takes 1e-6: with a mass flow there is no closed form"),
+    ] {
+        let message = refused(vary);
+        assert!(message.contains(expected) && message.contains("set solver = \"auto\""), "{vary}: {message}");
+    }
+    let mut leaking = model();
+    leaking.chamber.effects.of_mut(chamber::effects::find("leakage").unwrap().0)[0] = 1e-12;
+    let exact = text("design = \"factorial\"\nsolver = \"exact\"", BORE);
+    let message = Study::about(&leaking, &exact).map(drop).unwrap_err().to_string();
+    assert!(message.contains("study: effect.leakage.conductance_m3_per_s_pa takes 1e-12"), "{message}");
+    let off = "effect.leakage.conductance_m3_per_s_pa = { values = [0.0] }\nmass_flow_in_kg_per_s = { values = [0.0] }";
+    assert!(Study::about(&leaking, &text("design = \"factorial\"\nsolver = \"exact\"", off)).is_ok());
+    let kept = "effect.warm_wall.temperature_difference_k = { values = [0.0, 5.0] }\neffect.sensor_lag.time_constant_s = { values = [0.0, 0.01] }";
+    assert!(Study::about(&model(), &text("design = \"factorial\"\nsolver = \"exact\"", kept)).is_ok());
+}
+
+#[test]
 fn every_row_of_a_table_is_checked_before_the_first_is_solved() {
     let folder = tempfile::tempdir().unwrap();
     model().write(&folder.path().join("model.toml")).unwrap();
@@ -198,6 +226,12 @@ fn every_row_of_a_table_is_checked_before_the_first_is_solved() {
             Study::from_toml(&text(head, ""), &folder.path().join("study.toml")).map(drop).unwrap_err().to_string();
         assert!(message.contains("points.csv: ") && message.contains(expected), "{message}");
     }
+    std::fs::write(folder.path().join("points.csv"), "bore_m,leakage.conductance_m3_per_s_pa\n0.02,0\n0.02,1e-12\n")
+        .unwrap();
+    let exact = "model = \"model.toml\"\ndesign = \"table\"\ntable = \"points.csv\"\nsolver = \"exact\"";
+    let message =
+        Study::from_toml(&text(exact, ""), &folder.path().join("study.toml")).map(drop).unwrap_err().to_string();
+    assert!(message.contains("row 1: effect.leakage.conductance_m3_per_s_pa takes 1e-12"), "{message}");
 }
 
 #[test]
