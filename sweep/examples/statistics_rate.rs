@@ -10,9 +10,10 @@ use sweep::row::chunk::CHUNK;
 use sweep::row::solve::RowSolver;
 use sweep::statistics::Plan;
 
-/// Rows of a turn: a few milliseconds, which other work may leave alone.
-const ROWS: u64 = 4 * CHUNK;
-const TURNS: usize = 300;
+/// Rows of a turn: some ten milliseconds, which other work may leave alone. The first ones of a part cost most: it is they that
+/// show how close together its numbers lie.
+const ROWS: u64 = 16 * CHUNK;
+const TURNS: usize = 100;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("usage: statistics_rate STUDY.toml")?;

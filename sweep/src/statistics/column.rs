@@ -3,7 +3,7 @@
 use super::moments::Moments;
 use super::plan::{Bins, Plan};
 use super::point_of;
-use super::sketch::{ERROR, Sketch};
+use super::sketch::{Quantile, Sketch};
 use crate::error::Error;
 use crate::study::Study;
 use serde::{Deserialize, Serialize};
@@ -120,12 +120,13 @@ impl Column {
     ) -> Result<Value, Error> {
         let some = |value: f64| (self.count > 0 && value.is_finite()).then_some(value);
         let variance = self.squares / (self.count as f64 - 1.0);
-        let quantiles = plan.quantiles.iter().map(|&probability| {
+        let quantile = |(probability, found): (&f64, Option<Quantile>)| {
             let (least, most) =
                 (self.minimum.map_or(f64::NAN, |e| e.value), self.maximum.map_or(f64::NAN, |e| e.value));
-            let value = self.sketch.quantile(probability).max(least).min(most);
-            json!({ "probability": probability, "value": some(value), "error_bound": some(ERROR * value.abs()) })
-        });
+            let value = found.map(|found| found.value.max(least).min(most));
+            json!({ "probability": probability, "value": value, "error_bound": found.map(|found| found.error) })
+        };
+        let quantiles = plan.quantiles.iter().zip(self.sketch.quantiles(&plan.quantiles)).map(quantile);
         let mut summary = json!({
             "unit": unit,
             "count": self.count,

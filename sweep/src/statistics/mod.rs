@@ -11,7 +11,7 @@ mod sketch;
 
 pub use front::Front;
 pub use plan::{Bins, Goals, Plan};
-pub use sketch::{ERROR, Sketch};
+pub use sketch::{ERROR, MOST, Sketch};
 
 use crate::error::Error;
 use crate::part::columns;
@@ -93,7 +93,9 @@ impl State {
             "statuses": statuses,
             "method": {
                 "variance": "unbiased (n - 1)",
-                "quantiles": format!("DDSketch: within {ERROR:.2e} of the exact ones, relative to them"),
+                "quantiles": format!(
+                    "exact while a column has at most {MOST} different values, then counted in about as many buckets: within error_bound, half a bucket, at most {ERROR:.2e} of the value"
+                ),
                 "nulls": "rows without the value take no part and are counted",
             },
             "columns": list,

@@ -1,59 +1,80 @@
-//! A mergeable sketch of a distribution: counts in buckets of equal relative width.
+//! A mergeable sketch of a distribution: counts in buckets that are no wider than the number of different values asks for.
 //!
-//! A bucket holds the numbers of one sign that share exponent and leading [`DIGITS`] binary digits, so that every quantile
-//! read from it is within [`ERROR`] of the exact one, relative to that. This is DDSketch (C. Masson, J. Rim and H. Lee,
-//! "DDSketch: a fast and fully-mergeable quantile sketch with relative-error guarantees", 2019) with its bucket taken
-//! from the number's bits instead of a logarithm: a count costs less than the row it comes from. Counts are whole
-//! numbers: the order of merging makes no difference.
+//! A bucket holds the numbers that agree in all but their last binary digits. At first no digit is left out, and every
+//! quantile is exact. Where there are more than [`MOST`] buckets, as many digits are left out, of all numbers alike, as
+//! bring them down to that, but never so many that a quantile errs by more than [`ERROR`] of itself: a DDSketch (C. Masson,
+//! J. Rim and H. Lee, "DDSketch: a fast and fully-mergeable quantile sketch with relative-error guarantees", 2019) with its
+//! bucket taken from the number's bits instead of a logarithm, which collapses evenly (I. Epicoco, C. Melle, M. Cafaro,
+//! M. Pulimeno and G. Morleo, "UDDSketch: accurate tracking of quantiles in data streams", 2020). Buckets are narrow where the
+//! numbers lie close together, however large they are.
+//!
+//! How many digits are left out follows from the set of all numbers: some of them never need more than all of them. So the
+//! order and the pieces of counting make no difference.
 
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
-/// Binary digits after the leading one that tell buckets apart.
+/// Buckets that are kept as they are.
+pub const MOST: usize = 1 << 12;
+/// Binary digits after the leading one that are always kept.
 const DIGITS: u32 = 10;
-/// Bits of a double's mantissa that the sketch ignores.
-const SHIFT: u32 = f64::MANTISSA_DIGITS - 1 - DIGITS;
-/// Buckets over which numbers count as close together, and tables that they are then counted in.
-const NARROW: usize = 256;
-const TABLES: usize = 4;
+/// Digits that are left out at most.
+const COARSEST: u32 = f64::MANTISSA_DIGITS - 1 - DIGITS;
 /// Largest relative error of a quantile: half a bucket's width.
 pub const ERROR: f64 = 1.0 / (1u64 << (DIGITS + 1)) as f64;
 
 /// Counts of the numbers seen.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(try_from = "Stored", into = "Stored")]
 pub struct Sketch {
-    negative: Buckets,
-    zeros: u64,
-    positive: Buckets,
+    /// How many digits are left out.
+    left_out: u32,
+    /// Counts of the buckets from this one on, among which most numbers fall: to count there is quick.
+    first: u64,
+    window: Vec<u64>,
+    /// Counts of the others.
+    beyond: HashMap<u64, u64, BuildHasherDefault<Mixed>>,
+}
+
+/// Buckets of the window: room for [`MOST`] with gaps between them.
+const WINDOW: usize = 1 << 14;
+
+/// A quantile, and by how much it may differ from the exact one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantile {
+    /// The value.
+    pub value: f64,
+    /// Largest difference from the exact one.
+    pub error: f64,
 }
 
 impl Sketch {
     /// Counts finite numbers whose least and largest are known.
     pub fn add(&mut self, values: &[f64], least: f64, most: f64) {
-        if least > 0.0 {
-            self.positive.add(values, least, most);
-        } else if least == 0.0 && most == 0.0 {
-            self.zeros += values.len() as u64;
+        let left_out = self.left_out;
+        let bucket = |value: f64| place(value) >> left_out;
+        if bucket(least) == bucket(most) {
+            self.count(bucket(least), values.len() as u64);
         } else {
-            for &value in values {
-                match value {
-                    0.0 => self.zeros += 1,
-                    value if value > 0.0 => self.positive.add(&[value], value, value),
-                    value => self.negative.add(&[-value], -value, -value),
-                }
-            }
+            values.iter().for_each(|value| self.count(bucket(*value), 1));
         }
+        self.bring_down();
     }
 
     /// Counts the numbers of another sketch.
     pub fn merge(&mut self, other: &Self) {
-        self.negative.merge(&other.negative);
-        self.zeros += other.zeros;
-        self.positive.merge(&other.positive);
+        if other.left_out > self.left_out {
+            self.leave_out(other.left_out, self.sorted());
+        }
+        let more = self.left_out - other.left_out;
+        other.counts().for_each(|(bucket, count)| self.count(bucket >> more, count));
+        self.bring_down();
     }
 
     /// How many numbers were counted.
     pub fn len(&self) -> u64 {
-        self.negative.len() + self.zeros + self.positive.len()
+        self.counts().map(|(_, count)| count).sum()
     }
 
     /// Whether no number was counted.
@@ -61,130 +82,168 @@ impl Sketch {
         self.len() == 0
     }
 
-    /// The quantile of a probability from 0 to 1, interpolated between order statistics as numpy does; NaN without numbers.
-    pub fn quantile(&self, probability: f64) -> f64 {
-        let Some(last) = self.len().checked_sub(1) else { return f64::NAN };
-        let rank = probability * last as f64;
-        let (below, above) = (self.at_rank(rank.floor() as u64), self.at_rank((rank.ceil() as u64).min(last)));
-        below + (above - below) * rank.fract()
-    }
-
-    /// About the number with so many below it.
-    fn at_rank(&self, rank: u64) -> f64 {
-        let negative = self.negative.len();
-        if rank < negative {
-            -self.negative.at_rank(negative - 1 - rank)
-        } else if rank < negative + self.zeros {
-            0.0
-        } else {
-            self.positive.at_rank(rank - negative - self.zeros)
-        }
-    }
-}
-
-/// Counts of positive numbers, from the bucket `first` on.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Sparse", into = "Sparse")]
-struct Buckets {
-    first: usize,
-    counts: Vec<u64>,
-}
-
-/// Buckets that are not empty, with their counts.
-#[derive(Serialize, Deserialize)]
-struct Sparse(Vec<(usize, u64)>);
-
-impl From<Buckets> for Sparse {
-    fn from(buckets: Buckets) -> Self {
-        let all = buckets.counts.iter().enumerate().map(|(i, count)| (buckets.first + i, *count));
-        Self(all.filter(|(_, count)| *count > 0).collect())
-    }
-}
-
-impl From<Sparse> for Buckets {
-    fn from(Sparse(list): Sparse) -> Self {
-        let mut buckets = Buckets::default();
-        if let (Some((first, _)), Some((last, _))) = (list.first(), list.last()) {
-            buckets.grow(*first, (*last).max(*first));
-            for (bucket, count) in list {
-                if let Some(place) = bucket.checked_sub(buckets.first).and_then(|at| buckets.counts.get_mut(at)) {
-                    *place += count;
-                }
-            }
-        }
-        buckets
-    }
-}
-
-fn bucket(value: f64) -> usize {
-    (value.to_bits() >> SHIFT) as usize
-}
-
-impl Buckets {
-    /// Counts numbers whose least and largest are known.
-    fn add(&mut self, values: &[f64], least: f64, most: f64) {
-        let (first, last) = (bucket(least), bucket(most));
-        self.grow(first, last);
-        let counts = &mut self.counts[first - self.first..];
-        if first == last {
-            counts[0] += values.len() as u64;
-        } else if last - first < NARROW {
-            // Neighbours often fall into one bucket, and a count waits for the one before: in turn into several tables.
-            let mut tables = [[0; NARROW]; TABLES];
-            let (groups, rest) = values.as_chunks::<TABLES>();
-            for group in groups.iter().map(|group| group.as_slice()).chain([rest]) {
-                for (table, value) in tables.iter_mut().zip(group) {
-                    table[(bucket(*value) - first) % NARROW] += 1;
-                }
-            }
-            for table in tables {
-                counts.iter_mut().zip(table).for_each(|(count, more)| *count += more);
-            }
-        } else {
-            values.iter().for_each(|value| counts[bucket(*value) - first] += 1);
+    #[inline(always)]
+    fn count(&mut self, bucket: u64, numbers: u64) {
+        match self.window.get_mut(bucket.wrapping_sub(self.first) as usize) {
+            Some(count) => *count += numbers,
+            None => *self.beyond.entry(bucket).or_default() += numbers,
         }
     }
 
-    fn grow(&mut self, first: usize, last: usize) {
-        if self.counts.is_empty() {
-            self.first = first;
-        }
-        if first < self.first {
-            let more = self.first - first;
-            self.counts.splice(0..0, std::iter::repeat_n(0, more));
-            self.first = first;
-        }
-        let length = last + 1 - self.first;
-        if length > self.counts.len() {
-            self.counts.resize(length, 0);
-        }
+    /// Buckets with their counts, in any order.
+    fn counts(&self) -> impl Iterator<Item = (u64, u64)> {
+        let window = (self.first..).zip(&self.window).filter(|(_, count)| **count > 0);
+        window.chain(self.beyond.iter().map(|(bucket, count)| (*bucket, count))).map(|(bucket, count)| (bucket, *count))
     }
 
-    fn len(&self) -> u64 {
-        self.counts.iter().sum()
+    /// Buckets with their counts, by value.
+    fn sorted(&self) -> Vec<(u64, u64)> {
+        let mut sorted: Vec<(u64, u64)> = self.counts().collect();
+        sorted.sort_unstable();
+        sorted
     }
 
-    fn merge(&mut self, other: &Self) {
-        if other.counts.is_empty() {
+    /// Leaves out the digits that are one too many for [`MOST`] buckets, as far as they may be.
+    fn bring_down(&mut self) {
+        let in_window = || self.window.iter().filter(|count| **count > 0).count();
+        if self.left_out == COARSEST || in_window() + self.beyond.len() <= MOST {
             return;
         }
-        self.grow(other.first, other.first + other.counts.len() - 1);
-        for (i, count) in other.counts.iter().enumerate() {
-            self.counts[other.first + i - self.first] += count;
+        let sorted = self.sorted();
+        // Two neighbours fall into one bucket when the highest digit in which they differ is left out.
+        let mut apart_by = [0; u64::BITS as usize];
+        sorted.windows(2).for_each(|two| apart_by[(two[0].0 ^ two[1].0).ilog2() as usize] += 1);
+        let (mut buckets, mut left_out) = (sorted.len(), self.left_out);
+        for joined in apart_by {
+            if buckets <= MOST || left_out == COARSEST {
+                break;
+            }
+            buckets -= joined;
+            left_out += 1;
         }
+        self.leave_out(left_out, sorted);
     }
 
-    /// The middle of the bucket that holds the number with so many below it.
-    fn at_rank(&self, rank: u64) -> f64 {
+    /// Leaves out so many digits of these buckets, which are its own by value.
+    fn leave_out(&mut self, digits: u32, sorted: Vec<(u64, u64)>) {
+        let more = digits - self.left_out;
+        *self = Self::of(digits, sorted.into_iter().map(|(bucket, count)| (bucket >> more, count)).collect());
+    }
+
+    /// With these buckets and counts, by value, and the window in their middle.
+    fn of(left_out: u32, sorted: Vec<(u64, u64)>) -> Self {
+        let middle = sorted.get(sorted.len() / 2).map_or(0, |(bucket, _)| *bucket);
+        // Few numbers need none.
+        let window = vec![0; if left_out > 0 { WINDOW } else { 0 }];
+        let first = middle.saturating_sub(window.len() as u64 / 2);
+        let mut sketch = Self { left_out, first, window, beyond: HashMap::default() };
+        sorted.into_iter().for_each(|(bucket, count)| sketch.count(bucket, count));
+        sketch
+    }
+
+    /// The quantiles of some probabilities from 0 to 1, interpolated between order statistics as numpy does; none without
+    /// numbers.
+    pub fn quantiles(&self, probabilities: &[f64]) -> Vec<Option<Quantile>> {
+        let sorted = self.sorted();
+        let last = self.len().checked_sub(1);
+        let of = |probability: &f64| {
+            let last = last?;
+            let rank = probability * last as f64;
+            let [below, above] =
+                [rank.floor() as u64, (rank.ceil() as u64).min(last)].map(|rank| self.at_rank(&sorted, rank));
+            let between = |a: f64, b: f64| a + (b - a) * rank.fract();
+            Some(Quantile { value: between(below.value, above.value), error: between(below.error, above.error) })
+        };
+        probabilities.iter().map(of).collect()
+    }
+
+    /// About the number with so many below it: the middle of its bucket.
+    fn at_rank(&self, sorted: &[(u64, u64)], rank: u64) -> Quantile {
         let mut below = 0;
-        for (i, count) in self.counts.iter().enumerate() {
+        let bucket = sorted.iter().find(|(_, count)| {
             below += count;
-            if below > rank {
-                let edge = |bucket: usize| f64::from_bits((bucket as u64) << SHIFT);
-                return 0.5 * (edge(self.first + i) + edge(self.first + i + 1));
-            }
+            below > rank
+        });
+        let Some((bucket, _)) = bucket else { return Quantile { value: f64::NAN, error: f64::NAN } };
+        let first = bucket << self.left_out;
+        let (low, high) = (value(first), value(first | ((1 << self.left_out) - 1)));
+        // Zero is in a bucket with numbers that no result is as small as.
+        let half = if low == 0.0 { 0.0 } else { 0.5 * (high - low) };
+        Quantile { value: low + half, error: half }
+    }
+}
+
+impl PartialEq for Sketch {
+    /// Where the window is makes no difference.
+    fn eq(&self, other: &Self) -> bool {
+        (self.left_out, self.sorted()) == (other.left_out, other.sorted())
+    }
+}
+
+/// The place of a number among all: whole numbers in the same order.
+fn place(value: f64) -> u64 {
+    // Zero has one sign here.
+    let bits = (value + 0.0).to_bits();
+    if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
+}
+
+/// The number at a place.
+fn value(place: u64) -> f64 {
+    f64::from_bits(if place >> 63 == 1 { place & !(1 << 63) } else { !place })
+}
+
+/// Buckets in order, each with its distance from the one before and its count.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    left_out: u32,
+    buckets: Vec<(u64, u64)>,
+}
+
+impl From<Sketch> for Stored {
+    fn from(sketch: Sketch) -> Self {
+        let mut buckets = sketch.sorted();
+        let mut before = 0;
+        for (bucket, _) in &mut buckets {
+            (before, *bucket) = (*bucket, *bucket - before);
         }
-        f64::NAN
+        Self { left_out: sketch.left_out, buckets }
+    }
+}
+
+impl TryFrom<Stored> for Sketch {
+    type Error = &'static str;
+
+    fn try_from(Stored { left_out, buckets }: Stored) -> Result<Self, Self::Error> {
+        if left_out > COARSEST {
+            return Err("more digits are left out than there can be");
+        }
+        let mut at = 0u64;
+        let mut next = |(distance, count): (u64, u64)| {
+            at = at.checked_add(distance).filter(|at| *at <= u64::MAX >> left_out)?;
+            Some((at, count))
+        };
+        let sorted = buckets.into_iter().map(&mut next).collect::<Option<_>>();
+        Ok(Self::of(left_out, sorted.ok_or("a bucket lies beyond all numbers")?))
+    }
+}
+
+/// Spreads buckets over a table: neighbours, which differ in their last digits, far apart.
+#[derive(Default)]
+struct Mixed(u64);
+
+impl Hasher for Mixed {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+    }
+
+    fn write_u64(&mut self, bucket: u64) {
+        const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+        let product = u128::from(self.0 ^ bucket) * u128::from(GOLDEN);
+        self.0 = (product >> 64) as u64 ^ product as u64;
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
     }
 }
 
@@ -200,38 +259,82 @@ mod tests {
         sketch
     }
 
-    /// Magnitudes as results have them, or numbers close to each other; a quantile between numbers of both signs has no
-    /// relative bound.
+    fn quantile(sketch: &Sketch, probability: f64) -> Quantile {
+        sketch.quantiles(&[probability])[0].unwrap()
+    }
+
+    fn exact(sorted: &[f64], probability: f64) -> f64 {
+        let rank = probability * (sorted.len() - 1) as f64;
+        let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
+        below + (above - below) * rank.fract()
+    }
+
+    /// Numbers from 0 to 1, as evenly as any.
+    fn even(count: u32) -> impl Iterator<Item = f64> {
+        (0..count).map(|i| (f64::from(i) * 0.618_033_988_749_894_9).fract())
+    }
+
+    /// Magnitudes as results have them, or numbers close to each other: few of them, or more than there are buckets.
     fn values() -> impl Strategy<Value = Vec<f64>> {
-        let wide = prop_oneof![Just(0.0), (-12.0..12.0f64).prop_map(|e| 10f64.powf(e))];
-        prop_oneof![prop::collection::vec(wide, 1..300), prop::collection::vec(293.0..300.0, 1..300)]
+        let wide = prop_oneof![Just(0.0), (-12.0..12.0f64).prop_map(|e| 10f64.powf(e)), -1.0..1.0f64];
+        let close = (1u32..20_000, -1e6..1e6f64, 0.0..1e3f64);
+        let close = close.prop_map(|(count, from, width)| even(count).map(|share| from + width * share).collect());
+        prop_oneof![prop::collection::vec(wide, 1..300), close]
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
         #[test]
-        fn a_quantile_is_within_the_bound_of_the_exact_one(values in values(), p in 0.0..=1.0f64, negative: bool) {
+        fn a_quantile_is_within_its_bound_of_the_exact_one(values in values(), p in 0.0..=1.0f64, negative: bool) {
             let mut sorted: Vec<f64> = values.iter().map(|v| if negative { -v } else { *v }).collect();
             sorted.sort_by(f64::total_cmp);
-            let sketch = of(&sorted);
-            let rank = p * (sorted.len() - 1) as f64;
-            let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
-            let exact = below + (above - below) * rank.fract();
-            let found = sketch.quantile(p);
-            prop_assert!((found - exact).abs() <= ERROR * exact.abs() * (1.0 + 1e-9), "{} {}", found, exact);
+            let (found, exact) = (quantile(&of(&sorted), p), exact(&sorted, p));
+            let rounding = 1e-15 * exact.abs();
+            prop_assert!((found.value - exact).abs() <= found.error + rounding, "{:?} {}", found, exact);
+            let largest = sorted[0].abs().max(sorted[sorted.len() - 1].abs());
+            prop_assert!(found.error <= ERROR * largest);
         }
 
         #[test]
-        fn the_order_and_the_pieces_of_merging_make_no_difference(a in values(), b in values(), c in values()) {
+        fn the_order_and_the_pieces_of_counting_make_no_difference(a in values(), b in values(), c in values()) {
             let whole = of(&[a.clone(), b.clone(), c.clone()].concat());
             let mut merged = of(&c);
             merged.merge(&of(&a));
             merged.merge(&of(&b));
-            prop_assert_eq!(merged.len(), whole.len());
-            for p in [0.0, 0.1, 0.5, 0.99, 1.0] {
-                prop_assert_eq!(merged.quantile(p), whole.quantile(p));
-            }
+            prop_assert_eq!(&merged, &whole);
             let text = serde_json::to_string(&merged).unwrap();
-            prop_assert_eq!(serde_json::from_str::<Sketch>(&text).unwrap().quantile(0.3), merged.quantile(0.3));
+            prop_assert_eq!(&serde_json::from_str::<Sketch>(&text).unwrap(), &merged);
+        }
+    }
+
+    #[test]
+    fn as_many_different_numbers_as_buckets_have_exact_quantiles_and_one_more_has_not() {
+        let values: Vec<f64> = even(MOST as u32 + 1).map(|share| 1e6 + share).collect();
+        let mut sorted = values[..MOST].to_vec();
+        let mut sketch = of(&[sorted.clone(), sorted.clone()].concat());
+        sorted.sort_by(f64::total_cmp);
+        assert_eq!(quantile(&sketch, 1.0), Quantile { value: sorted[MOST - 1], error: 0.0 });
+        sketch.merge(&of(&values[MOST..]));
+        assert!(quantile(&sketch, 0.5).error > 0.0);
+    }
+
+    #[test]
+    fn the_error_follows_the_spread_of_the_numbers_and_not_their_size_or_a_stray_one() {
+        // 825 Pa between two quantiles at 1e6 Pa, and a number far away.
+        let mut values: Vec<f64> = even(300_000).map(|share| 1e6 + 825.0 / 0.95 * share).collect();
+        values.push(3.7);
+        let sketch = of(&values);
+        let [low, high] = [0.025, 0.975].map(|p| quantile(&sketch, p));
+        assert!((high.value - low.value - 825.0).abs() < 0.5, "{low:?} {high:?}");
+        assert!(low.error < 825.0 / MOST as f64 && high.error < 825.0 / MOST as f64, "{low:?} {high:?}");
+        assert!(sketch.sorted().len() <= MOST);
+    }
+
+    #[test]
+    fn damaged_counts_are_refused() {
+        for text in [r#"{"left_out":43,"buckets":[]}"#, r#"{"left_out":1,"buckets":[[9223372036854775807,1],[1,1]]}"#] {
+            assert!(serde_json::from_str::<Sketch>(text).is_err(), "{text}");
         }
     }
 }
