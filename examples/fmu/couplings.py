@@ -17,7 +17,15 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 MASS_KG, FRICTION_N_S_PER_M, SPEED_M_PER_S = 2.0, 20.0, 0.1
-START = dict(position=0.02, initialPressure=6e5)
+# The chamber, whatever the FMU's model has; a leak would let the piston sink.
+START = {
+    "bore": 0.025,
+    "rodDiameter": 0.01,
+    "deadVolume": 2e-6,
+    "leakage.conductance": 0.0,
+    "position": 0.02,
+    "initialPressure": 6e5,
+}
 DURATION_S = 1.0
 # strokeInput
 POSITION_AND_VELOCITY, VELOCITY = 1, 2
@@ -31,7 +39,7 @@ def run(path, coupling, step=1e-3, late=0):
         guid=description.guid, unzipDirectory=folder, modelIdentifier=description.coSimulation.modelIdentifier, instanceName=coupling
     )
 
-    def put(**values):
+    def put(values):
         fmu.setReal([references[name] for name in values], list(values.values()))
 
     def get(name):
@@ -40,7 +48,7 @@ def run(path, coupling, step=1e-3, late=0):
     fmu.instantiate()
     fmu.setupExperiment(startTime=0.0)
     fmu.setInteger([references["strokeInput"]], [VELOCITY if coupling == "velocity" else POSITION_AND_VELOCITY])
-    put(**START)
+    put(START)
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()
     x, v, course = START["position"], SPEED_M_PER_S, []
@@ -49,13 +57,13 @@ def run(path, coupling, step=1e-3, late=0):
     for k in range(round(DURATION_S / step)):
         if coupling == "position again":
             # The outputs belong to the present inputs: the gas is where the piston is before the force is read.
-            put(position=x, velocity=0.0)
+            put({"position": x, "velocity": 0.0})
         forces.append(get("force"))
         v += step * (forces.popleft() - load - FRICTION_N_S_PER_M * v) / MASS_KG
         if coupling == "velocity":
-            put(velocity=v)
+            put({"velocity": v})
         elif coupling == "position and velocity":
-            put(position=x, velocity=v)
+            put({"position": x, "velocity": v})
         fmu.doStep(k * step, step)
         x = get("pistonPosition") if coupling == "velocity" else x + step * v
         course.append(x)
@@ -83,7 +91,7 @@ def swing(course):
 def main(path):
     for coupling, late in COUPLINGS:
         delay = f", force {late} ms late" if late else ""
-        print(f"{coupling}{delay}: swings by {1e3 * swing(run(path, coupling, late=late)):.2f} mm")
+        print(f"{coupling}{delay}: swings by {1e3 * swing(run(path, coupling, late=late)):.3f} mm")
 
 
 if __name__ == "__main__":

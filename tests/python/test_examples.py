@@ -80,6 +80,18 @@ def test_a_piston_comes_to_rest_by_each_stable_coupling_and_not_by_a_force_that_
     assert swings["position and velocity", 1] > 0.2 and swings["position and velocity", 2] > 2.0, swings
 
 
+def test_the_readme_states_what_the_couplings_and_the_program_come_to(fmu, root, pneutherm, tmp_path):
+    readme = (root / "examples/fmu/README.md").read_text()
+    printed = run(root / "examples/fmu/couplings.py", fmu, cwd=tmp_path)
+    found = [float(swing) for swing in re.findall(r"swings by ([\d.]+) mm", printed)]
+    stable, *late = (float(swing) for swing in re.findall(r"^\| (?:each of|position and).*\| ([\d.]+) mm", readme, re.M))
+    assert found == pytest.approx([stable] * 3 + late, rel=0.1), printed
+    validation = root / "examples/cylinder/validation.toml"
+    said = pneutherm("fmu", fmu.with_name("model.toml"), "-o", tmp_path / "Chamber.fmu", "--validation", validation).stdout
+    (line,) = re.findall(r"^reference experiment.*", readme, re.M)
+    assert line in said, said
+
+
 def test_the_modelica_example_is_modelica(root):
     parser = pytest.importorskip("pymoca.parser", reason="pymoca, which parses Modelica, is not installed")
     text = (root / "examples/fmu/ServoCylinder.mo").read_text()
