@@ -3,13 +3,14 @@
 use super::progress::{Progress, Telling};
 use crate::{interrupt, output, stores, study_pictures};
 use anyhow::{Context, bail};
+use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use sweep::estimate::{Estimate, calibrate};
+use sweep::estimate::{Estimate, calibrate, most_bytes};
 use sweep::folder::{Folder, file_names, verify};
 use sweep::study::{Overrides, SOLVERS};
-use sweep::{Earlier, Options, Report, Shard, Study, traces};
+use sweep::{Earlier, Options, Report, Shard, Store, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///
@@ -99,6 +100,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Folder::open(&study, &*store)?;
         let estimate = pool.install(|| calibrate(&study, folder, !args.no_rows))?;
         tell(&study.notes, path);
+        tell_of_space(&*store, &study, args, "about", |rows| estimate.bytes(rows) as u64);
         let threads = pool.current_num_threads();
         let told = estimate_summary(&study, args.shard, &estimate, threads) + &size_summary(&study, args, &estimate);
         return output::print(told.as_bytes());
@@ -106,6 +108,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
     let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
     tell(&study.notes, path);
+    tell_of_space(&*store, &study, args, "up to", |rows| most_bytes(&study, rows));
     interrupt::ends_the_program(Some("interrupted: finished parts are kept; run the same command again to continue"));
     let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
@@ -133,6 +136,23 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 /// Tells what in the study's file has no effect.
 fn tell(notes: &[String], path: &Path) {
     notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
+}
+
+/// Tells where rows that are still to be written, which take so many bytes, find no room.
+fn tell_of_space(store: &dyn Store, study: &Study, args: &Args, about: &str, bytes: impl Fn(u64) -> u64) {
+    let Some(free) = store.free().filter(|free| !args.no_rows && bytes(rows_of(study, args.shard)) > *free) else {
+        return;
+    };
+    let there: HashSet<String> = store.names(file_names::ROWS).unwrap_or_default().into_iter().collect();
+    let missing = parts_of(study, args.shard).filter(|part| !there.contains(&study.part_name(*part)));
+    let bytes = bytes(missing.map(|part| study.rows_of(part)).map(|rows| rows.end - rows.start).sum());
+    if bytes > free {
+        let (bytes, free) = (indicatif::BinaryBytes(bytes), indicatif::BinaryBytes(free));
+        output::note(&format!(
+            "{}: the rows take {about} {bytes}, and the disk has {free} left",
+            store.place().display()
+        ));
+    }
 }
 
 /// Parts that are told by name when a folder does not hold what its manifest says.

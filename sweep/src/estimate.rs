@@ -1,6 +1,7 @@
 //! What a study will take: its rows, its time from a short calibration and a probe of the disk, and its bytes.
 
 use crate::error::Error;
+use crate::folder::store::existing;
 use crate::part;
 use crate::part::columns;
 use crate::part::encoding;
@@ -20,6 +21,12 @@ const FIRST: u64 = 4;
 const LARGEST: u64 = 1 << 15;
 /// Pieces for each thread, from all over the design: an axis may be slow at one of its ends.
 const PIECES: u64 = 8;
+
+/// Bytes that so many rows of a study take at most, without looking at any: its numbers as they are, uncompressed.
+pub fn most_bytes(study: &Study, rows: u64) -> u64 {
+    let columns = columns::schema(study).fields().len() as u64;
+    rows.saturating_mul(columns * size_of::<f64>() as u64)
+}
 
 /// Time and disk space that a study will take, measured on a few of its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,8 +94,7 @@ const PROBE: usize = 8 << 20;
 
 /// Time in which a part of that many bytes and its record reach the disk, s.
 fn seconds_per_part(folder: &Path, bytes: f64) -> f64 {
-    let folder = folder.ancestors().map(|path| if path == Path::new("") { Path::new(".") } else { path });
-    let Some(folder) = folder.into_iter().find(|path| path.is_dir()) else { return 0.0 };
+    let Some(folder) = existing(folder) else { return 0.0 };
     let probe = (bytes as usize).min(PROBE);
     let record = synced(folder, 1 << 10);
     let part = match probe {

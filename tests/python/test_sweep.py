@@ -444,7 +444,9 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_half_file_of_a_final_name(tmp
     try:
         study = write(tmp_path, 'design = "sobol"\nsamples = 20000\nfit = false', COMMON)
         error = pneutherm("sweep", study, "-o", disk / "out", "--jobs", 1, code=1).stderr
-        assert error.count("\n") == 1 and "No space left" in error and "run the same command again" in error
+        note, error = error.splitlines()
+        assert re.search(r"^note: .*out: the rows take up to [\d.]+ MiB, and the disk has 256.00 KiB left$", note), note
+        assert "No space left" in error and "run the same command again" in error
         for part in (disk / "out" / "rows").glob("*.parquet"):
             pq.ParquetFile(part)
         assert not list((disk / "out").glob("*/.*.tmp")) and not (disk / "out" / "manifest.json").exists()
@@ -609,6 +611,14 @@ def test_the_estimate_is_right_where_one_end_of_an_axis_is_slow(tmp_path, pneuth
     estimated = float(re.search(r"\((\d+) rows/s", told)[1])
     told = pneutherm("sweep", study, "-o", tmp_path / "out", "--jobs", 1).stdout
     assert 0.2 < estimated / float(re.search(r"\((\d+) rows/s", told)[1]) < 5
+
+
+def test_a_study_that_its_disk_has_no_room_for_is_told_so(tmp_path, pneutherm):
+    study = write(tmp_path, 'design = "sobol"\nsamples = 1_000_000_000_000\nfit = false', COMMON)
+    told = pneutherm("sweep", study, "-o", tmp_path / "not" / "yet", "--dry-run").stderr
+    assert re.search(r"note: .*not/yet: the rows take about [\d.]+ TiB, and the disk has [\d.]+ \wiB left", told), told
+    for arguments in (["--no-rows"], ["--shard", "0/1000000"]):
+        assert "disk" not in pneutherm("sweep", study, "-o", tmp_path / "not" / "yet", "--dry-run", *arguments).stderr
 
 
 def test_quantiles_of_numbers_that_lie_close_together_are_as_close_to_the_exact_ones(tmp_path, pneutherm):

@@ -58,6 +58,11 @@ pub trait Store: Sync {
     /// It cannot be removed.
     fn remove(&self, name: &str) -> io::Result<()>;
 
+    /// Bytes that can still be written there; none where that is not known or has no end, or nothing can be written.
+    fn free(&self) -> Option<u64> {
+        None
+    }
+
     /// The folder on the disk in which files are made.
     ///
     /// # Errors
@@ -131,6 +136,12 @@ fn some<T>(result: io::Result<T>) -> io::Result<Option<T>> {
     }
 }
 
+/// The nearest folder that is there: the disk that `path` is on or will be on.
+pub fn existing(path: &Path) -> Option<&Path> {
+    let mut folders = path.ancestors().map(|path| if path == Path::new("") { Path::new(".") } else { path });
+    folders.find(|path| path.is_dir())
+}
+
 impl Store for Local {
     fn place(&self) -> &Path {
         &self.path
@@ -164,6 +175,13 @@ impl Store for Local {
             records::Error::Write { source, .. } => source,
             other => io::Error::other(other.to_string()),
         })
+    }
+
+    #[cfg(unix)]
+    fn free(&self) -> Option<u64> {
+        let disk = rustix::fs::statvfs(existing(&self.path)?).ok()?;
+        let can_be_written = !disk.f_flag.contains(rustix::fs::StatVfsMountFlags::RDONLY);
+        can_be_written.then(|| disk.f_bavail.saturating_mul(disk.f_frsize))
     }
 
     /// A system whose folders cannot be synced needs no more than the file's own sync.
