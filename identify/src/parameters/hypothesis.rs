@@ -168,9 +168,7 @@ impl Hypothesis {
         }
         if self.ambient_scatter_k > 0.0 && !trace.shows_ambient {
             let sd = self.ambient_scatter_k / trace.initial_temperature_k;
-            let far = policy::DEVIATIONS_BEFOREHAND * sd;
-            let axis = initial(Own::AmbientTemperature, trace.initial_temperature_k);
-            out.push(Axis { bounds: [1.0 - far, 1.0 + far], prior: Some([1.0, sd]), ..axis });
+            out.push(Axis { prior: Some([1.0, sd]), ..initial(Own::AmbientTemperature, trace.initial_temperature_k) });
         }
         let gaps = 0..gaps::of(&trace.course.motion).count();
         out.extend(

@@ -63,7 +63,7 @@ impl Search {
             Verdict::Adequate => None,
             Verdict::Explained if self.chosen.model.of_rig().iter().count() < 2 => None,
             Verdict::Explained => self.in_place_of(&self.chosen),
-            Verdict::Improved if self.chosen_adequacy.is_adequate() && !follows_the_test => None,
+            Verdict::Improved if self.is_settled() && !follows_the_test => None,
             Verdict::Improved | Verdict::Unexplained => self.read_off(settled),
         };
         if let Some(found) = read_off.as_ref().filter(|found| found.fate.is_accepted()) {
@@ -135,6 +135,11 @@ impl Search {
         from.hypothesis.axes.clear();
         from.rig.clear();
         fit_model(&self.data, model, &from, &self.sizes)
+    }
+
+    /// Whether the chosen model is adequate with surroundings of the records that can be.
+    fn is_settled(&self) -> bool {
+        self.chosen_adequacy.is_adequate() && !self.chosen.fit.needs_other_surroundings()
     }
 
     /// Evidence of the chosen model over one with a term less.

@@ -19,6 +19,8 @@ pub const COHERENT: RangeInclusive<f64> = 5.0..=1000.0;
 /// A line's variance is no more than what the windows show of it and so many standard errors more, by one in each of √n windows: few
 /// windows happen to show less than is usual.
 const SEEN_WITHIN: f64 = 3.0;
+/// In single records a model has adapted to a line of few periods, but not to more of it than leaves this share of its variance.
+const SEEN_ALONE: f64 = 0.25;
 /// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
 
@@ -51,8 +53,7 @@ pub struct Likelihood<'a> {
     pub free: usize,
     /// Periods of a hum that the longest window has at least.
     pub fewest_periods: f64,
-    /// Whether the windows are contrasts of repeats, in which a line shows as large as it is: what it is in single records a model
-    /// has partly adapted to.
+    /// Whether the windows are contrasts of repeats, in which a line shows as large as it is.
     pub pure: bool,
     /// The white part is no smaller than this, Pa. Without an end the likelihood of windows without noise would rise for ever
     /// as the white part shrinks beside a coloured one.
@@ -239,7 +240,7 @@ impl Likelihood<'_> {
     /// Whether the windows scatter as much as a line of this size makes them. A line of about a period may come out far larger: its
     /// sine and cosine then cancel each other where they follow what is no line.
     fn is_seen(&self, noise: &Noise) -> bool {
-        let Some(hum) = noise.hum.filter(|_| self.pure) else { return true };
+        let Some(hum) = noise.hum else { return true };
         // The mean of a sine whose phase is anyone's has the variance sinc² of the sine's.
         let of_a_sine = |w: &Window| {
             let n = w.values.len() as f64;
@@ -248,7 +249,8 @@ impl Likelihood<'_> {
         };
         let seen: f64 = self.windows.iter().map(Window::squares).sum();
         let expected: f64 = self.windows.iter().map(of_a_sine).sum();
-        hum.sd_pa * hum.sd_pa * expected <= (1.0 + SEEN_WITHIN / (self.windows.len() as f64).sqrt()) * seen
+        let within = if self.pure { 1.0 + SEEN_WITHIN / (self.windows.len() as f64).sqrt() } else { 1.0 / SEEN_ALONE };
+        hum.sd_pa * hum.sd_pa * expected <= within * seen
     }
 
     /// Duration of the longest window, s.
@@ -532,7 +534,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_in_contrasts_is_no_larger_than_they_show() {
+    fn a_line_in_contrasts_is_no_larger_than_they_show_and_in_single_records_no_more_than_twice_as_large() {
         // Repeats that begin warmer or colder than the wall differ by what relaxes: no line.
         let mut random = Random::new(21);
         let windows: Vec<Window> = (0..20)
@@ -552,6 +554,8 @@ mod tests {
             noise.hum.unwrap().sd_pa
         };
         let most_pa = shown_pa * (1.0 + SEEN_WITHIN / 20.0_f64.sqrt()).sqrt();
-        assert!(sd_pa(true) <= most_pa && sd_pa(false) > most_pa, "{} {} {most_pa}", sd_pa(true), sd_pa(false));
+        let [contrasts_pa, alone_pa, limit_pa] = [sd_pa(true), sd_pa(false), shown_pa / SEEN_ALONE.sqrt()];
+        assert!(contrasts_pa <= most_pa, "{contrasts_pa} {most_pa}");
+        assert!(alone_pa > most_pa && alone_pa < 1.05 * limit_pa, "{alone_pa} {most_pa} {limit_pa}");
     }
 }
