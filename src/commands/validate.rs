@@ -16,8 +16,8 @@ Example:
   pneutherm validate model.toml other-day/rig.toml
   pneutherm validate model.toml other-day --whole-record --json validation.json --report validation.html
 
-Each record has its own initial pressure, delay, gauge offset and averaging of the position, its own initial temperature if it \
-begins in motion, and its own delay of the position if the model has one, or each of the records that it was identified from had its own. These are \
+Each record has its own initial pressure, delay, gauge offset and averaging of the position, its own ambient temperature if there \
+are others and it does not show that, its own initial temperature if it begins in motion, and its own delay of the position if the model has one, or each of the records that it was identified from had its own. These are \
 fitted to its rest and first move, and the rest of the record is predicted and compared. With --whole-record they are fitted to \
 the whole record, and the whole record is compared; each record then has its own drift too, under the same condition. \
 Everything else is taken from the model. Pressures are in Pa.")]
