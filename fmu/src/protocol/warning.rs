@@ -4,7 +4,6 @@ use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
 use crate::table::effects::listed;
 use chamber::balance::{ENERGY, MASS};
-use chamber::effects::OF_WALL;
 
 /// Pressures beyond this are implausible, Pa: pneumatic cylinders work up to about a tenth of it, and a perfect gas with
 /// constant heat capacities is off by some percent there.
@@ -55,7 +54,7 @@ impl Warnings {
 
     /// Looks at parameters that a host has set, at the end of initialization or later.
     pub fn of_parameters(&mut self, now: &Simulation, tell: &mut impl FnMut(String)) {
-        let off = now.plant.balance.chamber.active().without(now.plant.set).intersection(OF_WALL);
+        let off = now.plant.balance.chamber.active().without(now.plant.set);
         if !off.is_empty() {
             self.once(Warning::Wall, tell, || {
                 let have = if off.iter().count() == 1 { "has" } else { "have" };

@@ -17,8 +17,8 @@ mod descent;
 mod found;
 mod linear;
 
-use crate::parameters::{Hypothesis, Model, Own};
-use crate::record::data::{Data, Prepared};
+use crate::parameters::{Axis, Hypothesis, Model, Own};
+use crate::record::data::Data;
 use bordered::System;
 pub use descent::{Descent, Until, descend};
 pub use found::Fit;
@@ -121,12 +121,8 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
 
 /// [`Fit::ambient_scatter`].
 fn ambient_scatter(data: &Data, h: &Hypothesis, own: &[Vec<f64>]) -> f64 {
-    let deviation = |(t, own): (&Prepared, &Vec<f64>)| {
-        let axes = h.own_of(t);
-        let place = axes.iter().position(|axis| axis.slot == Own::AmbientTemperature)?;
-        axes[place].prior.map(|[mean, sd]| (own[place] - mean) / sd)
-    };
-    let deviations: Vec<f64> = data.traces.iter().zip(own).filter_map(deviation).collect();
+    let deviation = |(axis, x): (Axis<Own>, f64)| axis.prior.map(|[mean, sd]| (x - mean) / sd);
+    let deviations: Vec<f64> = h.of_each(data, own, Own::AmbientTemperature).flatten().filter_map(deviation).collect();
     let squares: f64 = deviations.iter().map(|z| z * z).sum();
     (squares / deviations.len().max(1) as f64).sqrt()
 }

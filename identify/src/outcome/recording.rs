@@ -365,12 +365,9 @@ pub fn positions_too_far(fit: &Fit, is_adequate: bool) -> Option<String> {
 /// What the records' initial temperatures have in common, where they are fitted and that is more than chance.
 fn common_start(data: &Data, fit: &Fit) -> Option<String> {
     const DEVIATIONS: f64 = 4.0;
-    let warmer = |(t, own): (&Prepared, &Vec<f64>)| {
-        let axes = fit.hypothesis.own_of(t);
-        let place = axes.iter().position(|axis| axis.slot == Own::Temperature)?;
-        Some(axes[place].value(own[place]) - t.initial_temperature_k)
-    };
-    let warmer_k: Vec<f64> = data.traces.iter().zip(&fit.own).filter_map(warmer).collect();
+    let of_each = data.traces.iter().zip(fit.hypothesis.of_each(data, &fit.own, Own::Temperature));
+    let warmer_k: Vec<f64> =
+        of_each.filter_map(|(t, number)| number.map(|(axis, x)| axis.value(x) - t.initial_temperature_k)).collect();
     let count = warmer_k.len() as f64;
     let mean = warmer_k.iter().sum::<f64>() / count;
     let variance = warmer_k.iter().map(|k| (k - mean).powi(2)).sum::<f64>() / (count - 1.0);

@@ -192,6 +192,20 @@ impl Hypothesis {
         data.traces.iter().map(|t| self.first_own(t)).collect()
     }
 
+    /// A number that each record may have for itself, record by record: its axis and its coordinate among the records' `own`.
+    pub fn of_each<'a>(
+        &'a self,
+        data: &'a Data,
+        own: &'a [Vec<f64>],
+        slot: Own,
+    ) -> impl Iterator<Item = Option<(Axis<Own>, f64)>> + 'a {
+        data.traces.iter().zip(own).map(move |(t, own)| {
+            let axes = self.own_of(t);
+            let place = axes.iter().position(|axis| axis.slot == slot)?;
+            Some((axes[place], own[place]))
+        })
+    }
+
     /// Chamber, start and surroundings of one record: `stated` in units of their tolerances.
     pub fn setting<R: Real>(&self, trace: &Prepared, x: &[R], stated: &[R], own: &[R]) -> Setting<R> {
         let mut chamber = self.chamber(x);

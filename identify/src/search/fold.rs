@@ -83,15 +83,7 @@ impl Search {
 
 /// Mean over the records of a number that each has for itself.
 fn mean_of_records(data: &Data, fit: &Fit, slot: Own) -> Option<f64> {
-    let values: Option<Vec<f64>> = data
-        .traces
-        .iter()
-        .zip(&fit.own)
-        .map(|(t, own)| {
-            let axes = fit.hypothesis.own_of(t);
-            let place = axes.iter().position(|axis| axis.slot == slot)?;
-            Some(axes[place].value(own[place]))
-        })
-        .collect();
+    let of_each = fit.hypothesis.of_each(data, &fit.own, slot);
+    let values: Option<Vec<f64>> = of_each.map(|number| number.map(|(axis, x)| axis.value(x))).collect();
     values.map(|values| values.iter().sum::<f64>() / values.len() as f64)
 }

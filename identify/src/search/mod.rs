@@ -2,7 +2,7 @@
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
 //! better sets with every further term (a beam of all sets and one of those without terms of single records; those are fitted
-//! whose first step promises most), and pairs of the better ones. It ends where what is left is adequate or next to nothing, where
+//! whose first step promises most), pairs of the better ones, and each effect beside a delay. It ends where what is left is adequate or next to nothing, where
 //! nothing enters and no set of the rig's effects can catch up, or at sets of [`policy::MOST_IN_ALL`] terms. A term is an effect of
 //! the rig, an effect of the recording that each record has for itself, or initial temperatures. It enters by decisive evidence and
 //! a lower error on left-out data (`entry`). What the records have for themselves may become one number of the rig (`fold`), and

@@ -10,6 +10,7 @@ use chamber::{Geometry, effects};
 use ensemble::{Solver, WITHOUT_CLOSED_FORM};
 use records::Model;
 use report::number::shortest;
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 /// A value that cannot be, and why: "takes 0.03: a rod has to be thinner than the bore, 0.02 at most".
@@ -80,7 +81,7 @@ pub fn check(bounds: &Bounds, model: &Model, solver: Solver) -> Result<(), Refus
 
 /// Flows, and effects that have to be integrated, stay off where nothing but the closed form is taken.
 fn closed_form(bounds: &Bounds) -> Result<(), Refused> {
-    let has_to_stay = |quantity: usize, neutral: f64, with: &str| match &bounds.0[quantity] {
+    let has_to_stay = |quantity: usize, neutral: f64, with: &dyn Display| match &bounds.0[quantity] {
         Some(range) if [range.start(), range.end()].iter().any(|value| **value != neutral) => {
             let value = if *range.end() == neutral { range.start() } else { range.end() };
             let message = format!(
@@ -91,12 +92,12 @@ fn closed_form(bounds: &Bounds) -> Result<(), Refused> {
         }
         _ => Ok(()),
     };
-    has_to_stay(Base::MassFlowIn as usize, 0.0, "a mass flow")?;
-    has_to_stay(Base::MassFlowOut as usize, 0.0, "a mass flow")?;
+    has_to_stay(Base::MassFlowIn as usize, 0.0, &"a mass flow")?;
+    has_to_stay(Base::MassFlowOut as usize, 0.0, &"a mass flow")?;
     let of_effects = (0..bounds.0.len()).filter_map(|quantity| Some((quantity, quantity::effect_of(quantity)?)));
     for (quantity, (effect, parameter)) in of_effects.filter(|(_, (effect, _))| WITHOUT_CLOSED_FORM.has(*effect)) {
         let card = &effects::CARDS[effect];
-        has_to_stay(quantity, card.parameters[parameter].neutral, &format!("the effect {}", card.name))?;
+        has_to_stay(quantity, card.parameters[parameter].neutral, &format_args!("the effect {}", card.name))?;
     }
     Ok(())
 }
