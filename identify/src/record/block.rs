@@ -4,10 +4,10 @@
 //! its mean is that of two Gauss points of the model; it stands for its rows at a fraction of their cost.
 
 use crate::record::between_rows::{BetweenRows, Look};
-use crate::record::position_noise::{self, rounding_of_mean};
 use crate::record::readout::Readout;
-use crate::record::stroke::{Motion, Phase, Segment};
+use crate::record::stroke::{Motion, Phase};
 use crate::record::unresolved::Unresolved;
+use crate::record::whiten::IN_COMMON;
 use records::extremes;
 
 /// A run of rows and the mean of those that are data.
@@ -37,9 +37,11 @@ pub struct Block {
     pub by_rows_pa: f64,
     /// Standard deviation of the mean by the rounding of a held piston's position, Pa: part of what its blocks have in common.
     pub by_rounding_pa: f64,
+    /// How much the pressure answers a wrong place in the long run, Pa/m.
+    pub per_metre: f64,
     /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, by the
-    /// slope of that, and by the time at which the move before it really was over.
-    pub common_sd_pa: [f64; 3],
+    /// slope of that, by the time at which the move before it really was over, and by the place before that move (see [`super::held`]).
+    pub common_sd_pa: [f64; IN_COMMON],
     /// What the piston does.
     pub phase: Phase,
     /// Segment of the motion it lies in.
@@ -103,7 +105,6 @@ pub fn blocks(
     let between_rows = BetweenRows::new(motion, look);
     // Rows around one reading of the position share its error, and count as one.
     let of_one_reading = (motion.rows_per_reading as f64).sqrt();
-    let held_sd_m = held_sd_m(position_m, motion);
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
         let rows = data.len();
@@ -127,10 +128,6 @@ pub fn blocks(
             // Pressure answers a wrong position with P/V times the wrong volume, γ times that where it is sudden. The
             // dead volume, not known yet, is taken for a tenth of the stroke at least.
             let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
-            let [noise_m, rounding_m] = held_sd_m[segment];
-            let held = per_metre * noise_m.hypot(rounding_m);
-            // The slope of a straight line through the rows of a hold is known to √12/length of its mean.
-            let along = 12.0f64.sqrt() * (t - 0.5 * (s.from_s + s.to_s)) / (s.to_s - s.from_s).max(f64::MIN_POSITIVE);
             let moves = s.phase == Phase::Move;
             // What an average hides is the same over a window, whose rows count as one reading.
             let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
@@ -155,31 +152,16 @@ pub fn blocks(
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
                 by_position_pa: (by_metre_pa * hidden_m.hypot(noise_sd_m)).hypot(by_clock_pa),
                 by_rows_pa: (by_metre_pa * between_m.hypot(noise_sd_m)).hypot(if moves { by_clock_pa } else { 0.0 }),
-                by_rounding_pa: per_metre * rounding_m,
-                common_sd_pa: if moves { [0.0; 3] } else { [held, held * along, 0.0] },
+                by_rounding_pa: 0.0,
+                per_metre,
+                common_sd_pa: [0.0; IN_COMMON],
                 phase: s.phase,
                 segment,
             });
             first = end;
         }
     }
-    shifted_holds(&mut out, motion);
     out
-}
-
-/// Standard deviations of the mean position of each part of the stroke, m: by the noise of its readings, and where it is held by
-/// their rounding.
-fn held_sd_m(position_m: &[f64], motion: &Motion) -> Vec<[f64; 2]> {
-    let step_m = position_noise::step(position_m);
-    let of = |s: &Segment| {
-        let readings = (s.end - s.first) as f64 / motion.rows_per_reading as f64;
-        let rounding_m = match s.phase {
-            Phase::Move => 0.0,
-            Phase::Rest | Phase::Hold => rounding_of_mean(&position_m[s.first..s.end], step_m),
-        };
-        [motion.noise_m / readings.max(1.0).sqrt(), rounding_m]
-    };
-    motion.segments.iter().map(of).collect()
 }
 
 /// How long the readings around these rows stay within their range, s.
@@ -191,26 +173,6 @@ fn dwell(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], [low, high]: [f64;
     let after = (last + 1..time_s.len().min(last + FARTHEST)).take_while(inside).count();
     let row_s = time_s[time_s.len() - 1] / (time_s.len() - 1) as f64;
     time_s[last + after] - time_s[first - before] + row_s
-}
-
-/// What a hold's blocks have in common since its move may have been over a little earlier or later: dP/dt times that.
-fn shifted_holds(blocks: &mut [Block], motion: &Motion) {
-    for (segment, pair) in motion.segments.windows(2).enumerate() {
-        let shift_s = pair[0].shift_s;
-        if pair[1].phase != Phase::Hold || shift_s == 0.0 {
-            continue;
-        }
-        let held: Vec<usize> = (0..blocks.len()).filter(|&i| blocks[i].segment == segment + 1).collect();
-        let rates: Vec<f64> = (0..held.len())
-            .map(|i| {
-                let (a, b) = (&blocks[held[i.saturating_sub(2)]], &blocks[held[(i + 2).min(held.len() - 1)]]);
-                (b.mean_pa - a.mean_pa) / (b.middle_s() - a.middle_s()).max(f64::MIN_POSITIVE)
-            })
-            .collect();
-        for (i, rate) in held.into_iter().zip(rates) {
-            blocks[i].common_sd_pa[2] = rate * shift_s;
-        }
-    }
 }
 
 #[cfg(test)]

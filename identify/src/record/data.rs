@@ -5,6 +5,7 @@ use crate::record::between_rows::Look;
 use crate::record::block::{Block, blocks};
 use crate::record::course::Course;
 use crate::record::gaps;
+use crate::record::held;
 use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
@@ -92,6 +93,7 @@ impl Prepared {
         let motion = &self.course.motion;
         self.blocks =
             blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.look);
+        held::share(&mut self.blocks, &self.pressure_pa, motion, &self.position_m, gamma);
     }
 
     pub(super) fn lay_out_and_weigh(&mut self, gamma: f64, noise: &Noise) {

@@ -13,6 +13,7 @@ pub mod far_off;
 mod first_volume;
 pub mod gaps;
 mod hampel;
+mod held;
 mod jitter;
 mod lattice;
 mod level;

@@ -1,8 +1,8 @@
 //! Block residuals made independent of each other and of unit variance: the innovations of a Kalman filter over a record.
 //!
 //! A block's residual is the sum of white noise, of the recording's coloured noise and hum ([`Noise`]), and of what
-//! blocks have in common: the error of a hold's mean position and of its slope, the time at which the move before it was
-//! over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step). Each of these
+//! blocks have in common: the errors of a hold's mean position, of its slope and of the place before, the time at which the move
+//! before it was over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step). Each of these
 //! is a linear state, so that the filter is linear in the number of blocks, and the same operator applies to residuals and to every
 //! column of sensitivities.
 //!
@@ -18,9 +18,12 @@ use crate::record::noise::{FLICKER_COLOURS, Noise};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
-/// Most states of the filter: the coloured processes of flicker noise, the hum's two, three that a segment has in common, one of
+/// Deviations that a segment's means have in common: see `common_sd_pa` of [`super::block::Block`].
+pub const IN_COMMON: usize = 4;
+
+/// Most states of the filter: the coloured processes of flicker noise, the hum's two, those that a segment has in common, one of
 /// rounding.
-const MOST: usize = FLICKER_COLOURS + 6;
+const MOST: usize = FLICKER_COLOURS + IN_COMMON + 3;
 
 /// Where and how one mean of readings was taken. Times in s, deviations in Pa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,7 +35,7 @@ pub struct Place {
     /// Variance of its white part, Pa².
     pub variance: f64,
     /// Deviations that the means of one segment have in common.
-    pub common_sd_pa: [f64; 3],
+    pub common_sd_pa: [f64; IN_COMMON],
     /// Rest, move or hold that the block belongs to, by its place in the record.
     pub segment: usize,
     /// Deviation by rounding, where the readings stick.
@@ -62,7 +65,7 @@ impl Layout {
             wanted.then(|| count - states)
         };
         let hum = next(noise.hum.is_some(), 2);
-        let held = next(places.iter().any(|p| p.common_sd_pa != [0.0; 3]), 3);
+        let held = next(places.iter().any(|p| p.common_sd_pa != [0.0; IN_COMMON]), IN_COMMON);
         let dwell = next(places.iter().any(|p| p.rounding_sd_pa > 0.0), 1);
         Self { colours, hum, held, dwell, count }
     }
@@ -70,7 +73,7 @@ impl Layout {
     /// States that begin anew at a mean which follows another.
     fn renewed(&self, place: &Place, before: Option<&Place>) -> impl Iterator<Item = usize> + use<> {
         let segment = before.is_none_or(|b| b.segment != place.segment);
-        self.held.filter(|_| segment).map(|at| at..at + 3).into_iter().flatten()
+        self.held.filter(|_| segment).map(|at| at..at + IN_COMMON).into_iter().flatten()
     }
 }
 
@@ -202,7 +205,7 @@ fn step(layout: &Layout, noise: &Noise, place: &Place, next: Option<&Place>, cov
         added[at + 1] = added[at];
     }
     if let Some(at) = layout.held {
-        out.observe[at..at + 3].copy_from_slice(&place.common_sd_pa);
+        out.observe[at..at + IN_COMMON].copy_from_slice(&place.common_sd_pa);
     }
     if let Some(at) = layout.dwell {
         out.observe[at] = place.rounding_sd_pa;
@@ -282,7 +285,7 @@ mod tests {
                     * (-ahead / hum.coherence_s).exp();
             }
             if a.segment == b.segment {
-                sum += (0..3).map(|k| a.common_sd_pa[k] * b.common_sd_pa[k]).sum::<f64>();
+                sum += (0..IN_COMMON).map(|k| a.common_sd_pa[k] * b.common_sd_pa[k]).sum::<f64>();
             }
             let (first, last) = (i.min(j), i.max(j));
             let kept: f64 = places[first + 1..=last].iter().map(|p| p.rounding_keeps).product();
@@ -301,7 +304,7 @@ mod tests {
             begin_s: 0.1 * k as f64,
             end_s: 0.1 * k as f64 + if k.is_multiple_of(3) { 0.0 } else { 0.08 },
             variance: 1.0 + 0.1 * k as f64,
-            common_sd_pa: [0.5, 0.1 * k as f64, -0.2],
+            common_sd_pa: [0.5, 0.1 * k as f64, -0.2, 0.3 / (1.0 + k as f64)],
             segment: k / 5,
             rounding_sd_pa: if k > 4 { 1.2 } else { 0.0 },
             rounding_keeps: if k.is_multiple_of(4) { 0.0 } else { 0.7 },

@@ -63,12 +63,12 @@ fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     (0..=last).filter(stands_out).map(|k| rows[k]).collect()
 }
 
-/// How far a record's first or last reading is from where the three beside it lead, by a straight line or a parabola; zero where these
-/// are nearly as far apart.
+/// How far a record's first or last reading is from where the three beside it lead, by a straight line or a parabola, or from less
+/// of a way, since the piston may have begun to move between two rows; zero where line and parabola are nearly as far apart.
 fn off_course([reading, next, second, third]: [f64; 4]) -> f64 {
     let led_to = [2.0 * next - second, 3.0 * (next - second) + third];
     let [low, high] = [f64::min(led_to[0], led_to[1]), f64::max(led_to[0], led_to[1])];
-    let off = reading - reading.clamp(low, high);
+    let off = reading - reading.clamp(low.min(next), high.max(next));
     if off.abs() > OF_THE_OTHERS * (high - low) { off } else { 0.0 }
 }
 

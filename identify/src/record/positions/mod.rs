@@ -155,6 +155,22 @@ mod tests {
     }
 
     #[test]
+    fn a_record_that_begins_at_most_two_rows_before_a_fast_move_begins_with_a_reading() {
+        let mut random = Random::new(12);
+        // 50 mm in 80 ms at 100 Hz, evenly or with a smooth begin and end, and from a third of a row to two rows after the first.
+        for begin in [0.3, 0.5, 0.8, 1.0, 1.4, 1.9] {
+            for is_even in [true, false] {
+                let way = |u: f64| if is_even { u } else { u * u * u * (10.0 - 15.0 * u + 6.0 * u * u) };
+                let place = |row: u32| 0.08 - 0.05 * way(((f64::from(row) - begin) / 8.0).clamp(0.0, 1.0));
+                let mut position_m: Vec<f64> = (0..200).map(|row| place(row) + 5e-6 * random.normal()).collect();
+                assert_eq!(Positions::of(&position_m).outliers, [], "{begin} {is_even}");
+                position_m.reverse();
+                assert_eq!(Positions::of(&position_m).outliers, [], "{begin} {is_even}");
+            }
+        }
+    }
+
+    #[test]
     fn every_row_of_a_usual_record_is_a_reading() {
         let exact = |f: fn(f64) -> f64| (0..300).map(|i| f(i as f64 * 0.01)).collect::<Vec<f64>>();
         let ramp = |t: f64| 0.1 - 0.02 * (t - 0.5).clamp(0.0, 2.0);
