@@ -70,7 +70,8 @@ impl Search {
         // An effect that a fit has driven to where it is off is none.
         let is_on = c.fit.chamber().active().contains(c.model.of_rig());
         let has_room = || sanity::dead_volume(&self.data, &c.fit).is_ok();
-        lower && is_on && c.delta_bic - over.delta_bic > decisive && is_credible(&c.fit) && has_room()
+        let can_be = || is_credible(&c.fit) && self.may_have_its_coefficient(c) && has_room();
+        lower && is_on && c.delta_bic - over.delta_bic > decisive && can_be()
     }
 
     /// Whether a set of the rig's effects without all of the chosen ones, which leave noise or what nobody minds, predicts left-out

@@ -13,6 +13,7 @@
 pub mod anew;
 pub mod baseline;
 mod conclude;
+mod contradictions;
 pub mod curve;
 mod early;
 mod entry;

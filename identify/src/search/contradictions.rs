@@ -1,0 +1,56 @@
+//! What contradicts itself: a candidate that no chamber can be does not enter.
+
+use super::{Candidate, Search};
+use crate::judge::adequacy;
+use crate::judge::sanity::has_plausible_coefficient;
+
+impl Search {
+    /// Whether a set may have its heat transfer coefficient. One that no gas can have may be that of a wrong unit of time, which the
+    /// end of the search refuses, if the set leaves only noise or if that of the chosen model is none either. Else a fit has only
+    /// bent it: what is wrong is the set and not the rig.
+    pub(super) fn may_have_its_coefficient(&self, c: &Candidate) -> bool {
+        has_plausible_coefficient(&c.fit)
+            || !has_plausible_coefficient(&self.chosen.fit)
+            || adequacy::has_squares_of_noise(&self.data, &c.fit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::left_out::HeldOut;
+    use crate::parameters::Model;
+    use crate::record::data::Data;
+    use crate::search::baseline;
+    use crate::search::starts::fit_model;
+    use crate::synthetic::Recipe;
+    use chamber::effects::{EffectSet, find};
+
+    #[test]
+    fn a_set_that_leaves_more_than_noise_does_not_enter_with_a_coefficient_that_no_gas_has() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("natural_convection", &[0.4]) };
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        let model = Model::with(EffectSet::one(find("natural_convection").unwrap().0));
+        let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+        let mut better = search.candidate(fit);
+        (better.delta_bic, better.held_out) = (1e6, Some(HeldOut { rmse_pa: 0.0, weighed_pa: 0.0 }));
+        let takes = |search: &mut Search, c: &Candidate| {
+            let before = search.chosen.clone();
+            let taken = search.take_best(vec![c.clone()]);
+            search.chosen = before;
+            taken
+        };
+        assert!(takes(&mut search, &better));
+
+        // A thousandth of the coefficient, as of times in ms that are declared as s.
+        better.fit.rig[0] -= 1e3f64.ln();
+        assert!(!has_plausible_coefficient(&better.fit));
+        assert!(search.may_have_its_coefficient(&better), "it leaves only noise");
+        better.fit.marginal *= 10.0;
+        assert!(!search.may_have_its_coefficient(&better) && !takes(&mut search, &better));
+        search.chosen.fit.rig[0] -= 1e3f64.ln();
+        assert!(search.may_have_its_coefficient(&better), "the chosen model has none that can be either");
+    }
+}
