@@ -106,7 +106,7 @@ pub enum Error {
         units: Vec<&'static str>,
     },
     /// The sensor is at the end of its range.
-    #[error("{}: the pressure sensor is saturated: {rows} rows in a row, from t = {from_s:.3} s on, read exactly {value_pa:.1} Pa, the record's {}",
+    #[error("{}: the pressure sensor is saturated: {rows} rows in a row, from t = {from_s:.3} s on, read exactly {value_pa:.1} Pa, the record's {}; record the test with a sensor of a larger range",
         trace.display(), if *high { "largest" } else { "smallest" })]
     Saturated {
         /// File of the trace.

@@ -1,5 +1,6 @@
 //! Data that cannot be what it should be is named, with the number that gives it away.
 
+use identify::record::data::Data;
 use identify::synthetic::outside::Outside;
 use identify::synthetic::{Recipe, Shape};
 use identify::{Diagnosed, Error, Method};
@@ -127,12 +128,68 @@ fn a_saturated_sensor_is_told_with_value_and_time() {
 }
 
 #[test]
+fn saturated_rows_of_one_record_among_others_are_left_out_and_named() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(7) };
+    let mut rig = recipe.rig();
+    let saturated = &mut rig.experiments[0].traces[0];
+    let p = pressures(saturated);
+    let (low, high) = p.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    let limit = (low + 0.7 * (high - low)).round();
+    p.iter_mut().for_each(|v| *v = v.min(limit));
+    let rows = p.iter().filter(|v| **v == limit).count();
+    let found = identify::identify(&rig, Method::Exact).unwrap();
+    let note = found.assumptions.iter().find(|note| note.contains("is saturated")).unwrap();
+    assert!(note.starts_with(&rig.experiments[0].traces[0].path.display().to_string()), "{note}");
+    assert!(note.contains("in which it reads an end of its range are left out"), "{note}");
+    let told: usize = note.split("; ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!((rows..=rows + rows / 10).contains(&told), "{rows} rows: {note}");
+    let (_, lambda0) = &found.parameters[0];
+    let truth = recipe.chamber.heat_transfer.coefficient;
+    assert!(lambda0.ci95[0] < truth && truth < lambda0.ci95[1] && found.residual_is_noise, "{truth}: {lambda0:?}");
+}
+
+#[test]
+fn a_coarse_sensor_that_shows_no_step_more_at_the_end_of_a_pull_is_not_saturated() {
+    let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
+    rig.experiments.truncate(1);
+    let time_s: Vec<f64> = (0..700).map(|i| f64::from(i) / 200.0).collect();
+    let (from_m, way_m, began_s, lasts_s) = (0.036, 0.010, 1.0, 0.1);
+    let position = |t: &f64| {
+        let u = ((t - began_s) / lasts_s).clamp(0.0, 1.0);
+        from_m + way_m * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
+    };
+    let pressure = |step_pa: f64, least_pa: f64| {
+        let adiabatic = |x: f64| 1e5 * (from_m / x).powf(1.3);
+        let (settled, to_m) = (1e5 * from_m / (from_m + way_m), from_m + way_m);
+        let of_gas = move |t: &f64| match t - began_s - lasts_s {
+            since if since > 0.0 => settled + (adiabatic(to_m) - settled) * (-since / 0.4).exp(),
+            _ => adiabatic(position(t)),
+        };
+        time_s.iter().map(move |t| (of_gas(t).max(least_pa) / step_pa).round() * step_pa).collect::<Vec<f64>>()
+    };
+    let mut of_sensor = |step_pa: f64, least_pa: f64| {
+        let trace = &mut rig.experiments[0].traces[0];
+        trace.position_m = time_s.iter().map(position).collect();
+        trace.pressure_pa = Some(pressure(step_pa, least_pa));
+        (trace.time_s, trace.ambient_temperature_k) = (time_s.clone(), None);
+        Data::prepare(&rig).map(drop)
+    };
+    // Eight bits of a sensor for 10 bar: 83 equal rows of the lowest reading, from the last rows of the pull on.
+    assert!(of_sensor(3906.0, 0.0).is_ok());
+    for (step_pa, least_pa) in [(3906.0, 8.6e4), (10.0, 8e4)] {
+        let error = of_sensor(step_pa, least_pa).err();
+        assert!(matches!(error, Some(Error::Saturated { high: false, .. })), "{step_pa} {error:?}");
+    }
+}
+
+#[test]
 fn equal_readings_of_a_rest_without_noise_are_no_saturation_and_those_of_a_push_are() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(7) }.without_noise();
     let mut rig = recipe.rig();
     let found = identify::identify(&rig, Method::Exact).unwrap();
     let (_, lambda0) = &found.parameters[0];
     assert!((lambda0.value / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 1e-3, "{lambda0:?}");
+    rig.experiments.retain(|e| e.name.starts_with("compress"));
     for t in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
         let (low, high) = pressures(t).iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
         pressures(t).iter_mut().for_each(|p| *p = p.min(low + 0.7 * (high - low)));

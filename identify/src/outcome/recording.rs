@@ -12,6 +12,7 @@ use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
 use crate::record::gaps;
 use crate::record::readout::Between;
+use crate::record::saturation;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
 use chamber::effects::{CARDS, EffectSet};
@@ -184,6 +185,8 @@ pub fn left_out(data: &Data) -> Vec<String> {
         out.push(format!("{}: {rows}", t.path.display()));
     }
     out.extend(opened(data));
+    let saturated = |t: &Prepared| saturation::sentence(&t.path, &t.readout.saturated, &t.lines, &t.time_s);
+    out.extend(data.traces.iter().filter_map(saturated));
     out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
     out
 }

@@ -1,27 +1,16 @@
 //! Data that cannot be what it should be, found before anything is fitted.
 
 use crate::error::Error;
-use crate::record::lattice;
 use crate::record::readout::Readout;
-use crate::record::scatter::scatter;
+use crate::record::saturation::{self, End};
 use crate::record::stroke::{Motion, Phase, Segment};
 use crate::record::unit::Declared;
-use records::{Cylinder, Line, Trace, correlation, extremes, median, turned_back};
+use records::{Cylinder, Line, Trace, correlation, extremes, median};
 use std::iter;
-use std::ops::Range;
 use std::path::Path;
 
 /// Fewest rows of a trace.
 pub const FEWEST_ROWS: usize = 20;
-/// A move of less than this share of the travel may leave a coarse sensor where it is.
-const SHORT_MOVE: f64 = 0.05;
-/// A run of equal extreme readings this long is a sensor at the end of its range...
-const LONGEST_HONEST_RUN: usize = 5;
-/// ...if the noise moves its readings: one of less than so many steps may leave them where they are.
-const STEPS_OF_NOISE: f64 = 0.6;
-/// Share of the changes from reading to reading that turn back from which on noise makes them: white noise turns
-/// two of three back, and a gas none between two moves.
-const TURNED_BACK: f64 = 0.05;
 
 /// Pressures that a pneumatic chamber can have on the whole, Pa.
 const PLAUSIBLE_PRESSURE_PA: std::ops::RangeInclusive<f64> = 1e3..=1e8;
@@ -41,7 +30,7 @@ pub fn rows(trace: &Trace) -> Result<(), Error> {
     Ok(())
 }
 
-/// A move, a pressure that answers it the right way round, and a sensor within its range?
+/// A move, and a pressure that answers it the right way round? Tells which ends of the sensor's range it shows.
 pub fn trace(
     trace: &Trace,
     pressure_pa: &[f64],
@@ -49,7 +38,7 @@ pub fn trace(
     readout: &Readout,
     declared: Declared,
     cylinder: &Cylinder,
-) -> Result<(), Error> {
+) -> Result<Vec<End>, Error> {
     let path = || trace.path.clone();
     level(&trace.path, pressure_pa, declared)?;
     stroke(trace, cylinder)?;
@@ -62,13 +51,15 @@ pub fn trace(
         let units = if low > 0.0 { declared.of_answer((least, most), high / low) } else { Vec::new() };
         return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low, units });
     }
-    saturation(trace, pressure_pa, motion, readout, (least, most))?;
-    closed(trace, pressure_pa, motion, readout)?;
+    let ends = saturation::ends(trace, pressure_pa, motion, readout);
+    let ends_pa: Vec<f64> = ends.iter().map(|end| end.value_pa).collect();
+    let saturated = saturation::rows_at(&ends_pa, pressure_pa);
+    closed(trace, pressure_pa, motion, &Readout { saturated, ..readout.clone() })?;
     let correlation = correlation(&trace.position_m, pressure_pa);
     if correlation > 0.5 {
         return Err(Error::WrongSign { trace: path(), correlation });
     }
-    Ok(())
+    Ok(ends)
 }
 
 /// Pressures of a trace that no cylinder on a bench has: the unit of their column is wrong.
@@ -97,52 +88,6 @@ fn stroke(trace: &Trace, cylinder: &Cylinder) -> Result<(), Error> {
     let is_usual = |unit_m: f64| USUAL_STROKE_IN_BORES.contains(&(reach_m * unit_m / bore_m));
     let units = POSITION_UNITS_M.iter().filter(|(_, unit_m)| is_usual(*unit_m)).map(|(unit, _)| *unit).collect();
     Err(Error::ImplausibleStroke { trace: trace.path.clone(), reach_m, bore_m, units })
-}
-
-/// A run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every row. Where noise
-/// does not move the readings, gas in equilibrium gives equal ones too, and those of a late sensor go on into the move: then such
-/// a run lasts from the start of a move for longer than that.
-fn saturation(
-    trace: &Trace,
-    pressure_pa: &[f64],
-    motion: &Motion,
-    readout: &Readout,
-    (least, most): (f64, f64),
-) -> Result<(), Error> {
-    let rows: Vec<usize> = (0..pressure_pa.len()).filter(|&i| readout.is_data(i)).collect();
-    let equal = rows.windows(2).filter(|w| pressure_pa[w[0]] == pressure_pa[w[1]]).count();
-    let still = equal as f64 / (rows.len() - 1).max(1) as f64;
-    let way = |rows: Range<usize>| {
-        let (low, high) = extremes(&trace.position_m[rows]);
-        high - low
-    };
-    let travel = way(0..trace.position_m.len());
-    for (extreme, high) in [(most, true), (least, false)] {
-        let run = longest_run(&rows, pressure_pa, extreme);
-        let (Some(&first), Some(&last)) = (run.first(), run.last()) else { continue };
-        let noisy = !readings_stick(&rows, pressure_pa, first..last + 1)
-            && turned_back(rows.iter().map(|&row| pressure_pa[row])) > TURNED_BACK;
-        let moves = motion.segments.iter().any(|s| {
-            let inside = first.max(s.first)..(last + 1).min(s.end);
-            let stroke = way(s.first..s.end);
-            s.phase == Phase::Move
-                && stroke > SHORT_MOVE * travel
-                && inside.len() >= LONGEST_HONEST_RUN * readout.period
-                && way(inside) > 0.1 * stroke
-                && (noisy || last + 1 > first.max(s.first) + (s.end - s.first))
-        });
-        if run.len() >= LONGEST_HONEST_RUN && (moves || (still < 0.2 && noisy && run.len() > 2 * LONGEST_HONEST_RUN)) {
-            let from_s = trace.time_s[first];
-            return Err(Error::Saturated {
-                trace: trace.path.clone(),
-                rows: run.len(),
-                from_s,
-                value_pa: extreme,
-                high,
-            });
-        }
-    }
-    Ok(())
 }
 
 /// Where the piston comes back to a place, the pressure does too: a change by more than what the holds' own slopes make of it,
@@ -199,56 +144,4 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
         }
     }
     Ok(())
-}
-
-/// Whether the noise is too small to move readings, but for those of a run, off the sensor's steps.
-fn readings_stick(rows: &[usize], pressure_pa: &[f64], run: Range<usize>) -> bool {
-    let beside: Vec<f64> = rows.iter().filter(|row| !run.contains(row)).map(|&row| pressure_pa[row]).collect();
-    scatter(&beside) < STEPS_OF_NOISE * lattice::of_changes(&beside, 1e-9)
-}
-
-/// The longest run of that value.
-fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
-    let (mut best, mut length) = (0..0, 0);
-    for (k, &i) in rows.iter().enumerate() {
-        length = if values[i] == of { length + 1 } else { 0 };
-        if length > best.len() {
-            best = k + 1 - length..k + 1;
-        }
-    }
-    &rows[best]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::synthetic::Random;
-
-    #[test]
-    fn white_noise_turns_changes_back_and_a_gas_does_not() {
-        let rows: Vec<usize> = (0..400).collect();
-        let mut random = Random::new(33);
-        let relaxing = |i: usize| if i < 100 { 1e5 } else { 1e5 + 2e5 * (-((i - 100) as f64) / 60.0).exp() };
-        let noisy: Vec<f64> = rows.iter().map(|&i| relaxing(i) + 50.0 * random.normal()).collect();
-        assert!(turned_back(noisy) > 3.0 * TURNED_BACK);
-        let smooth: Vec<f64> = rows.iter().map(|&i| (relaxing(i) * 1e4).round() * 1e-4).collect();
-        assert!(turned_back(smooth) < 0.2 * TURNED_BACK);
-    }
-
-    #[test]
-    fn readings_stick_where_the_noise_is_small_against_the_steps() {
-        let sticks = |noise_pa: f64| {
-            let mut random = Random::new(31);
-            let rows: Vec<usize> = (0..300).collect();
-            let relaxing = |i: usize| 3e5 + 2e5 * (-(i as f64) / 60.0).exp();
-            let rounded = |p: f64| (p / 390.6).round() * 390.6;
-            let p: Vec<f64> = rows.iter().map(|&i| rounded(relaxing(i) + noise_pa * random.normal())).collect();
-            readings_stick(&rows, &p, 290..300)
-        };
-        assert!(sticks(20.0) && sticks(80.0));
-        assert!(!sticks(400.0));
-        let mut random = Random::new(32);
-        let unrounded: Vec<f64> = (0..300).map(|_| 3e5 + 80.0 * random.normal()).collect();
-        assert!(!readings_stick(&(0..300).collect::<Vec<usize>>(), &unrounded, 0..0));
-    }
 }

@@ -28,6 +28,7 @@ mod prepare;
 pub mod ramp;
 pub mod readout;
 pub mod repeats;
+pub mod saturation;
 mod scatter;
 mod smoothed;
 pub mod spline;

@@ -11,6 +11,7 @@ use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
 use crate::record::positions::Positions;
 use crate::record::readout::{Between, Readout};
+use crate::record::saturation::{self, End};
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
 use crate::record::whiten::Whitener;
@@ -36,11 +37,13 @@ impl Data {
         let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], c.pressure_pa)).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
         let declared = Declared::of(rig);
+        let mut ends: Vec<End> = Vec::new();
         for ((c, mended), readout) in columns.iter_mut().zip(&mended).zip(readouts) {
-            checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?;
+            ends.extend(checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?);
             let (unfollowed, at_gaps) = (c.motion.unfollowed(), gaps::rows(&c.motion));
             c.readout = Readout { unfollowed, at_gaps, open_s: mended.open_s.clone(), ..readout };
         }
+        leave_out_saturated(&mut columns, ends)?;
         if columns.is_empty() {
             return Err(Error::NoTraces { rig: rig.path.clone() });
         }
@@ -207,6 +210,23 @@ impl<'a> Columns<'a> {
             pressure_pa: pressure_pa.to_vec(),
         }
     }
+}
+
+/// Leaves out the rows in which the sensor of a rig is at one of these ends of its range: a stroke without pressures is followed all the
+/// same.
+///
+/// # Errors
+/// Where no record shows the whole of its test, or too few rows of one are left.
+fn leave_out_saturated(columns: &mut [Columns<'_>], ends: Vec<End>) -> Result<(), Error> {
+    let ends_pa: Vec<f64> = ends.iter().map(|end| end.value_pa).collect();
+    let Some(first) = ends.into_iter().next() else { return Ok(()) };
+    for c in &mut *columns {
+        c.readout.saturated = saturation::rows_at(&ends_pa, c.pressure_pa);
+    }
+    let rows_left = |c: &Columns<'_>| (0..c.time_s.len()).filter(|&i| c.readout.is_data(i)).count();
+    let are_all = columns.iter().all(|c| !c.readout.saturated.is_empty());
+    let is_usable = !are_all && columns.iter().all(|c| rows_left(c) >= checks::FEWEST_ROWS);
+    if is_usable { Ok(()) } else { Err(first.error) }
 }
 
 /// Ambient temperature over time: its mean where its changes are no more than its noise, a straight line where that is

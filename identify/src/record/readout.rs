@@ -49,6 +49,8 @@ pub struct Readout {
     pub at_gaps: Vec<Range<usize>>,
     /// Rows at the end that are no data since the chamber was opened before: see [`opened_from`](records::opened_from).
     pub opened: Option<Range<usize>>,
+    /// Rows that are no data since the sensor was at an end of its range.
+    pub saturated: Vec<Range<usize>>,
     /// Standard deviation of the times of the rows, s, where they were read unevenly; else empty.
     pub open_s: Vec<f64>,
 }
@@ -76,6 +78,7 @@ impl Readout {
             unfollowed: Vec::new(),
             at_gaps: Vec::new(),
             opened: None,
+            saturated: Vec::new(),
             open_s: Vec::new(),
         }
     }
@@ -160,7 +163,7 @@ impl Readout {
         self.is_reading(row)
             && self.outliers.binary_search(&row).is_err()
             && !self.is_open(row)
-            && !self.unfollowed.iter().chain(&self.at_gaps).any(|rows| rows.contains(&row))
+            && !self.unfollowed.iter().chain(&self.at_gaps).chain(&self.saturated).any(|rows| rows.contains(&row))
     }
 
     /// Whether the chamber is open at a row.
