@@ -14,6 +14,7 @@
 //! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as a sensor sees it |
 //! | [`exact`] | closed forms of the closed chamber |
 //! | [`seven_steps`] | the paper's evaluation of a push-and-hold test, behind its regression |
+//! | [`words`] | names as a sentence lists them |
 //! | [`paper`] | numbers of Carneiro and Gomes de Almeida (2006) used as defaults |
 //!
 //! Source of the method: J. F. Carneiro and F. Gomes de Almeida, "Heat transfer evaluation of industrial pneumatic
@@ -36,6 +37,7 @@ pub mod seven_steps;
 pub mod signals;
 pub mod simulate;
 pub mod unaveraged;
+pub mod words;
 
 mod model;
 

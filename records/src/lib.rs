@@ -53,7 +53,7 @@ pub use layout::Layout;
 pub use line::Line;
 pub use measurement::{Sensor, Tolerance};
 pub use model::Model;
-pub use names::{listed, nearest, repeated};
+pub use names::{nearest, repeated};
 pub use opened::opened_from;
 pub use provenance::{Provenance, Rmse, SourceTrace, Verdict, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};

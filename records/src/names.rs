@@ -1,4 +1,4 @@
-//! Names as people type and read them: the nearest known one beside an unknown one, one that stands there twice, a list of them.
+//! Names as people type and read them: the nearest known one beside an unknown one, and one that stands there twice.
 
 /// The candidate most like `name`, if any is like it at all.
 ///
@@ -17,16 +17,6 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 /// The first of the items that stands there a second time.
 pub fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(i, item)| items[..*i].contains(item)).map(|(_, item)| item)
-}
-
-/// Names as a sentence lists them: `a`, `a and b`, `a, b and c`.
-pub fn listed<T: AsRef<str>>(names: &[T]) -> String {
-    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-    match names.as_slice() {
-        [] => String::new(),
-        [only] => (*only).to_owned(),
-        [before @ .., last] => format!("{} and {last}", before.join(", ")),
-    }
 }
 
 fn likeness(a: &str, b: &str) -> f64 {
@@ -56,13 +46,5 @@ mod tests {
     fn nothing_is_offered_for_a_name_like_none() {
         assert_eq!(nearest("temperature", ["bore_m", "rod_m"]), None);
         assert_eq!(nearest("x", []), None);
-    }
-
-    #[test]
-    fn names_are_listed_as_in_a_sentence() {
-        assert_eq!(listed(&["leakage"; 0]), "");
-        assert_eq!(listed(&["leakage"]), "leakage");
-        assert_eq!(listed(&["leakage", "tube_volume"]), "leakage and tube_volume");
-        assert_eq!(listed(&["a", "b", "c"]), "a, b and c");
     }
 }

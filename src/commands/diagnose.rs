@@ -2,11 +2,12 @@
 
 use crate::commands::{estimates, progress};
 use crate::{evaluation, output};
+use chamber::words::listed;
 use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::unnamed::Unnamed;
-use records::{Rig, Verdict, listed};
+use records::{Rig, Verdict};
 use report::{digits, seconds};
 use std::fmt::Write;
 use std::path::PathBuf;

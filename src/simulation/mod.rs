@@ -8,12 +8,13 @@ pub mod stroke;
 use anyhow::{Context, bail};
 use band::{Band, Wanted};
 use chamber::simulate::Sample;
+use chamber::words::listed;
 use columns::{COLUMNS, Values};
 use course::Course;
 use identify::record::checks;
 use identify::record::unit::Declared;
 use records::layout::Quantity;
-use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window, listed};
+use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
 use std::path::{Path, PathBuf};
 use stroke::Stroke;
 

@@ -2,7 +2,7 @@
 
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
-use crate::table::effects::listed;
+use crate::table::effects;
 use chamber::balance::{ENERGY, MASS};
 
 /// Pressures beyond this are implausible, Pa: pneumatic cylinders work up to about a tenth of it, and a perfect gas with
@@ -58,7 +58,7 @@ impl Warnings {
         if !off.is_empty() {
             self.once(Warning::Wall, tell, || {
                 let have = if off.iter().count() == 1 { "has" } else { "have" };
-                format!("externalWall = true: wallTemperature is the temperature of the wall, and {} {have} no influence; set externalWall = false to use the wall's own effects", listed(off))
+                format!("externalWall = true: wallTemperature is the temperature of the wall, and {} {have} no influence; set externalWall = false to use the wall's own effects", effects::words(off))
             });
         }
     }

@@ -1,7 +1,7 @@
 //! The chamber's parameters that are no numbers: two enumerations, which the model description declares as types, and a
 //! Boolean.
 
-use super::effects::listed;
+use super::effects;
 use super::{Role, Type, Variability, Variable, units};
 use crate::plant::values::Choice;
 use chamber::effects::OF_WALL;
@@ -56,7 +56,7 @@ pub(super) fn parameters(table: &mut Vec<Variable>) {
             "externalWall",
             &format!(
                 "Whether the input wallTemperature is the temperature of the wall, for a thermal network that supplies heatFlow; {} have no influence then",
-                listed(OF_WALL)
+                effects::words(OF_WALL)
             ),
             Choice::ExternalWall,
             Type::Boolean,

@@ -6,6 +6,7 @@ use crate::plant::values::BASE;
 use chamber::card::{ActsOn, Card, Kind, Parameter};
 use chamber::effects::empirical::{Curve, Empirical, Term};
 use chamber::effects::{self, Effect, EffectSet};
+use chamber::words::listed;
 
 /// The effects that an FMU has: all but those on a record of the stroke, as here the stroke is the true one. Of an effect
 /// that is a table its numbers are variables; what the table is of is the model's, and stays.
@@ -57,14 +58,10 @@ pub fn parameter_name(card: &Card, parameter: &Parameter) -> String {
     }
 }
 
-/// The effects of a set by name: `wallHeating, warmWall and wallConduction`.
-pub fn listed(set: EffectSet) -> String {
+/// The effects of a set in words: `wallHeating, warmWall and wallConduction`.
+pub fn words(set: EffectSet) -> String {
     let names: Vec<String> = effects::all().filter(|(i, _)| set.has(*i)).map(|(_, card)| camel(card.name)).collect();
-    match names.split_last() {
-        Some((last, [])) => last.clone(),
-        Some((last, others)) => format!("{} and {last}", others.join(", ")),
-        None => String::new(),
-    }
+    listed(&names)
 }
 
 /// `wall_heating` as `wallHeating`.

@@ -16,7 +16,7 @@ use crate::record::saturation;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
 use chamber::effects::{CARDS, EffectSet};
-use records::listed;
+use chamber::words::listed;
 use report::digits;
 use serde::Serialize;
 
