@@ -14,6 +14,7 @@ use crate::discrepancy::{self, Missing};
 use crate::fit::{Fit, Until};
 use crate::judge::evidence::{bic, bic_widened};
 use crate::judge::left_out;
+use crate::judge::sanity::has_plausible_coefficient;
 use crate::parameters::{Model, curve_of};
 use crate::policy;
 use crate::search::starts::fit_by_size;
@@ -58,6 +59,8 @@ pub enum Fate {
     PredictsNoBetter,
     /// As few named effects are more likely.
     LikelierNames,
+    /// Beside it the fit has a heat transfer coefficient that no gas can have.
+    ImpossibleCoefficient,
 }
 
 impl Fate {
@@ -73,6 +76,7 @@ impl Fate {
             Self::NotEvident => "the records hardly ask for it once the geometry may move within its tolerances",
             Self::PredictsNoBetter => "it does not predict left-out data decisively better",
             Self::LikelierNames => "named effects are more likely, with no more terms",
+            Self::ImpossibleCoefficient => "no gas has the lambda0 that fits beside it",
         }
     }
 }
@@ -86,6 +90,13 @@ struct Judged {
     left_out_pa: f64,
     /// Whether the records it is fitted to ask for it, whatever the geometry within its tolerances.
     is_evident: bool,
+}
+
+impl Judged {
+    /// Whether its coefficient is one that a gas can have. A share of λ leaves λ0 open, and anything may come of it.
+    fn is_possible(&self) -> bool {
+        has_plausible_coefficient(&self.candidate.fit)
+    }
 }
 
 fn by_bic(a: &Candidate, b: &Candidate) -> Ordering {
@@ -109,8 +120,10 @@ impl Search {
     /// decisively better shows that the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
         let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE, 0.0);
-        let best = curves.into_iter().filter(|c| c.is_evident).max_by(|a, b| by_bic(&a.candidate, &b.candidate))?;
-        Some(self.told(self.refitted_fully(best), self.left_out(named)?, Fate::Accepted))
+        let evident = curves.into_iter().filter(|c| c.is_evident && c.is_possible());
+        let best = self.refitted_fully(evident.max_by(|a, b| by_bic(&a.candidate, &b.candidate))?);
+        let left_out_pa = self.left_out(named)?;
+        best.is_possible().then(|| self.told(best, left_out_pa, Fate::Accepted))
     }
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
@@ -127,6 +140,7 @@ impl Search {
         let curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
         let acceptable = |c: &&Judged| {
             c.is_evident
+                && c.is_possible()
                 && if c.candidate.model.terms() > settled.model.terms() {
                     self.predicts_better([settled_pa, c.left_out_pa])
                 } else {
@@ -144,6 +158,7 @@ impl Search {
         let told = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
         let best = if accepted.is_some() { self.pruned(self.refitted_fully(told.clone())) } else { told.clone() };
         let fate = match accepted {
+            _ if !best.is_possible() => Fate::ImpossibleCoefficient,
             Some(_) if self.has_likelier_names(&best.candidate) => Fate::LikelierNames,
             Some(_) => Fate::Accepted,
             None if !best.is_evident => Fate::NotEvident,
@@ -246,5 +261,27 @@ impl Search {
         let candidate = self.judged(self.candidate(fit));
         let left_out_pa = self.left_out(&candidate).unwrap_or(rough.left_out_pa);
         Judged { candidate, left_out_pa, ..rough }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::adequacy;
+    use crate::record::data::Data;
+    use crate::search::baseline;
+    use crate::synthetic::{Outside, Recipe};
+
+    #[test]
+    fn a_curve_beside_a_coefficient_that_no_gas_has_is_possible_at_no_price() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(41) }.with_outside(Outside::FrictionHeat(0.05));
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let search = Search::new(data, paper, adequacy);
+        let curves = search.curves_on(&search.baseline, ReadOff::effect().unwrap(), 0.0, 0.0);
+        let mut best = curves.into_iter().next().unwrap();
+        assert!(best.is_possible());
+        best.candidate.fit.rig[0] -= 1e3f64.ln();
+        assert!(!best.is_possible());
     }
 }
