@@ -1,9 +1,10 @@
 //! `pneutherm diagnose`: closes the loop between measured traces and the model.
 
 use crate::commands::{estimates, progress};
+use crate::pages::diagnosis::gain;
 use crate::{evaluation, output};
 use chamber::words::listed;
-use identify::outcome::diagnosis::Diagnosis;
+use identify::outcome::diagnosis::{Diagnosis, Step};
 use identify::outcome::estimates::Rmse;
 use identify::outcome::read_off::Empirical;
 use identify::outcome::unnamed::Unnamed;
@@ -82,9 +83,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 fn meaning(d: &Diagnosis) -> String {
     match d.verdict {
         Verdict::Adequate => format!(
-            "the residual of the paper's model{} is noise, or below the accuracy of {} Pa",
+            "the paper's model{} describes the records: {}",
             if d.terms().is_empty() { String::new() } else { format!(", with {},", d.terms()) },
-            digits(d.accuracy_pa, 2)
+            d.remainder
         ),
         Verdict::Explained => format!("the residual is explained by {}", listed(&d.effects)),
         Verdict::Improved if d.has_curve() => format!(
@@ -93,8 +94,9 @@ fn meaning(d: &Diagnosis) -> String {
             d.remainder
         ),
         Verdict::Improved => format!(
-            "with {} the model predicts left-out data decisively better, but {}. It describes the records; its effects need not be the cause",
+            "with {} the model {} {}. It describes the records; its effects need not be the cause",
             listed(&d.each_term().collect::<Vec<_>>()),
+            gain(d),
             d.remainder
         ),
         Verdict::Unexplained => {
@@ -128,16 +130,26 @@ fn table(d: &Diagnosis) -> String {
     out
 }
 
-/// The error of the paper's model and of each step after it.
+/// The error of the paper's model and of each step after it: once more with each row weighed, where that is another one.
 fn errors(out: &mut String, d: &Diagnosis) {
     let error = |rmse: &Rmse| {
         let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
         format!("{:>10.1} {held_out:>12}", rmse.fit)
     };
+    let rows = |out: &mut String, of_step: &dyn Fn(&Step) -> Rmse| {
+        for step in &d.steps {
+            let name = match step.terms.as_str() {
+                "" => "the paper's model".to_owned(),
+                terms => format!("with {terms}"),
+            };
+            let _ = writeln!(out, "{}   {name}", error(&of_step(step)));
+        }
+    };
     let _ = writeln!(out, "error, Pa rms        fit     left out     (noise of the recording {:.1})", d.noise_pa);
-    for step in &d.steps {
-        let name = if step.terms.is_empty() { "the paper's model".to_owned() } else { format!("with {}", step.terms) };
-        let _ = writeln!(out, "{}   {name}", error(&step.rmse_pa));
+    rows(out, &|step| step.rmse_pa);
+    if d.is_error_of_moves() {
+        out.push_str("weighed: in fast moves a row counts less, as the positions leave its pressure uncertain\n");
+        rows(out, &|step| step.weighed_pa);
     }
     out.push('\n');
 }
@@ -277,7 +289,51 @@ mod tests {
         assert!(meaning(&d).ends_with("12.0 Pa rms remains, and nothing points to one of the balances"));
         (d.verdict, d.remaining_pa) = (Verdict::Improved, 0.0);
         d.remainder =
-            "what remains is smaller than the accuracy of 30 Pa, but has a shape that noise does not have".to_owned();
+            "what remains has a shape that noise does not have, although it is smaller than the accuracy of 30 Pa"
+                .to_owned();
         assert!(!meaning(&d).contains("misfit of 0 Pa"), "{}", meaning(&d));
+    }
+
+    #[test]
+    fn an_improved_model_is_said_to_predict_better_only_where_it_does() {
+        let mut d = diagnosis();
+        d.verdict = Verdict::Improved;
+        d.steps.push(d.steps[0].clone());
+        let mut said = |plain: f64, weighed: f64| {
+            for (step, share) in d.steps.iter_mut().zip([1.0, plain]) {
+                step.rmse_pa.held_out = Some(400.0 * share);
+            }
+            for (step, share) in d.steps.iter_mut().zip([1.0, weighed]) {
+                step.weighed_pa.held_out = Some(20.0 * share);
+            }
+            meaning(&d)
+        };
+        assert!(said(0.5, 0.5).contains("predicts left-out data decisively better"));
+        assert!(said(1.2, 0.5).contains("predicts left-out data decisively better"));
+        assert!(said(1.2, 1.2).contains("is far likelier, but its error on left-out data is no smaller, and"));
+    }
+
+    #[test]
+    fn errors_that_the_positions_leave_open_in_moves_are_told_weighed_too() {
+        let mut d = diagnosis();
+        let told = |d: &Diagnosis| {
+            let mut out = String::new();
+            errors(&mut out, d);
+            out
+        };
+        assert!(!told(&d).contains("weighed"), "{}", told(&d));
+        let step = d.steps.last_mut().unwrap();
+        step.rmse_pa = Rmse { fit: 2994.0, held_out: Some(3105.0) };
+        step.weighed_pa = Rmse { fit: 470.0, held_out: Some(480.0) };
+        let told = told(&d);
+        let lines: Vec<&str> = told.trim_end().lines().collect();
+        assert_eq!(
+            lines[1..],
+            [
+                "    2994.0       3105.0   the paper's model",
+                "weighed: in fast moves a row counts less, as the positions leave its pressure uncertain",
+                "     470.0        480.0   the paper's model",
+            ]
+        );
     }
 }

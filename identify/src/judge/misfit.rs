@@ -73,6 +73,14 @@ pub fn rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     (sum / rows.max(1) as f64).sqrt()
 }
 
+/// The same with of each row's square the share that noise has in what is expected of it: see [`weights`].
+pub fn weighed_rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
+    let of_record = |(t, residual): (&Prepared, &Vec<f64>)| -> Vec<f64> {
+        residual.iter().zip(weights(data, t)).map(|(r, weight)| r * weight.sqrt()).collect()
+    };
+    rms(data, &data.traces.iter().zip(residuals).map(of_record).collect::<Vec<_>>())
+}
+
 /// The systematic part, Pa.
 pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);

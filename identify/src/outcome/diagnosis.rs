@@ -43,7 +43,15 @@ pub struct Step {
     pub terms: String,
     /// Errors on fitted and on left-out data, Pa rms.
     pub rmse_pa: Rmse,
+    /// The same with each row counted by the share that noise has in the error expected of it, which the positions make large in
+    /// fast moves. For people.
+    #[serde(skip)]
+    pub weighed_pa: Rmse,
 }
+
+/// Errors so many times as large as the weighed ones are those of moves in which the positions leave the pressures open: beside the
+/// noise they would look like a misfit.
+const OF_MOVES: f64 = 1.5;
 
 /// A set of terms that was tried.
 #[derive(Clone, Debug, Serialize)]
@@ -136,6 +144,11 @@ impl Diagnosis {
     /// The same one by one; none for the paper's model.
     pub fn each_term(&self) -> impl Iterator<Item = &str> {
         self.terms().split(" + ").filter(|term| !term.is_empty())
+    }
+
+    /// Whether the error of the model found is mostly one that its positions leave open: then the weighed errors tell how well it fits.
+    pub fn is_error_of_moves(&self) -> bool {
+        self.steps.last().is_some_and(|step| step.rmse_pa.fit > OF_MOVES * step.weighed_pa.fit)
     }
 
     /// What the probabilities of the effects say beside this verdict.
@@ -289,10 +302,17 @@ fn steps(data: &Data, found: &Found) -> Vec<Step> {
     let kept = if found.verdict == Verdict::Unexplained { 1 } else { found.steps.len() };
     found.steps[..kept]
         .iter()
-        .map(|c| Step {
-            effects: names(c.model.effects),
-            terms: c.model.words(),
-            rmse_pa: Rmse { fit: misfit::rms(data, &misfit::residuals(data, &c.fit)), held_out: c.held_out_pa() },
+        .map(|c| {
+            let residuals = misfit::residuals(data, &c.fit);
+            Step {
+                effects: names(c.model.effects),
+                terms: c.model.words(),
+                rmse_pa: Rmse { fit: misfit::rms(data, &residuals), held_out: c.held_out_pa() },
+                weighed_pa: Rmse {
+                    fit: misfit::weighed_rms(data, &residuals),
+                    held_out: c.held_out.map(|error| error.weighed_pa),
+                },
+            }
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 
 use crate::judge::adequacy::Adequacy;
 use crate::record::data::Data;
-use crate::search::Found;
+use crate::search::{Found, Verdict};
 use report::digits;
 
 /// Of what was found, where `left` is what the model leaves that is reported.
@@ -11,11 +11,18 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     if !left.is_adequate() {
         return format!("a systematic misfit of {} Pa rms remains", digits(left.systematic_pa, 3));
     }
-    if !left.is_noise {
-        return format!(
-            "what remains is smaller than the accuracy of {} Pa, but has a shape that noise does not have",
-            digits(data.accuracy_pa(), 2)
-        );
+    let accuracy_pa = digits(data.accuracy_pa(), 2);
+    match (found.verdict, left.is_noise) {
+        (Verdict::Adequate, true) => return "what remains is noise".to_owned(),
+        (Verdict::Adequate, false) => {
+            return format!("what remains is more than noise, but smaller than the accuracy of {accuracy_pa} Pa");
+        }
+        (_, false) => {
+            return format!(
+                "what remains has a shape that noise does not have, although it is smaller than the accuracy of {accuracy_pa} Pa"
+            );
+        }
+        (_, true) => (),
     }
     if !found.carries_over {
         return "on records left out whole it errs much more than on those it is fitted to".to_owned();
@@ -49,6 +56,10 @@ mod tests {
             ..noise.clone()
         };
         assert_eq!(of(&data, &found, &left(123.4, false, false)), "a systematic misfit of 123 Pa rms remains");
+        assert_eq!(found.verdict, Verdict::Adequate);
+        let within = of(&data, &found, &left(5.0, false, true));
+        assert!(within.starts_with("what remains is more than noise, but smaller than the accuracy of"), "{within}");
+        found.verdict = Verdict::Improved;
         assert!(of(&data, &found, &left(0.0, false, true)).contains("a shape that noise does not have"));
         assert_eq!(of(&data, &found, &left(0.0, true, true)), "what remains is noise");
         found.carries_over = false;

@@ -55,6 +55,9 @@ pub struct Unnamed {
 /// A family that takes away less than this share of what a model leaves explains nothing of it.
 const LEAST_SHARE: f64 = 0.01;
 
+/// A place this near to zero, of the farthest one, is zero but for the last digits of its numbers.
+const NEXT_TO_ZERO: f64 = 1e-9;
+
 /// Most families that are told.
 const MOST: usize = 6;
 
@@ -68,11 +71,28 @@ pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
         .map(|m| Unnamed {
             balance: m.term.balance().name(),
             subject: Subject { term: m.term, variable: m.variable },
-            at: m.at.clone(),
+            at: places(&m.at),
             value: m.value.clone(),
             sd: m.sd.clone(),
             share: m.share(&c.fit),
         })
         .filter(|unnamed| unnamed.share >= LEAST_SHARE)
         .collect()
+}
+
+/// Places of a curve as they are told.
+fn places(at: &[f64]) -> Vec<f64> {
+    let farthest = at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
+    at.iter().map(|at| if at.abs() < NEXT_TO_ZERO * farthest { 0.0 } else { *at }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_that_is_zero_but_for_round_off_is_told_as_zero() {
+        assert_eq!(places(&[-5.684e-14, 6.2e-5, 62.0]), [0.0, 6.2e-5, 62.0]);
+        assert_eq!(places(&[-3e-12, 2e-12]), [-3e-12, 2e-12]);
+    }
 }

@@ -85,6 +85,12 @@ fn verdict(d: &Diagnosis) -> Section {
         "Errors are root mean squares. Each repeat is left out in turn; without repeats, records in turn; of a single record the last third, which is \
          simulated from its start. The initial pressure of a left-out record is fitted to one half of its rows and the other half is judged, and vice versa.",
     );
+    if d.is_error_of_moves() {
+        section.note(
+            "Weighed: of each row's square the share counts that noise has in the error expected of it. In fast moves the positions leave the \
+             pressures uncertain, and these rows count less.",
+        );
+    }
     if !d.probabilities.is_empty() {
         let each = d.probabilities.iter().map(|(name, p)| format!("{} {:.0} %", spaced(name), 100.0 * p));
         let each = each.collect::<Vec<_>>().join(", ");
@@ -101,14 +107,14 @@ fn verdict(d: &Diagnosis) -> Section {
 fn verdict_text(d: &Diagnosis) -> String {
     match d.verdict {
         Verdict::Adequate => format!(
-            "**Adequate.** The paper's chamber model{} describes these records. {} is noise, or below the accuracy of {}.",
+            "**Adequate.** The paper's chamber model{} describes these records: {}{}.",
             if d.terms().is_empty() { String::new() } else { format!(", with {},", spaced(d.terms())) },
+            d.remainder,
             if d.remaining_pa > 0.0 {
-                format!("Its systematic misfit of {}", pressure(d.remaining_pa, 2))
+                format!(" (a systematic misfit of {})", pressure(d.remaining_pa, 2))
             } else {
-                "What it leaves".to_owned()
-            },
-            pressure(d.accuracy_pa, 2)
+                String::new()
+            }
         ),
         Verdict::Explained => format!(
             "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or little beside what there was.",
@@ -122,9 +128,10 @@ fn verdict_text(d: &Diagnosis) -> String {
             d.remainder
         ),
         Verdict::Improved => format!(
-            "**Improved.** The paper's chamber model does not describe these records. With {} it predicts left-out records decisively better, \
-             but {}. The model describes the records; its effects need not be the cause.",
+            "**Improved.** The paper's chamber model does not describe these records. With {} it {} \
+             {}. The model describes the records; its effects need not be the cause.",
             terms(d),
+            gain(d),
             d.remainder
         ),
         Verdict::Unexplained => format!(
@@ -136,21 +143,39 @@ fn verdict_text(d: &Diagnosis) -> String {
     }
 }
 
+/// What a model gains with its effects, up to the word that leads on to what remains. Decisive evidence need not show in the error,
+/// all rows alike or weighed.
+pub fn gain(d: &Diagnosis) -> &'static str {
+    let (Some(before), Some(after)) = (d.steps.first(), d.steps.last()) else {
+        return "describes the records better, but";
+    };
+    let errors = [&before.rmse_pa, &before.weighed_pa].into_iter().zip([&after.rmse_pa, &after.weighed_pa]);
+    match errors.filter_map(|(before, after)| before.held_out.zip(after.held_out)).any(|(before, after)| after < before)
+    {
+        true => "predicts left-out data decisively better, but",
+        false => "is far likelier, but its error on left-out data is no smaller, and",
+    }
+}
+
 /// The error of the paper's model, of each step after it, and the noise.
 fn errors(d: &Diagnosis) -> Table {
-    let mut table = Table::new(&["model", "error on fitted data", "error on left-out data"]);
-    let errors = |name: String, rmse: &Rmse| {
-        let held_out = rmse.held_out.map_or("–".to_owned(), |h| pressure(h, 3));
-        [name, pressure(rmse.fit, 3), held_out]
-    };
+    let mut head = vec!["model", "error on fitted data", "error on left-out data"];
+    if d.is_error_of_moves() {
+        head.extend(["the same weighed", "on left-out data"]);
+    }
+    let mut table = Table::new(&head);
+    let errors = |rmse: &Rmse| [pressure(rmse.fit, 3), rmse.held_out.map_or("–".to_owned(), |h| pressure(h, 3))];
     for step in &d.steps {
         let name = match step.terms.is_empty() {
             true => "before: the paper's model".to_owned(),
             false => format!("with {}", spaced(&step.terms)),
         };
-        table.row(errors(name, &step.rmse_pa));
+        let shown = [&step.rmse_pa, &step.weighed_pa].into_iter().take((head.len() - 1) / 2);
+        table.rows.push([name].into_iter().chain(shown.flat_map(errors)).collect());
     }
-    table.row(["noise of the recording".to_owned(), pressure(d.noise_pa, 3), String::new()]);
+    let mut noise = vec!["noise of the recording".to_owned(), pressure(d.noise_pa, 3)];
+    noise.resize(head.len(), String::new());
+    table.rows.push(noise);
     table
 }
 
