@@ -1,10 +1,23 @@
-//! What contradicts itself: a candidate that no chamber can be does not enter.
+//! What contradicts itself: a set that no chamber can be does not enter, and a rig whose records ask for one is refused ([`sanity`]).
 
-use super::{Candidate, Search};
+use super::{Candidate, Found, Search};
+use crate::error::Error;
 use crate::judge::adequacy;
-use crate::judge::sanity::has_plausible_coefficient;
+use crate::judge::sanity::{self, has_plausible_coefficient};
+use crate::parameters::Model;
+use crate::record::data::Data;
+use chamber::card::Balance;
+use chamber::effects::CARDS;
 
 impl Search {
+    /// Refuses wrong pressures beside the chosen model, and beside the best one with a leak: without it the first fit cannot tell, and with
+    /// wrong pressures another term may have entered in its place.
+    pub(super) fn refuse_pressures(&self) -> Result<(), Error> {
+        let leaky = self.tried.iter().find(|c| has_a_leak_alone(&c.model));
+        let leaky = leaky.filter(|c| c.model != self.chosen.model);
+        [Some(&self.chosen), leaky].into_iter().flatten().try_for_each(|c| sanity::reference(&self.data, &c.fit))
+    }
+
     /// Whether a set may have its heat transfer coefficient. One that no gas can have may be that of a wrong unit of time, which the
     /// end of the search refuses, if the set leaves only noise or if that of the chosen model is none either. Else a fit has only
     /// bent it: what is wrong is the set and not the rig.
@@ -15,12 +28,28 @@ impl Search {
     }
 }
 
+/// Refuses a model found whose dead volume or coefficient is none that a chamber can have, and a dead volume that alone may have kept
+/// a better one out.
+pub(super) fn refuse(data: &Data, found: &Found) -> Result<(), Error> {
+    sanity::dead_volume(data, &found.reported().fit)?;
+    if let Some(better) = found.better_than_reported(data) {
+        sanity::dead_volume(data, &better.fit)?;
+    }
+    if found.coefficient_stands_for().is_none() {
+        sanity::coefficient(data, &found.reported().fit)?;
+    }
+    Ok(())
+}
+
+/// Whether the rig alone loses or gains gas, and nothing is taken up by terms of single records.
+fn has_a_leak_alone(model: &Model) -> bool {
+    !model.has_terms_of_records() && model.effects.iter().any(|e| CARDS[e].balance == Balance::Mass)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::judge::left_out::HeldOut;
-    use crate::parameters::Model;
-    use crate::record::data::Data;
     use crate::search::baseline;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;

@@ -7,9 +7,10 @@
 //! the rig, an effect of the recording that each record has for itself, or initial temperatures. It enters by decisive evidence and
 //! a lower error on left-out data (`entry`). What the records have for themselves may become one number of the rig (`fold`), and
 //! data are weighed anew as better models show their noise (`anew`). At the end each term has to be decisive beside the others and
-//! with the stated numbers far more uncertain than stated, or it goes out again (`conclude`). Where that leaves more than noise, the
+//! with the stated numbers far more uncertain than stated, or it goes out again (`needed`). Where that leaves more than noise, the
 //! missing term is read off the residual as a curve ([`curve`]).
 
+mod alike;
 pub mod anew;
 pub mod baseline;
 mod conclude;
@@ -18,8 +19,10 @@ pub mod curve;
 mod early;
 mod entry;
 mod fold;
+mod needed;
 pub mod starts;
 pub mod terms;
+mod verdict;
 
 use crate::error::Error;
 use crate::fit::Fit;

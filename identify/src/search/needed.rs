@@ -1,0 +1,116 @@
+//! Terms that nothing needs go out of the chosen model again.
+//!
+//! A term stays if it is decisive beside the others, and with the stated numbers far more uncertain than stated: an effect that a
+//! wrong bore could imitate is not named.
+
+use super::starts::{as_stated, fit_model};
+use super::{Candidate, Search, terms};
+use crate::fit::Fit;
+use crate::judge::adequacy;
+use crate::judge::evidence::bic_widened;
+use crate::parameters::Model;
+use crate::policy;
+use chamber::effects::EffectSet;
+use rayon::prelude::*;
+
+impl Search {
+    /// Terms that are not decisive beside the others go out again; so do effects that a wrong geometry can stand for, of which the
+    /// last are returned.
+    pub(super) fn leave_out_unneeded(&mut self) -> Option<EffectSet> {
+        let mut by_geometry = None;
+        while self.chosen.model.terms() > 0 {
+            let asked = |less: Candidate| (self.needed(&less), self.needed_in_wide_geometry(&less), less);
+            let least = |(needed, wide, _): &(f64, f64, Candidate)| needed.min(*wide);
+            let weakest = self.without_one().into_iter().map(asked).min_by(|a, b| least(a).total_cmp(&least(b)));
+            let Some((needed, wide, less)) = weakest else { break };
+            if needed.min(wide) > policy::DECISIVE {
+                break;
+            }
+            if needed > policy::DECISIVE {
+                by_geometry = Some(self.chosen.model.effects.without(less.model.effects));
+            }
+            self.steps.retain(|s| terms::is_part(&s.model, &less.model) && s.model != less.model);
+            self.chosen_adequacy = adequacy::test(&self.data, &less.fit);
+            self.chosen = self.judged(less);
+            self.steps.push(self.chosen.clone());
+        }
+        by_geometry
+    }
+
+    /// The chosen model without each of its terms in turn: with the secondary parameters of the others as free as they are, which a
+    /// term may have entered in place of, or with none of them free, whichever has the better evidence.
+    fn without_one(&self) -> Vec<Candidate> {
+        let models = terms::without_one(&self.chosen.model);
+        models
+            .into_par_iter()
+            .filter_map(|model| {
+                if model == Model::PAPER {
+                    return Some(self.baseline.clone());
+                }
+                let plain = model.with_nothing_freed();
+                let freed = (model != plain).then(|| self.part_refitted(model)).flatten();
+                freed.into_iter().chain(self.part_refitted(plain)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
+            })
+            .collect()
+    }
+
+    /// A part of the chosen model, as it was tried or from the chosen numbers: a fit that ended beside its best would make a term
+    /// seem needed.
+    pub(super) fn part_refitted(&self, model: Model) -> Option<Candidate> {
+        let known = self.tried.iter().find(|c| c.model == model).cloned();
+        let anew = self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit));
+        known.into_iter().chain(anew).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
+    }
+
+    /// A fit of a part of a fitted model, from the numbers that it has there.
+    pub(super) fn refitted_without(&self, whole: &Fit, model: Model) -> Option<Fit> {
+        let mut from = whole.clone();
+        let chamber = whole.chamber();
+        let gone = whole.hypothesis.model.effects.without(model.effects);
+        let chamber = chamber::Chamber { effects: chamber.effects.without(gone), ..chamber };
+        from.hypothesis.base = as_stated(&chamber, whole.hypothesis.model.secondary.without(model.secondary));
+        from.hypothesis.axes.clear();
+        from.rig.clear();
+        fit_model(&self.data, model, &from, &self.sizes)
+    }
+
+    /// Evidence of the chosen model over one with a term less.
+    fn needed(&self, less: &Candidate) -> f64 {
+        self.chosen.delta_bic - less.delta_bic
+    }
+
+    /// The same with the geometry far more uncertain than stated.
+    fn needed_in_wide_geometry(&self, less: &Candidate) -> f64 {
+        let wide = |fit: &Fit| bic_widened(fit, policy::GEOMETRY_WIDENED);
+        wide(&less.fit) - wide(&self.chosen.fit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::data::Data;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+    use chamber::effects::find;
+
+    #[test]
+    fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {
+        let (leakage, drift) = (find("leakage").unwrap().0, find("sensor_drift").unwrap().0);
+        let mut recipe = Recipe::from_seed(5);
+        recipe.chamber.effects.of_mut(leakage)[..2].copy_from_slice(&[2e-11, 0.1]);
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        let leak = EffectSet::one(leakage);
+        let both = Model { secondary: leak, ..Model::with(leak.union(EffectSet::one(drift))) };
+        let fit = fit_model(&search.data, both, &search.baseline.fit, &search.sizes).unwrap();
+        search.chosen = search.candidate(fit);
+        let without = search.without_one();
+        let less = without.iter().find(|c| c.model.effects == leak).unwrap();
+        assert_eq!(less.model.secondary, leak);
+        assert!(search.needed(less) < policy::DECISIVE, "{}", search.needed(less));
+        let plain = search.part_refitted(Model::with(leak)).unwrap();
+        assert!(search.needed(&plain) > policy::DECISIVE, "{}", search.needed(&plain));
+    }
+}

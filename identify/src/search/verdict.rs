@@ -1,0 +1,181 @@
+//! What the chosen model comes to: from what it leaves on the records it is fitted to and on those that are left out.
+
+use super::{Candidate, Search, Verdict, terms};
+use crate::judge::{left_out, misfit};
+use crate::policy;
+
+impl Search {
+    /// What the chosen model comes to: `follows_the_test` by [`kinds`](crate::judge::kinds), `carries_over` to records left out whole.
+    pub(super) fn verdict(&self, follows_the_test: bool, carries_over: bool) -> Verdict {
+        let nothing_named = self.chosen.model.of_rig().is_empty();
+        if self.chosen.model.terms() == 0 {
+            return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
+        }
+        // Noise is no more than that, whatever there was before.
+        let before_pa = if self.chosen_adequacy.is_noise { 0.0 } else { self.to_be_explained_pa() };
+        if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
+            return match self.chosen_adequacy.explains(before_pa) {
+                _ if nothing_named => Verdict::Adequate,
+                _ if self.chosen.fit.exhausted().is_some() || self.chosen.fit.needs_other_surroundings() => {
+                    Verdict::Improved
+                }
+                true if carries_over => Verdict::Explained,
+                _ => Verdict::Improved,
+            };
+        }
+        // In fast moves left-out data have errors that the positions leave open, whatever the model.
+        let halves =
+            self.chosen_adequacy.systematic_pa < policy::PREDICTS_BETTER * self.baseline_adequacy.systematic_pa;
+        let predicts_better = self.leaves_of_left_out(policy::PREDICTS_BETTER) || halves && carries_over;
+        if predicts_better { Verdict::Improved } else { Verdict::Unexplained }
+    }
+
+    /// The systematic misfit, Pa, that the chosen terms have to account for: that of the paper's model, or, where a timing is among
+    /// them, that which the timing alone leaves. In a fast move a wrong timing makes an error beside which all others are nothing.
+    fn to_be_explained_pa(&self) -> f64 {
+        let all_pa = self.baseline_adequacy.systematic_pa;
+        let timing = terms::timing_of(&self.chosen.model);
+        if timing.terms() == 0 || timing.terms() == self.chosen.model.terms() {
+            return all_pa;
+        }
+        let left = |c: Candidate| misfit::systematic(&self.data, &misfit::residuals(&self.data, &c.fit));
+        self.part_refitted(timing).map_or(all_pa, |c| left(c).min(all_pa))
+    }
+
+    /// Whether the chosen model leaves less than this share of the paper's model's systematic error on left-out data.
+    fn leaves_of_left_out(&self, share: f64) -> bool {
+        let pair = self.baseline.held_out_pa().zip(self.chosen.held_out_pa());
+        pair.is_some_and(|(before, after)| self.leaves_less([before, after], share))
+    }
+
+    /// Whether of an error before, Pa rms, less than this share of what is systematic in it is left after.
+    pub(super) fn leaves_less(&self, [before, after]: [f64; 2], share: f64) -> bool {
+        let noise = self.data.noise.total_pa();
+        let systematic = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
+        systematic(after) < share * systematic(before)
+    }
+
+    /// Whether the chosen model errs on records left out whole hardly more than on those it was fitted to: a cause is at work in
+    /// all of them. Somewhat more is what the fit to the others leaves open, if that accounts for it; and what nothing like it was
+    /// fitted to may be predicted less well, as long as most of the error goes.
+    pub(super) fn carries_over(&self) -> bool {
+        let Some(left_out_pa) = self.chosen.held_out_pa() else { return true };
+        let fitted_pa = self.fitted_pa(&self.chosen);
+        if left_out_pa < policy::CARRIES_OVER * fitted_pa {
+            return true;
+        }
+        if !left_out::are_representative(&self.data) {
+            return self.leaves_of_left_out(policy::MOST_GONE);
+        }
+        left_out_pa < policy::LEFT_OPEN * fitted_pa
+            && left_out::squares_added(&self.data, &self.chosen.fit, &self.folds)
+                .is_some_and(|added| added < policy::CARRIES_OVER.powi(2))
+    }
+
+    /// Whether a model's error on records left out whole, Pa rms, is hardly more than that on those it was fitted to.
+    pub(super) fn predicts_as_it_fits(&self, c: &Candidate, left_out_pa: f64) -> bool {
+        left_out_pa < policy::CARRIES_OVER * self.fitted_pa(c)
+    }
+
+    /// A model's error on the records it was fitted to, Pa rms.
+    fn fitted_pa(&self, c: &Candidate) -> f64 {
+        misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit))
+    }
+
+    /// Whether the chosen model is adequate with surroundings of the records that can be.
+    pub(super) fn is_settled(&self) -> bool {
+        self.chosen_adequacy.is_adequate() && !self.chosen.fit.needs_other_surroundings()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::adequacy::{self, Adequacy};
+    use crate::judge::left_out::HeldOut;
+    use crate::parameters::Model;
+    use crate::record::data::Data;
+    use crate::search::baseline;
+    use crate::search::starts::fit_model;
+    use crate::synthetic::Recipe;
+    use chamber::effects::find;
+
+    #[test]
+    fn what_effects_explain_beside_a_timing_is_judged_by_what_the_timing_alone_leaves() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("record_delay", &[0.01]);
+        let recipe = recipe.with("leakage", &[1e-12]);
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let all_pa = adequacy.systematic_pa;
+        let mut search = Search::new(data, paper, adequacy);
+        let mut to_be_explained_pa = |names: &[&str]| {
+            let effects = names.iter().map(|name| find(name).unwrap().0).collect();
+            let fit = fit_model(&search.data, Model::with(effects), &search.baseline.fit, &search.sizes).unwrap();
+            search.chosen = search.candidate(fit);
+            search.to_be_explained_pa()
+        };
+        assert_eq!(to_be_explained_pa(&["record_delay"]), all_pa);
+        assert_eq!(to_be_explained_pa(&["leakage"]), all_pa);
+        let by_the_leak_pa = to_be_explained_pa(&["leakage", "record_delay"]);
+        let noise_pa = recipe.noise_rms_pa();
+        assert!((noise_pa..0.5 * all_pa).contains(&by_the_leak_pa), "{by_the_leak_pa} of {all_pa}, noise {noise_pa}");
+    }
+
+    /// Errors on left-out data that are this share of the paper's model's.
+    fn share_of_baseline(search: &Search, share: f64) -> Option<HeldOut> {
+        let HeldOut { rmse_pa, weighed_pa } = search.baseline.held_out?;
+        Some(HeldOut { rmse_pa: share * rmse_pa, weighed_pa: share * weighed_pa })
+    }
+
+    #[test]
+    fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
+        let mut recipe = Recipe::from_seed(5);
+        recipe.chamber.effects.of_mut(find("leakage").unwrap().0)[0] = 2e-11;
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        search.first_round();
+        assert!(search.carries_over());
+        assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
+        // Half as much again would be what the fit to the others leaves open, since its squares tell of no failure.
+        let predicted = search.chosen.held_out.unwrap();
+        let mut times = |factor: f64| {
+            search.chosen.held_out = Some(HeldOut { rmse_pa: factor * predicted.rmse_pa, ..predicted });
+            search.verdict(false, search.carries_over())
+        };
+        assert_eq!([times(1.5), times(2.5)], [Verdict::Explained, Verdict::Improved]);
+        // Nor do surroundings of the records that differ by more than they can.
+        search.chosen.held_out = Some(predicted);
+        let mut scattered = |deviations: f64| {
+            search.chosen.fit.ambient_scatter = deviations;
+            search.verdict(false, true)
+        };
+        assert_eq!([scattered(3.5), scattered(2.5)], [Verdict::Improved, Verdict::Explained]);
+
+        // Of few records, which need not show all of the effect each, only that most of the error goes.
+        search.data.traces.truncate(3);
+        search.data.traces.iter_mut().for_each(|t| t.repeat = 0);
+        search.chosen.fit.own.truncate(3);
+        assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
+        search.chosen.held_out = share_of_baseline(&search, 0.4);
+        assert_eq!(search.verdict(false, search.carries_over()), Verdict::Improved);
+    }
+
+    #[test]
+    fn what_halves_the_misfit_and_errs_no_more_on_left_out_data_improves_whatever_else_is_left_there() {
+        let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) }.with("leakage", &[2e-11]);
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        let mut search = Search::new(data, paper, adequacy);
+        search.first_round();
+        // Of the error on left-out data three quarters are left, and of the misfit a third.
+        search.chosen.held_out = share_of_baseline(&search, 0.75);
+        let systematic_pa = search.baseline_adequacy.systematic_pa / 3.0;
+        search.chosen_adequacy =
+            Adequacy { systematic_pa, is_noise: false, is_good_enough: false, ..search.chosen_adequacy };
+        assert_eq!(search.verdict(false, true), Verdict::Improved);
+        assert_eq!(search.verdict(false, false), Verdict::Unexplained);
+        search.chosen_adequacy.systematic_pa *= 2.0;
+        assert_eq!(search.verdict(false, true), Verdict::Unexplained);
+    }
+}
