@@ -107,3 +107,24 @@ fn a_first_reading_far_off_is_left_out_and_named_and_changes_nothing() {
         with.notes
     );
 }
+
+#[test]
+fn an_averaging_window_that_fits_best_at_zero_has_the_interval_that_the_record_shows() {
+    let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
+    let windows = |rig: &records::Rig| -> Vec<[f64; 2]> {
+        let found = identify::validate(&Predictor::of(recipe.chamber), rig, true).unwrap().validation;
+        let of_record = |r: identify::outcome::validation::RecordError| {
+            let window = r.parameters.into_iter().find(|(name, _)| name == "position_averaging.window_s").unwrap().1;
+            assert!(window.ci95[0] <= window.value && window.value <= window.ci95[1]);
+            (window.value == 0.0).then_some(window.ci95)
+        };
+        found.records.into_iter().filter_map(of_record).collect()
+    };
+    let rig = recipe.rig();
+    let found = windows(&rig);
+    // Beforehand a window is within 1.96 times 0.06 s: the moves of 0.2 s show far less.
+    assert!(
+        !found.is_empty() && found.iter().all(|[low, high]| *low == 0.0 && (1e-3..0.06).contains(high)),
+        "{found:?}"
+    );
+}

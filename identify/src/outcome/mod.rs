@@ -1,5 +1,6 @@
 //! Results for programs and reports.
 
+mod at_bound;
 pub mod diagnosis;
 pub mod estimates;
 pub mod identification;
