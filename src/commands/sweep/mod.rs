@@ -1,16 +1,19 @@
 //! `pneutherm sweep`: a parameter study of the push-and-hold test as partitioned Parquet.
 
+mod summaries;
+mod verify;
+
 use super::progress::{Progress, Telling};
 use crate::{interrupt, output, stores, study_pictures};
 use anyhow::{Context, bail};
 use std::collections::HashSet;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
+use summaries::{earlier_summary, estimate_summary, size_summary, summary, traces_summary};
 use sweep::estimate::{Estimate, calibrate, most_bytes};
-use sweep::folder::{Folder, file_names, verify};
+use sweep::folder::{Folder, file_names};
 use sweep::study::{Overrides, SOLVERS};
-use sweep::{Earlier, Options, Report, Shard, Store, Study, traces};
+use sweep::{Earlier, Options, Shard, Store, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files
 ///
@@ -80,7 +83,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let threads = args.jobs.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("the threads cannot be started")?;
     if let Some(folder) = &args.verify {
-        return pool.install(|| verify(folder));
+        return pool.install(|| verify::verify(folder));
     }
     let (Some(path), Some(folder)) = (&args.study, &args.output) else {
         bail!("expected a study file and an output folder")
@@ -101,9 +104,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let estimate = pool.install(|| calibrate(&study, folder, !args.no_rows))?;
         tell(&study.notes, path);
         tell_of_space(&*store, &study, args, "about", |rows| estimate.bytes(rows) as u64);
-        let threads = pool.current_num_threads();
-        let told = estimate_summary(&study, args.shard, &estimate, threads) + &size_summary(&study, args, &estimate);
-        return output::print(told.as_bytes());
+        return output::print(promised(&study, args, &estimate, pool.current_num_threads()).as_bytes());
     }
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
     let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
@@ -133,6 +134,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
+/// What a dry run says of a study.
+fn promised(study: &Study, args: &Args, estimate: &Estimate, threads: usize) -> String {
+    let size = match args.no_rows {
+        true => "size       statistics only, no rows\n".to_owned(),
+        false => size_summary(study, args.shard, estimate),
+    };
+    estimate_summary(study, args.shard, estimate, threads) + &size
+}
+
 /// Tells what in the study's file has no effect.
 fn tell(notes: &[String], path: &Path) {
     notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
@@ -155,155 +165,12 @@ fn tell_of_space(store: &dyn Store, study: &Study, args: &Args, about: &str, byt
     }
 }
 
-/// Parts that are told by name when a folder does not hold what its manifest says.
-const NAMED: usize = 5;
-
-fn verify(folder: &Path) -> anyhow::Result<()> {
-    let report = sweep::verify(&*stores::open(folder)?)?;
-    if let Some(first) = report.foreign.first() {
-        let others =
-            if report.foreign.len() > 1 { format!(" and {} more", report.foreign.len() - 1) } else { String::new() };
-        bail!(
-            "{}: {first}{others}: not named in manifest.json; readers take that folder whole, so move it elsewhere",
-            folder.display()
-        );
-    }
-    match differences(&report) {
-        None => output::print(verified_summary(folder, &report).as_bytes()),
-        Some(differences) => bail!("{}: {differences}; run the study again to recompute them", folder.display()),
-    }
-}
-
-/// What does not agree with the manifest, if anything.
-fn differences(report: &verify::Report) -> Option<String> {
-    let verify::Report { parts, wrong, wrong_results, .. } = report;
-    let mut said = Vec::new();
-    if !wrong.is_empty() {
-        let named = wrong.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
-        let more = wrong.len().saturating_sub(NAMED);
-        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-        said.push(format!("{} of {parts} parts do not agree with manifest.json: {named}{more}", wrong.len()));
-    }
-    if !wrong_results.is_empty() {
-        said.push(format!("results do not agree with manifest.json: {}", wrong_results.join("; ")));
-    }
-    if wrong_results.iter().any(|result| result.starts_with(file_names::TRACES_PLACE)) {
-        said.push("traces are written again with --traces".to_owned());
-    }
-    (!said.is_empty()).then(|| said.join("; "))
-}
-
-fn verified_summary(folder: &Path, report: &verify::Report) -> String {
-    let verify::Report { rows, parts, bytes, results, not_covered, .. } = report;
-    let (parts, bytes) = (counted(*parts as u64), indicatif::BinaryBytes(*bytes));
-    let results: String = results.iter().map(|result| format!(", {result}")).collect();
-    let mut text = format!("{}: {rows} rows, {parts}, {bytes}{results}: agree with manifest.json\n", folder.display());
-    if !not_covered.is_empty() {
-        let _ = writeln!(
-            text,
-            "not named in manifest.json, so not compared: {}; run the study again, for traces with --traces, to have them named",
-            not_covered.join(", ")
-        );
-    }
-    text
-}
-
 /// Parts of a shard.
 fn parts_of(study: &Study, shard: Shard) -> impl Iterator<Item = u64> {
     (0..study.parts).filter(move |part| shard.has(*part))
 }
 
-/// A number of parts in words.
-fn counted(parts: u64) -> String {
-    if parts == 1 { "1 part".to_owned() } else { format!("{parts} parts") }
-}
-
 /// Rows of a shard.
 fn rows_of(study: &Study, shard: Shard) -> u64 {
     parts_of(study, shard).map(|part| study.rows_of(part)).map(|rows| rows.end - rows.start).sum()
-}
-
-fn estimate_summary(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -> String {
-    let (rows, parts) = (rows_of(study, shard), parts_of(study, shard).count() as u64);
-    let seconds = estimate.seconds(rows, parts);
-    let rate = if rows > 0 { rows as f64 / seconds } else { estimate.rows_per_second };
-    let mut text = String::new();
-    let _ = writeln!(text, "study      {} ({} design)", study.name, study.design.name());
-    let _ = writeln!(text, "rows       {rows} in {parts} of {} parts", study.parts);
-    let _ = writeln!(
-        text,
-        "time       {} ({:.0} rows/s on {threads} threads, from {} rows)",
-        indicatif::HumanDuration(Duration::from_secs_f64(seconds.min(1e12))),
-        rate,
-        estimate.calibrated_rows,
-    );
-    text
-}
-
-fn size_summary(study: &Study, args: &Args, estimate: &Estimate) -> String {
-    if args.no_rows {
-        return "size       statistics only, no rows\n".to_owned();
-    }
-    let bytes = estimate.bytes(rows_of(study, args.shard));
-    format!("size       {} ({:.0} bytes/row)\n", indicatif::BinaryBytes(bytes as u64), estimate.bytes_per_row)
-}
-
-fn summary(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Duration) -> String {
-    let mut text = String::new();
-    if parts_of(study, shard).next().is_none() {
-        let _ = writeln!(
-            text,
-            "{}: shard {shard} has nothing to do: the study has {}; increase `parts` in the study to divide it further",
-            study.name,
-            counted(study.parts)
-        );
-        return text;
-    }
-    let seconds = elapsed.as_secs_f64();
-    let _ = writeln!(
-        text,
-        "{}: {} rows in {seconds:.2} s ({:.0} rows/s), {} in {}",
-        study.name,
-        report.rows_written,
-        report.rows_written as f64 / seconds,
-        indicatif::BinaryBytes(report.bytes),
-        folder.display(),
-    );
-    if report.parts_found > 0 {
-        let _ = writeln!(text, "{} existed already", counted(report.parts_found));
-    }
-    if report.parts_damaged > 0 {
-        let were = if report.parts_damaged == 1 { "was damaged and has" } else { "were damaged and have" };
-        let _ = writeln!(text, "{} {were} been recomputed", counted(report.parts_damaged));
-    }
-    for (status, count) in &report.statuses {
-        let _ = writeln!(text, "{count:>12}  {status}");
-    }
-    if let Some(note) = output::left_out(study.left_out) {
-        text += &note;
-    }
-    for name in &report.results {
-        let _ = writeln!(text, "results: {name}");
-    }
-    let _ = match report.complete {
-        true => writeln!(text, "the study is complete ({}): manifest.json is written", counted(study.parts)),
-        false => writeln!(text, "parts of other shards are missing: manifest.json is not yet written"),
-    };
-    text
-}
-
-fn earlier_summary(report: &Report, earlier: &Earlier) -> String {
-    let mut text = format!("{} rows taken from {}\n", report.rows_taken, earlier.folder().display());
-    if earlier.damaged > 0 {
-        let _ = writeln!(text, "damaged there, and solved again: {}", counted(earlier.damaged));
-    }
-    text
-}
-
-fn traces_summary(report: &traces::Report) -> String {
-    let mut text = format!("{}: {} samples of {} rows\n", file_names::TRACES_PLACE, report.samples, report.rows);
-    for (row, reason) in &report.without {
-        let _ = writeln!(text, "row {row} has no trace: {reason}");
-    }
-    text
 }
