@@ -27,7 +27,8 @@ pub struct Until {
 }
 
 impl Until {
-    /// At a minimum.
+    /// At a minimum: a step that gains so little of χ² moves no number by more than a twentieth of its standard deviation (√0.002). The
+    /// iterations only end a fit that creeps.
     pub const SETTLED: Self = Self { iterations: 40, gain: 2e-3, slow_iterations: 1 };
     /// Where steps gain next to nothing beside decisive evidence: the far end of a narrow valley is not waited for. A single
     /// iteration may gain little because its step was damped.
@@ -46,6 +47,24 @@ const NEAR: f64 = 0.01;
 const MOST_DAMPINGS: usize = 12;
 /// Of these, the first so many bend their steps: with more damping the steps are short, and next to straight.
 const BENT: usize = 3;
+
+/// Damping that a descent begins with, of the diagonal of JᵀJ: next to none, as fits begin near a minimum or at one of several starts.
+const FIRST_DAMPING: f64 = 1e-4;
+/// After a step that fails the damping is so many times as large: three failures take it from where it bends a step to where it
+/// shortens one.
+const MORE: f64 = 10.0;
+/// After one that takes more than this share of what it promised it is so many times as large: there the problem is as good as
+/// linear, where an undamped step is best.
+const KEPT: f64 = 0.7;
+const LESS: f64 = 0.1;
+/// Damping after a failure, at the least: from less on, several steps in a row would be the same one.
+const LEAST_AFTER_FAILURE: f64 = 1e-3;
+/// Damping where the system has no solution, at the least: it lifts what is singular above the round-off of JᵀJ.
+const LEAST_OF_SINGULAR: f64 = 1e-6;
+/// Less damping changes no step: the sensitivities are not known better.
+const LEAST_DAMPING: f64 = 1e-9;
+/// A step with more damping is so short that it is the simulation's accuracy that keeps it from leading down.
+const MOST_DAMPING: f64 = 1e8;
 
 /// Where a descent has come to.
 #[derive(Clone, Debug)]
@@ -86,7 +105,7 @@ pub fn descend(
     let own_axes = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
     let problem = Problem { data, hypothesis, selection, own_axes };
     let mut here = Descent::at(rig, own);
-    let (mut damping, mut slow_iterations) = (1e-4, 0);
+    let (mut damping, mut slow_iterations) = (FIRST_DAMPING, 0);
     while here.iterations < until.iterations && !here.converged {
         let linear = linearise(data, hypothesis, &here.rig, &here.own, selection, here.at.near())?;
         here.chi2 = total(&linear);
@@ -144,7 +163,7 @@ impl Problem<'_> {
         let leads_down = |trial: &Trial| trial.chi2 < here.chi2;
         for attempt in 0..MOST_DAMPINGS {
             let Some(step) = system.step(self.hypothesis, &here.rig, *damping) else {
-                *damping = (*damping * 10.0).max(1e-6);
+                *damping = (*damping * MORE).max(LEAST_OF_SINGULAR);
                 continue;
             };
             if step.promised < settled {
@@ -160,14 +179,14 @@ impl Problem<'_> {
                 _ => None,
             };
             if let Some(trial) = straight.into_iter().chain(bent).find(leads_down) {
-                if here.chi2 - trial.chi2 > 0.7 * promised {
-                    *damping *= 0.1;
+                if here.chi2 - trial.chi2 > KEPT * promised {
+                    *damping *= LESS;
                 }
-                *damping = damping.max(1e-9);
+                *damping = damping.max(LEAST_DAMPING);
                 return Next::Lower(trial);
             }
-            *damping = (*damping * 10.0).max(1e-3);
-            if *damping > 1e8 {
+            *damping = (*damping * MORE).max(LEAST_AFTER_FAILURE);
+            if *damping > MOST_DAMPING {
                 return Next::Minimum;
             }
         }

@@ -4,6 +4,11 @@ use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
 use chamber::card::Unit;
 
+/// Speeds below this are none of a piston, m/s.
+const LEAST_SPEED: f64 = 1e-3;
+/// A move's speed is looked at in so many places: its peak lies between two of them by less than a percent, which no start minds.
+const PLACES: u32 = 20;
+
 /// Sizes that parameters have on this rig, by unit: a start for fits that the card's typical value cannot give, since a
 /// wall of 1 J/K is heavy for a pencil-sized cylinder and nothing for a gas spring.
 #[derive(Clone, Copy, Debug)]
@@ -50,27 +55,35 @@ impl Sizes {
             duration: mean(&|t: &Prepared| t.time_s.last().copied().unwrap_or(1.0)),
             volume,
             pressure,
-            speed: speed.max(1e-3),
+            speed: speed.max(LEAST_SPEED),
             piston_power: pressure * chamber.geometry.piston_area * speed,
             row: mean(&|t: &Prepared| t.time_s.last().copied().unwrap_or(1.0) / t.time_s.len() as f64),
             noise: data.noise.total_pa(),
         }
     }
 
-    /// Size of a parameter with that unit on this rig; for a dimensionless one its typical value.
+    /// Size of a parameter with that unit on this rig; for a dimensionless one its typical value. It is a start, or the measure of a
+    /// coordinate: a few times more or less makes no other fit.
     pub fn size_of(&self, unit: Unit, typical: f64) -> f64 {
         match unit {
             Unit::One | Unit::OfTable => typical.abs(),
+            // Doubles the coefficient at the largest speed, whose power 0.8 forced convection goes by.
             Unit::SpeedPower => self.speed.powf(-0.8),
             Unit::Second => self.row,
+            // A usual stroke.
             Unit::Metre => 0.1,
+            // A tube of a twentieth of the volume, and the wall of a fitting: a tenth of that of a cube as large as the gas.
             Unit::CubicMetre => 0.05 * self.volume,
             Unit::SquareMetre => 0.1 * self.volume.powf(2.0 / 3.0),
+            // A wall beside a warm machine.
             Unit::Kelvin | Unit::KelvinDifference => 10.0,
             Unit::PerKelvin | Unit::PerSquareKelvin | Unit::InverseEffusivity => typical.abs(),
+            // An offset that a glance at the readings shows, and a drift that is seen over a record.
             Unit::Pascal | Unit::PascalDifference => 10.0 * self.noise,
             Unit::PascalPerSecond => self.noise / self.duration,
+            // A wall holds far more heat than the gas: the skin of it that warms up in a test some twenty times as much.
             Unit::JoulePerKelvin => 20.0 * self.gas_capacity,
+            // As much as relaxes the gas.
             Unit::WattPerKelvin => self.gas_capacity / self.relaxation,
             // A leak that loses a hundredth of the gas over a record: density 1.2 kg/m³ at C p.
             Unit::SonicConductance => 0.01 * self.volume / self.duration / 1e5,
@@ -84,8 +97,9 @@ fn fastest(t: &Prepared) -> f64 {
         .segments
         .iter()
         .flat_map(|s| {
-            (0..20).map(move |k| {
-                s.stroke.at(s.from_s + (s.to_s - s.from_s) * f64::from(k) / 19.0, &Default::default()).1.abs()
+            (0..PLACES).map(move |k| {
+                let at_s = s.from_s + (s.to_s - s.from_s) * f64::from(k) / f64::from(PLACES - 1);
+                s.stroke.at(at_s, &Default::default()).1.abs()
             })
         })
         .fold(0.0, f64::max)

@@ -10,11 +10,12 @@ use chamber::card::Unit;
 use chamber::effects::{CARDS, EffectSet, PARAMETER_OFFSETS};
 use rayon::prelude::*;
 
-/// Iterations of every trial start, and further ones of those that are not far behind, before the best go on.
+/// Iterations of every trial start, and further ones of those that are not far behind, before the best go on: few, as each costs as
+/// much as one of the fit to the end.
 const TRIAL_ITERATIONS: [usize; 2] = [2, 2];
-/// Iterations that tell how large a curve is.
+/// Iterations that tell how large a curve is: its order of magnitude is enough.
 const SIZE_ITERATIONS: usize = 4;
-/// How many starts go on to the end.
+/// How many starts go on to the end: the best, and a rival that a few iterations do not tell from it.
 const GO_ON: usize = 2;
 /// A start goes on beside the best one if its χ² is less than so many times the best one's...
 const NOT_FAR_BEHIND: f64 = 2.0;
@@ -212,10 +213,15 @@ fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes)
     }
     let size = sizes.size_of(p.unit, p.typical);
     let factors: &[f64] = match (free, p.unit) {
+        // Within a row and beyond it: wherever the end of a move passes a row, the error has a corner over a time.
         (1, Unit::Second) => &[0.3, 3.0],
+        // By itself a number has one valley, which is reached from where it does little.
         (1, _) => &[0.1],
+        // Of two that shape an effect together, each from a light wall to a heavy one...
         (_, Unit::JoulePerKelvin) => &[0.1, 1.0, 10.0],
+        // ...from a small share to a large one, within 0 and 1...
         (_, Unit::One) => &[0.4, 1.6],
+        // ...and from next to none of an exchange to a fast one, a decade apart.
         (_, _) => &[0.05, 0.5, 5.0],
     };
     factors.iter().map(|f| (f * size).clamp(low, high)).collect()
