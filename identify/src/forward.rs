@@ -377,7 +377,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
             let boundary = record::boundary_at(self.inputs, stretch, t);
             let mut volume = self.balance.chamber.geometry.volume(boundary.position);
             let state = dense.at(t);
-            let energy = state[ENERGY] / self.isentrope.factor(volume);
+            let energy = state[ENERGY] / self.isentrope.factor(volume, self.balance.expansion);
             if let Some([_, _, change, _]) = extra.at(t.value()) {
                 volume += change;
             }

@@ -17,28 +17,29 @@ pub struct Isentrope {
     per_volume: f64,
     /// γ − 1.
     exponent: f64,
-    /// The volume, m³, that was asked for last and its W/U: a piston at rest asks for the same again and again.
-    last: Cell<[f64; 2]>,
+    /// The volume, m³, that was asked for last, its W/U and ln V/V0: a piston at rest asks for the same again and again.
+    last: Cell<[f64; 3]>,
 }
 
 impl Isentrope {
     /// Through the volume, m³, that the chamber has at that boundary.
     pub fn through<R: Scalar>(balance: &Balance<R>, boundary: &Boundary<R>) -> Self {
         let volume = balance.chamber.geometry.volume(boundary.position).value();
-        Self { per_volume: 1.0 / volume, exponent: balance.expansion.value(), last: Cell::new([volume, 1.0]) }
+        Self { per_volume: 1.0 / volume, exponent: balance.expansion.value(), last: Cell::new([volume, 1.0, 0.0]) }
     }
 
-    /// W/U at a volume, m³.
+    /// W/U at a volume, m³, of a gas with this γ − 1.
     #[inline(always)]
-    pub fn factor<R: Scalar>(&self, volume: R) -> R {
+    pub fn factor<R: Scalar>(&self, volume: R, expansion: R) -> R {
         let here = volume.value();
-        let [last, mut factor] = self.last.get();
+        let [last, mut factor, mut logarithm] = self.last.get();
         if here != last {
-            factor = (here * self.per_volume).powf(self.exponent);
-            self.last.set([here, factor]);
+            logarithm = (here * self.per_volume).ln();
+            factor = (self.exponent * logarithm).exp();
+            self.last.set([here, factor, logarithm]);
         }
-        // The difference is zero but for its derivatives.
-        (volume - here) * (factor * self.exponent / here) + factor
+        // The differences are zero but for their derivatives.
+        (volume - here) * (factor * self.exponent / here) + (expansion - self.exponent) * (factor * logarithm) + factor
     }
 
     /// At a boundary.
@@ -47,7 +48,7 @@ impl Isentrope {
         let geometry = &balance.chamber.geometry;
         let volume = geometry.volume(boundary.position);
         let compression = balance.expansion * geometry.piston_area * boundary.velocity / volume;
-        Referred { factor: self.factor(volume), compression }
+        Referred { factor: self.factor(volume, balance.expansion), compression }
     }
 }
 

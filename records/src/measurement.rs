@@ -17,6 +17,9 @@ const POSITION_OFFSET_M: f64 = 0.5e-3;
 const STATED_TEMPERATURE_K: f64 = 2.0;
 /// Default standard deviation of an ambient temperature that is neither stated nor recorded, K.
 const UNSTATED_TEMPERATURE_K: f64 = 5.0;
+/// Default standard deviation of a gas's heat capacity ratio, as a share of it: humid air of a warm room is 0.1 % below dry air, and air
+/// of 1 bar is as far above a perfect gas.
+const HEAT_CAPACITY_RATIO: f64 = 1e-3;
 
 // Wide enough for any rig; narrow enough to catch millimetres and per cent.
 const BORE_BOUNDS: Bounds = Bounds::Within(0.0..=1.0, "in m");
@@ -58,7 +61,7 @@ pub(crate) fn read_accuracy(root: &Table<'_>) -> Result<Option<f64>, Error> {
     table.number("pressure_pa", &Bounds::Positive)
 }
 
-/// How well the stated geometry and ambient temperature are known: standard deviations.
+/// How well the stated geometry, ambient temperature and gas are known: standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Of the bore, m: 0.5 % of it unless stated.
@@ -72,6 +75,8 @@ pub struct Tolerance {
     pub position_offset_m: f64,
     /// Of the ambient temperature, K. Unless stated: 2 K where the temperature is stated or recorded, else 5 K.
     pub ambient_temperature_k: f64,
+    /// Of the gas's heat capacity ratio γ, as a share of it: 0.001 unless stated.
+    pub heat_capacity_ratio: f64,
 }
 
 impl Tolerance {
@@ -83,6 +88,7 @@ impl Tolerance {
             position_linearity: POSITION_LINEARITY,
             position_offset_m: POSITION_OFFSET_M,
             ambient_temperature_k: if ambient_known { STATED_TEMPERATURE_K } else { UNSTATED_TEMPERATURE_K },
+            heat_capacity_ratio: HEAT_CAPACITY_RATIO,
         }
     }
 }
@@ -100,6 +106,8 @@ pub struct StatedTolerance {
     pub position_offset_m: Option<f64>,
     /// As in [`Tolerance`].
     pub ambient_temperature_k: Option<f64>,
+    /// As in [`Tolerance`].
+    pub heat_capacity_ratio: Option<f64>,
 }
 
 impl StatedTolerance {
@@ -111,6 +119,7 @@ impl StatedTolerance {
             "position_linearity",
             "position_offset_m",
             "ambient_temperature_k",
+            "heat_capacity_ratio",
         ])?;
         let bore = table.number("bore_m", &BORE_BOUNDS)?;
         if let Some(tolerance) = bore.filter(|tolerance| *tolerance >= 0.5 * bore_m) {
@@ -124,6 +133,7 @@ impl StatedTolerance {
             position_linearity: table.number("position_linearity", &SCALE_BOUNDS)?,
             position_offset_m: table.number("position_offset_m", &OFFSET_BOUNDS)?,
             ambient_temperature_k: table.number("ambient_temperature_k", &TEMPERATURE_BOUNDS)?,
+            heat_capacity_ratio: table.number("heat_capacity_ratio", &SCALE_BOUNDS)?,
         })
     }
 
@@ -135,6 +145,7 @@ impl StatedTolerance {
             position_linearity: self.position_linearity.unwrap_or(default.position_linearity),
             position_offset_m: self.position_offset_m.unwrap_or(default.position_offset_m),
             ambient_temperature_k: self.ambient_temperature_k.unwrap_or(default.ambient_temperature_k),
+            heat_capacity_ratio: self.heat_capacity_ratio.unwrap_or(default.heat_capacity_ratio),
         }
     }
 }

@@ -129,7 +129,7 @@ fn two_experiments_of_one_name_are_refused() {
 fn sensor_accuracy_and_tolerances_are_read() {
     let text = "[cylinder]\nbore_m = 0.04\n[sensor]\nstep_pa = 390\nreadout_hz = 10\n[accuracy]\npressure_pa = 50\n\
                 [tolerance]\nbore_m = 1e-5\nposition_scale = 0.001\nposition_linearity = 0\n\
-                position_offset_m = 0\nambient_temperature_k = 0.3\n";
+                position_offset_m = 0\nambient_temperature_k = 0.3\nheat_capacity_ratio = 0.002\n";
     let rig = parse(text).unwrap().rig;
     assert_eq!(rig.sensor, records::Sensor { noise_pa: None, step_pa: Some(390.0), readout_hz: Some(10.0) });
     assert_eq!(rig.accuracy_pa, Some(50.0));
@@ -139,6 +139,7 @@ fn sensor_accuracy_and_tolerances_are_read() {
         position_linearity: 0.0,
         position_offset_m: 0.0,
         ambient_temperature_k: 0.3,
+        heat_capacity_ratio: 0.002,
     };
     assert_eq!(rig.tolerance, stated);
     refusal(
@@ -163,6 +164,7 @@ fn tolerances_that_a_rig_leaves_out_follow_from_the_rest() {
         position_linearity: 2e-4,
         position_offset_m: 0.5e-3,
         ambient_temperature_k: 5.0,
+        heat_capacity_ratio: 0.001,
     };
     assert_eq!((unstated.tolerance, unstated.accuracy_pa), (default, None));
     let stated = parse("[cylinder]\nbore_m = 0.04\n[ambient]\ntemperature_k = 293\n").unwrap().rig;

@@ -215,6 +215,7 @@ fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, adapts: &[bool]) -> Op
 
 #[cfg(test)]
 mod tests {
+    use crate::parameters::Slot;
     use crate::record::data::Data;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
@@ -233,5 +234,16 @@ mod tests {
         let left: Vec<f64> = (0..12).map(|k| left(2.7 + 0.15 * f64::from(k))).collect();
         assert!(left[0] < 0.05 && left[11] > 0.9, "{left:?}");
         assert!(left.windows(2).all(|pair| pair[1] - pair[0] < 0.6), "{left:?}");
+    }
+
+    #[test]
+    fn a_heat_capacity_ratio_that_is_off_within_its_tolerance_takes_its_misfit_off() {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.faults.stated.heat_capacity_ratio_times = 1.002;
+        let (_, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let place = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
+        let blocks = fit.blocks as f64;
+        assert!((fit.marginal - blocks) < 0.1 * (fit.chi2 - blocks));
+        assert!((fit.moved[place] / -2.0 - 1.0).abs() < 0.3, "{:?}", fit.moved);
     }
 }

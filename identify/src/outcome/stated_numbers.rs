@@ -48,6 +48,13 @@ fn words(slot: Slot, by: f64, bore_mm: f64) -> String {
             format!("positions {:.2} % {} than recorded", 100.0 * amount, either("larger", "smaller"))
         }
         Slot::PositionZero => format!("a position zero moved by {:+.2} mm", 1e3 * by),
+        Slot::HeatCapacityRatio => {
+            format!(
+                "a heat capacity ratio {:.2} % {} than that of the stated gas",
+                100.0 * amount,
+                either("larger", "smaller")
+            )
+        }
         Slot::RestTemperature => {
             format!("gas {amount:.1} K {} than its surroundings at rest", either("warmer", "colder"))
         }
@@ -96,6 +103,10 @@ mod tests {
         assert_eq!(words(Slot::PositionScale, -0.025, 40.0), "positions 2.50 % smaller than recorded");
         assert_eq!(words(Slot::PositionScale, 0.025, 40.0), "positions 2.50 % larger than recorded");
         assert_eq!(words(Slot::AmbientTemperature, -7.0, 40.0), "surroundings 7.0 K colder than stated");
+        assert_eq!(
+            words(Slot::HeatCapacityRatio, -0.004, 40.0),
+            "a heat capacity ratio 0.40 % smaller than that of the stated gas"
+        );
         assert_eq!(words(Slot::Bore, -0.025, 40.0), "a bore of 39.00 mm instead of 40.00 mm");
     }
 }

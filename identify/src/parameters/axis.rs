@@ -22,6 +22,8 @@ pub enum Slot {
     PositionZero,
     /// Ambient temperature less the stated one.
     AmbientTemperature,
+    /// The gas's heat capacity ratio over the stated one.
+    HeatCapacityRatio,
     /// By how much gas at rest is warmer than its surroundings, in all records: where their initial temperatures are free.
     RestTemperature,
 }
@@ -38,6 +40,7 @@ impl Slot {
             Slot::PositionLinearity(_) => "position_linearity".to_owned(),
             Slot::PositionZero => "position_offset_m".to_owned(),
             Slot::AmbientTemperature => "ambient_temperature_k".to_owned(),
+            Slot::HeatCapacityRatio => "heat_capacity_ratio".to_owned(),
             Slot::RestTemperature => "rest_temperature_k".to_owned(),
         }
     }
@@ -54,7 +57,7 @@ impl Slot {
             Slot::DeadVolume => "m3",
             Slot::Effect(e, p) => CARDS[e].parameters[p].unit.symbol(),
             Slot::Bore | Slot::PositionZero | Slot::PositionLinearity(_) => "m",
-            Slot::PositionScale => "1",
+            Slot::PositionScale | Slot::HeatCapacityRatio => "1",
             Slot::AmbientTemperature | Slot::RestTemperature => "K",
         }
     }

@@ -3,7 +3,7 @@
 use super::axis::{Axis, Slot};
 use super::sizes::Sizes;
 use chamber::Chamber;
-use chamber::effects::empirical::{Curve, Empirical, Term};
+use chamber::effects::empirical::{Curve, Empirical, Term, Variable};
 use chamber::effects::{CARDS, Effect};
 
 /// The curve that an effect of a chamber is, if it is one.
@@ -15,9 +15,13 @@ pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
 /// By how much a value of a curve differs beforehand from the straight line through its neighbours, of the largest value.
 const BEND: f64 = 0.04;
 
-/// A value of a curve: scaled by what would be a lot on this rig, which is its standard deviation beforehand. That decides
-/// what the records leave open, as a share of λ that is the same everywhere and λ0.
-pub fn axis_of_value(curve: &Curve, slot: Slot, sizes: &Sizes) -> Axis {
+/// Standard deviation of a missing share of λ where the piston stands. With one that is the same everywhere λ0 would only go the other
+/// way: λ0 is that of the standing piston.
+const SHARE_AT_REST: f64 = 0.01;
+
+/// The value of a curve at one of its knots: scaled by what would be a lot on this rig, which is its standard deviation beforehand. That
+/// decides what the records leave open.
+pub fn axis_of_value(curve: &Curve, knot: usize, slot: Slot, sizes: &Sizes) -> Axis {
     let any = [-1e6, 1e6];
     let (scale, bounds) = match curve.term {
         // What 60 K between gas and wall drive, and a seventh of the work.
@@ -29,7 +33,10 @@ pub fn axis_of_value(curve: &Curve, slot: Slot, sizes: &Sizes) -> Axis {
         Term::VolumeShare => (0.06, [-10.0, 20.0]),
         Term::Reading => (0.06 * sizes.pressure, any),
     };
-    Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, 1.0]) }
+    let is_share_at_rest =
+        curve.term == Term::CoefficientShare && curve.variable == Variable::Velocity && curve.knots[knot] == 0.0;
+    let deviation = if is_share_at_rest { SHARE_AT_REST } else { 1.0 };
+    Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, deviation]) }
 }
 
 /// Combinations of axes whose mean beforehand is zero, with their standard deviations: how much each value of a curve

@@ -72,8 +72,8 @@ impl Hypothesis {
                 _ => p.fitted || model.secondary.has(e),
             };
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
-                if let Some(curve) = curve_of(e, base).filter(|_| matches!(parameter.kind, Kind::Place { .. })) {
-                    axes.push(axis_of_value(&curve, Slot::Effect(e, p), sizes));
+                if let (Some(curve), Kind::Place { index, .. }) = (curve_of(e, base), parameter.kind) {
+                    axes.push(axis_of_value(&curve, index, Slot::Effect(e, p), sizes));
                     continue;
                 }
                 let (logarithmic, scale, mut bounds) = coordinates_of(parameter, sizes);
@@ -227,6 +227,9 @@ impl Hypothesis {
                 }
                 Slot::PositionZero => geometry.dead_volume += geometry.piston_area * value,
                 Slot::AmbientTemperature => correction.warmer = value,
+                Slot::HeatCapacityRatio => {
+                    chamber.gas.heat_capacity_ratio = chamber.gas.heat_capacity_ratio * (value + 1.0);
+                }
                 Slot::RestTemperature if trace.starts_at_rest => at_rest = value,
                 Slot::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] += value,
                 _ => {}
@@ -281,6 +284,7 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
         | Slot::PositionLinearity(_)
         | Slot::PositionZero
         | Slot::AmbientTemperature
+        | Slot::HeatCapacityRatio
         | Slot::RestTemperature => {}
     }
 }

@@ -29,6 +29,7 @@ fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
         (Slot::PositionScale, t.position_scale),
         (Slot::PositionZero, zero),
         (Slot::AmbientTemperature, t.ambient_temperature_k),
+        (Slot::HeatCapacityRatio, t.heat_capacity_ratio),
         (Slot::RestTemperature, rest),
     ];
     let all = numbers.into_iter().chain((0..WAVES).map(wave)).filter(|(_, scale)| *scale > 0.0);

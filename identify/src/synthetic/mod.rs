@@ -340,6 +340,8 @@ impl Recipe {
             .collect();
         let geometry = &self.chamber.geometry;
         let stated = &self.faults.stated;
+        let gas = self.chamber.gas;
+        let heat_capacity_ratio = gas.heat_capacity_ratio * stated.heat_capacity_ratio_times;
         Rig {
             path: format!("synthetic-{}", self.seed).into(),
             cylinder: Cylinder {
@@ -353,7 +355,7 @@ impl Recipe {
                 temperature_k: Some(self.ambient_k + stated.ambient_offset_k),
                 pressure_pa: self.ambient_pa,
             },
-            gas: NamedGas { name: Some(self.gas.to_owned()), gas: self.chamber.gas },
+            gas: NamedGas { name: Some(self.gas.to_owned()), gas: Gas { heat_capacity_ratio, ..gas } },
             sensor: Sensor::default(),
             accuracy_pa: None,
             tolerance: Tolerance::default_of(geometry.bore, true),

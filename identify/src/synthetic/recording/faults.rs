@@ -48,6 +48,8 @@ pub struct Stated {
     pub position_offset_m: f64,
     /// Stated ambient temperature less the true one, K; a recorded column is right.
     pub ambient_offset_k: f64,
+    /// Heat capacity ratio of the stated gas over that of the gas in the chamber.
+    pub heat_capacity_ratio_times: f64,
 }
 
 impl Stated {
@@ -59,13 +61,20 @@ impl Stated {
             position_times: 1.0 + 0.005 * random.normal(),
             position_offset_m: 5e-4 * random.normal(),
             ambient_offset_k: 2.0 * random.normal(),
+            ..Self::default()
         }
     }
 }
 
 impl Default for Stated {
     fn default() -> Self {
-        Self { bore_times: 1.0, position_times: 1.0, position_offset_m: 0.0, ambient_offset_k: 0.0 }
+        Self {
+            bore_times: 1.0,
+            position_times: 1.0,
+            position_offset_m: 0.0,
+            ambient_offset_k: 0.0,
+            heat_capacity_ratio_times: 1.0,
+        }
     }
 }
 

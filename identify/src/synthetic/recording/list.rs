@@ -275,6 +275,12 @@ pub const ALL: &[Recording] = &[
         ..PLAIN
     },
     Recording {
+        name: "humid-air",
+        what: "air of half the humidity that it can take: its heat capacity ratio is 0.1 % below that of the stated dry air",
+        changes: |r, _| r.faults.stated.heat_capacity_ratio_times = 1.001,
+        ..PLAIN
+    },
+    Recording {
         name: "warm-start",
         what: "gas 5 K warmer than the wall at the start",
         changes: |r, _| r.bench.start_warmer_k = 5.0,
