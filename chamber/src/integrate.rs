@@ -120,6 +120,40 @@ impl<R: Real, const N: usize> Step<R, N> {
     pub fn end(&self) -> [R; N] {
         self.end
     }
+
+    /// One of no length, from these states with these slopes. The next is written over it, and so on: with derivatives a step is
+    /// too large to be moved about.
+    #[inline]
+    fn at(start: [R; N], slope: [R; N]) -> Self {
+        let mut slopes = [[R::ZERO; N]; 7];
+        slopes[0] = slope;
+        Self { from: 0.0, length: 0.0, start, end: start, slopes }
+    }
+
+    /// Takes it from its start at a time, s, over a length, s.
+    #[inline]
+    fn attempt(&mut self, system: &impl System<R, N>, from: f64, length: f64) {
+        (self.from, self.length) = (from, length);
+        let Self { start, end, slopes, .. } = self;
+        for stage in 1..7 {
+            // State by state: the sum stays in registers, however many derivatives a number has.
+            for i in 0..N {
+                let mut sum = slopes[0][i] * A[stage][0];
+                for j in 1..stage {
+                    sum += slopes[j][i] * A[stage][j];
+                }
+                end[i] = start[i] + sum * length;
+            }
+            slopes[stage] = system.rates(from + C[stage] * length, end);
+        }
+    }
+
+    /// Makes its end the start of the next one.
+    #[inline]
+    fn go_on(&mut self) {
+        self.start = self.end;
+        self.slopes[0] = self.slopes[6];
+    }
 }
 
 /// The states within one step.
@@ -198,26 +232,26 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         if end <= self.time {
             return Ok(());
         }
-        let mut first = system.rates(self.time, &self.state);
+        let mut step = Step::at(self.state, system.rates(self.time, &self.state));
         if self.step <= 0.0 {
-            self.step = self.first_step(&first, end);
+            self.step = self.first_step(&step.slopes[0], end);
         }
         let mut rejected = false;
         for _ in 0..self.max_steps {
             let plan = planned(self.time);
             let (until, most) = plan.map_or((end, 1.0), |until| (until, PLANNED));
             let left = until - self.time;
-            let step = if plan.is_some() && !rejected { left } else { self.step.min(self.longest) };
-            let is_last = step >= left * (1.0 - 1e-12);
+            let length = if plan.is_some() && !rejected { left } else { self.step.min(self.longest) };
+            let is_last = length >= left * (1.0 - 1e-12);
             // Two even steps rather than one whole and a sliver.
-            let h = if is_last { left } else { step.min(0.5 * left) };
-            let step = self.attempt(system, first, h);
+            let h = if is_last { left } else { length.min(0.5 * left) };
+            step.attempt(system, self.time, h);
             let error = self.error(&step);
             if error <= most {
                 self.time = if is_last { until } else { self.time + h };
                 self.state = step.end;
-                first = step.slopes[6];
                 on_step(&step);
+                step.go_on();
                 let factor = (SAFETY * error.max(1e-10).powf(-0.2)).clamp(SHRINK, if rejected { 1.0 } else { GROW });
                 // A step cut short by the end says nothing against the longer one that was planned.
                 self.step = if is_last { self.step.max(h * factor) } else { h * factor };
@@ -235,25 +269,6 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
             }
         }
         Err(IntegrationError::TooManySteps { at: self.time, limit: self.max_steps })
-    }
-
-    #[inline]
-    fn attempt(&self, system: &impl System<R, N>, first: [R; N], h: f64) -> Step<R, N> {
-        let mut slopes = [[R::ZERO; N]; 7];
-        slopes[0] = first;
-        let mut end = self.state;
-        for stage in 1..7 {
-            // State by state: the sum stays in registers, however many derivatives a number has.
-            for i in 0..N {
-                let mut sum = slopes[0][i] * A[stage][0];
-                for j in 1..stage {
-                    sum += slopes[j][i] * A[stage][j];
-                }
-                end[i] = self.state[i] + sum * h;
-            }
-            slopes[stage] = system.rates(self.time + C[stage] * h, &end);
-        }
-        Step { from: self.time, length: h, start: self.state, end, slopes }
     }
 
     /// Error of a step relative to the tolerance (largest component), infinite where a state is not finite.
