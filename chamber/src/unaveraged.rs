@@ -32,8 +32,10 @@ const WIDER: f64 = 1e-5;
 
 /// The stroke around a motion.
 pub struct Unaveraged {
-    /// Time from knot to knot, s.
+    /// Time from knot to knot, s: a power of two.
     step: f64,
+    /// Its reciprocal, exact as well.
+    per_step: f64,
     /// Steps from time zero to the first coefficient's knot.
     first: f64,
     /// First and last time at which the spline stands for the stroke, s.
@@ -118,7 +120,7 @@ impl Unaveraged {
         // A knot has a part in the spline up to two steps away.
         let known = [BAND as f64 - 2.0, (last - first) - BAND as f64 + 2.0].map(time);
         let extent = [0, 1].map(|k| if rests[k] { known[k] } else { motion[k] });
-        Some(Self { step, first, extent, coefficients })
+        Some(Self { step, per_step: step.recip(), first, extent, coefficients })
     }
 
     /// First and last time at which it stands for the stroke, s.
@@ -137,8 +139,8 @@ impl Unaveraged {
     /// The stroke at a time within its extent, s.
     #[inline]
     pub fn at(&self, time: f64) -> At {
-        let step = self.step;
-        let place = time / step - self.first;
+        let per_step = self.per_step;
+        let place = time * per_step - self.first;
         let near = (place.max(1.0) as usize).min(self.coefficients.len() - 3);
         let u = place - near as f64;
         let v = 1.0 - u;
@@ -154,8 +156,8 @@ impl Unaveraged {
                 *sum = [sum[0] + weight * c[0], sum[1] + weight * c[1]];
             }
         }
-        let derivatives = [sums[0][0], sums[1][0] / step, sums[2][0] / (step * step)];
-        At { derivatives, by_window: [sums[0][1], sums[1][1] / step] }
+        let derivatives = [sums[0][0], sums[1][0] * per_step, sums[2][0] * (per_step * per_step)];
+        At { derivatives, by_window: [sums[0][1], sums[1][1] * per_step] }
     }
 }
 

@@ -21,11 +21,13 @@ pub struct TrueStroke<'a> {
     near: Near,
 }
 
-/// The place in the recorded stroke that was asked last: number of the segment, and of the piece in it.
+/// The place that was asked last: number of the segment of the recorded stroke and of the piece in it, and of the stroke behind
+/// the average.
 #[derive(Default)]
 struct Near {
     segment: Cell<usize>,
     piece: Cell<usize>,
+    unaveraged: Cell<usize>,
 }
 
 /// The stroke at one moment.
@@ -98,7 +100,7 @@ impl<'a> TrueStroke<'a> {
     /// The stroke at a time on a stretch.
     #[inline]
     pub fn at(&self, stretch: usize, time: f64) -> Moment {
-        if let Some(spline) = unaveraged::standing_at(&self.unaveraged, time) {
+        if let Some(spline) = self.standing_at(time) {
             let unaveraged::At { derivatives, by_window } = spline.at(time);
             return self.before_filter(derivatives, by_window);
         }
@@ -108,6 +110,18 @@ impl<'a> TrueStroke<'a> {
             self.recorded(time)
         };
         self.before_filter(recorded, [0.0; 2])
+    }
+
+    /// The stroke behind the average that stands for the recorded one at a time, s, if any does.
+    #[inline(always)]
+    fn standing_at(&self, time: f64) -> Option<&Unaveraged> {
+        let (strokes, near) = (&self.unaveraged, &self.near.unaveraged);
+        let ends_behind = |stroke: usize| strokes.get(stroke).is_none_or(|stroke| time <= stroke.extent()[1]);
+        let is_next = |stroke: usize| ends_behind(stroke) && (stroke == 0 || !ends_behind(stroke - 1));
+        if !is_next(near.get()) {
+            near.set(strokes.partition_point(|stroke| stroke.extent()[1] < time));
+        }
+        strokes.get(near.get()).filter(|stroke| stroke.extent()[0] <= time)
     }
 
     /// What has passed the low-pass, taken back: position, m, velocity, m/s, and acceleration, m/s², behind it.
@@ -128,7 +142,7 @@ impl<'a> TrueStroke<'a> {
     /// Position, m, velocity, m/s, and acceleration, m/s², of the record.
     #[inline(always)]
     pub fn recorded(&self, time: f64) -> [f64; 3] {
-        let (segments, Near { segment, piece }) = (&self.motion.segments, &self.near);
+        let (segments, Near { segment, piece, .. }) = (&self.motion.segments, &self.near);
         let last = segment.get();
         let is_there = time <= segments[last].to_s && (last == 0 || segments[last - 1].to_s < time);
         if !is_there {
