@@ -15,8 +15,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::record::noise::{FLICKER_COLOURS, Noise};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVector};
 use std::f64::consts::TAU;
+use std::ops::{Add, Mul, Sub};
 
 /// Deviations that a segment's means have in common: see `common_sd_pa` of [`super::block::Block`].
 pub const IN_COMMON: usize = 4;
@@ -45,6 +46,9 @@ pub struct Place {
 }
 
 type Vector = [f64; MOST];
+
+/// Columns that are whitened side by side.
+const ABREAST: usize = 4;
 
 /// Which states take part, and where they are.
 #[derive(Clone, Copy, Debug, Default)]
@@ -131,38 +135,49 @@ impl Whitener {
 
     /// Whitens the first values of a column in place; it may be shorter than the record.
     pub fn apply(&self, column: &mut [f64]) {
-        let count = self.layout.count;
-        let mut state = [0.0; MOST];
-        for (step, value) in self.steps.iter().zip(column) {
-            let mut innovation = *value;
-            for k in 0..count {
-                innovation -= step.observe[k] * state[k];
-            }
-            *value = innovation * step.per_sd;
-            carry(&self.layout, step, &mut state);
-            for k in 0..count {
-                state[k] += step.gain[k] * innovation;
-            }
-        }
+        self.apply_abreast(&mut [column]);
     }
 
     /// Whitens every column.
-    pub fn apply_to(&self, columns: &mut DMatrix<f64>) {
-        for mut column in columns.column_iter_mut() {
-            self.apply(column.as_mut_slice());
+    pub fn apply_to(&self, matrix: &mut DMatrix<f64>) {
+        let rows = matrix.nrows().max(1);
+        let mut columns: Vec<&mut [f64]> = matrix.as_mut_slice().chunks_exact_mut(rows).collect();
+        let (groups, rest) = columns.as_chunks_mut::<ABREAST>();
+        groups.iter_mut().for_each(|group| self.apply_abreast(group));
+        rest.iter_mut().for_each(|column| self.apply(column));
+    }
+
+    /// Whitens columns of the same length, row by row: each of them waits for its own row before only.
+    fn apply_abreast<const N: usize>(&self, columns: &mut [&mut [f64]; N]) {
+        let count = self.layout.count;
+        let mut state = [SVector::<f64, N>::zeros(); MOST];
+        for (row, step) in self.steps.iter().enumerate().take(columns[0].len()) {
+            let mut innovation = SVector::from_fn(|k, _| columns[k][row]);
+            for k in 0..count {
+                innovation -= state[k] * step.observe[k];
+            }
+            let white = innovation * step.per_sd;
+            columns.iter_mut().zip(&white).for_each(|(column, white)| column[row] = *white);
+            carry(&self.layout, step, &mut state);
+            for k in 0..count {
+                state[k] += innovation * step.gain[k];
+            }
         }
     }
 }
 
-/// Takes a state on to the next mean.
+/// Takes a state on to the next mean, or those of several columns.
 #[inline]
-fn carry(layout: &Layout, step: &Step, state: &mut Vector) {
+fn carry<T>(layout: &Layout, step: &Step, state: &mut [T; MOST])
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
     let turned = layout.hum.map(|at| {
         let ([c, s], [cos, sin]) = ([state[at], state[at + 1]], step.turn);
-        (at, [cos * c + sin * s, cos * s - sin * c])
+        (at, [c * cos + s * sin, s * cos - c * sin])
     });
     for k in 0..layout.count {
-        state[k] *= step.keep[k];
+        state[k] = state[k] * step.keep[k];
     }
     if let Some((at, turned)) = turned {
         state[at..at + 2].copy_from_slice(&turned);
