@@ -7,17 +7,18 @@
 
 use crate::characteristic::Characteristic;
 use crate::isentrope::Isentrope;
+use crate::rates::{Balances, Moving, OfAnyGas, OfTightGas};
 use crate::record::course::Course;
 use crate::record::gaps;
 use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
-use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, STATES};
+use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::{Real, Scalar};
 use chamber::record::{self, Inputs, Mesh, Readings};
 use chamber::simulate::{Start, tolerance};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 use std::cell::Cell;
 
 /// By how much surroundings and stroke differ from what is recorded or stated.
@@ -92,6 +93,25 @@ impl<'a, R: Scalar> Passing<'a, R> {
         self.last.set(Some((stretch, time, moment)));
         moment
     }
+
+    /// Position, m, and velocity, m/s, of the piston at a time on a stretch.
+    #[inline]
+    fn piston(&self, stretch: usize, time: f64) -> [R; 2] {
+        let Moment { position: recorded, velocity: speed, by_window, by_filter } = self.stroke_at(stretch, time);
+        let (mut position, mut velocity) = (R::from(recorded), R::from(speed));
+        for (change, by) in self.changes.into_iter().zip([by_window, by_filter]) {
+            position += change * by[0];
+            velocity += change * by[1];
+        }
+        let Correction { position_times, characteristic, .. } = self.correction;
+        position = position * position_times;
+        velocity = velocity * position_times;
+        if let Some([off, slope]) = characteristic.map(|characteristic| characteristic.off(recorded)) {
+            position += off;
+            velocity += slope * speed;
+        }
+        [position, velocity]
+    }
 }
 
 impl<R: Scalar> Inputs<R> for Passing<'_, R> {
@@ -113,22 +133,10 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
     #[inline]
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R> {
         let course = self.course;
-        let Moment { position: recorded, velocity: speed, by_window, by_filter } = self.stroke_at(stretch, time);
-        let (mut position, mut velocity) = (R::from(recorded), R::from(speed));
-        for (change, by) in self.changes.into_iter().zip([by_window, by_filter]) {
-            position += change * by[0];
-            velocity += change * by[1];
-        }
+        let [position, velocity] = self.piston(stretch, time);
         let (ambient_temperature, _) = course.ambient_temperature.at(time, &self.near_flow);
-        let Correction { warmer, position_times, characteristic, .. } = self.correction;
-        let ambient_temperature = warmer + ambient_temperature;
+        let ambient_temperature = self.correction.warmer + ambient_temperature;
         let flow = course.mass_flow.as_ref().map_or(0.0, |f| f.at(time, &self.near_flow).0);
-        position = position * position_times;
-        velocity = velocity * position_times;
-        if let Some([off, slope]) = characteristic.map(|characteristic| characteristic.off(recorded)) {
-            position += off;
-            velocity += slope * speed;
-        }
         Boundary {
             position,
             velocity,
@@ -237,16 +245,19 @@ impl<R: Scalar> Run<'_, R> {
         disturbance: &impl Disturbance<R>,
         on_step: impl FnMut(f64, R),
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
-        if balance::moving_states(self.set.without(effects::of_sensor())) <= FEW_STATES {
-            self.in_states::<FEW_STATES, FEW_OWN_STATES>(times, mesh, disturbance, on_step)
+        if self.course.mass_flow.is_none() && OfTightGas::suits(self.set) {
+            self.in_states::<OWN>(OfTightGas, times, mesh, disturbance, on_step)
+        } else if balance::moving_states(self.set.without(effects::of_sensor())) <= FEW_STATES {
+            self.in_states::<FEW_STATES>(OfAnyGas::<FEW_OWN_STATES>, times, mesh, disturbance, on_step)
         } else {
-            self.in_states::<STATES, OWN_STATES>(times, mesh, disturbance, on_step)
+            self.in_states::<STATES>(OfAnyGas::<OWN_STATES>, times, mesh, disturbance, on_step)
         }
     }
 
-    /// The same in the first `N` states, `M` of them the effects' own.
-    fn in_states<const N: usize, const M: usize>(
+    /// The same in the first `N` states.
+    fn in_states<const N: usize>(
         &self,
+        balances: impl Balances<R, N>,
         times: &[f64],
         mesh: &Mesh,
         disturbance: &impl Disturbance<R>,
@@ -277,7 +288,7 @@ impl<R: Scalar> Run<'_, R> {
                 return [R::from(f64::NAN); N];
             }
             let disturbance = disturbance.at(t);
-            arch.dispatch(Moving::<R, N, M> { set: gas_set, balance, isentrope, boundary, state, disturbance })
+            arch.dispatch(Moving { balances, set: gas_set, balance, isentrope, boundary, state, disturbance })
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
@@ -287,46 +298,6 @@ impl<R: Scalar> Run<'_, R> {
             on_step(until, step.end()[MASS]);
         })?;
         Ok((sensor.readings.into_taken(), taken))
-    }
-}
-
-/// The balances at one moment: to be worked out with the widest instructions of the processor, which numbers with derivatives use.
-struct Moving<'a, R, const N: usize, const M: usize> {
-    set: EffectSet,
-    balance: &'a Balance<R>,
-    isentrope: &'a Isentrope,
-    boundary: &'a Boundary<R>,
-    state: &'a [R; N],
-    disturbance: Option<[R; 4]>,
-}
-
-impl<R: Scalar, const N: usize, const M: usize> WithSimd for Moving<'_, R, N, M> {
-    type Output = [R; N];
-
-    /// Rates of the states, the energy referred to the first volume, with a disturbance added; its mass enters or leaves at the
-    /// gas's temperature.
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [R; N] {
-        let Self { set, balance, isentrope, boundary, state, disturbance } = self;
-        let referred = isentrope.at(balance, boundary);
-        let mut state = *state;
-        state[ENERGY] = referred.energy(state[ENERGY]);
-        let mut rates = match disturbance {
-            None => balance.rates_with_own::<N, M>(set, boundary, &state),
-            Some([mass, heat, volume, volume_rate]) => {
-                let chamber = &balance.chamber;
-                let area = chamber.geometry.piston_area;
-                let mut moved = *boundary;
-                moved.position += volume / area;
-                moved.velocity += volume_rate / area;
-                let mut rates = balance.rates_with_own::<N, M>(set, &moved, &state);
-                rates[MASS] += mass;
-                rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
-                rates
-            }
-        };
-        rates[ENERGY] = referred.rate(state[ENERGY], rates[ENERGY]);
-        rates
     }
 }
 
@@ -374,8 +345,10 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
         let dense = step.dense();
         let pressure = |t: R| {
-            let boundary = record::boundary_at(self.inputs, stretch, t);
-            let mut volume = self.balance.chamber.geometry.volume(boundary.position);
+            // The derivatives of a delay move the position on.
+            let [position, velocity] = self.inputs.piston(stretch, t.value());
+            let position = position + (t - t.value()) * velocity;
+            let mut volume = self.balance.chamber.geometry.volume(position);
             let state = dense.at(t);
             let energy = state[ENERGY] / self.isentrope.factor(volume, self.balance.expansion);
             if let Some([_, _, change, _]) = extra.at(t.value()) {

@@ -24,6 +24,7 @@ pub mod judge;
 pub mod outcome;
 pub mod parameters;
 pub mod policy;
+mod rates;
 pub mod record;
 pub mod search;
 pub mod synthetic;

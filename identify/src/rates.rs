@@ -1,0 +1,127 @@
+//! The rates of the gas's states at one moment: what an integration along a record asks for most often.
+
+use crate::isentrope::Isentrope;
+use chamber::balance::{Balance, Boundary, ENERGY, MASS, OWN, Tight};
+use chamber::effects::{self, EffectSet};
+use chamber::real::Scalar;
+use pulp::{Simd, WithSimd};
+
+/// Balances of the first `N` states.
+pub trait Balances<R, const N: usize>: Copy {
+    /// Rates of these states, per second.
+    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N];
+}
+
+/// Of any gas, with the effects' first `M` own states.
+#[derive(Clone, Copy)]
+pub struct OfAnyGas<const M: usize>;
+
+impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfAnyGas<M> {
+    #[inline(always)]
+    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
+        balance.rates_with_own::<N, M>(set, boundary, state)
+    }
+}
+
+/// Of gas that no effect and no flow lets in or out, with effects that have no own states: a fraction of the work.
+#[derive(Clone, Copy)]
+pub struct OfTightGas;
+
+impl OfTightGas {
+    /// Whether gas with the effects in `set` is such gas, where the record has no flow.
+    pub fn suits(set: EffectSet) -> bool {
+        let of_gas = set.without(effects::of_sensor()).without(effects::of_recorded_stroke());
+        effects::KEEP_THE_MASS.contains(of_gas) && effects::own_states_of(of_gas) == 0
+    }
+}
+
+impl<R: Scalar> Balances<R, OWN> for OfTightGas {
+    #[inline(always)]
+    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; OWN]) -> [R; OWN] {
+        let set = set.intersection(effects::KEEP_THE_MASS);
+        let contents = balance.contents(boundary, state);
+        let (_, rates, []) = balance.evaluate_within(&Tight, set, boundary, &contents, &[]);
+        let mut out = [R::ZERO; OWN];
+        out[ENERGY] = rates.energy;
+        out
+    }
+}
+
+/// The balances at one moment: to be worked out with the widest instructions of the processor, which numbers with derivatives use.
+pub struct Moving<'a, R, B, const N: usize> {
+    /// Which balances.
+    pub balances: B,
+    /// Effects of the gas and its wall.
+    pub set: EffectSet,
+    /// The chamber.
+    pub balance: &'a Balance<R>,
+    /// What the energy is referred to.
+    pub isentrope: &'a Isentrope,
+    /// What is imposed.
+    pub boundary: &'a Boundary<R>,
+    /// The states.
+    pub state: &'a [R; N],
+    /// Mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that, m³/s, if it is disturbed.
+    pub disturbance: Option<[R; 4]>,
+}
+
+impl<R: Scalar, B: Balances<R, N>, const N: usize> WithSimd for Moving<'_, R, B, N> {
+    type Output = [R; N];
+
+    /// Rates of the states, the energy referred to the first volume, with a disturbance added; its mass enters or leaves at the
+    /// gas's temperature.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [R; N] {
+        let Self { balances, set, balance, isentrope, boundary, state, disturbance } = self;
+        let referred = isentrope.at(balance, boundary);
+        let mut state = *state;
+        state[ENERGY] = referred.energy(state[ENERGY]);
+        let mut rates = match disturbance {
+            None => balances.rates(set, balance, boundary, &state),
+            Some([mass, heat, volume, volume_rate]) => {
+                let chamber = &balance.chamber;
+                let area = chamber.geometry.piston_area;
+                let mut moved = *boundary;
+                moved.position += volume / area;
+                moved.velocity += volume_rate / area;
+                let mut rates = balances.rates(set, balance, &moved, &state);
+                rates[MASS] += mass;
+                rates[ENERGY] += heat + mass * chamber.gas.heat_capacity_ratio * state[ENERGY] / state[MASS];
+                rates
+            }
+        };
+        rates[ENERGY] = referred.rate(state[ENERGY], rates[ENERGY]);
+        rates
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chamber::balance::FEW_STATES;
+    use chamber::effects::{FEW_OWN_STATES, find};
+    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+
+    #[test]
+    fn tight_gas_has_the_same_rates_as_any_gas_to_the_last_bit() {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let effect = |name: &str| find(name).unwrap().0;
+        let (convection, surface) = (effect("natural_convection"), effect("dead_volume_surface"));
+        chamber.effects.of_mut(convection)[0] = 0.25;
+        chamber.effects.of_mut(surface)[0] = 1e-3;
+        let set: EffectSet =
+            [convection, surface, effect("record_delay"), effect("position_averaging")].into_iter().collect();
+        assert!(OfTightGas::suits(set));
+        assert!(
+            ["leakage", "gas_zones", "tube_volume"].iter().all(|name| !OfTightGas::suits(EffectSet::one(effect(name))))
+        );
+        let boundary = Boundary { velocity: -0.5, ..Boundary::closed(0.05, 293.0, 1.013e5) };
+        let balance = Balance::of(chamber);
+        let state = balance.state_at(EffectSet::ALL, &boundary, 8e5, 350.0);
+        let tight = OfTightGas.rates(set, &balance, &boundary, &core::array::from_fn(|i| state[i]));
+        let few: [f64; FEW_STATES] = core::array::from_fn(|i| state[i]);
+        let any = OfAnyGas::<FEW_OWN_STATES>.rates(set, &balance, &boundary, &few);
+        assert_eq!(tight, any[..OWN]);
+    }
+}
