@@ -9,6 +9,7 @@
 
 use crate::record::smoothed::Held;
 use nalgebra::{SMatrix, SVector};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// So many rows, one behind the other, that all stand off the hold by so many deviations are under way.
@@ -151,7 +152,7 @@ impl Rows<'_> {
         const PARTS: usize = 40;
         const HALVINGS: usize = 12;
         let step = (moments.end - moments.start) / PARTS as f64;
-        let curves = (0..PARTS).map(|part| self.curve(form, moments.start + part as f64 * step));
+        let curves = (0..PARTS).into_par_iter().map(|part| self.curve(form, moments.start + part as f64 * step));
         let nearer = |p: &Curve, q: &Curve| p.squares.total_cmp(&q.squares);
         let nearest = curves.min_by(nearer).expect("there are parts");
         (1..=HALVINGS).fold(nearest, |nearest, halving| {

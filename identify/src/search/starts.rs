@@ -25,8 +25,12 @@ const THE_SAME: f64 = 1e-4;
 /// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew. Where the
 /// part has lost λ0, that starts anew too; the better of both.
 pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
-    let fits = bases(data, part, &model).into_iter().filter_map(|base| fit_from(&base, data, model, part, sizes));
-    fits.min_by(|a, b| a.marginal.total_cmp(&b.marginal))
+    let bases = bases(data, part, &model).into_par_iter();
+    best(bases.filter_map(|base| fit_from(&base, data, model, part, sizes)).collect())
+}
+
+fn best(fits: Vec<Fit>) -> Option<Fit> {
+    fits.into_iter().min_by(|a, b| a.marginal.total_cmp(&b.marginal))
 }
 
 /// The chambers that a larger model than this one begins from: this one's and, where its λ0 is none that the paper's model would
@@ -67,14 +71,11 @@ fn has_lost_lambda0(chamber: &Chamber) -> bool {
 fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
     let selection = fit::all_blocks(data);
     let begun = trials(base, data, model, part, sizes, &selection);
-    let best = begun.first()?.1.chi2;
-    let ways_on = |start: &Descent| start.chi2 == best || is_rival(start.chi2, best);
-    begun
-        .into_iter()
-        .filter(|(_, start)| ways_on(start))
-        .take(GO_ON)
-        .filter_map(|(h, start)| fit::fit(data, &h, start.rig, start.own, &selection).ok())
-        .min_by(|a, b| a.marginal.total_cmp(&b.marginal))
+    let least = begun.first()?.1.chi2;
+    let leads_on = |start: &Descent| start.chi2 == least || is_rival(start.chi2, least);
+    let go_on: Vec<_> = begun.into_iter().filter(|(_, start)| leads_on(start)).take(GO_ON).collect();
+    let fitted = |(h, start): (Hypothesis, Descent)| fit::fit(data, &h, start.rig, start.own, &selection).ok();
+    best(go_on.into_par_iter().filter_map(fitted).collect())
 }
 
 /// Fits `model` where how a hypothesis is put depends on how large its parameters are (a curve is the straighter the smaller it
@@ -95,7 +96,7 @@ pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Opt
         Some(evidence::of_squares(squares, part.blocks, h.freedom(0..data.traces.len())))
     };
     let begun = bases(data, part, &model).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));
-    begun.filter_map(promised).min_by(f64::total_cmp)
+    begun.collect::<Vec<_>>().into_par_iter().filter_map(promised).min_by(f64::total_cmp)
 }
 
 /// The starts of `model` on a chamber, left where they begin.
