@@ -17,9 +17,6 @@ const POSITION_OFFSET_M: f64 = 0.5e-3;
 const STATED_TEMPERATURE_K: f64 = 2.0;
 /// Default standard deviation of an ambient temperature that is neither stated nor recorded, K.
 const UNSTATED_TEMPERATURE_K: f64 = 5.0;
-/// Default standard deviation of a gas's heat capacity ratio, as a share of it: humid air of a warm room is 0.1 % below dry air, and air
-/// of 1 bar is as far above a perfect gas.
-const HEAT_CAPACITY_RATIO: f64 = 1e-3;
 
 // Wide enough for any rig; narrow enough to catch millimetres and per cent.
 const BORE_BOUNDS: Bounds = Bounds::Within(0.0..=1.0, "in m");
@@ -75,7 +72,7 @@ pub struct Tolerance {
     pub position_offset_m: f64,
     /// Of the ambient temperature, K. Unless stated: 2 K where the temperature is stated or recorded, else 5 K.
     pub ambient_temperature_k: f64,
-    /// Of the gas's heat capacity ratio γ, as a share of it: 0.001 unless stated.
+    /// Of the gas's heat capacity ratio γ, as a share of it: zero unless stated, as of a gas that is known.
     pub heat_capacity_ratio: f64,
 }
 
@@ -88,7 +85,7 @@ impl Tolerance {
             position_linearity: POSITION_LINEARITY,
             position_offset_m: POSITION_OFFSET_M,
             ambient_temperature_k: if ambient_known { STATED_TEMPERATURE_K } else { UNSTATED_TEMPERATURE_K },
-            heat_capacity_ratio: HEAT_CAPACITY_RATIO,
+            heat_capacity_ratio: 0.0,
         }
     }
 }
