@@ -61,3 +61,24 @@ pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
     let inner = (0..knots.len().saturating_sub(2)).filter(|k| knots[k + 1] != 0.0);
     inner.map(bend).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::first_chamber;
+    use crate::record::data::Data;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn a_missing_share_of_the_coefficient_is_none_where_the_piston_stands_and_any_other_value_of_a_curve_is_free() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let sizes = Sizes::of(&data, &first_chamber(&data));
+        let deviations = |term, variable| {
+            let curve = Curve { term, variable, knots: vec![-0.5, 0.0, 0.5], values: vec![0.0; 3] };
+            [0, 1, 2].map(|knot| axis_of_value(&curve, knot, Slot::Effect(0, knot), &sizes).prior.unwrap()[1])
+        };
+        assert_eq!(deviations(Term::CoefficientShare, Variable::Velocity), [1.0, SHARE_AT_REST, 1.0]);
+        assert_eq!(deviations(Term::CoefficientShare, Variable::TemperatureDifference), [1.0; 3]);
+        assert_eq!(deviations(Term::HeatFlow, Variable::Velocity), [1.0; 3]);
+    }
+}
