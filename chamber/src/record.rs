@@ -37,8 +37,14 @@ pub trait Inputs<R> {
 #[inline]
 pub fn boundary_at<R: Scalar>(inputs: &impl Inputs<R>, stretch: usize, time: R) -> Boundary<R> {
     let mut boundary = inputs.boundary(stretch, time.value());
-    boundary.position += (time - time.value()) * boundary.velocity;
+    boundary.position = moved_on(boundary.position, boundary.velocity, time);
     boundary
+}
+
+/// The position, m, that a piston has at `time`, s, by the derivatives of which its velocity, m/s, moves it on.
+#[inline]
+pub fn moved_on<R: Scalar>(position: R, velocity: R, time: R) -> R {
+    position + (time - time.value()) * velocity
 }
 
 /// The steps of an integration along inputs, to be taken again: the error is then a smooth function of the chamber's numbers,

@@ -5,6 +5,7 @@ use crate::effects::{self, EffectSet, EffectValues};
 use crate::real::Real;
 use crate::record::Inputs;
 use crate::unaveraged::{self, Unaveraged};
+use std::cell::Cell;
 
 /// Inputs at one knot in time; linear in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +59,8 @@ impl Signals {
         times.retain(|time| (begin..=end).contains(time));
         times.sort_by(f64::total_cmp);
         times.dedup_by(|later, earlier| *later - *earlier < SMALLEST_STRETCH * (end - begin));
-        let stroke = |time: f64| match unaveraged::standing_at(&unaveraged, time) {
+        let near = Cell::new(0);
+        let stroke = |time: f64| match unaveraged::standing_at(&unaveraged, &near, time) {
             Some(spline) => spline.at(time).derivatives[0],
             None => recorded(time),
         };

@@ -7,6 +7,7 @@
 //!
 //! The knots are at multiples of a power of two and do not move with the window, or the stroke would not change evenly with it.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Fewest steps of the spline in a window; there are less than twice as many.
@@ -74,11 +75,16 @@ pub fn around(
     joined.into_iter().filter_map(|motion| Unaveraged::new(&recorded, window, ends, motion, with_derivatives)).collect()
 }
 
-/// The one of these, in time order, that stands for the stroke at a time, s, if any does.
-#[inline]
-pub fn standing_at(strokes: &[Unaveraged], time: f64) -> Option<&Unaveraged> {
-    let next = strokes.get(strokes.partition_point(|stroke| stroke.extent[1] < time));
-    next.filter(|stroke| stroke.extent[0] <= time)
+/// The one of these, in time order, that stands for the stroke at a time, s, if any does; `near` is the place that was asked last, which
+/// is looked at first.
+#[inline(always)]
+pub fn standing_at<'a>(strokes: &'a [Unaveraged], near: &Cell<usize>, time: f64) -> Option<&'a Unaveraged> {
+    let ends_behind = |place: usize| strokes.get(place).is_none_or(|stroke| time <= stroke.extent[1]);
+    let is_next = |place: usize| ends_behind(place) && (place == 0 || !ends_behind(place - 1));
+    if !is_next(near.get()) {
+        near.set(strokes.partition_point(|stroke| stroke.extent[1] < time));
+    }
+    strokes.get(near.get()).filter(|stroke| stroke.extent[0] <= time)
 }
 
 impl Unaveraged {

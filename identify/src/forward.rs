@@ -345,10 +345,8 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         }
         let dense = step.dense();
         let pressure = |t: R| {
-            // The derivatives of a delay move the position on.
             let [position, velocity] = self.inputs.piston(stretch, t.value());
-            let position = position + (t - t.value()) * velocity;
-            let mut volume = self.balance.chamber.geometry.volume(position);
+            let mut volume = self.balance.chamber.geometry.volume(record::moved_on(position, velocity, t));
             let state = dense.at(t);
             let energy = state[ENERGY] / self.isentrope.factor(volume, self.balance.expansion);
             if let Some([_, _, change, _]) = extra.at(t.value()) {

@@ -53,13 +53,13 @@ pub struct Moving<'a, R, B, const N: usize> {
     pub balances: B,
     /// Effects of the gas and its wall.
     pub set: EffectSet,
-    /// The chamber.
+    /// Of the chamber at its coordinates of the fit.
     pub balance: &'a Balance<R>,
     /// What the energy is referred to.
     pub isentrope: &'a Isentrope,
     /// What is imposed.
     pub boundary: &'a Boundary<R>,
-    /// The states.
+    /// Mass, kg, energy referred to the first volume, J, and the effects' own states.
     pub state: &'a [R; N],
     /// Mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that, m³/s, if it is disturbed.
     pub disturbance: Option<[R; 4]>,

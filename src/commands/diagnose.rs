@@ -1,7 +1,6 @@
 //! `pneutherm diagnose`: closes the loop between measured traces and the model.
 
 use crate::commands::{estimates, progress};
-use crate::pages::diagnosis::gain;
 use crate::{evaluation, output};
 use chamber::words::listed;
 use identify::outcome::diagnosis::{Diagnosis, Step};
@@ -96,7 +95,7 @@ fn meaning(d: &Diagnosis) -> String {
         Verdict::Improved => format!(
             "with {} the model {} {}. It describes the records; its effects need not be the cause",
             listed(&d.each_term().collect::<Vec<_>>()),
-            gain(d),
+            d.gain(),
             d.remainder
         ),
         Verdict::Unexplained => {

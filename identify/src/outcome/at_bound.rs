@@ -18,18 +18,18 @@ const HALVINGS: usize = 10;
 const FIRMLY: f64 = 1e-3;
 
 /// A record's own number in the fit to some of its rows.
-pub struct Place<'a> {
-    /// The records.
+pub struct OwnFit<'a> {
+    /// Prepared as the fit has them.
     pub data: &'a Data,
     /// What is free of each of them.
     pub hypothesis: &'a Hypothesis,
-    /// Which record.
+    /// Place of the record among them.
     pub record: usize,
     /// The row before which its own numbers are fitted.
     pub until: usize,
 }
 
-impl Place<'_> {
+impl OwnFit<'_> {
     /// The coordinate up to which a number that fits best at its lower bound may go; `None` where it does not lie there, or where
     /// its `variance` tells.
     pub fn farthest(&self, axis: &Axis<Own>, best: &Fit, x: f64, variance: f64) -> Option<f64> {

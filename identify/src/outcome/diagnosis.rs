@@ -151,6 +151,19 @@ impl Diagnosis {
         self.steps.last().is_some_and(|step| step.rmse_pa.fit > OF_MOVES * step.weighed_pa.fit)
     }
 
+    /// What a model gains with its effects, up to the word that leads on to what remains. Decisive evidence need not show in the error,
+    /// all rows alike or weighed.
+    pub fn gain(&self) -> &'static str {
+        let (Some(before), Some(after)) = (self.steps.first(), self.steps.last()) else {
+            return "describes the records better, but";
+        };
+        let errors = [(before.rmse_pa, after.rmse_pa), (before.weighed_pa, after.weighed_pa)];
+        match errors.iter().filter_map(|(b, a)| b.held_out.zip(a.held_out)).any(|(before, after)| after < before) {
+            true => "predicts left-out data decisively better, but",
+            false => "is far likelier, but its error on left-out data is no smaller, and",
+        }
+    }
+
     /// What the probabilities of the effects say beside this verdict.
     pub fn meaning_of_probabilities(&self) -> &'static str {
         probability::meaning(self.verdict)

@@ -4,7 +4,7 @@
 //! motion, and the parameters of recording effects. They are fitted to the record's start, its rest and its first move, and
 //! the rest of it is predicted, with the model's drift; or, with the whole record, to all of it.
 
-use super::at_bound::Place;
+use super::at_bound::OwnFit;
 use super::estimates::{Estimates, as_map};
 use super::recording;
 use crate::error::Error;
@@ -201,11 +201,11 @@ fn of_record(data: &Data, hypothesis: &Hypothesis, k: usize, until: usize) -> Re
     let fit = left_out::own_fit(data, hypothesis, k, until).map_err(failed)?;
     let residual = misfit::of_record(t, &fit.setting(t, &fit.own[k]), hypothesis.model.effects).map_err(failed)?;
     let variance = covariance::of_record(&fit, k, &DMatrix::zeros(0, 0));
-    let place = Place { data, hypothesis, record: k, until };
+    let own_fit = OwnFit { data, hypothesis, record: k, until };
     let estimate = |(i, axis): (usize, &crate::parameters::Axis<Own>)| {
         let variance = variance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
         let mut estimate = covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit());
-        if let Some(farthest) = place.farthest(axis, &fit, fit.own[k][i], variance) {
+        if let Some(farthest) = own_fit.farthest(axis, &fit, fit.own[k][i], variance) {
             estimate.ci95[1] = axis.value(farthest);
         }
         (axis.slot.name(), estimate)

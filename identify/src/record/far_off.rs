@@ -34,6 +34,15 @@ pub fn named(rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> String {
     }
 }
 
+/// From one row to another: their lines, where the record is of a file, and their times, s.
+pub fn from_to([from, to]: [usize; 2], lines: &LineNumbers, time_s: &[f64]) -> String {
+    let times = format!("{:.3} s to {:.3} s", time_s[from], time_s[to]);
+    match [from, to].map(|row| lines.of(row)) {
+        [Some(from), Some(to)] => format!("lines {from} to {to}, {times}"),
+        _ => times,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,6 +8,7 @@
 //! Position in m, time in s.
 
 use crate::policy;
+use crate::record::far_off::from_to;
 use crate::record::position_noise::position_noise;
 use crate::record::positions::Positions;
 use crate::record::smoothed::Held;
@@ -125,14 +126,7 @@ pub fn rows(motion: &Motion) -> Vec<Range<usize>> {
 
 /// What the gaps of a record are, in a sentence that names the lines around them and the seconds; `None` without any.
 pub fn sentence(path: &Path, motion: &Motion, lines: &LineNumbers, time_s: &[f64]) -> Option<String> {
-    let gap = |s: &Segment| {
-        let (before, behind) = (s.first - 1, s.end.min(time_s.len() - 1));
-        let times = format!("{:.3} s to {:.3} s", time_s[before], time_s[behind]);
-        match [before, behind].map(|row| lines.of(row)) {
-            [Some(before), Some(behind)] => format!("lines {before} to {behind}, {times}"),
-            _ => times,
-        }
-    };
+    let gap = |s: &Segment| from_to([s.first - 1, s.end.min(time_s.len() - 1)], lines, time_s);
     let gaps: Vec<String> = motion.segments.iter().filter(|s| s.lost).map(gap).collect();
     (!gaps.is_empty()).then(|| {
         format!(

@@ -51,8 +51,10 @@ pub fn share(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, positio
         let (before, own) = blocks[..end].split_at_mut(first);
         let Some(begin_pa) = own.first().map(|b| b.mean_pa) else { continue };
         let moved = (segment.phase == Phase::Hold && k > 0).then(|| &motion.segments[k - 1]);
-        let scatter_pa = scatter(&pressure_pa[segment.first..segment.end]);
-        let relaxing = moved.map_or(vec![0.0; own.len()], |_| relaxing(own, scatter_pa));
+        let relaxing = match moved {
+            Some(_) => relaxing(own, scatter(&pressure_pa[segment.first..segment.end])),
+            None => vec![0.0; own.len()],
+        };
         let left = before.iter().rfind(|b| b.phase != Phase::Move).zip(moved).map_or(0.0, |(b, moved)| {
             let kept = (-(moved.to_s - moved.from_s) / time_constant_s(own, &relaxing)).exp();
             kept * places[b.segment].sd_m() * b.per_metre / b.mean_pa

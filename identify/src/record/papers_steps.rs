@@ -1,4 +1,5 @@
-//! The paper's steps 2 to 7 on one record, its outliers and saturated rows left out: the time constant method of Carneiro and Gomes de Almeida (2006).
+//! The paper's steps 2 to 7 on one record, its outliers and saturated rows left out: the time constant method of Carneiro and Gomes de
+//! Almeida (2006).
 
 use crate::record::data::{Data, Prepared};
 use paper::time_constant::{self, TimeConstant};
@@ -16,10 +17,7 @@ pub fn of(data: &Data, t: &Prepared) -> Result<TimeConstant, paper::Error> {
         reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
         reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
     };
-    let is_kept = |row: &usize| {
-        let is_saturated = t.readout.saturated.iter().any(|rows| rows.contains(row));
-        !is_saturated && t.readout.outliers.binary_search(row).is_err()
-    };
+    let is_kept = |row: &usize| !t.readout.is_saturated(*row) && t.readout.outliers.binary_search(row).is_err();
     let kept = |column: &[f64]| (0..column.len()).filter(is_kept).map(|row| column[row]).collect::<Vec<f64>>();
     let [time_s, pressure_pa, position_m] = [&t.time_s, &t.pressure_pa, &t.position_m].map(|column| kept(column));
     let recording = Recording { time_s: &time_s, pressure_pa: &pressure_pa, position_m: &position_m };

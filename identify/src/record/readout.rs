@@ -163,7 +163,13 @@ impl Readout {
         self.is_reading(row)
             && self.outliers.binary_search(&row).is_err()
             && !self.is_open(row)
-            && !self.unfollowed.iter().chain(&self.at_gaps).chain(&self.saturated).any(|rows| rows.contains(&row))
+            && !self.is_saturated(row)
+            && !self.unfollowed.iter().chain(&self.at_gaps).any(|rows| rows.contains(&row))
+    }
+
+    /// Whether the sensor is at an end of its range at a row.
+    pub fn is_saturated(&self, row: usize) -> bool {
+        self.saturated.iter().any(|rows| rows.contains(&row))
     }
 
     /// Whether the chamber is open at a row.

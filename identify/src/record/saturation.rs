@@ -6,7 +6,7 @@
 //! pressure changes by less than a step.
 
 use crate::error::Error;
-use crate::record::far_off::first_few;
+use crate::record::far_off::{first_few, from_to};
 use crate::record::lattice;
 use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
@@ -138,14 +138,7 @@ fn stretches(values: &[f64], of: f64) -> Vec<Range<usize>> {
 /// What of a record is left out since its sensor was at an end of its range, if anything: these rows, in a sentence that names their
 /// lines and seconds.
 pub fn sentence(path: &Path, rows: &[Range<usize>], lines: &LineNumbers, time_s: &[f64]) -> Option<String> {
-    let stretch = |rows: &Range<usize>| {
-        let (first, last) = (rows.start, rows.end - 1);
-        let times = format!("{:.3} s to {:.3} s", time_s[first], time_s[last]);
-        match [first, last].map(|row| lines.of(row)) {
-            [Some(first), Some(last)] => format!("lines {first} to {last}, {times}"),
-            _ => times,
-        }
-    };
+    let stretch = |rows: &Range<usize>| from_to([rows.start, rows.end - 1], lines, time_s);
     let count: usize = rows.iter().map(Range::len).sum();
     let (named, more) = first_few(rows);
     (count > 0).then(|| {

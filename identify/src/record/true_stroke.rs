@@ -100,7 +100,7 @@ impl<'a> TrueStroke<'a> {
     /// The stroke at a time on a stretch.
     #[inline]
     pub fn at(&self, stretch: usize, time: f64) -> Moment {
-        if let Some(spline) = self.standing_at(time) {
+        if let Some(spline) = unaveraged::standing_at(&self.unaveraged, &self.near.unaveraged, time) {
             let unaveraged::At { derivatives, by_window } = spline.at(time);
             return self.before_filter(derivatives, by_window);
         }
@@ -110,18 +110,6 @@ impl<'a> TrueStroke<'a> {
             self.recorded(time)
         };
         self.before_filter(recorded, [0.0; 2])
-    }
-
-    /// The stroke behind the average that stands for the recorded one at a time, s, if any does.
-    #[inline(always)]
-    fn standing_at(&self, time: f64) -> Option<&Unaveraged> {
-        let (strokes, near) = (&self.unaveraged, &self.near.unaveraged);
-        let ends_behind = |stroke: usize| strokes.get(stroke).is_none_or(|stroke| time <= stroke.extent()[1]);
-        let is_next = |stroke: usize| ends_behind(stroke) && (stroke == 0 || !ends_behind(stroke - 1));
-        if !is_next(near.get()) {
-            near.set(strokes.partition_point(|stroke| stroke.extent()[1] < time));
-        }
-        strokes.get(near.get()).filter(|stroke| stroke.extent()[0] <= time)
     }
 
     /// What has passed the low-pass, taken back: position, m, velocity, m/s, and acceleration, m/s², behind it.

@@ -2,9 +2,9 @@
 //!
 //! A block's residual is the sum of white noise, of the recording's coloured noise and hum ([`Noise`]), and of what
 //! blocks have in common: the errors of a hold's mean position, of its slope and of the place before, the time at which the move
-//! before it was over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step). Each of these
-//! is a linear state, so that the filter is linear in the number of blocks, and the same operator applies to residuals and to every
-//! column of sensitivities.
+//! before it was over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step).
+//! Each of these is a linear state, so that the filter is linear in the number of blocks, and the same operator applies to residuals
+//! and to every column of sensitivities.
 //!
 //! An Ornstein–Uhlenbeck process x of variance σ² and time constant τ averaged over a block of length T = u τ, given x at
 //! its start: mean g x, variance σ² (f − g²), covariance with x at the end σ² g (1 − e^(−u)), where

@@ -51,9 +51,6 @@ fn seconds(c: &Candidate, effects: EffectSet) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judge::adequacy;
-    use crate::record::data::Data;
-    use crate::search::baseline;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
@@ -61,9 +58,7 @@ mod tests {
     #[test]
     fn a_delay_within_a_row_is_alike_to_a_lag_that_the_search_did_not_come_to() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("sensor_lag", &[1.5e-3]) };
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&recipe);
         let single = |name: &str| Model::with(EffectSet::one(find(name).unwrap().0));
         let fit = fit_model(&search.data, single("record_delay"), &search.baseline.fit, &search.sizes).unwrap();
         search.chosen = search.candidate(fit);

@@ -102,10 +102,7 @@ mod tests {
 
     #[test]
     fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
-        let data = Data::prepare(&Recipe::from_seed(5).rig()).unwrap();
-        let (data, paper) = baseline::fitted(data).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let search = Search::new(data, paper, adequacy);
+        let search = Search::after_first_fit(&Recipe::from_seed(5));
         let model = Model::with(EffectSet::one(find("leakage").unwrap().0));
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
         let good = search.candidate(fit);

@@ -50,7 +50,6 @@ fn has_a_leak_alone(model: &Model) -> bool {
 mod tests {
     use super::*;
     use crate::judge::left_out::HeldOut;
-    use crate::search::baseline;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
     use chamber::effects::{EffectSet, find};
@@ -58,9 +57,7 @@ mod tests {
     #[test]
     fn a_set_that_leaves_more_than_noise_does_not_enter_with_a_coefficient_that_no_gas_has() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("natural_convection", &[0.4]) };
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&recipe);
         let model = Model::with(EffectSet::one(find("natural_convection").unwrap().0));
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
         let mut better = search.candidate(fit);

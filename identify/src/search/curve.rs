@@ -267,17 +267,12 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judge::adequacy;
-    use crate::record::data::Data;
-    use crate::search::baseline;
     use crate::synthetic::{Outside, Recipe};
 
     #[test]
     fn a_curve_beside_a_coefficient_that_no_gas_has_is_possible_at_no_price() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(41) }.with_outside(Outside::FrictionHeat(0.05));
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let search = Search::new(data, paper, adequacy);
+        let search = Search::after_first_fit(&recipe);
         let curves = search.curves_on(&search.baseline, ReadOff::effect().unwrap(), 0.0, 0.0);
         let mut best = curves.into_iter().next().unwrap();
         assert!(best.is_possible());

@@ -182,10 +182,8 @@ mod tests {
     fn search_with_exhausted_zones() -> (Search, Candidate) {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.chamber.effects.of_mut(find("natural_convection").unwrap().0)[0] = 0.4;
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        assert!(!adequacy.is_adequate());
-        let search = Search::new(data, paper, adequacy);
+        let search = Search::after_first_fit(&recipe);
+        assert!(!search.baseline_adequacy.is_adequate());
         let model = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
         assert_eq!(fit.exhausted(), None);

@@ -2,8 +2,8 @@
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
 //! better sets with every further term (a beam of all sets and one of those without terms of single records; those are fitted
-//! whose first step promises most), pairs of the better ones, and each effect beside a delay. It ends where what is left is adequate or next to nothing, where
-//! nothing enters and no set of the rig's effects can catch up, or at sets of [`policy::MOST_IN_ALL`] terms. A term is an effect of
+//! whose first step promises most), pairs of the better ones, and each effect beside a delay. It ends where what is left is adequate or
+//! next to nothing, where nothing enters and no set of the rig's effects can catch up, or at sets of [`policy::MOST_IN_ALL`] terms. A term is an effect of
 //! the rig, an effect of the recording that each record has for itself, or initial temperatures. It enters by decisive evidence and
 //! a lower error on left-out data (`entry`). What the records have for themselves may become one number of the rig (`fold`), and
 //! data are weighed anew as better models show their noise (`anew`). At the end each term has to be decisive beside the others and
@@ -425,6 +425,16 @@ fn sort(candidates: &mut [Candidate]) {
 }
 
 #[cfg(test)]
+impl Search {
+    /// Of a recipe's rig, with the paper's model fitted and no term tried yet.
+    fn after_first_fit(recipe: &crate::synthetic::Recipe) -> Self {
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let adequacy = adequacy::test(&data, &paper);
+        Self::new(data, paper, adequacy)
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::synthetic::Recipe;
@@ -433,10 +443,7 @@ mod tests {
 
     #[test]
     fn a_coefficient_that_another_model_makes_plausible_refuses_no_record() {
-        let (data, paper) =
-            baseline::fitted(Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let search = Search::new(data, paper, adequacy.clone());
+        let search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let with = |verdict, far: f64, delta_bic| {
             let mut baseline = search.baseline.clone();
             baseline.fit.rig[0] += far;
@@ -445,8 +452,8 @@ mod tests {
                 verdict,
                 chosen: baseline.clone(),
                 baseline,
-                baseline_adequacy: adequacy.clone(),
-                chosen_adequacy: adequacy.clone(),
+                baseline_adequacy: search.baseline_adequacy.clone(),
+                chosen_adequacy: search.chosen_adequacy.clone(),
                 tried: vec![better],
                 steps: Vec::new(),
                 alike: Vec::new(),
@@ -464,10 +471,7 @@ mod tests {
 
     #[test]
     fn a_fault_of_the_recording_beyond_belief_leads_to_no_larger_set_however_well_it_fits() {
-        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
-        let (data, paper) = baseline::fitted(data).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let single = |name: &str| {
             let model = Model::with(EffectSet::one(find(name).unwrap().0));
             let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
@@ -489,9 +493,7 @@ mod tests {
         let half_a_row_s = 0.5 * Data::prepare(&recipe.rig()).unwrap().shortest_row_s();
         let mut recipe = recipe.with("natural_convection", &[0.3]).with("record_delay", &[half_a_row_s]);
         recipe.tests.truncate(1);
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&recipe);
         search.first_round();
         let both = ["natural_convection", "record_delay"].map(|name| find(name).unwrap().0).into_iter().collect();
         assert!(search.singles_with_a_delay().contains(&Model::with(both)));

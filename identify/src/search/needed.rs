@@ -89,8 +89,6 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::data::Data;
-    use crate::search::baseline;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
 
@@ -99,9 +97,7 @@ mod tests {
         let (leakage, drift) = (find("leakage").unwrap().0, find("sensor_drift").unwrap().0);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[..2].copy_from_slice(&[2e-11, 0.1]);
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&recipe);
         let leak = EffectSet::one(leakage);
         let both = Model { secondary: leak, ..Model::with(leak.union(EffectSet::one(drift))) };
         let fit = fit_model(&search.data, both, &search.baseline.fit, &search.sizes).unwrap();

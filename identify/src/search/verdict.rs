@@ -91,11 +91,9 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judge::adequacy::{self, Adequacy};
+    use crate::judge::adequacy::Adequacy;
     use crate::judge::left_out::HeldOut;
     use crate::parameters::Model;
-    use crate::record::data::Data;
-    use crate::search::baseline;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
@@ -104,10 +102,8 @@ mod tests {
     fn what_effects_explain_beside_a_timing_is_judged_by_what_the_timing_alone_leaves() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("record_delay", &[0.01]);
         let recipe = recipe.with("leakage", &[1e-12]);
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let all_pa = adequacy.systematic_pa;
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&recipe);
+        let all_pa = search.baseline_adequacy.systematic_pa;
         let mut to_be_explained_pa = |names: &[&str]| {
             let effects = names.iter().map(|name| find(name).unwrap().0).collect();
             let fit = fit_model(&search.data, Model::with(effects), &search.baseline.fit, &search.sizes).unwrap();
@@ -131,9 +127,7 @@ mod tests {
     fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(find("leakage").unwrap().0)[0] = 2e-11;
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&recipe);
         search.first_round();
         assert!(search.carries_over());
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
@@ -164,9 +158,7 @@ mod tests {
     #[test]
     fn what_halves_the_misfit_and_errs_no_more_on_left_out_data_improves_whatever_else_is_left_there() {
         let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) }.with("leakage", &[2e-11]);
-        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let adequacy = adequacy::test(&data, &paper);
-        let mut search = Search::new(data, paper, adequacy);
+        let mut search = Search::after_first_fit(&recipe);
         search.first_round();
         // Of the error on left-out data three quarters are left, and of the misfit a third.
         search.chosen.held_out = share_of_baseline(&search, 0.75);

@@ -131,7 +131,7 @@ fn verdict_text(d: &Diagnosis) -> String {
             "**Improved.** The paper's chamber model does not describe these records. With {} it {} \
              {}. The model describes the records; its effects need not be the cause.",
             terms(d),
-            gain(d),
+            d.gain(),
             d.remainder
         ),
         Verdict::Unexplained => format!(
@@ -143,24 +143,11 @@ fn verdict_text(d: &Diagnosis) -> String {
     }
 }
 
-/// What a model gains with its effects, up to the word that leads on to what remains. Decisive evidence need not show in the error,
-/// all rows alike or weighed.
-pub fn gain(d: &Diagnosis) -> &'static str {
-    let (Some(before), Some(after)) = (d.steps.first(), d.steps.last()) else {
-        return "describes the records better, but";
-    };
-    let errors = [&before.rmse_pa, &before.weighed_pa].into_iter().zip([&after.rmse_pa, &after.weighed_pa]);
-    match errors.filter_map(|(before, after)| before.held_out.zip(after.held_out)).any(|(before, after)| after < before)
-    {
-        true => "predicts left-out data decisively better, but",
-        false => "is far likelier, but its error on left-out data is no smaller, and",
-    }
-}
-
 /// The error of the paper's model, of each step after it, and the noise.
 fn errors(d: &Diagnosis) -> Table {
+    let is_weighed = d.is_error_of_moves();
     let mut head = vec!["model", "error on fitted data", "error on left-out data"];
-    if d.is_error_of_moves() {
+    if is_weighed {
         head.extend(["the same weighed", "on left-out data"]);
     }
     let mut table = Table::new(&head);
@@ -170,7 +157,7 @@ fn errors(d: &Diagnosis) -> Table {
             true => "before: the paper's model".to_owned(),
             false => format!("with {}", spaced(&step.terms)),
         };
-        let shown = [&step.rmse_pa, &step.weighed_pa].into_iter().take((head.len() - 1) / 2);
+        let shown = [Some(&step.rmse_pa), is_weighed.then_some(&step.weighed_pa)].into_iter().flatten();
         table.rows.push([name].into_iter().chain(shown.flat_map(errors)).collect());
     }
     let mut noise = vec!["noise of the recording".to_owned(), pressure(d.noise_pa, 3)];
