@@ -13,6 +13,8 @@ const POSITION_SCALE: f64 = 0.005;
 const POSITION_LINEARITY: f64 = 2e-4;
 /// Default standard deviation of the position's zero, m.
 const POSITION_OFFSET_M: f64 = 0.5e-3;
+/// Dry air's ratio is 0.07 % above that of air of half the humidity it can take, which is 1.4 of these.
+const HEAT_CAPACITY_RATIO: f64 = 0.0005;
 /// Default standard deviation of an ambient temperature that is stated or recorded, K.
 const STATED_TEMPERATURE_K: f64 = 2.0;
 /// Default standard deviation of an ambient temperature that is neither stated nor recorded, K.
@@ -72,7 +74,7 @@ pub struct Tolerance {
     pub position_offset_m: f64,
     /// Of the ambient temperature, K. Unless stated: 2 K where the temperature is stated or recorded, else 5 K.
     pub ambient_temperature_k: f64,
-    /// Of the gas's heat capacity ratio γ, as a share of it: zero unless stated, as of a gas that is known.
+    /// Of the gas's heat capacity ratio γ, as a share of it: 0.0005 unless stated, as of air whose humidity is not known.
     pub heat_capacity_ratio: f64,
 }
 
@@ -85,7 +87,7 @@ impl Tolerance {
             position_linearity: POSITION_LINEARITY,
             position_offset_m: POSITION_OFFSET_M,
             ambient_temperature_k: if ambient_known { STATED_TEMPERATURE_K } else { UNSTATED_TEMPERATURE_K },
-            heat_capacity_ratio: 0.0,
+            heat_capacity_ratio: HEAT_CAPACITY_RATIO,
         }
     }
 }

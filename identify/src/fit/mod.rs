@@ -22,7 +22,6 @@ use crate::record::data::Data;
 use bordered::System;
 pub use descent::{Descent, Until, descend};
 pub use found::Fit;
-use found::credible_move;
 pub use linear::{Failure, Linear, Linearised, Selection, all_blocks, mean, points, readings, run};
 use linear::{linearise, linearise_in_all, total};
 use nalgebra::DMatrix;
@@ -83,31 +82,17 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
     let (free, stated) = (hypothesis.axes.len(), hypothesis.stated.len());
     let at_bound: Vec<bool> =
         rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
-    let by_rig = hypothesis.stated_by_rig();
     let mut adapts: Vec<bool> = at_bound.iter().map(|is_at_bound| !is_at_bound).collect();
-    adapts.extend((0..stated).map(|i| i < by_rig));
-    let mut information = DMatrix::zeros(free + stated, free + stated);
-    let (mut marginal, mut shift, mut follow) = (chi2, vec![0.0; stated], vec![0.0; free]);
-    if let Some((mut matrix, right)) = System::new(&linear, free + stated).reduced(0.0) {
-        for k in free..free + stated {
-            matrix[(k, k)] += 1.0;
-        }
-        if let Some((gain, x)) = credible_move(&matrix, &right, hypothesis, &mut adapts) {
-            marginal = (chi2 - gain).max(0.0);
-            shift = x[free..].to_vec();
-            follow = x[..free].to_vec();
-        }
-        information = matrix;
-    }
-    Ok(Fit {
+    adapts.extend(hypothesis.stated.iter().map(|axis| axis.slot.adapts_in_a_choice()));
+    let mut fit = Fit {
         hypothesis: hypothesis.clone(),
         chi2,
-        marginal,
-        moved: shift,
-        follow,
+        marginal: chi2,
+        moved: vec![0.0; stated],
+        follow: vec![0.0; free],
         smoothed: smoothed(data, &hypothesis.model),
         blocks: linear.iter().map(|l| l.blocks).sum(),
-        information,
+        information: DMatrix::zeros(free + stated, free + stated),
         ambient_scatter: ambient_scatter(data, hypothesis, &own),
         rig,
         own,
@@ -116,7 +101,9 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         adapts,
         iterations,
         converged,
-    })
+    };
+    fit.move_within_tolerances();
+    Ok(fit)
 }
 
 /// [`Fit::ambient_scatter`].

@@ -50,6 +50,13 @@ impl Slot {
         matches!(self, Slot::PositionLinearity(_))
     }
 
+    /// Whether a stated number moves within its tolerance while effects are chosen. The gas is taken as stated there: which of two
+    /// effects that are nearly alike has the evidence must not depend on what the other would make of another gas. What an effect's
+    /// card says stays as it is.
+    pub fn adapts_in_a_choice(self) -> bool {
+        !matches!(self, Slot::Effect(..) | Slot::HeatCapacityRatio)
+    }
+
     /// Its unit's symbol.
     pub fn unit(self) -> &'static str {
         match self {

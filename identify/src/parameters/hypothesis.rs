@@ -112,11 +112,6 @@ impl Hypothesis {
         Self { model, axes, stated, own, base: *base, positions_m, at_rest, ambient_scatter_k }
     }
 
-    /// How many of the stated numbers are the rig's.
-    pub fn stated_by_rig(&self) -> usize {
-        self.stated.iter().filter(|axis| !matches!(axis.slot, Slot::Effect(..))).count()
-    }
-
     /// The chamber at these coordinates of the rig, its stated numbers as stated.
     pub fn chamber<R: Real>(&self, x: &[R]) -> Chamber<R> {
         let mut chamber: Chamber<R> = self.base.lift();

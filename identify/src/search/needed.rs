@@ -1,7 +1,7 @@
 //! Terms that nothing needs go out of the chosen model again.
 //!
-//! A term stays if it is decisive beside the others, and with the stated numbers far more uncertain than stated: an effect that a
-//! wrong bore could imitate is not named.
+//! A term stays if it is decisive beside the others, and with the stated numbers far more uncertain than stated, the gas's ratio within
+//! its tolerance: an effect that a wrong bore or humid air could imitate is not named.
 
 use super::starts::{as_stated, fit_model};
 use super::{Candidate, Search, terms};
@@ -91,6 +91,20 @@ mod tests {
     use super::*;
     use crate::synthetic::Recipe;
     use chamber::effects::find;
+
+    #[test]
+    fn gas_zones_that_stand_for_humid_air_go_out_again_and_leave_noise() {
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.faults.stated.heat_capacity_ratio_times = 1.001;
+        let mut search = Search::after_first_fit(&recipe);
+        let zones = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
+        let fit = fit_model(&search.data, zones, &search.baseline.fit, &search.sizes).unwrap();
+        search.chosen = search.candidate(fit);
+        assert!(search.needed(&search.baseline) > policy::DECISIVE);
+        search.leave_out_unneeded();
+        assert_eq!(search.chosen.model, Model::PAPER);
+        assert!(search.chosen_adequacy.is_noise);
+    }
 
     #[test]
     fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {

@@ -358,11 +358,7 @@ impl Recipe {
             gas: NamedGas { name: Some(self.gas.to_owned()), gas: Gas { heat_capacity_ratio, ..gas } },
             sensor: Sensor::default(),
             accuracy_pa: None,
-            // Who measures humid air knows that it is.
-            tolerance: Tolerance {
-                heat_capacity_ratio: (stated.heat_capacity_ratio_times - 1.0).abs(),
-                ..Tolerance::default_of(geometry.bore, true)
-            },
+            tolerance: Tolerance::default_of(geometry.bore, true),
             gauge_pressures: false,
             pressure_unit: None,
             experiments,

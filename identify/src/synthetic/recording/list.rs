@@ -362,7 +362,7 @@ pub const ALL: &[Recording] = &[
     },
     Recording {
         name: "humid-air",
-        what: "air of half the humidity that it can take: its heat capacity ratio is 0.1 % below that of the stated dry air, the tolerance stated for it",
+        what: "humid air: its heat capacity ratio is 0.1 % below that of the stated dry air, two tolerances",
         changes: |r, _| r.faults.stated.heat_capacity_ratio_times = 1.001,
         ..PLAIN
     },
