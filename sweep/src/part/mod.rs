@@ -4,16 +4,20 @@
 //! |---|---|
 //! | [`columns`], `status_column` | the table: its columns, units and statuses |
 //! | `encoding` | how it is encoded as Parquet |
+//! | `chunk`, `doubles`, `texts` | the columns that are encoded here rather than by the Parquet library |
 //! | `new_file`, `reader` | one Parquet file, whole or not there; read back |
 //! | `pages`, `sink` | its pages' checksums; its hash, and the order of its statistics |
 
+pub(crate) mod chunk;
 pub mod columns;
+pub(crate) mod doubles;
 pub(crate) mod encoding;
 pub(crate) mod new_file;
 pub(crate) mod pages;
 pub(crate) mod reader;
 pub(crate) mod sink;
 pub(crate) mod status_column;
+pub(crate) mod texts;
 
 use crate::error::Error;
 use crate::folder::earlier::{Earlier, EarlierReader};

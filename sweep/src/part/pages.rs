@@ -13,7 +13,7 @@ use parquet::errors::{ParquetError, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pages of one column, header and data in turn.
-type Pages = Arc<Mutex<Vec<Bytes>>>;
+pub type Pages = Arc<Mutex<Vec<Bytes>>>;
 
 /// Makes a collection for each column, and keeps hold of them.
 #[derive(Debug, Default)]
@@ -104,6 +104,21 @@ const NEXT_I32: u8 = 0x15;
 /// Most bytes that a checksum adds.
 const LONGEST: usize = 6;
 
+/// Adds a number of as many bytes as it takes, seven bits in each.
+pub fn put_varint(mut number: usize, out: &mut Vec<u8>) {
+    while number >= 0x80 {
+        out.push(number as u8 | 0x80);
+        number >>= 7;
+    }
+    out.push(number as u8);
+}
+
+/// Adds a number to a structure in Thrift's compact protocol, as the field after the last.
+pub fn put_i32(number: i32, out: &mut Vec<u8>) {
+    out.push(NEXT_I32);
+    put_varint(((number << 1) ^ (number >> 31)) as u32 as usize, out);
+}
+
 /// The header with the checksum as its field 4, after its fields 1 to 3.
 fn append_header(header: &[u8], checksum: u32, out: &mut Vec<u8>) -> Result<()> {
     let unknown = || ParquetError::General("the Parquet library made a page header of unknown form".into());
@@ -117,14 +132,7 @@ fn append_header(header: &[u8], checksum: u32, out: &mut Vec<u8>) -> Result<()> 
     }
     let next = *header.get(at).filter(|next| **next >> 4 >= 2).ok_or_else(unknown)?;
     out.extend_from_slice(&header[..at]);
-    out.push(NEXT_I32);
-    let signed = checksum as i32;
-    let mut zigzag = ((signed << 1) ^ (signed >> 31)) as u32;
-    while zigzag >= 0x80 {
-        out.push(zigzag as u8 | 0x80);
-        zigzag >>= 7;
-    }
-    out.push(zigzag as u8);
+    put_i32(checksum as i32, out);
     // The next field counts from this one.
     out.push(next - (1 << 4));
     out.extend_from_slice(&header[at + 1..]);

@@ -8,8 +8,8 @@ use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
-/// Bytes that are written together at least: pages are larger, and go to the file as they are.
-const BUFFER: usize = 1 << 16;
+/// Bytes that are written together: the Parquet library hands columns over in small pieces.
+const BUFFER: usize = 1 << 18;
 /// An element of the footer's list of column orders in Thrift's compact protocol: its field 1, an empty structure.
 const BY_TYPE: [u8; 3] = [0x1c, 0, 0];
 /// The same with field 2: IEEE 754's total order.

@@ -84,7 +84,11 @@ impl<'a> Statuses<'a> {
 
     /// Counts some rows, and makes their status column.
     pub fn column(&mut self, rows: &[Status]) -> DictionaryArray<Int32Type> {
-        let keys = Int32Array::from(rows.iter().map(|row| self.count(*row, 1) as i32).collect::<Vec<i32>>());
+        let mut keys = Vec::with_capacity(rows.len());
+        for run in rows.chunk_by(|a, b| a == b) {
+            keys.extend(std::iter::repeat_n(self.count(run[0], run.len()) as i32, run.len()));
+        }
+        let keys = Int32Array::from(keys);
         let texts = StringArray::from_iter_values(self.met.iter().map(|(status, _)| text(*status, self.study)));
         DictionaryArray::new(keys, Arc::new(texts))
     }

@@ -189,9 +189,14 @@ pub fn is_beyond_table(place: usize, values: &EffectValues) -> bool {
     }
 }
 
+/// Which of all effects' parameters the quantity at that place is, if it is one.
+pub fn parameter(place: usize) -> Option<usize> {
+    place.checked_sub(BASE)
+}
+
 /// The effect that the quantity at that place belongs to, and its place on the effect's card.
 pub fn effect_of(place: usize) -> Option<(usize, usize)> {
-    let parameter = place.checked_sub(BASE)?;
+    let parameter = parameter(place)?;
     let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
     Some((effect, parameter - effects::PARAMETER_OFFSETS[effect]))
 }

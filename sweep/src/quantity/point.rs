@@ -35,6 +35,7 @@ impl Point {
         let mut model = model.clone();
         let chamber = &mut model.chamber;
         self.set_gas(chamber);
+        chamber.effects.0.copy_from_slice(self.effects());
         chamber.geometry =
             Geometry::new(get(Base::Bore), get(Base::Rod), get(Base::DeadVolume), chamber.geometry.area_law);
         model.ambient_temperature_k = get(Base::AmbientTemperature);
@@ -42,7 +43,7 @@ impl Point {
         model
     }
 
-    /// Gives a chamber these numbers of its gas, heat transfer and effects; its geometry may have to be solved for.
+    /// Gives a chamber these numbers of its gas and heat transfer; its geometry may have to be solved for.
     pub fn set_gas(&self, chamber: &mut Chamber) {
         let get = |base| self.get(base);
         chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
@@ -51,7 +52,6 @@ impl Point {
             reference_pressure: get(Base::ReferencePressure),
             reference_temperature: get(Base::ReferenceTemperature),
         };
-        chamber.effects.0.copy_from_slice(self.effects());
     }
 
     /// The value of a base quantity.

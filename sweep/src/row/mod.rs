@@ -35,7 +35,7 @@ pub fn no_test(study: &Study) -> Scenario {
     Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN))
 }
 
-/// As [`scenario`], in place of one that is there already, which spares copies of it. What is left there is of no use
+/// As [`scenario`], in place of one of the same study, of which what does not vary stays. What is left there is of no use
 /// where the row ends without a test.
 ///
 /// # Errors
@@ -52,6 +52,7 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
     let get = |base| point.get(base);
     let or_ambient = |value: f64| if value.is_nan() { get(Base::AmbientTemperature) } else { value };
     point.set_gas(&mut scenario.chamber);
+    study.vary_effects(point, &mut scenario.chamber.effects);
     scenario.chamber.geometry = geometry::of_point(point, study.model.chamber.geometry.area_law)?;
     scenario.initial_pressure_pa = get(Base::InitialPressure);
     [scenario.initial_position_m, scenario.final_position_m] = geometry::strokes(&scenario.chamber.geometry, point)?;

@@ -1,6 +1,6 @@
 //! From points to results: rows become scenarios, the kernel of `ensemble` simulates them.
 
-use super::outputs::RowResult;
+use super::outputs::{Output, RowResult};
 use super::status::Status;
 use crate::error::Error;
 use crate::progress::Progress;
@@ -59,6 +59,8 @@ pub struct RowSolver<'a> {
 const TOGETHER: Duration = Duration::from_millis(200);
 /// Rows that are solved together at least: a few registers full.
 const FEWEST: usize = 64;
+/// Results that become columns together: they stay in a core's nearest cache.
+const BLOCK: usize = 64;
 
 impl<'a> RowSolver<'a> {
     /// A solver for the rows of `study`.
@@ -91,16 +93,19 @@ impl<'a> RowSolver<'a> {
         let empty = || Vec::with_capacity(count);
         let mut points: Vec<Vec<f64>> = self.study.varied.iter().map(|_| empty()).collect();
         self.study.design.fill(rows.clone(), &mut points)?;
-        let mut outputs: Vec<Vec<f64>> = self.study.outputs().map(|_| empty()).collect();
+        let wanted: Vec<&Output> = self.study.outputs().collect();
+        let mut outputs: Vec<Vec<f64>> = wanted.iter().map(|_| empty()).collect();
         let mut statuses = Vec::with_capacity(count);
         let mut start = 0;
         while start < count {
             let (begun, end) = (Instant::now(), count.min(start + self.piece));
             self.solve(&points, start..end);
-            for (output, column) in self.study.outputs().zip(&mut outputs) {
-                (output.append)(&self.results, column);
+            for results in self.results.chunks(BLOCK) {
+                for (output, column) in wanted.iter().zip(&mut outputs) {
+                    (output.append)(results, column);
+                }
+                statuses.extend(results.iter().map(|row| row.status));
             }
-            statuses.extend(self.results.iter().map(|row| row.status));
             self.progress.solved((end - start) as u64);
             start = end;
             self.piece = match begun.elapsed() {

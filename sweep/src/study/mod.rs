@@ -227,6 +227,15 @@ impl Study {
         }
     }
 
+    /// Gives the effects of the study's model the parameters of a point that vary.
+    pub fn vary_effects(&self, point: &Point, effects: &mut EffectValues) {
+        for varied in &self.varied {
+            if let Some(parameter) = quantity::parameter(varied.quantity) {
+                effects.0[parameter] = point.0[varied.quantity];
+            }
+        }
+    }
+
     /// SHA-256 of the study and the program's version: rows belong together where this is the same.
     pub fn identity(&self) -> String {
         let text = format!("{} {}", env!("CARGO_PKG_VERSION"), self.json());

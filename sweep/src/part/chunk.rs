@@ -1,0 +1,169 @@
+//! A column of one row group as pages that are encoded in this program: compressed, each with its checksum.
+//!
+//! The Parquet library encodes any column; it copies doubles together, splits them byte by byte and looks each text of a
+//! dictionary up by its hash: a quarter of the time of a study of sealed tests. See [`super::doubles`] and [`super::texts`].
+//! Format: <https://github.com/apache/parquet-format>, `README.md`, `Encodings.md` and `src/main/thrift/parquet.thrift`.
+
+use super::pages::put_i32;
+use bytes::Bytes;
+use parquet::basic::{Compression, Encoding, PageType, ZstdLevel};
+use parquet::column::writer::ColumnCloseResult;
+use parquet::errors::{ParquetError, Result};
+use parquet::file::metadata::{ColumnChunkMetaData, PageEncodingStats};
+use parquet::file::page_index::offset_index::{OffsetIndexMetaData, PageLocation};
+use parquet::file::statistics::Statistics;
+use parquet::schema::types::ColumnDescPtr;
+use zstd::bulk::Compressor;
+use zstd::zstd_safe::compress_bound;
+
+/// Compresses pages, in memory that it keeps.
+pub struct Packer {
+    level: ZstdLevel,
+    compressor: Compressor<'static>,
+    packed: Vec<u8>,
+}
+
+impl Packer {
+    /// With one of zstd's levels.
+    ///
+    /// # Errors
+    /// There is no memory.
+    pub fn new(level: ZstdLevel) -> Result<Self> {
+        Ok(Self { level, compressor: Compressor::new(level.compression_level())?, packed: Vec::new() })
+    }
+
+    /// Bytes, compressed.
+    fn pack(&mut self, bytes: &[u8]) -> Result<&[u8]> {
+        self.packed.clear();
+        self.packed.reserve(compress_bound(bytes.len()));
+        self.compressor.compress_to_buffer(bytes, &mut self.packed)?;
+        Ok(&self.packed)
+    }
+}
+
+/// Some rows of a column, encoded.
+pub struct Page<'a> {
+    /// How many rows.
+    pub rows: usize,
+    /// How many of them are null.
+    pub nulls: usize,
+    /// Which are null: definition levels, run-length encoded; empty where the column has no nulls.
+    pub levels: &'a [u8],
+    /// Values of the others.
+    pub values: &'a [u8],
+}
+
+/// A column chunk that is being made.
+pub struct Chunk {
+    column: ColumnDescPtr,
+    encoding: Encoding,
+    bytes: Vec<u8>,
+    uncompressed: usize,
+    rows: usize,
+    /// Whether the first page is a dictionary.
+    has_dictionary: bool,
+    pages: Vec<PageLocation>,
+}
+
+/// An element of Thrift's compact protocol: a structure, so many fields after the last.
+const STRUCTURE: u8 = 12;
+/// The end of a structure.
+const END: u8 = 0;
+
+impl Chunk {
+    /// Without pages; its values will be encoded like that, and take about so many bytes.
+    pub fn new(column: ColumnDescPtr, encoding: Encoding, capacity: usize) -> Self {
+        let bytes = Vec::with_capacity(capacity);
+        Self { column, encoding, bytes, uncompressed: 0, rows: 0, has_dictionary: false, pages: Vec::new() }
+    }
+
+    /// What a page's header begins with: its type, lengths before and after compression, and checksum.
+    fn begin(&mut self, kind: PageType, lengths: [usize; 2], checksum: u32) {
+        for number in [kind as i32, lengths[0] as i32, lengths[1] as i32, checksum as i32] {
+            put_i32(number, &mut self.bytes);
+        }
+    }
+
+    /// Adds a page of so many values that later pages name by their places. It comes first.
+    ///
+    /// # Errors
+    /// It cannot be compressed.
+    pub fn dictionary(&mut self, packer: &mut Packer, count: usize, values: &[u8]) -> Result<()> {
+        let packed = packer.pack(values)?;
+        self.begin(PageType::DICTIONARY_PAGE, [values.len(), packed.len()], crc32fast::hash(packed));
+        self.bytes.push(3 << 4 | STRUCTURE);
+        for number in [count as i32, Encoding::PLAIN as i32] {
+            put_i32(number, &mut self.bytes);
+        }
+        self.bytes.extend([END; 2]);
+        self.uncompressed += self.bytes.len() + values.len();
+        self.bytes.extend_from_slice(packed);
+        self.has_dictionary = true;
+        Ok(())
+    }
+
+    /// Adds a page.
+    ///
+    /// # Errors
+    /// It cannot be compressed.
+    pub fn page(&mut self, packer: &mut Packer, page: &Page<'_>) -> Result<()> {
+        let &Page { rows, nulls, levels, values } = page;
+        let packed = packer.pack(values)?;
+        let is_packed = packed.len() < values.len();
+        let packed = if is_packed { packed } else { values };
+        let mut checksum = crc32fast::Hasher::new();
+        checksum.update(levels);
+        checksum.update(packed);
+        let begin = self.bytes.len();
+        let lengths = [values, packed].map(|bytes| levels.len() + bytes.len());
+        self.begin(PageType::DATA_PAGE_V2, lengths, checksum.finalize());
+        self.bytes.push(4 << 4 | STRUCTURE);
+        for number in [rows, nulls, rows, self.encoding as usize, levels.len(), 0] {
+            put_i32(number as i32, &mut self.bytes);
+        }
+        self.bytes.extend([1 << 4 | if is_packed { 1 } else { 2 }, END, END]);
+        self.uncompressed += self.bytes.len() - begin + lengths[0];
+        self.bytes.extend_from_slice(levels);
+        self.bytes.extend_from_slice(packed);
+        self.pages.push(PageLocation {
+            offset: begin as i64,
+            compressed_page_size: (self.bytes.len() - begin) as i32,
+            first_row_index: self.rows as i64,
+        });
+        self.rows += rows;
+        Ok(())
+    }
+
+    /// The chunk's bytes, and what its metadata says of them.
+    ///
+    /// # Errors
+    /// The library does not take it.
+    pub fn close(self, packer: &Packer, statistics: Statistics) -> Result<(Bytes, ColumnCloseResult)> {
+        let Self { column, encoding, bytes, uncompressed, rows, has_dictionary, pages } = self;
+        let first = pages.first().ok_or_else(|| ParquetError::General("a column without pages".into()))?.offset;
+        let of_values = PageEncodingStats { page_type: PageType::DATA_PAGE_V2, encoding, count: pages.len() as i32 };
+        let of_dictionary =
+            PageEncodingStats { page_type: PageType::DICTIONARY_PAGE, encoding: Encoding::PLAIN, count: 1 };
+        let kinds: Vec<_> = has_dictionary.then_some(of_dictionary).into_iter().chain([of_values]).collect();
+        let metadata = ColumnChunkMetaData::builder(column)
+            .set_compression(Compression::ZSTD(packer.level))
+            .set_encodings([Encoding::RLE].into_iter().chain(kinds.iter().map(|kind| kind.encoding)).collect())
+            .set_page_encoding_stats(kinds)
+            .set_total_compressed_size(bytes.len() as i64)
+            .set_total_uncompressed_size(uncompressed as i64)
+            .set_num_values(rows as i64)
+            .set_dictionary_page_offset(has_dictionary.then_some(0))
+            .set_data_page_offset(first)
+            .set_statistics(statistics)
+            .build()?;
+        let close = ColumnCloseResult {
+            bytes_written: bytes.len() as u64,
+            rows_written: rows as u64,
+            metadata,
+            bloom_filter: None,
+            column_index: None,
+            offset_index: Some(OffsetIndexMetaData { page_locations: pages, unencoded_byte_array_data_bytes: None }),
+        };
+        Ok((bytes.into(), close))
+    }
+}

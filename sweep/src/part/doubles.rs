@@ -1,0 +1,191 @@
+//! A column of doubles, byte-stream-split: of each page the first bytes of all values, then the second ones, and so on.
+//!
+//! Values are split as they come, while they are in a core's cache, by the processor's widest instructions.
+
+use super::chunk::{Chunk, Packer, Page};
+use super::encoding::{PAGE, ROW_GROUP};
+use super::pages::put_varint;
+use arrow::array::{Array, BooleanBufferBuilder, Float64Array};
+use bytes::Bytes;
+use parquet::basic::Encoding;
+use parquet::column::writer::ColumnCloseResult;
+use parquet::errors::Result;
+use parquet::file::statistics::ValueStatistics;
+use parquet::schema::types::ColumnDescPtr;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Bytes of a double.
+const BYTES: usize = size_of::<f64>();
+/// Values that are split together: they stay in a core's nearest cache.
+const BLOCK: usize = 1 << 10;
+
+/// A column of doubles of one row group, as it is filled.
+pub struct Doubles {
+    chunk: Chunk,
+    is_nullable: bool,
+    /// The open page: the values' bytes of each place, with room for those of a whole page.
+    split: Vec<u8>,
+    /// How many values it holds.
+    values: usize,
+    /// Which of its rows have one.
+    valid: BooleanBufferBuilder,
+    /// Least and largest value, by [`order`].
+    extremes: [i64; 2],
+    nulls: usize,
+    present: Vec<f64>,
+}
+
+impl Doubles {
+    /// Without values.
+    pub fn new(column: ColumnDescPtr) -> Self {
+        Self {
+            is_nullable: column.max_def_level() > 0,
+            chunk: Chunk::new(column, Encoding::BYTE_STREAM_SPLIT, BYTES * ROW_GROUP),
+            split: vec![0; BYTES * PAGE],
+            values: 0,
+            valid: BooleanBufferBuilder::new(PAGE),
+            extremes: [i64::MAX, i64::MIN],
+            nulls: 0,
+            present: Vec::new(),
+        }
+    }
+
+    /// Adds values.
+    ///
+    /// # Errors
+    /// They cannot be compressed.
+    pub fn write(&mut self, packer: &mut Packer, values: &Float64Array) -> Result<()> {
+        let mut begin = 0;
+        while begin < values.len() {
+            let length = (values.len() - begin).min(PAGE - self.valid.len());
+            self.append(&values.slice(begin, length));
+            if self.valid.len() == PAGE {
+                self.end_page(packer)?;
+            }
+            begin += length;
+        }
+        Ok(())
+    }
+
+    /// Adds values that the open page has room for.
+    fn append(&mut self, values: &Float64Array) {
+        match values.nulls().filter(|nulls| nulls.null_count() > 0) {
+            None => {
+                self.valid.append_n(values.len(), true);
+                self.split(values.values());
+            }
+            Some(nulls) => {
+                self.valid.append_buffer(nulls.inner());
+                let mut present = std::mem::take(&mut self.present);
+                present.clear();
+                present.extend(nulls.valid_indices().map(|place| values.value(place)));
+                self.split(&present);
+                self.present = present;
+            }
+        }
+    }
+
+    fn split(&mut self, values: &[f64]) {
+        let begin = self.values;
+        Arch::new().dispatch(Split { values, begin, out: &mut self.split, extremes: &mut self.extremes });
+        self.values += values.len();
+    }
+
+    fn end_page(&mut self, packer: &mut Packer) -> Result<()> {
+        let (rows, values) = (self.valid.len(), self.values);
+        if values < PAGE {
+            for place in 1..BYTES {
+                self.split.copy_within(place * PAGE..place * PAGE + values, place * values);
+            }
+        }
+        let nulls = rows - values;
+        let levels = if self.is_nullable { levels(&mut self.valid, nulls) } else { Vec::new() };
+        let page = Page { rows, nulls, levels: &levels, values: &self.split[..BYTES * values] };
+        self.chunk.page(packer, &page)?;
+        self.nulls += nulls;
+        self.values = 0;
+        self.valid.truncate(0);
+        Ok(())
+    }
+
+    /// The column's bytes, and what its metadata says of them.
+    ///
+    /// # Errors
+    /// The rest cannot be compressed.
+    pub fn close(mut self, packer: &mut Packer) -> Result<(Bytes, ColumnCloseResult)> {
+        if !self.valid.is_empty() {
+            self.end_page(packer)?;
+        }
+        let has_some = self.extremes[0] <= self.extremes[1];
+        let [least, largest] = self.extremes.map(|key| has_some.then(|| f64::from_bits(order(key) as u64)));
+        let statistics = ValueStatistics::new(least, largest, None, Some(self.nulls as u64), false);
+        // The order of doubles is that of their sign bits too.
+        let statistics = statistics.with_nan_count(has_some.then_some(0)).with_backwards_compatible_min_max(true);
+        self.chunk.close(packer, statistics.into())
+    }
+}
+
+/// Definition levels of a page of which some rows are null: a run of equal ones, or a bit for each.
+fn levels(valid: &mut BooleanBufferBuilder, nulls: usize) -> Vec<u8> {
+    let rows = valid.len();
+    let is_mixed = nulls > 0 && nulls < rows;
+    let mut out = Vec::new();
+    put_varint(if is_mixed { rows.div_ceil(8) << 1 | 1 } else { rows << 1 }, &mut out);
+    if is_mixed {
+        out.extend_from_slice(valid.as_slice());
+    } else {
+        out.push(u8::from(nulls == 0));
+    }
+    out
+}
+
+/// From the bits of a number that is none of NaN to an integer in the same order, and back.
+#[inline(always)]
+fn order(bits: i64) -> i64 {
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
+}
+
+/// Splits values into their bytes.
+struct Split<'a> {
+    values: &'a [f64],
+    /// How many values are there already.
+    begin: usize,
+    /// Room for the bytes of a page, those of each place together.
+    out: &'a mut [u8],
+    extremes: &'a mut [i64; 2],
+}
+
+impl WithSimd for Split<'_> {
+    type Output = ();
+
+    // Loops by index: what iterators compile to is not inlined into a function with more instructions than the crate's.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { values, begin, out, extremes } = self;
+        let [mut least, mut largest] = *extremes;
+        let mut at = 0;
+        while at < values.len() {
+            let block = &values[at..(at + BLOCK).min(values.len())];
+            let mut i = 0;
+            while i < block.len() {
+                let key = order(block[i].to_bits() as i64);
+                least = if key < least { key } else { least };
+                largest = if key > largest { key } else { largest };
+                i += 1;
+            }
+            let mut place = 0;
+            while place < BYTES {
+                let from = place * PAGE + begin + at;
+                let bytes = &mut out[from..from + block.len()];
+                let mut i = 0;
+                while i < block.len() {
+                    bytes[i] = (block[i].to_bits() >> (8 * place)) as u8;
+                    i += 1;
+                }
+                place += 1;
+            }
+            at += block.len();
+        }
+        *extremes = [least, largest];
+    }
+}
