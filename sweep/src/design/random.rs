@@ -82,16 +82,23 @@ impl Permutation {
     /// a coin that a processor cannot guess, and steps in a row are taken by its widest instructions.
     fn fill_block(&self, arch: Arch, first: u64, out: &mut [u64]) {
         debug_assert!(first + out.len() as u64 <= self.size);
-        let mut walking: [u64; BLOCK] = std::array::from_fn(|i| first + i as u64);
-        let mut places: [u16; BLOCK] = std::array::from_fn(|i| i as u16);
-        let mut count = out.len();
+        out.iter_mut().zip(first..).for_each(|(element, index)| *element = index);
+        arch.dispatch(Step { permutation: self, elements: out });
+        let (mut places, mut walking, mut count) = ([0; BLOCK], [0; BLOCK], 0);
+        for (place, element) in out.iter().enumerate() {
+            places[count] = place as u16;
+            count += usize::from(*element >= self.size);
+        }
         while count > 0 {
+            for i in 0..count {
+                walking[i] = out[usize::from(places[i])];
+            }
             arch.dispatch(Step { permutation: self, elements: &mut walking[..count] });
             let mut outside = 0;
             for i in 0..count {
                 let (element, place) = (walking[i], places[i]);
                 out[usize::from(place)] = element;
-                (walking[outside], places[outside]) = (element, place);
+                places[outside] = place;
                 outside += usize::from(element >= self.size);
             }
             count = outside;

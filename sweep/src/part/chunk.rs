@@ -4,8 +4,7 @@
 //! dictionary up by its hash: a quarter of the time of a study of sealed tests. See [`super::doubles`] and [`super::texts`].
 //! Format: <https://github.com/apache/parquet-format>, `README.md`, `Encodings.md` and `src/main/thrift/parquet.thrift`.
 
-use super::pages::put_i32;
-use bytes::Bytes;
+use super::pages::{Pieces, put_i32};
 use parquet::basic::{Compression, Encoding, PageType, ZstdLevel};
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::{ParquetError, Result};
@@ -13,14 +12,14 @@ use parquet::file::metadata::{ColumnChunkMetaData, PageEncodingStats};
 use parquet::file::page_index::offset_index::{OffsetIndexMetaData, PageLocation};
 use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnDescPtr;
+use std::io::Cursor;
 use zstd::bulk::Compressor;
 use zstd::zstd_safe::compress_bound;
 
-/// Compresses pages, in memory that it keeps.
+/// Compresses pages.
 pub struct Packer {
     level: ZstdLevel,
     compressor: Compressor<'static>,
-    packed: Vec<u8>,
 }
 
 impl Packer {
@@ -29,15 +28,17 @@ impl Packer {
     /// # Errors
     /// There is no memory.
     pub fn new(level: ZstdLevel) -> Result<Self> {
-        Ok(Self { level, compressor: Compressor::new(level.compression_level())?, packed: Vec::new() })
+        Ok(Self { level, compressor: Compressor::new(level.compression_level())? })
     }
 
-    /// Bytes, compressed.
-    fn pack(&mut self, bytes: &[u8]) -> Result<&[u8]> {
-        self.packed.clear();
-        self.packed.reserve(compress_bound(bytes.len()));
-        self.compressor.compress_to_buffer(bytes, &mut self.packed)?;
-        Ok(&self.packed)
+    /// Adds bytes, compressed.
+    fn pack(&mut self, bytes: &[u8], out: &mut Vec<u8>) -> Result<()> {
+        out.reserve(compress_bound(bytes.len()));
+        let end = out.len() as u64;
+        let mut out = Cursor::new(out);
+        out.set_position(end);
+        self.compressor.compress_to_buffer(bytes, &mut out)?;
+        Ok(())
     }
 }
 
@@ -57,7 +58,7 @@ pub struct Page<'a> {
 pub struct Chunk {
     column: ColumnDescPtr,
     encoding: Encoding,
-    bytes: Vec<u8>,
+    pieces: Pieces,
     uncompressed: usize,
     rows: usize,
     /// Whether the first page is a dictionary.
@@ -71,17 +72,10 @@ const STRUCTURE: u8 = 12;
 const END: u8 = 0;
 
 impl Chunk {
-    /// Without pages; its values will be encoded like that, and take about so many bytes.
-    pub fn new(column: ColumnDescPtr, encoding: Encoding, capacity: usize) -> Self {
-        let bytes = Vec::with_capacity(capacity);
-        Self { column, encoding, bytes, uncompressed: 0, rows: 0, has_dictionary: false, pages: Vec::new() }
-    }
-
-    /// What a page's header begins with: its type, lengths before and after compression, and checksum.
-    fn begin(&mut self, kind: PageType, lengths: [usize; 2], checksum: u32) {
-        for number in [kind as i32, lengths[0] as i32, lengths[1] as i32, checksum as i32] {
-            put_i32(number, &mut self.bytes);
-        }
+    /// Without pages; its values will be encoded like that.
+    pub fn new(column: ColumnDescPtr, encoding: Encoding) -> Self {
+        let pieces = Pieces::default();
+        Self { column, encoding, pieces, uncompressed: 0, rows: 0, has_dictionary: false, pages: Vec::new() }
     }
 
     /// Adds a page of so many values that later pages name by their places. It comes first.
@@ -89,15 +83,16 @@ impl Chunk {
     /// # Errors
     /// It cannot be compressed.
     pub fn dictionary(&mut self, packer: &mut Packer, count: usize, values: &[u8]) -> Result<()> {
-        let packed = packer.pack(values)?;
-        self.begin(PageType::DICTIONARY_PAGE, [values.len(), packed.len()], crc32fast::hash(packed));
-        self.bytes.push(3 << 4 | STRUCTURE);
+        let mut data = Vec::new();
+        packer.pack(values, &mut data)?;
+        let mut header = begun(PageType::DICTIONARY_PAGE, values.len(), &data);
+        header.push(3 << 4 | STRUCTURE);
         for number in [count as i32, Encoding::PLAIN as i32] {
-            put_i32(number, &mut self.bytes);
+            put_i32(number, &mut header);
         }
-        self.bytes.extend([END; 2]);
-        self.uncompressed += self.bytes.len() + values.len();
-        self.bytes.extend_from_slice(packed);
+        header.extend([END; 2]);
+        self.uncompressed += header.len() + values.len();
+        self.pieces.push(header, data);
         self.has_dictionary = true;
         Ok(())
     }
@@ -108,28 +103,28 @@ impl Chunk {
     /// It cannot be compressed.
     pub fn page(&mut self, packer: &mut Packer, page: &Page<'_>) -> Result<()> {
         let &Page { rows, nulls, levels, values } = page;
-        let packed = packer.pack(values)?;
-        let is_packed = packed.len() < values.len();
-        let packed = if is_packed { packed } else { values };
-        let mut checksum = crc32fast::Hasher::new();
-        checksum.update(levels);
-        checksum.update(packed);
-        let begin = self.bytes.len();
-        let lengths = [values, packed].map(|bytes| levels.len() + bytes.len());
-        self.begin(PageType::DATA_PAGE_V2, lengths, checksum.finalize());
-        self.bytes.push(4 << 4 | STRUCTURE);
-        for number in [rows, nulls, rows, self.encoding as usize, levels.len(), 0] {
-            put_i32(number as i32, &mut self.bytes);
+        let mut data = Vec::with_capacity(levels.len() + compress_bound(values.len()));
+        data.extend_from_slice(levels);
+        packer.pack(values, &mut data)?;
+        let uncompressed = levels.len() + values.len();
+        let is_packed = data.len() < uncompressed;
+        if !is_packed {
+            data.truncate(levels.len());
+            data.extend_from_slice(values);
         }
-        self.bytes.extend([1 << 4 | if is_packed { 1 } else { 2 }, END, END]);
-        self.uncompressed += self.bytes.len() - begin + lengths[0];
-        self.bytes.extend_from_slice(levels);
-        self.bytes.extend_from_slice(packed);
+        let mut header = begun(PageType::DATA_PAGE_V2, uncompressed, &data);
+        header.push(4 << 4 | STRUCTURE);
+        for number in [rows, nulls, rows, self.encoding as usize, levels.len(), 0] {
+            put_i32(number as i32, &mut header);
+        }
+        header.extend([1 << 4 | if is_packed { 1 } else { 2 }, END, END]);
+        self.uncompressed += header.len() + uncompressed;
         self.pages.push(PageLocation {
-            offset: begin as i64,
-            compressed_page_size: (self.bytes.len() - begin) as i32,
+            offset: self.pieces.length() as i64,
+            compressed_page_size: (header.len() + data.len()) as i32,
             first_row_index: self.rows as i64,
         });
+        self.pieces.push(header, data);
         self.rows += rows;
         Ok(())
     }
@@ -138,8 +133,8 @@ impl Chunk {
     ///
     /// # Errors
     /// The library does not take it.
-    pub fn close(self, packer: &Packer, statistics: Statistics) -> Result<(Bytes, ColumnCloseResult)> {
-        let Self { column, encoding, bytes, uncompressed, rows, has_dictionary, pages } = self;
+    pub fn close(self, packer: &Packer, statistics: Statistics) -> Result<(Pieces, ColumnCloseResult)> {
+        let Self { column, encoding, pieces, uncompressed, rows, has_dictionary, pages } = self;
         let first = pages.first().ok_or_else(|| ParquetError::General("a column without pages".into()))?.offset;
         let of_values = PageEncodingStats { page_type: PageType::DATA_PAGE_V2, encoding, count: pages.len() as i32 };
         let of_dictionary =
@@ -149,7 +144,7 @@ impl Chunk {
             .set_compression(Compression::ZSTD(packer.level))
             .set_encodings([Encoding::RLE].into_iter().chain(kinds.iter().map(|kind| kind.encoding)).collect())
             .set_page_encoding_stats(kinds)
-            .set_total_compressed_size(bytes.len() as i64)
+            .set_total_compressed_size(pieces.length() as i64)
             .set_total_uncompressed_size(uncompressed as i64)
             .set_num_values(rows as i64)
             .set_dictionary_page_offset(has_dictionary.then_some(0))
@@ -157,13 +152,22 @@ impl Chunk {
             .set_statistics(statistics)
             .build()?;
         let close = ColumnCloseResult {
-            bytes_written: bytes.len() as u64,
+            bytes_written: pieces.length() as u64,
             rows_written: rows as u64,
             metadata,
             bloom_filter: None,
             column_index: None,
             offset_index: Some(OffsetIndexMetaData { page_locations: pages, unencoded_byte_array_data_bytes: None }),
         };
-        Ok((bytes.into(), close))
+        Ok((pieces, close))
     }
+}
+
+/// What a page's header begins with: its type, its lengths before and after compression, and the checksum of its bytes.
+fn begun(kind: PageType, uncompressed: usize, data: &[u8]) -> Vec<u8> {
+    let mut header = Vec::new();
+    for number in [kind as i32, uncompressed as i32, data.len() as i32, crc32fast::hash(data) as i32] {
+        put_i32(number, &mut header);
+    }
+    header
 }

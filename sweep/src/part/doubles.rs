@@ -3,10 +3,9 @@
 //! Values are split as they come, while they are in a core's cache, by the processor's widest instructions.
 
 use super::chunk::{Chunk, Packer, Page};
-use super::encoding::{PAGE, ROW_GROUP};
-use super::pages::put_varint;
+use super::encoding::PAGE;
+use super::pages::{Pieces, put_varint};
 use arrow::array::{Array, BooleanBufferBuilder, Float64Array};
-use bytes::Bytes;
 use parquet::basic::Encoding;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::Result;
@@ -40,7 +39,7 @@ impl Doubles {
     pub fn new(column: ColumnDescPtr) -> Self {
         Self {
             is_nullable: column.max_def_level() > 0,
-            chunk: Chunk::new(column, Encoding::BYTE_STREAM_SPLIT, BYTES * ROW_GROUP),
+            chunk: Chunk::new(column, Encoding::BYTE_STREAM_SPLIT),
             split: vec![0; BYTES * PAGE],
             values: 0,
             valid: BooleanBufferBuilder::new(PAGE),
@@ -112,7 +111,7 @@ impl Doubles {
     ///
     /// # Errors
     /// The rest cannot be compressed.
-    pub fn close(mut self, packer: &mut Packer) -> Result<(Bytes, ColumnCloseResult)> {
+    pub fn close(mut self, packer: &mut Packer) -> Result<(Pieces, ColumnCloseResult)> {
         if !self.valid.is_empty() {
             self.end_page(packer)?;
         }

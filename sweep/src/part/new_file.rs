@@ -5,7 +5,7 @@
 use super::chunk::Packer;
 use super::doubles::Doubles;
 use super::encoding;
-use super::pages::{self, Collector, Pages};
+use super::pages::{self, Collector, Pages, Pieces};
 use super::sink::Sink;
 use super::texts::Texts;
 use crate::error::Error;
@@ -13,7 +13,6 @@ use crate::folder::store::{Store, TEMPORARY};
 use arrow::array::{ArrayRef, AsArray};
 use arrow::datatypes::{Field, SchemaRef};
 use arrow::record_batch::RecordBatch;
-use bytes::Bytes;
 use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};
 use parquet::arrow::{ArrowSchemaConverter, add_encoded_arrow_schema_to_metadata};
 use parquet::basic::{Encoding, Type};
@@ -135,8 +134,8 @@ impl NewFile {
         let Some((columns, _)) = self.group.take() else { return Ok(()) };
         let mut group = self.writer.next_row_group()?;
         for (column, pages) in columns.into_iter().zip(self.collector.take()) {
-            let (bytes, close) = column.close(&mut self.packer, &pages)?;
-            group.append_column(&bytes, close)?;
+            let (pieces, close) = column.close(&mut self.packer, &pages)?;
+            group.append_column(&pieces, close)?;
         }
         group.close()?;
         self.groups += 1;
@@ -193,7 +192,7 @@ impl Column {
     }
 
     /// Its bytes, and what its metadata says of them. The library's writer has put its pages where they are collected.
-    fn close(self, packer: &mut Packer, pages: &Pages) -> Result<(Bytes, ColumnCloseResult), ParquetError> {
+    fn close(self, packer: &mut Packer, pages: &Pages) -> Result<(Pieces, ColumnCloseResult), ParquetError> {
         match self {
             Column::Doubles(column) => column.close(packer),
             Column::Texts(column) => column.close(packer),
@@ -251,6 +250,7 @@ mod tests {
     use crate::design::random::mix;
     use arrow::array::{DictionaryArray, Float64Array};
     use arrow::datatypes::{DataType, Int32Type, Schema};
+    use bytes::Bytes;
     use encoding::{PAGE, ROW_GROUP};
     use parquet::arrow::ArrowWriter;
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;

@@ -5,11 +5,14 @@
 //! by its data; the checksum is put into the header, and the column's places and lengths follow.
 //! Header: <https://github.com/apache/parquet-format/blob/master/src/main/thrift/parquet.thrift>, `PageHeader`, field 4.
 
-use bytes::Bytes;
+use bytes::{Buf, Bytes};
 use parquet::arrow::arrow_writer::ArrowColumnChunk;
 use parquet::column::page_store::{PageKey, PageStore, PageStoreArgs, PageStoreFactory};
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::{ParquetError, Result};
+use parquet::file::reader::{ChunkReader, Length};
+use std::collections::VecDeque;
+use std::io::{self, Read};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pages of one column, header and data in turn.
@@ -49,27 +52,73 @@ impl PageStore for ColumnPages {
     }
 }
 
+/// The bytes of a column chunk in the pieces in which they were made: of each page its header and its data.
+#[derive(Clone, Default)]
+pub struct Pieces(VecDeque<Bytes>);
+
+impl Pieces {
+    /// Adds a page.
+    pub fn push(&mut self, header: impl Into<Bytes>, data: impl Into<Bytes>) {
+        self.0.extend([header.into(), data.into()]);
+    }
+
+    /// How many bytes they are together.
+    pub fn length(&self) -> usize {
+        self.0.iter().map(Bytes::len).sum()
+    }
+}
+
+impl Read for Pieces {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        while self.0.front().is_some_and(Bytes::is_empty) {
+            self.0.pop_front();
+        }
+        let Some(piece) = self.0.front_mut() else { return Ok(0) };
+        let length = piece.len().min(out.len());
+        piece.copy_to_slice(&mut out[..length]);
+        Ok(length)
+    }
+}
+
+impl Length for Pieces {
+    fn len(&self) -> u64 {
+        self.length() as u64
+    }
+}
+
+/// As the library takes a column chunk: from its beginning on, which is at 0.
+impl ChunkReader for Pieces {
+    type T = Self;
+
+    fn get_read(&self, _: u64) -> Result<Self> {
+        Ok(self.clone())
+    }
+
+    fn get_bytes(&self, _: u64, _: usize) -> Result<Bytes> {
+        Err(ParquetError::General("a column chunk is read from its beginning on only".into()))
+    }
+}
+
 /// A column chunk's bytes with a checksum in each page's header, and what its metadata says of them then.
 ///
 /// # Errors
 /// The library made a header that is not of the known form.
-pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Bytes, ColumnCloseResult)> {
+pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Pieces, ColumnCloseResult)> {
     let pages = std::mem::take(&mut *pages.lock().unwrap_or_else(PoisonError::into_inner));
     let (pairs, _) = pages.as_chunks::<2>();
     // The dictionary is made last and stands first.
     let (dictionary, data): (Vec<_>, Vec<_>) = pairs.iter().partition(|[header, _]| header.get(1) == Some(&DICTIONARY));
-    let mut out = Vec::with_capacity(pages.iter().map(|bytes| bytes.len() + LONGEST).sum());
+    let mut out = Pieces::default();
     let mut append = |[header, data]: &[Bytes; 2]| -> Result<(usize, usize)> {
-        let begin = out.len();
-        append_header(header, crc32fast::hash(data), &mut out)?;
-        out.extend_from_slice(data);
-        Ok((begin, out.len() - begin))
+        let (begin, header) = (out.length(), with_checksum(header, crc32fast::hash(data))?);
+        out.push(header, data.clone());
+        Ok((begin, out.length() - begin))
     };
     for page in &dictionary {
         append(page)?;
     }
     let places: Vec<(usize, usize)> = data.into_iter().map(append).collect::<Result<_>>()?;
-    let added = (out.len() - pages.iter().map(Bytes::len).sum::<usize>()) as i64;
+    let added = (out.length() - pages.iter().map(Bytes::len).sum::<usize>()) as i64;
     let close = chunk.close_mut();
     let first = places.first().map_or(0, |(begin, _)| *begin as i64);
     let metadata = close.metadata.clone();
@@ -94,15 +143,13 @@ pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Byt
         column_index: close.column_index.take(),
         offset_index,
     };
-    Ok((out.into(), close))
+    Ok((out, close))
 }
 
 /// Second byte of a dictionary page's header: its type, 2, in zigzag.
 const DICTIONARY: u8 = 4;
 /// First byte of a number in Thrift's compact protocol, one field after the last: `1 << 4 | i32`.
 const NEXT_I32: u8 = 0x15;
-/// Most bytes that a checksum adds.
-const LONGEST: usize = 6;
 
 /// Adds a number of as many bytes as it takes, seven bits in each.
 pub fn put_varint(mut number: usize, out: &mut Vec<u8>) {
@@ -120,7 +167,7 @@ pub fn put_i32(number: i32, out: &mut Vec<u8>) {
 }
 
 /// The header with the checksum as its field 4, after its fields 1 to 3.
-fn append_header(header: &[u8], checksum: u32, out: &mut Vec<u8>) -> Result<()> {
+fn with_checksum(header: &[u8], checksum: u32) -> Result<Vec<u8>> {
     let unknown = || ParquetError::General("the Parquet library made a page header of unknown form".into());
     let mut at = 0;
     for _ in 0..3 {
@@ -131,10 +178,10 @@ fn append_header(header: &[u8], checksum: u32, out: &mut Vec<u8>) -> Result<()> 
         at += 1 + header[at + 1..].iter().position(|byte| *byte < 0x80).ok_or_else(unknown)? + 1;
     }
     let next = *header.get(at).filter(|next| **next >> 4 >= 2).ok_or_else(unknown)?;
-    out.extend_from_slice(&header[..at]);
-    put_i32(checksum as i32, out);
+    let mut out = header[..at].to_vec();
+    put_i32(checksum as i32, &mut out);
     // The next field counts from this one.
     out.push(next - (1 << 4));
     out.extend_from_slice(&header[at + 1..]);
-    Ok(())
+    Ok(out)
 }

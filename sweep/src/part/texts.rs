@@ -2,10 +2,9 @@
 
 use super::chunk::{Chunk, Packer, Page};
 use super::encoding::PAGE;
-use super::pages::put_varint;
+use super::pages::{Pieces, put_varint};
 use arrow::array::{Array, DictionaryArray, StringArray};
 use arrow::datatypes::Int32Type;
-use bytes::Bytes;
 use parquet::basic::Encoding;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::data_type::ByteArray;
@@ -25,7 +24,7 @@ pub struct Texts {
 impl Texts {
     /// Without rows.
     pub fn new(column: ColumnDescPtr) -> Self {
-        Self { chunk: Chunk::new(column, Encoding::RLE_DICTIONARY, 0), dictionary: Vec::new(), rows: Vec::new() }
+        Self { chunk: Chunk::new(column, Encoding::RLE_DICTIONARY), dictionary: Vec::new(), rows: Vec::new() }
     }
 
     /// Adds rows. None of them is null.
@@ -57,7 +56,7 @@ impl Texts {
     ///
     /// # Errors
     /// They cannot be compressed.
-    pub fn close(self, packer: &mut Packer) -> Result<(Bytes, ColumnCloseResult)> {
+    pub fn close(self, packer: &mut Packer) -> Result<(Pieces, ColumnCloseResult)> {
         let Self { mut chunk, dictionary, rows } = self;
         let mut texts = Vec::new();
         for text in &dictionary {
