@@ -14,7 +14,7 @@ pub struct Bends {
     /// Those that are not zero, the largest first.
     largest: Vec<f64>,
     /// What rounding may make of them.
-    rounding: f64,
+    pub rounding: f64,
 }
 
 impl Bends {

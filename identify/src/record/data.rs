@@ -31,8 +31,10 @@ pub struct Prepared {
     pub backward_rows: usize,
     /// Lines of all rows in the file.
     pub lines: LineNumbers,
-    /// Times of all rows, s.
+    /// Times of all rows, s: of one that first shows a reading of a sensor with a clock of its own, when that was taken.
     pub time_s: Vec<f64>,
+    /// Time from row to row, s, where no row was lost.
+    pub(super) row_s: f64,
     /// Pressures of all rows, Pa.
     pub pressure_pa: Vec<f64>,
     /// Positions of all rows, m: linear between those that were read.
@@ -71,7 +73,7 @@ pub(super) const RELATIVE_TOLERANCES: [f64; 2] = [3e-8, 3e-7];
 impl Prepared {
     /// Time from row to row, s, where no row was lost.
     pub fn row_s(&self) -> f64 {
-        usual_row_s(&self.time_s)
+        self.row_s
     }
 
     /// Leaves out what is behind its first gap, if it has one: nothing before tells how warm the gas comes out of it.

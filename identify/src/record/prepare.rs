@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::record::between_rows::Look;
 use crate::record::course::Course;
-use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
+use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES, usual_row_s};
 use crate::record::first_volume::first_guess;
 use crate::record::jitter::{self, Stamped, Times};
 use crate::record::level;
@@ -34,12 +34,15 @@ impl Data {
         for trace in &mended {
             columns.push(Columns::of(trace)?);
         }
-        let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], c.pressure_pa)).collect();
+        let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], &c.pressure_pa[..])).collect();
         let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
+        for (c, readout) in columns.iter_mut().zip(&readouts) {
+            c.take_readings(readout);
+        }
         let declared = Declared::of(rig);
         let mut ends: Vec<End> = Vec::new();
         for ((c, mended), readout) in columns.iter_mut().zip(&mended).zip(readouts) {
-            ends.extend(checks::trace(c.trace, c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?);
+            ends.extend(checks::trace(c.trace, &c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?);
             let (unfollowed, at_gaps) = (c.motion.unfollowed(), gaps::rows(&c.motion));
             c.readout = Readout { unfollowed, at_gaps, open_s: mended.open_s.clone(), ..readout };
         }
@@ -51,7 +54,7 @@ impl Data {
         let mut noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
         drop(quiet);
         for c in &mut columns {
-            c.readout.outliers = outliers::spikes(c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
+            c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
             c.readout.opened = c.opened(noise.white_pa.hypot(noise.rounding_pa()));
         }
         if columns.iter().any(|c| !c.readout.outliers.is_empty() || c.readout.opened.is_some()) {
@@ -143,8 +146,9 @@ struct Columns<'a> {
     repeat: usize,
     backward_rows: usize,
     positions: &'a Positions,
-    pressure_pa: &'a [f64],
+    pressure_pa: Cow<'a, [f64]>,
     time_s: Vec<f64>,
+    row_s: f64,
     motion: Motion,
     readout: Readout,
 }
@@ -156,10 +160,18 @@ impl<'a> Columns<'a> {
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
+        let pressure_pa = Cow::Borrowed(pressure_pa);
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = gaps::motion(&time_s, &trace.position_m, positions);
-        let readout = Readout::every_row();
-        Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout })
+        let (row_s, readout) = (usual_row_s(&time_s), Readout::every_row());
+        Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, row_s, motion, readout })
+    }
+
+    /// Sets each reading that was not taken right at a row to its own time. The stroke goes through the rows' times already.
+    fn take_readings(&mut self, readout: &Readout) {
+        if let Some((time_s, pressure_pa)) = readout.taken(&self.time_s, &self.pressure_pa) {
+            (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
+        }
     }
 
     fn quiet(&self) -> Quiet<'_> {
@@ -171,8 +183,8 @@ impl<'a> Columns<'a> {
     fn opened(&self, noise_pa: f64) -> Option<Range<usize>> {
         let hold = self.motion.segments.last().filter(|s| s.phase == Phase::Hold)?;
         let rows: Vec<usize> = (hold.first..hold.end).filter(|&i| self.readout.is_data(i)).collect();
-        let [time_s, pressure_pa] =
-            [&self.time_s[..], self.pressure_pa].map(|column| rows.iter().map(|&i| column[i]).collect::<Vec<f64>>());
+        let [time_s, pressure_pa] = [&self.time_s[..], &self.pressure_pa[..]]
+            .map(|column| rows.iter().map(|&i| column[i]).collect::<Vec<f64>>());
         opened_from(&time_s, &pressure_pa, noise_pa).map(|first| rows[first]..self.time_s.len())
     }
 
@@ -183,7 +195,8 @@ impl<'a> Columns<'a> {
     }
 
     fn prepared(self, rig: &Rig) -> Prepared {
-        let Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, motion, readout } = self;
+        let Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, row_s, motion, readout } =
+            self;
         let ambient_temperature = ambient(trace, &time_s, rig.ambient.temperature_k);
         let flow = trace.mass_flow_kg_per_s.as_ref().filter(|flow| flow.iter().any(|f| *f != 0.0));
         let mass_flow = flow.map(|flow| Spline::through(time_s.clone(), flow.clone(), [Some(0.0), Some(0.0)]));
@@ -197,7 +210,7 @@ impl<'a> Columns<'a> {
             whitener: Whitener::default(),
             relative_tolerance: RELATIVE_TOLERANCES[0],
             look: Look::default(),
-            initial_pressure_pa: initial_pressure(pressure_pa, &motion, &readout),
+            initial_pressure_pa: initial_pressure(&pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
             positions: positions.clone(),
             spikes: readout.outliers.clone(),
@@ -207,7 +220,8 @@ impl<'a> Columns<'a> {
             starts_at_rest: motion.starts_at_rest(),
             course: Course { motion, ambient_temperature, ambient_pressure: rig.ambient.pressure_pa, mass_flow },
             time_s,
-            pressure_pa: pressure_pa.to_vec(),
+            row_s,
+            pressure_pa: pressure_pa.into_owned(),
         }
     }
 }
@@ -221,7 +235,7 @@ fn leave_out_saturated(columns: &mut [Columns<'_>], ends: Vec<End>) -> Result<()
     let ends_pa: Vec<f64> = ends.iter().map(|end| end.value_pa).collect();
     let Some(first) = ends.into_iter().next() else { return Ok(()) };
     for c in &mut *columns {
-        c.readout.saturated = saturation::rows_at(&ends_pa, c.pressure_pa);
+        c.readout.saturated = saturation::rows_at(&ends_pa, &c.pressure_pa);
     }
     let rows_left = |c: &Columns<'_>| (0..c.time_s.len()).filter(|&i| c.readout.is_data(i)).count();
     let are_all = columns.iter().all(|c| !c.readout.saturated.is_empty());

@@ -406,11 +406,14 @@ impl Recipe {
         let delay_s = faults.pressure_delay_s.draw(disturbing);
         let step_s = faults.digital.then_some(1.0 / self.rate_hz);
         let low_pass = |time_constant_s: f64| LowPass { time_constant_s, step_s };
-        let mut shown = sampled(&read_s, delay_s, low_pass(faults.low_pass_s), |times| truth.readings(times, pressure));
+        let own_s = recording::own_times(faults.readout, self.rate_hz, &read_s, disturbing);
+        let pressure_s = own_s.as_ref().unwrap_or(&read_s);
+        let mut shown =
+            sampled(pressure_s, delay_s, low_pass(faults.low_pass_s), |times| truth.readings(times, pressure));
         let offset_pa = faults.offset_pa.draw(disturbing);
         shown.iter_mut().for_each(|p| *p += offset_pa);
         for disturbance in &faults.disturbances {
-            let rows = disturbance.rows(rows, self.rate_hz, disturbing);
+            let rows = disturbance.rows(shown.len(), self.rate_hz, disturbing);
             shown.iter_mut().zip(rows).for_each(|(p, d)| *p += d);
         }
         let rounded = |value: f64, step: f64| (value / step).round() * step;
@@ -432,7 +435,12 @@ impl Recipe {
         let ambient_temperature_k =
             self.ambient_column.then(|| time_s.iter().map(|t| noisy(shown_k(*t), 0.02, 0.01)).collect());
         faults.spoil(&mut pressure_pa, test + repeat == 0, disturbing);
-        recording::slow_readout(faults.readout, self.rate_hz, &mut pressure_pa);
+        match (own_s, faults.readout) {
+            (Some(own_s), Some((_, filled))) => {
+                pressure_pa = recording::at_rows(&read_s, &own_s, &pressure_pa, filled);
+            }
+            (_, readout) => recording::slow_readout(readout, self.rate_hz, &mut pressure_pa),
+        }
         faults.spoil_positions(self.rate_hz, &mut position_m, disturbing);
         faults.stamp(&mut time_s, &mut pressure_pa, disturbing);
         Trace {

@@ -248,6 +248,38 @@ pub fn slow_readout(readout: Option<(f64, Filled)>, rate_hz: f64, column: &mut [
     }
 }
 
+/// When a slow sensor is read whose rate does not divide that of the rows, s: at the record's begin, then by a clock of its own, until
+/// after the last row. `None` where its readings are rows.
+pub fn own_times(
+    readout: Option<(f64, Filled)>,
+    rate_hz: f64,
+    rows_s: &[f64],
+    random: &mut Random,
+) -> Option<Vec<f64>> {
+    let (readout_hz, _) = readout?;
+    let rows = rate_hz / readout_hz;
+    if (rows - rows.round()).abs() < 1e-9 * rows {
+        return None;
+    }
+    let (end_s, begin_s) = (rows_s.last().copied()?, random.between(1e-3, 1.0) / readout_hz);
+    let own = (0..).map(|k| begin_s + f64::from(k) / readout_hz);
+    let until_s = end_s + 1.0 / readout_hz;
+    Some([0.0].into_iter().chain(own.take_while(|t| *t < until_s)).collect())
+}
+
+/// What rows at these times show of a sensor that was read at times of its own.
+pub fn at_rows(rows_s: &[f64], own_s: &[f64], readings: &[f64], filled: Filled) -> Vec<f64> {
+    let shown = |t: &f64| {
+        let next = own_s.partition_point(|own| own <= t).clamp(1, own_s.len() - 1);
+        let share = (t - own_s[next - 1]) / (own_s[next] - own_s[next - 1]);
+        match filled {
+            Filled::Held => readings[next - 1],
+            Filled::Interpolated => readings[next - 1] + (readings[next] - readings[next - 1]) * share,
+        }
+    };
+    rows_s.iter().map(shown).collect()
+}
+
 /// First-order low-pass of a signal sampled every `step_s`, linear in between, beginning at rest: exact.
 pub fn low_pass(signal: &mut [f64], step_s: f64, time_constant_s: f64) {
     if time_constant_s <= 0.0 || signal.is_empty() {
@@ -303,5 +335,18 @@ mod tests {
             let between = if filled == Filled::Held { 0.0 } else { 50.0 };
             assert_eq!(filled_rows[5], between, "{filled:?}");
         }
+    }
+
+    #[test]
+    fn a_sensor_whose_rate_does_not_divide_that_of_the_rows_is_read_by_its_own_clock() {
+        let rows_s: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.01).collect();
+        let times = |hz: f64| own_times(Some((hz, Filled::Held)), 100.0, &rows_s, &mut Random::new(1));
+        assert_eq!(times(25.0), None);
+        let own_s = times(100.0 / 4.07).unwrap();
+        assert!(own_s[1..].windows(2).all(|w| (w[1] - w[0] - 0.0407).abs() < 1e-12));
+        let held = at_rows(&rows_s, &own_s, &own_s, Filled::Held);
+        assert!(rows_s.iter().zip(&held).all(|(row, own)| own <= row && row - own < 0.0407));
+        let straight = at_rows(&rows_s, &own_s, &own_s, Filled::Interpolated);
+        assert!(rows_s.iter().zip(&straight).all(|(row, own)| (row - own).abs() < 1e-12));
     }
 }

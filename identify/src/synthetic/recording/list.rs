@@ -5,6 +5,8 @@ use crate::synthetic::Outside;
 
 /// Step of a converter of 12 bit over 16 bar, Pa.
 const TWELVE_BIT_PA: f64 = 1.6e6 / 4096.0;
+/// Rows from one reading to the next of a sensor by its own clock.
+const ROWS_A_READING: f64 = 4.07;
 /// White noise beside a slow disturbance, Pa.
 const FLOOR_PA: f64 = 60.0;
 
@@ -364,6 +366,18 @@ pub const ALL: &[Recording] = &[
         name: "humid-air",
         what: "humid air: its heat capacity ratio is 0.1 % below that of the stated dry air, two tolerances",
         changes: |r, _| r.faults.stated.heat_capacity_ratio_times = 1.001,
+        ..PLAIN
+    },
+    Recording {
+        name: "held-noninteger",
+        what: "pressure read once in 4.07 rows, held",
+        changes: |r, _| r.faults.readout = Some((r.rate_hz / ROWS_A_READING, Filled::Held)),
+        ..PLAIN
+    },
+    Recording {
+        name: "interpolated-noninteger",
+        what: "pressure read once in 4.07 rows, interpolated to the rows",
+        changes: |r, _| r.faults.readout = Some((r.rate_hz / ROWS_A_READING, Filled::Interpolated)),
         ..PLAIN
     },
 ];

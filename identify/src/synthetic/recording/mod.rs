@@ -8,7 +8,7 @@ pub mod faults;
 mod list;
 
 pub use disturbance::Disturbance;
-pub use faults::{Faults, Filled, Scattered, Stated, Wave, slow_readout};
+pub use faults::{Faults, Filled, Scattered, Stated, Wave, at_rows, own_times, slow_readout};
 pub use list::ALL;
 
 use super::{Random, Recipe};

@@ -1,0 +1,135 @@
+//! Readings at every k-th row.
+
+use super::super::bends::{Bends, MOST_OF_USUAL};
+
+/// How the rows between two readings came to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// Every row is a reading.
+    Nothing,
+    /// The last reading repeated.
+    Held,
+    /// Straight lines.
+    Interpolated,
+}
+
+impl Between {
+    /// What the rows between two readings do, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Nothing => "are readings too",
+            Self::Held => "repeat the last reading",
+            Self::Interpolated => "lie on straight lines",
+        }
+    }
+}
+
+/// A reading at every `period`-th row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Even {
+    /// What stands between two readings.
+    pub between: Between,
+    /// Rows from one reading to the next; 1 where every row is one.
+    pub period: usize,
+    /// The first row that is a reading.
+    pub first: usize,
+}
+
+/// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz...
+pub const LONGEST: usize = 250;
+/// ...or at 20 kHz where its readings are held, which shows at once.
+pub const LONGEST_HELD: usize = 2000;
+/// At least so many readings must be in a record for a period to be believed that its bends show.
+pub const FEWEST_READINGS: usize = 20;
+/// Share of the changes that disturbances of single rows may be.
+pub const DISTURBED: f64 = 0.05;
+
+impl Even {
+    /// Whether a row is a reading.
+    #[inline]
+    pub fn is_reading(&self, row: usize) -> bool {
+        row >= self.first % self.period && (row - self.first % self.period).is_multiple_of(self.period)
+    }
+}
+
+/// Rows whose pressure is another than that of the row before, where neither is missing.
+pub fn changes(pressure_pa: &[f64]) -> Vec<usize> {
+    (1..pressure_pa.len()).filter(|&i| (pressure_pa[i] - pressure_pa[i - 1]).abs() > 0.0).collect()
+}
+
+/// Changes fall on every k-th row only, but for few, although nearly every reading differs from the one before it.
+pub fn held(pressure_pa: &[f64]) -> Option<Even> {
+    let changes = changes(pressure_pa);
+    if 2 * changes.len() > pressure_pa.len() {
+        return None;
+    }
+    let mut distances: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    distances.sort_unstable();
+    let most_frequent = distances.chunk_by(|a, b| a == b).max_by_key(|alike| alike.len())?[0];
+    // Where readings stick to a step most changes may be several readings apart; where single rows are disturbed, less than one.
+    [distances[0], most_frequent].into_iter().find_map(|period| held_for(&changes, period))
+}
+
+/// The readout of that many rows, if the changes are its.
+fn held_for(changes: &[usize], period: usize) -> Option<Even> {
+    /// Natural logarithm of the probability with which changes on any rows all fall on a grid: surely no chance.
+    const BY_CHANCE: f64 = -16.0;
+    if !(2..=LONGEST_HELD).contains(&period) {
+        return None;
+    }
+    let mut at = vec![0; period];
+    changes.iter().for_each(|row| at[row % period] += 1);
+    let (first, on_grid) = at.into_iter().enumerate().max_by_key(|(first, count)| (*count, period - first))?;
+    let (all, off) = (changes.len() as f64, (changes.len() - on_grid) as f64);
+    let chance = ways(off, all) - (on_grid - 1) as f64 * (period as f64).ln();
+    // A sensor that sticks to its steps changes on any row; a slow one on its own rows only.
+    (off <= DISTURBED * all && chance <= BY_CHANCE).then_some(Even { between: Between::Held, period, first })
+}
+
+/// Natural logarithm of the number of ways in which those off a grid are chosen from all (Stirling).
+pub fn ways(off: f64, all: f64) -> f64 {
+    if off > 0.0 { off * (1.0 + (all / off).ln()) } else { 0.0 }
+}
+
+/// Second differences vanish, to the rounding of the readings, but at every k-th row.
+pub fn interpolated(pressure_pa: &[f64]) -> Option<Even> {
+    let bends = Bends::of(&pressure_pa[..pressure_pa.len().min(20_000)]);
+    let candidates = (2..=LONGEST.min(bends.squares.len() / FEWEST_READINGS)).filter_map(|period| {
+        let (first, most) = bends.largest(period)?;
+        bends.stand_out(period, first, most)?;
+        // Spikes and a push bend few rows much: what stands for a period is the usual bend of its readings.
+        let stands_out = bends.stand_out(period, first, MOST_OF_USUAL * bends.usual(period, first))?;
+        Some((stands_out, Even { between: Between::Interpolated, period, first }))
+    });
+    // Where several periods pass, as divisors of the true one do, that which stands out most.
+    candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, readout)| readout)
+}
+
+/// Interpolated with that period, if the other rows lie on straight lines, be the readings of a sticking sensor on one line too.
+pub fn on_lines(pressure_pa: &[f64], period: usize) -> Option<Even> {
+    let bends = Bends::of(pressure_pa);
+    let on_lines = (2..=bends.squares.len() / FEWEST_READINGS).contains(&period).then(|| bends.largest(period));
+    let first = on_lines.flatten().filter(|(first, most)| bends.stand_out(period, *first, *most).is_some());
+    first.map(|(first, _)| Even { between: Between::Interpolated, period, first })
+}
+
+/// Held where hardly any other row than every `period`-th changes, interpolated where these have most of the bends: begun where
+/// changes, or bends, are largest. Where the rows in between bend as much, each of them is a reading, whatever was stated.
+pub fn of_period(pressure_pa: &[f64], period: usize) -> Option<Even> {
+    let sums = |squares: &mut dyn Iterator<Item = (usize, f64)>| {
+        let mut sums = vec![0.0; period];
+        squares.filter(|(_, square)| !square.is_nan()).for_each(|(row, square)| sums[row % period] += square);
+        let first = (0..period).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0);
+        (first, sums[first], sums.iter().sum::<f64>())
+    };
+    let changes = pressure_pa.windows(2).enumerate().map(|(i, w)| (i + 1, (w[1] - w[0]).powi(2)));
+    let bends = pressure_pa.windows(3).enumerate().map(|(i, w)| (i + 1, (w[0] - 2.0 * w[1] + w[2]).powi(2)));
+    let (first, there, all) = sums(&mut { changes });
+    if all - there <= 1e-3 * all {
+        return Some(Even { between: Between::Held, period, first });
+    }
+    /// Share of the bends' squares.
+    const MOST: f64 = 0.5;
+    let (first, there, all) = sums(&mut { bends });
+    (there >= MOST * all).then_some(Even { between: Between::Interpolated, period, first })
+}

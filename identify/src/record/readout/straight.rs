@@ -1,0 +1,177 @@
+//! Readings that were interpolated to the rows from a clock of the sensor's own.
+//!
+//! Between two readings the rows lie on a straight line. Where two lines meet between two rows, both of these bend, each in proportion
+//! to how near it is to the reading: both together tell when it was. Its pressure is that of the lines there.
+
+use super::super::bends::{Bends, MOST_OF_USUAL};
+use super::beat::Beat;
+use super::even::{Between, FEWEST_READINGS, LONGEST};
+use super::uneven::{Reading, Uneven};
+use records::median;
+
+/// The shortest period, rows: two rows show a line.
+const SHORTEST: f64 = 2.05;
+/// Squares of bends that rounding hardly makes, over their usual size.
+const OF_ROUNDING: f64 = 4.0;
+/// Share of the readings whose two bends go the same way, a sensor that changes by a step bends to and fro, ...
+const SAME_WAY: f64 = 0.8;
+/// ...and how many readings must have such, or at the least if the period is known.
+const FEWEST_PAIRS: [usize; 2] = [FEWEST_READINGS / 2, FEWEST_READINGS / 4];
+/// How well a beat is known, rows.
+const KNOWN_TO: f64 = 0.02;
+/// Natural logarithm of the probability that bends in any rows all lie beside readings, the best of all beats, by chance, and
+/// that of one whose period is known.
+const BY_CHANCE: [f64; 2] = [-25.0, -8.0];
+/// So many rows show that those between the readings lie on straight lines.
+const FEWEST_ROWS: usize = 10;
+
+/// The readout of these rows, those that are missing not a number; of a known period if there is one.
+pub fn interpolated(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
+    let rows = Bent::of(pressure_pa);
+    let longest = LONGEST.min(pressure_pa.len() / FEWEST_READINGS) as f64;
+    let beats = match like {
+        _ if rows.marks.len() < FEWEST_PAIRS[1] => Vec::new(),
+        Some(period) => vec![Beat::like(&rows.marks, period)],
+        None if longest > SHORTEST => Beat::of(&rows.marks, SHORTEST..longest),
+        None => Vec::new(),
+    };
+    let kept = beats
+        .into_iter()
+        .map(|beat| rows.refined(beat))
+        .filter(|beat| rows.are_straight_between(*beat, like.is_some()));
+    // All bends of the true period are beside the readings of a divisor of it, too.
+    let beat = kept.max_by(|a, b| a.period.total_cmp(&b.period))?;
+    Some(Uneven { between: Between::Interpolated, period: beat.period, readings: readings(pressure_pa, beat) })
+}
+
+/// Rows and how they bend.
+struct Bent {
+    /// Second difference of each inner row, from the second row on, not a number where a row is missing.
+    bends: Vec<f64>,
+    /// Squares of those, the largest cut down.
+    squares: Vec<f64>,
+    /// Rows that bend by more than rounding makes them, and the square of their bends.
+    marks: Vec<(f64, f64)>,
+    /// Square of a bend that rounding makes.
+    rounding: f64,
+}
+
+impl Bent {
+    fn of(pressure_pa: &[f64]) -> Self {
+        let Bends { squares, rounding, .. } = Bends::of(pressure_pa);
+        let bends = pressure_pa.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect();
+        let bent = || squares.iter().copied().filter(|square| *square > OF_ROUNDING * rounding);
+        let most = MOST_OF_USUAL * median(bent().collect::<Vec<f64>>());
+        let squares: Vec<f64> = squares.iter().map(|square| square.min(most)).collect();
+        let marks = (1..).map(f64::from).zip(squares.iter().copied());
+        let marks = marks.filter(|(_, square)| *square > OF_ROUNDING * rounding).collect();
+        Self { bends, squares, marks, rounding }
+    }
+
+    /// The bends of the rows before and after a time, if no row beside them is missing, and the former row.
+    fn beside(&self, at: f64) -> Option<(usize, [f64; 2])> {
+        let row = at.floor().max(0.0) as usize;
+        let bend = |row: usize| self.bends.get(row.checked_sub(1)?).copied().filter(|bend| !bend.is_nan());
+        Some((row, [bend(row)?, bend(row + 1)?]))
+    }
+
+    /// The beat that fits the readings as the bends beside them tell when each was.
+    fn refined(&self, mut beat: Beat) -> Beat {
+        const ROUNDS: usize = 3;
+        let most = self.squares.iter().copied().fold(0.0, f64::max);
+        for _ in 0..ROUNDS {
+            let told = |k: f64| {
+                let (row, [before, after]) = self.beside(beat.at(k))?;
+                let both = before + after;
+                let weight = (both * both).min(most);
+                let tells = weight > OF_ROUNDING * self.rounding && before * after >= 0.0;
+                tells.then(|| [k, row as f64 + after / both, weight])
+            };
+            let known: Vec<[f64; 3]> = self.beats(beat).filter_map(told).collect();
+            if known.len() >= FEWEST_PAIRS[1] {
+                beat = beat.through(&known);
+            }
+        }
+        beat
+    }
+
+    /// The numbers of the beats in the record.
+    fn beats(&self, beat: Beat) -> impl Iterator<Item = f64> {
+        let last = beat.nearest((self.bends.len() + 1) as f64) as i64;
+        (beat.nearest(0.0) as i64..=last).map(|k| k as f64)
+    }
+
+    /// Whether nothing but the rows beside such readings bends, and these do, as a meeting of two lines does.
+    fn are_straight_between(&self, beat: Beat, is_known: bool) -> bool {
+        /// Mean square at the other rows over that beside readings, where rows are not rounded.
+        const SMALL: f64 = 0.01;
+        /// The same at the least, where rounding hides part of it.
+        const CLEAR: f64 = 0.3;
+        if beat.period < SHORTEST {
+            return false;
+        }
+        let reach = 1.0 + KNOWN_TO;
+        let [mut there, mut between] = [(0.0, 0), (0.0, 0)];
+        for (i, square) in self.squares.iter().enumerate().filter(|(i, _)| !self.bends[*i].is_nan()) {
+            let row = (i + 1) as f64;
+            let off = (row - beat.at(beat.nearest(row))).abs();
+            let of = if off < reach { &mut there } else { &mut between };
+            *of = (of.0 + square, of.1 + 1);
+        }
+        if between.1 < FEWEST_ROWS || there.1 == 0 {
+            return false;
+        }
+        let [mean_there, mean_between] = [there, between].map(|(sum, count)| sum / count as f64);
+        let is_rounding = mean_between < self.rounding && mean_between < CLEAR * mean_there;
+        let share_there = there.1 as f64 / self.squares.len() as f64;
+        let chance = self.marks.len() as f64 * share_there.ln();
+        let is_straight = mean_between < SMALL * mean_there || is_rounding;
+        let known = usize::from(is_known);
+        is_straight && chance < BY_CHANCE[known] && self.bend_one_way(beat, FEWEST_PAIRS[known])
+    }
+
+    /// Whether there are so many readings beside which both rows bend, and hardly any of these bend to and fro.
+    fn bend_one_way(&self, beat: Beat, fewest: usize) -> bool {
+        let is_bent = |bend: &f64| bend * bend > OF_ROUNDING * self.rounding.max(f64::MIN_POSITIVE);
+        let clear = KNOWN_TO..1.0 - KNOWN_TO;
+        let pairs: Vec<[f64; 2]> = self
+            .beats(beat)
+            .filter(|k| clear.contains(&(beat.at(*k) - beat.at(*k).floor())))
+            .filter_map(|k| self.beside(beat.at(k)))
+            .map(|(_, pair)| pair)
+            .filter(|pair| pair.iter().all(is_bent))
+            .collect();
+        let one_way = pairs.iter().filter(|[before, after]| before * after > 0.0).count();
+        one_way >= fewest && one_way as f64 >= SAME_WAY * pairs.len() as f64
+    }
+}
+
+/// The readings at these beats, each where the lines before and behind it meet.
+fn readings(pressure_pa: &[f64], beat: Beat) -> Vec<Reading> {
+    let last = pressure_pa.len() - 1;
+    let beats = beat.nearest(0.0) as i64..=beat.nearest(last as f64) as i64;
+    let reading = |k: i64| {
+        let at = beat.at(k as f64);
+        let row = at.ceil() as usize;
+        let lines = [k - 1, k].map(|k| line_at(pressure_pa, [k, k + 1].map(|k| beat.at(k as f64)), at));
+        let [sum, weight] = lines
+            .into_iter()
+            .flatten()
+            .fold([0.0; 2], |[sum, weight], (value, variance)| [sum + value / variance, weight + 1.0 / variance]);
+        let is_there = weight > 0.0 && !pressure_pa[row].is_nan();
+        is_there.then(|| Reading { row, at, pressure_pa: sum / weight })
+    };
+    beats.filter(|k| (0.0..=last as f64).contains(&beat.at(*k as f64))).filter_map(reading).collect()
+}
+
+/// What the line through the rows between two times has at a time, and the variance of that over a row's; none of fewer than two rows.
+fn line_at(pressure_pa: &[f64], [from, to]: [f64; 2], at: f64) -> Option<(f64, f64)> {
+    let end = ((to.floor() + 1.0).max(0.0) as usize).min(pressure_pa.len());
+    let rows = (from.ceil().max(0.0) as usize..end).filter(|row| !pressure_pa[*row].is_nan());
+    let rows: Vec<(f64, f64)> = rows.map(|row| (row as f64 - at, pressure_pa[row])).collect();
+    let (count, from_pa) = (rows.len() as f64, rows.first()?.1);
+    let [middle, mean] = [0, 1].map(|k| rows.iter().map(|(t, p)| [*t, p - from_pa][k]).sum::<f64>() / count);
+    let along: f64 = rows.iter().map(|(t, _)| (t - middle).powi(2)).sum();
+    let slope = rows.iter().map(|(t, p)| (t - middle) * (p - from_pa - mean)).sum::<f64>() / along;
+    (along > 0.0).then(|| (from_pa + mean - slope * middle, 1.0 / count + middle * middle / along))
+}
