@@ -1,7 +1,7 @@
 //! Readings that are held by a clock of the sensor's own: the value of each is shown from the first row after it on.
 //!
-//! Changes fall into a window of one row about a steady beat. What is newest in it was read right at its row; how old the others are
-//! when they first show follows from the beat.
+//! Changes fall into a window of one row about a steady beat. Between its ends they are new and a row old; how old each reading is when
+//! it first shows follows from the beat.
 
 use super::super::lattice;
 use super::beat::Beat;
@@ -13,8 +13,11 @@ use super::uneven::{Reading, Uneven};
 const BY_CHANCE: [f64; 2] = [-25.0, -8.0];
 /// The shortest period that shows, rows: at two every second row would change, whatever the beat.
 const SHORTEST: f64 = 2.03;
-/// Width of the window of the changes about a beat that is known to a tenth of a row, rows.
-const WINDOW: f64 = 1.1;
+/// Widths of the window of the changes about a beat, rows: of a steady one that is known to a tenth of a row, and of one that is not
+/// quite steady.
+const WINDOWS: [f64; 2] = [1.1, 1.6];
+/// So large a share of the changes must tell a beat.
+const TELLING: f64 = 0.2;
 
 /// The readout of these rows, those that are missing not a number; of a known period if there is one.
 pub fn held(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
@@ -29,7 +32,7 @@ pub fn held(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
         None if longest > SHORTEST => Beat::of(&marks, SHORTEST..longest),
         None => Vec::new(),
     };
-    let kept = beats.into_iter().filter_map(|beat| Kept::of(&changes, pressure_pa, beat));
+    let kept = beats.into_iter().filter_map(|beat| Kept::of(&changes, pressure_pa, beat, like.is_some()));
     // Readings of the true period keep to a beat of two thirds of it, too, where that is four and a half rows.
     let shown = kept.filter(|kept| kept.chance <= BY_CHANCE[usize::from(like.is_some())]);
     let best = shown.max_by(|a, b| a.beat.period.total_cmp(&b.beat.period))?;
@@ -48,11 +51,11 @@ struct Kept {
 
 impl Kept {
     /// The changes as they keep to a beat; `None` where too many do not.
-    fn of(changes: &[usize], pressure_pa: &[f64], mut beat: Beat) -> Option<Self> {
+    fn of(changes: &[usize], pressure_pa: &[f64], mut beat: Beat, is_known: bool) -> Option<Self> {
         const ROUNDS: usize = 3;
-        for _ in 0..ROUNDS {
+        for _ in 0..if is_known { 0 } else { ROUNDS } {
             let near = changes.iter().map(|row| *row as f64).map(|row| [beat.nearest(row), row, 1.0]);
-            let known: Vec<[f64; 3]> = near.filter(|[k, row, _]| (row - beat.at(*k)).abs() < WINDOW).collect();
+            let known: Vec<[f64; 3]> = near.filter(|[k, row, _]| (row - beat.at(*k)).abs() < WINDOWS[0]).collect();
             beat = beat.through(&known);
         }
         if beat.period < SHORTEST {
@@ -61,21 +64,35 @@ impl Kept {
         let late = |row: usize| row as f64 - beat.at(beat.nearest(row as f64));
         let mut lates: Vec<f64> = changes.iter().map(|row| late(*row)).collect();
         lates.sort_unstable_by(f64::total_cmp);
-        let in_window = |first: usize| lates.partition_point(|late| *late < lates[first] + WINDOW) - first;
-        // Of windows that have as many, the first: the newest change in it is right at its beat.
-        let first = (0..lates.len()).max_by_key(|first| (in_window(*first), lates.len() - first))?;
-        let (newest, on_beat) = (lates[first], in_window(first));
-        let off = changes.len() - on_beat;
-        if off as f64 > DISTURBED * changes.len() as f64 {
+        let within = |width: f64| {
+            let count = |first: usize| lates.partition_point(|late| *late < lates[first] + width) - first;
+            let first = (0..lates.len()).max_by_key(|first| (count(*first), lates.len() - first))?;
+            let off = (changes.len() - count(first)) as f64;
+            (off <= DISTURBED * changes.len() as f64).then_some((lates[first], width, off))
+        };
+        let (newest, width, off) = WINDOWS.into_iter().find_map(within)?;
+        let window = newest..newest + width;
+        let known = changes.iter().filter(|row| window.contains(&late(**row)));
+        let known: Vec<(f64, usize)> = known.map(|row| (beat.nearest(*row as f64), *row)).collect();
+        // A few come a little farther from the beat; of two changes at a beat that which is nearer shows its reading.
+        let off_middle = |row: usize| (late(row) - newest - 0.5 * width).abs();
+        let mut shown: Vec<(f64, usize)> = Vec::new();
+        for row in changes.iter().copied().filter(|row| off_middle(*row) < 0.5 * WINDOWS[1]) {
+            let k = beat.nearest(row as f64);
+            match shown.last_mut().filter(|(of, _)| *of == k) {
+                Some((_, other)) if off_middle(row) < off_middle(*other) => *other = row,
+                Some(_) => (),
+                None => shown.push((k, row)),
+            }
+        }
+        let telling = telling(&shown, pressure_pa);
+        if (telling as f64) < TELLING * shown.len() as f64 {
             return None;
         }
-        let window = newest..newest + WINDOW;
-        let on = changes.iter().filter(|row| window.contains(&late(**row)));
-        let mut shown: Vec<(f64, usize)> = on.map(|row| (beat.nearest(*row as f64), *row)).collect();
-        shown.dedup_by_key(|(k, _)| *k);
-        beat.first += newest;
-        let chance = ways(off as f64, changes.len() as f64)
-            - (telling(&shown, pressure_pa) as f64 - 3.0) * (beat.period / WINDOW).ln();
+        let chance = ways(off, changes.len() as f64) - (telling as f64 - 3.0) * (beat.period / width).ln();
+        let taken = when_taken(&known, beat.period, is_known);
+        // A clock that is not quite steady takes its readings half a row before they show in the mean.
+        let beat = taken.unwrap_or(Beat { first: beat.first - 0.5, ..beat });
         Some(Self { beat, shown, chance })
     }
 
@@ -111,8 +128,39 @@ impl Kept {
     }
 }
 
+/// The beat at which readings that show in these rows were taken, each less than a row before: of all periods for which there is such
+/// a beat that in which their ages differ least. What is left open of the ages is shared out, unless it is so much that there are but a
+/// few different ones: then one clock drives sensor and rows, and the newest was taken right at its row.
+fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Beat> {
+    const ROUNDS: usize = 60;
+    /// Rows; a little more than one, for what a known period is wrong by.
+    const MOST: f64 = 1.02;
+    /// Rows; five different ages.
+    const ONE_CLOCK: f64 = 0.19;
+    let ages = |period: f64| {
+        let taken = shown.iter().map(|(k, row)| *row as f64 - k * period);
+        taken.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], t| [least.min(t), most.max(t)])
+    };
+    let differ = |period: f64| {
+        let [newest, oldest] = ages(period);
+        oldest - newest
+    };
+    // They differ by a convex function of the period.
+    let reach = if is_known { 0.0 } else { 2.0 / (shown.last()?.0 - shown.first()?.0) };
+    let [mut low, mut high] = [period - reach, period + reach];
+    for _ in 0..ROUNDS {
+        let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+        if differ(a) < differ(b) { high = b } else { low = a }
+    }
+    let period = 0.5 * (low + high);
+    let [newest, oldest] = ages(period);
+    let open = 1.0 - (oldest - newest);
+    let first = if open < ONE_CLOCK { newest - 0.5 * open } else { newest };
+    (differ(period) < MOST).then_some(Beat { first, period })
+}
+
 /// How many of these changes tell a beat. Steps of a sensor that is read in every row come at even distances, too, where the pressure
-/// goes on steadily: a change of a single step tells nothing where it comes as many beats after the last one as that after the one
+/// goes on steadily: a change of a single step tells nothing where it comes as many rows after the last one as that after the one
 /// before.
 fn telling(shown: &[(f64, usize)], pressure_pa: &[f64]) -> usize {
     /// Less than two steps is one.
@@ -121,8 +169,25 @@ fn telling(shown: &[(f64, usize)], pressure_pa: &[f64]) -> usize {
     const NOTHING: f64 = 1e-9;
     let step_pa = lattice::of_changes(pressure_pa, NOTHING);
     let tells = |w: &&[(f64, usize)]| {
-        let [a, b, (k, row)] = [w[0], w[1], w[2]];
-        (pressure_pa[row] - pressure_pa[row - 1]).abs() > ONE * step_pa || k - b.0 != b.0 - a.0
+        let [before, last, row] = [w[0].1, w[1].1, w[2].1];
+        (pressure_pa[row] - pressure_pa[row - 1]).abs() > ONE * step_pa || (row - last).abs_diff(last - before) > 1
     };
     shown.windows(3).filter(tells).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_clock_that_drives_sensor_and_rows_takes_its_newest_readings_right_at_their_rows() {
+        let shown = |beat: Beat| (0..40).map(f64::from).map(|k| (k, beat.at(k).ceil() as usize)).collect::<Vec<_>>();
+        let taken = |beat: Beat| when_taken(&shown(beat), beat.period + 0.003, false).unwrap();
+        let of_rows = taken(Beat { first: 0.0, period: 2.5 });
+        assert!((of_rows.period - 2.5).abs() < 1e-6 && of_rows.first.abs() < 1e-6, "{of_rows:?}");
+        // What many different ages leave open is shared out.
+        let own = Beat { first: 0.31, period: 4.0713 };
+        let found = taken(own);
+        assert!([0.0, 20.0, 39.0].iter().all(|k| (found.at(*k) - own.at(*k)).abs() < 0.05), "{found:?}");
+    }
 }

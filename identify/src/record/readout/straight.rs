@@ -9,8 +9,8 @@ use super::even::{Between, FEWEST_READINGS, LONGEST};
 use super::uneven::{Reading, Uneven};
 use records::median;
 
-/// The shortest period, rows: two rows show a line.
-const SHORTEST: f64 = 2.05;
+/// The shortest period, rows: two rows show a line, and some must lie between two that do not bend by a reading.
+const SHORTEST: f64 = 2.2;
 /// Squares of bends that rounding hardly makes, over their usual size.
 const OF_ROUNDING: f64 = 4.0;
 /// Share of the readings whose two bends go the same way, a sensor that changes by a step bends to and fro, ...
