@@ -167,10 +167,14 @@ impl<'a> Columns<'a> {
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, row_s, motion, readout })
     }
 
-    /// Sets each reading that was not taken right at a row to its own time. The stroke goes through the rows' times already.
+    /// Sets each reading that was not taken right at a row to its own time. The stroke goes through the rows' times already, which
+    /// are not those of positions that come in the same messages.
     fn take_readings(&mut self, readout: &Readout) {
-        if let Some((time_s, pressure_pa)) = readout.taken(&self.time_s, &self.pressure_pa) {
-            (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
+        let Some((time_s, pressure_pa)) = readout.taken(&self.time_s, &self.pressure_pa) else { return };
+        (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
+        let rows: Vec<usize> = readout.by_own_clock.iter().map(|taken| taken.row).collect();
+        if self.positions.change_in(&rows, &self.trace.position_m) {
+            self.motion = gaps::motion(&self.time_s, &self.trace.position_m, self.positions);
         }
     }
 
@@ -299,4 +303,33 @@ fn initial_pressure(pressure_pa: &[f64], motion: &Motion, readout: &Readout) -> 
     };
     let data: Vec<f64> = (0..rows).filter(|&i| readout.is_data(i)).map(|i| pressure_pa[i]).collect();
     if data.is_empty() { pressure_pa[0] } else { data.iter().sum::<f64>() / data.len() as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::adequacy;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn pressures_and_positions_of_one_message_in_few_rows_were_read_together() {
+        // In so many fine rows comes a message, and a row of the record.
+        const MESSAGE: usize = 37;
+        const ROW: usize = 10;
+        let mut rig = Recipe { repeats: 1, rate_hz: 5000.0, ..Recipe::from_seed(5) }.rig();
+        for trace in rig.experiments.iter_mut().flat_map(|experiment| &mut experiment.traces) {
+            let messages: Vec<usize> =
+                (0..trace.time_s.len()).step_by(ROW).map(|row| row / MESSAGE * MESSAGE).collect();
+            let held = |column: &[f64]| messages.iter().map(|row| column[*row]).collect::<Vec<f64>>();
+            trace.pressure_pa = trace.pressure_pa.as_deref().map(held);
+            trace.position_m = held(&trace.position_m);
+            trace.ambient_temperature_k = trace.ambient_temperature_k.as_deref().map(held);
+            trace.time_s = trace.time_s.iter().copied().step_by(ROW).collect();
+        }
+        let (data, paper) = baseline::fitted(Data::prepare(&rig).unwrap()).unwrap();
+        assert!(data.traces.iter().all(|t| !t.readout.by_own_clock.is_empty()));
+        let judged = adequacy::test(&data, &paper);
+        assert!(judged.is_noise, "{judged:?}");
+    }
 }

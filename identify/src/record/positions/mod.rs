@@ -68,6 +68,16 @@ impl Positions {
         self.between == Between::Nothing && self.outliers.is_empty()
     }
 
+    /// Whether they are held and change in these rows, ascending, and hardly ever in others: a message brings them with something else.
+    pub fn change_in(&self, rows: &[usize], position_m: &[f64]) -> bool {
+        /// Share of the changes.
+        const NEARLY_ALL: f64 = 0.9;
+        let changes = self.rows.windows(2).filter(|w| position_m[w[0]] != position_m[w[1]]).map(|w| w[1]);
+        let (all, there) =
+            changes.fold((0, 0), |(all, there), row| (all + 1, there + usize::from(rows.binary_search(&row).is_ok())));
+        self.between == Between::Held && there as f64 > NEARLY_ALL * all as f64
+    }
+
     /// Rows from one reading to the next in the mean; 1 where every row is read.
     pub fn rows_per_reading(&self) -> usize {
         match (self.between, self.rows.as_slice()) {
