@@ -164,7 +164,7 @@ fn tolerances_that_a_rig_leaves_out_follow_from_the_rest() {
         position_linearity: 2e-4,
         position_offset_m: 0.5e-3,
         ambient_temperature_k: 5.0,
-        heat_capacity_ratio: 0.0,
+        heat_capacity_ratio: 5e-4,
     };
     assert_eq!((unstated.tolerance, unstated.accuracy_pa), (default, None));
     let stated = parse("[cylinder]\nbore_m = 0.04\n[ambient]\ntemperature_k = 293\n").unwrap().rig;

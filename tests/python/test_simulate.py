@@ -184,7 +184,7 @@ def test_a_predictive_band_covers_left_out_records_at_its_level(tmp_path, pneuth
         moves = [(0.3, 0.4, far, near, "cosine"), (1.5, 0.3, near, (far + near) / 2, "quintic")]
         rigs.save(folder / "left_out.csv", rigs.trace(rig, moves, 2.5e5, 1.8 + hold))
         # What these rigs state is exact; with tolerances the band would be that of all rigs that could be meant.
-        exact = "[tolerance]\nbore_m = 1e-9\nposition_scale = 1e-9\nposition_offset_m = 1e-9\nambient_temperature_k = 1e-3\n"
+        exact = "[tolerance]\nbore_m = 1e-9\nposition_scale = 1e-9\nposition_offset_m = 1e-9\nambient_temperature_k = 1e-3\nheat_capacity_ratio = 1e-9\n"
         (folder / "rig.toml").write_text(exact + (folder / "rig.toml").read_text())
         pneutherm("identify", folder, "-o", folder / "model.toml")
         measured = columns(folder / "left_out.csv")["pressure_pa"]
