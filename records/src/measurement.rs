@@ -13,7 +13,8 @@ const POSITION_SCALE: f64 = 0.005;
 const POSITION_LINEARITY: f64 = 2e-4;
 /// Default standard deviation of the position's zero, m.
 const POSITION_OFFSET_M: f64 = 0.5e-3;
-/// Dry air's ratio is 0.07 % above that of air of half the humidity it can take, which is 1.4 of these.
+/// Default standard deviation of the gas's heat capacity ratio, as a share of it: dry air's is 0.07 % above that of air of half the
+/// humidity it can take.
 const HEAT_CAPACITY_RATIO: f64 = 0.0005;
 /// Default standard deviation of an ambient temperature that is stated or recorded, K.
 const STATED_TEMPERATURE_K: f64 = 2.0;

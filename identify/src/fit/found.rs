@@ -35,6 +35,8 @@ pub struct Fit {
     pub linear: Vec<Linear>,
     /// Normal matrix of the rig's free and stated numbers, priors included, with the records' own eliminated.
     pub information: DMatrix<f64>,
+    /// What the records ask of those numbers: the right-hand side beside that matrix.
+    pub asked: DVector<f64>,
     /// Free numbers of the rig that ended at a bound.
     pub at_bound: Vec<bool>,
     /// Numbers of the linearised problem, free or stated, that may move to where the records ask for them: not one at a bound, nor
@@ -124,11 +126,15 @@ impl Fit {
     /// The same fit where the gas's heat capacity ratio, too, moves within its tolerance: for what is judged without a choice
     /// between effects.
     pub fn in_uncertain_gas(&self) -> Self {
-        let mut fit = self.clone();
-        let Some(gas) = self.place_of_gas() else { return fit };
-        fit.adapts[gas] = true;
+        let mut fit = Self { adapts: self.adapts_with(self.place_of_gas()), ..self.clone() };
         fit.move_within_tolerances();
         fit
+    }
+
+    /// [`Fit::marginal`] of [`Fit::in_uncertain_gas`].
+    pub fn marginal_in_uncertain_gas(&self) -> f64 {
+        let mut adapts = self.adapts_with(self.place_of_gas());
+        self.credible_move(&mut adapts).map_or(self.marginal, |(gain, _)| self.without(gain))
     }
 
     /// Where the gas's heat capacity ratio stands in the linearised problem.
@@ -137,28 +143,31 @@ impl Fit {
         Some(self.rig.len() + place)
     }
 
+    /// [`Fit::adapts`] with the number at a place.
+    fn adapts_with(&self, place: Option<usize>) -> Vec<bool> {
+        self.adapts.iter().enumerate().map(|(k, adapts)| *adapts || Some(k) == place).collect()
+    }
+
+    /// Σ of squares that a move leaves which takes so much away.
+    fn without(&self, gain: f64) -> f64 {
+        (self.chi2 - gain).max(0.0)
+    }
+
     /// Takes the stated numbers that adapt to where the records ask for them, within their tolerances.
     pub(super) fn move_within_tolerances(&mut self) {
-        let (free, all) = (self.rig.len(), self.rig.len() + self.hypothesis.stated.len());
-        let Some((mut matrix, right)) = System::new(&self.linear, all).reduced(0.0) else { return };
-        for k in free..all {
-            matrix[(k, k)] += 1.0;
+        let mut adapts = std::mem::take(&mut self.adapts);
+        if let Some((gain, x)) = self.credible_move(&mut adapts) {
+            let (follow, moved) = x.split_at(self.rig.len());
+            (self.marginal, self.moved, self.follow) = (self.without(gain), moved.to_vec(), follow.to_vec());
         }
-        if let Some((gain, x)) = credible_move(&matrix, &right, &self.hypothesis, &mut self.adapts) {
-            self.marginal = (self.chi2 - gain).max(0.0);
-            self.moved = x[free..].to_vec();
-            self.follow = x[..free].to_vec();
-        }
-        self.information = matrix;
+        self.adapts = adapts;
     }
 
     /// [`Fit::marginal`] with the geometry's and the temperatures' tolerances so many times as wide, and the gas within its own.
     pub fn marginal_widened(&self, factor: f64) -> f64 {
         let gas = self.place_of_gas();
-        let mut adapts = self.adapts.clone();
-        gas.into_iter().for_each(|place| adapts[place] = true);
         let widened = |place| if Some(place) == gas { 1.0 } else { factor };
-        self.best_widened(widened, &adapts).map_or(self.chi2, |(left, _)| left)
+        self.best_widened(widened, &self.adapts_with(gas)).map_or(self.chi2, |(left, _)| left)
     }
 
     /// [`Fit::marginal`] where positions may lie off a straight line so many times as far as stated, and how far they then do, in
@@ -181,7 +190,30 @@ impl Fit {
             matrix[(k, k)] += 1.0 / (widened(k) * widened(k));
         }
         let (gain, x) = best_move(&matrix, &right, adapts)?;
-        Some(((self.chi2 - gain).max(0.0), x))
+        Some((self.without(gain), x))
+    }
+
+    /// The best move, where the waves of a position sensor are believed up to [`policy::TOLERANCES`]: what asks for more has another
+    /// cause. Up to one tolerance beyond they have that much less of a tolerance, and from there on none of them adapts: were they
+    /// believed at once or not, any number that brings one below the limit would gain all that the waves do.
+    fn credible_move(&self, adapts: &mut [bool]) -> Option<(f64, Vec<f64>)> {
+        /// In tolerances.
+        const FADES_WITHIN: f64 = 1.0;
+        let best = best_move(&self.information, &self.asked, adapts)?;
+        let waves = waves(&self.hypothesis);
+        let belief = (policy::TOLERANCES - farthest(&waves, &best.1)) / FADES_WITHIN + 1.0;
+        if belief >= 1.0 {
+            return Some(best);
+        }
+        let mut matrix = self.information.clone();
+        for place in waves {
+            if belief > 0.0 {
+                matrix[(place, place)] += 1.0 / (belief * belief) - 1.0;
+            } else {
+                adapts[place] = false;
+            }
+        }
+        best_move(&matrix, &self.asked, adapts)
     }
 
     /// Number of free parameters beyond those that every record has.
@@ -189,34 +221,6 @@ impl Fit {
         let takes_part = |k: &usize| self.linear[*k].blocks > 0;
         self.hypothesis.freedom((0..self.own.len()).filter(takes_part))
     }
-}
-
-/// The best move, where the waves of a position sensor are believed up to [`policy::TOLERANCES`]: what asks for more has another
-/// cause. Up to one tolerance beyond they have that much less of a tolerance, and from there on none of them adapts: were they believed
-/// at once or not, any number that brings one below the limit would gain all that the waves do.
-fn credible_move(
-    matrix: &DMatrix<f64>,
-    right: &DVector<f64>,
-    hypothesis: &Hypothesis,
-    adapts: &mut [bool],
-) -> Option<(f64, Vec<f64>)> {
-    /// In tolerances.
-    const FADES_WITHIN: f64 = 1.0;
-    let best = best_move(matrix, right, adapts)?;
-    let waves = waves(hypothesis);
-    let belief = (policy::TOLERANCES - farthest(&waves, &best.1)) / FADES_WITHIN + 1.0;
-    if belief >= 1.0 {
-        return Some(best);
-    }
-    let mut matrix = matrix.clone();
-    for place in waves {
-        if belief > 0.0 {
-            matrix[(place, place)] += 1.0 / (belief * belief) - 1.0;
-        } else {
-            adapts[place] = false;
-        }
-    }
-    best_move(&matrix, right, adapts)
 }
 
 /// Places of the waves of a position sensor in the linearised problem.

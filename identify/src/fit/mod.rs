@@ -24,7 +24,7 @@ pub use descent::{Descent, Until, descend};
 pub use found::Fit;
 pub use linear::{Failure, Linear, Linearised, Selection, all_blocks, mean, points, readings, run};
 use linear::{linearise, linearise_in_all, total};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Fits a hypothesis to the selected blocks, beginning from coordinates; where it does not converge, once more from where it
 /// stopped.
@@ -84,6 +84,12 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
     let mut adapts: Vec<bool> = at_bound.iter().map(|is_at_bound| !is_at_bound).collect();
     adapts.extend(hypothesis.stated.iter().map(|axis| axis.slot.adapts_in_a_choice()));
+    let normal = System::new(&linear, free + stated).reduced(0.0).map(|(mut matrix, asked)| {
+        (free..free + stated).for_each(|k| matrix[(k, k)] += 1.0);
+        (matrix, asked)
+    });
+    let (information, asked) =
+        normal.unwrap_or_else(|| (DMatrix::zeros(free + stated, free + stated), DVector::zeros(free + stated)));
     let mut fit = Fit {
         hypothesis: hypothesis.clone(),
         chi2,
@@ -92,7 +98,8 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         follow: vec![0.0; free],
         smoothed: smoothed(data, &hypothesis.model),
         blocks: linear.iter().map(|l| l.blocks).sum(),
-        information: DMatrix::zeros(free + stated, free + stated),
+        information,
+        asked,
         ambient_scatter: ambient_scatter(data, hypothesis, &own),
         rig,
         own,

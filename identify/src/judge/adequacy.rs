@@ -61,7 +61,7 @@ fn squares_deviations(data: &Data, fit: &Fit, squares: f64) -> f64 {
 
 /// Whether the sum of a fit's squares is no more than that of noise: the part of the test that costs nothing.
 pub fn has_squares_of_noise(data: &Data, fit: &Fit) -> bool {
-    are_squares_of_noise(data, fit, fit.in_uncertain_gas().marginal)
+    are_squares_of_noise(data, fit, fit.marginal_in_uncertain_gas())
 }
 
 /// Whether so many squares of a fit's whitened blocks are no more than those of noise.

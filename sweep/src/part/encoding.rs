@@ -2,10 +2,10 @@
 
 use crate::row::chunk::CHUNK;
 use crate::study::Study;
-use arrow::datatypes::{DataType, SchemaRef};
+use arrow::datatypes::{DataType, Schema, SchemaRef};
 use parquet::basic::{Compression, Encoding, ZstdLevel};
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder, WriterVersion};
 use parquet::schema::types::ColumnPath;
 use serde_json::{Map, Value, json};
 
@@ -34,27 +34,33 @@ pub fn properties(study: &Study, schema: &SchemaRef, extra: &[(&str, String)]) -
         ("seed", study.seed.to_string()),
     ];
     metadata.extend(extra.iter().cloned());
+    of_columns(schema, |name| is_discrete(study, name))
+        .set_created_by(format!("pneutherm {}", env!("CARGO_PKG_VERSION")))
+        .set_key_value_metadata(Some(metadata.into_iter().map(|(k, v)| KeyValue::new(k.to_owned(), v)).collect()))
+        .build()
+}
+
+/// How the columns of any such table are encoded, of which some may have few values.
+pub fn of_columns(schema: &Schema, is_discrete: impl Fn(&str) -> bool) -> WriterPropertiesBuilder {
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(zstd_level()))
-        .set_created_by(format!("pneutherm {}", env!("CARGO_PKG_VERSION")))
         .set_writer_version(WriterVersion::PARQUET_2_0)
         .set_max_row_group_row_count(Some(ROW_GROUP))
         .set_data_page_row_count_limit(PAGE)
         .set_write_batch_size(CHUNK as usize)
         .set_statistics_enabled(EnabledStatistics::Chunk)
-        .set_dictionary_enabled(false)
-        .set_key_value_metadata(Some(metadata.into_iter().map(|(k, v)| KeyValue::new(k.to_owned(), v)).collect()));
+        .set_dictionary_enabled(false);
     for field in schema.fields() {
         let path = ColumnPath::from(field.name().as_str());
         properties = match field.data_type() {
             DataType::Int64 => properties.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED),
-            DataType::Float64 if !is_discrete(study, field.name()) => {
+            DataType::Float64 if !is_discrete(field.name()) => {
                 properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT)
             }
             _ => properties.set_column_dictionary_enabled(path, true),
         };
     }
-    properties.build()
+    properties
 }
 
 /// Whether a column has few values, so that a dictionary serves it.

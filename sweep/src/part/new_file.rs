@@ -249,15 +249,12 @@ mod tests {
     use super::*;
     use crate::design::random::mix;
     use arrow::array::{DictionaryArray, Float64Array};
-    use arrow::datatypes::{DataType, Int32Type, Schema};
+    use arrow::datatypes::{Int32Type, Schema};
     use bytes::Bytes;
     use encoding::{PAGE, ROW_GROUP};
     use parquet::arrow::ArrowWriter;
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-    use parquet::basic::Compression;
     use parquet::file::metadata::ParquetMetaDataReader;
-    use parquet::file::properties::{EnabledStatistics, WriterVersion};
-    use parquet::schema::types::ColumnPath;
 
     /// Doubles, doubles of which some are null, and texts; with so many different texts.
     fn table(rows: usize, is_null: impl Fn(usize) -> bool, texts: usize) -> RecordBatch {
@@ -282,23 +279,6 @@ mod tests {
         RecordBatch::try_new(Arc::new(Schema::new(fields)), columns).unwrap()
     }
 
-    fn properties(schema: &Schema) -> WriterProperties {
-        let mut properties = WriterProperties::builder()
-            .set_compression(Compression::ZSTD(encoding::zstd_level()))
-            .set_writer_version(WriterVersion::PARQUET_2_0)
-            .set_max_row_group_row_count(Some(ROW_GROUP))
-            .set_data_page_row_count_limit(PAGE)
-            .set_write_batch_size(1 << 13)
-            .set_statistics_enabled(EnabledStatistics::Chunk);
-        for field in schema.fields().iter().filter(|field| *field.data_type() == DataType::Float64) {
-            let path = ColumnPath::from(field.name().as_str());
-            properties = properties
-                .set_column_dictionary_enabled(path.clone(), false)
-                .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
-        }
-        properties.build()
-    }
-
     #[test]
     fn columns_encoded_here_are_read_back_and_described_as_by_the_parquet_library() {
         let nulls: [fn(usize) -> bool; 4] =
@@ -306,10 +286,10 @@ mod tests {
         for (rows, texts) in [(1, 1), (9, 2), (PAGE, 1), (ROW_GROUP + PAGE + 13, 300)] {
             for is_null in nulls {
                 let batch = table(rows, is_null, texts);
+                let properties = || encoding::of_columns(&batch.schema(), |_| false).build();
                 let folder = tempfile::tempdir().unwrap();
                 let path = folder.path().join("file.parquet");
-                let mut file =
-                    NewFile::create(folder.path(), &path, batch.schema(), properties(&batch.schema())).unwrap();
+                let mut file = NewFile::create(folder.path(), &path, batch.schema(), properties()).unwrap();
                 for begin in (0..rows).step_by(5000) {
                     file.write(&batch.slice(begin, 5000.min(rows - begin))).unwrap();
                 }
@@ -324,8 +304,7 @@ mod tests {
                 }
                 assert_eq!(begin, rows);
                 let mut library = Vec::new();
-                let mut writer =
-                    ArrowWriter::try_new(&mut library, batch.schema(), Some(properties(&batch.schema()))).unwrap();
+                let mut writer = ArrowWriter::try_new(&mut library, batch.schema(), Some(properties())).unwrap();
                 writer.write(&batch).unwrap();
                 writer.close().unwrap();
                 let ours = ParquetMetaDataReader::new().parse_and_finish(&open()).unwrap();

@@ -6,7 +6,7 @@
 
 use super::super::lattice;
 use super::super::position_noise::{NOTHING_M, step};
-use super::super::readout::{Between, interpolated};
+use super::super::readout::{Between, changes, interpolated};
 use records::extremes;
 
 /// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
@@ -38,11 +38,6 @@ pub fn readings_at_every(period: usize, between: Between, position_m: &[f64]) ->
     let [first, _, ..] = marks[..] else { return None };
     let fit = marks.iter().all(|row| (row - first).is_multiple_of(period));
     fit.then(|| (between, (first % period..position_m.len()).step_by(period).collect()))
-}
-
-/// Rows whose position is another than that of the row before.
-fn changes(position_m: &[f64]) -> Vec<usize> {
-    (1..position_m.len()).filter(|&i| position_m[i] != position_m[i - 1]).collect()
 }
 
 /// The rows that a held readout was read in: no two rows in a row change.

@@ -25,9 +25,22 @@ const FINE: f64 = 8.0;
 /// So many beats are tried: where a reading lasts for many rows, those of half, a third, … of its period are nearly as strong.
 const TRIED: usize = 6;
 
+/// Natural logarithm of the probability with which marks in any rows keep to a beat, the best of all beats, by chance, and that of one
+/// whose period is known.
+pub const BY_CHANCE: [f64; 2] = [-25.0, -8.0];
+
 impl Beat {
-    /// The beats with such a period that these marks, ascending, may have, the strongest first.
-    pub fn of(marks: &[Mark], periods: Range<f64>) -> Vec<Self> {
+    /// The beats that these marks, ascending, may have: like a known period, or else with such a one.
+    pub fn candidates(marks: &[Mark], like: Option<f64>, periods: Range<f64>) -> Vec<Self> {
+        match like {
+            Some(period) => vec![Self::like(marks, period)],
+            None if periods.is_empty() => Vec::new(),
+            None => Self::of(marks, periods),
+        }
+    }
+
+    /// Those with such a period, the strongest first.
+    fn of(marks: &[Mark], periods: Range<f64>) -> Vec<Self> {
         let Some(mut part) = closest_together(marks) else { return Vec::new() };
         let step = 1.0 / (FINE * length(&marks[part.clone()]));
         let count = ((1.0 / periods.start - 1.0 / periods.end) / step).ceil() as usize;
@@ -54,7 +67,7 @@ impl Beat {
     }
 
     /// With a known period, as these marks have it.
-    pub fn like(marks: &[Mark], period: f64) -> Self {
+    fn like(marks: &[Mark], period: f64) -> Self {
         /// Two clocks agree to this share.
         const KNOWN_TO: f64 = 3e-4;
         let frequency = 1.0 / period;

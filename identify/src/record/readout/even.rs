@@ -52,9 +52,9 @@ impl Even {
     }
 }
 
-/// Rows whose pressure is another than that of the row before, where neither is missing.
-pub fn changes(pressure_pa: &[f64]) -> Vec<usize> {
-    (1..pressure_pa.len()).filter(|&i| (pressure_pa[i] - pressure_pa[i - 1]).abs() > 0.0).collect()
+/// Rows of a column that differ from the row before, where neither is missing.
+pub fn changes(column: &[f64]) -> Vec<usize> {
+    (1..column.len()).filter(|&i| (column[i] - column[i - 1]).abs() > 0.0).collect()
 }
 
 /// Changes fall on every k-th row only, but for few, although nearly every reading differs from the one before it.

@@ -4,13 +4,10 @@
 //! it first shows follows from the beat.
 
 use super::super::lattice;
-use super::beat::Beat;
+use super::beat::{BY_CHANCE, Beat, Mark};
 use super::even::{Between, DISTURBED, FEWEST_READINGS, LONGEST_HELD, changes, ways};
 use super::uneven::{Reading, Uneven};
 
-/// Natural logarithm of the probability with which changes on any rows keep to a beat, the best of all beats, by chance, and that
-/// of one whose period is known.
-const BY_CHANCE: [f64; 2] = [-25.0, -8.0];
 /// The shortest period that shows, rows: at two every second row would change, whatever the beat.
 const SHORTEST: f64 = 2.03;
 /// Widths of the window of the changes about a beat, rows: of a steady one that is known to a tenth of a row, and of one that is not
@@ -25,13 +22,9 @@ pub fn held(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
     if changes.len() < 3 || 2 * changes.len() > pressure_pa.len() {
         return None;
     }
-    let marks: Vec<(f64, f64)> = changes.iter().map(|row| (*row as f64, 1.0)).collect();
+    let marks: Vec<Mark> = changes.iter().map(|row| (*row as f64, 1.0)).collect();
     let longest = LONGEST_HELD.min(pressure_pa.len() / FEWEST_READINGS) as f64;
-    let beats = match like {
-        Some(period) => vec![Beat::like(&marks, period)],
-        None if longest > SHORTEST => Beat::of(&marks, SHORTEST..longest),
-        None => Vec::new(),
-    };
+    let beats = Beat::candidates(&marks, like, SHORTEST..longest);
     let kept = beats.into_iter().filter_map(|beat| Kept::of(&changes, pressure_pa, beat, like.is_some()));
     // Readings of the true period keep to a beat of two thirds of it, too, where that is four and a half rows.
     let shown = kept.filter(|kept| kept.chance <= BY_CHANCE[usize::from(like.is_some())]);

@@ -15,7 +15,7 @@ use even::{Even, FEWEST_READINGS, LONGEST, on_lines};
 use std::ops::Range;
 use uneven::Uneven;
 
-pub use even::{Between, interpolated};
+pub use even::{Between, changes, interpolated};
 
 /// A reading that was not taken right at a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,7 +154,7 @@ impl Readout {
         if !self.by_own_clock.is_empty() {
             return self.by_own_clock.binary_search_by_key(&row, |taken| taken.row).is_ok();
         }
-        let row = row + self.missing.partition_point(|before| *before <= row);
+        let row = on_grid(row, &self.missing);
         Even { between: self.between, period: self.period as usize, first: self.first }.is_reading(row)
     }
 
@@ -220,6 +220,12 @@ fn stated(pressure_pa: &[f64], row_s: f64, readout_hz: f64) -> Option<Found> {
     if drift > MOST_DRIFT { shown().or_else(at_rows) } else { at_rows().or_else(shown) }
 }
 
+/// The number of a row of the file among all rows, with those that are missing before it.
+#[inline]
+fn on_grid(row: usize, missing: &[usize]) -> usize {
+    row + missing.partition_point(|before| *before <= row)
+}
+
 /// A record's rows on the grid of their times, which a row that is left out leaves a gap in.
 struct Rows {
     row_s: f64,
@@ -257,8 +263,7 @@ impl Rows {
 
     /// The readout with these readings of rows of which those are missing.
     fn taken(&self, uneven: Uneven, missing: &[usize]) -> Readout {
-        let place = |row: usize| row + missing.partition_point(|before| *before <= row);
-        let places: Vec<usize> = (0..self.time_s.len()).map(place).collect();
+        let places: Vec<usize> = (0..self.time_s.len()).map(|row| on_grid(row, missing)).collect();
         let taken = |reading: &uneven::Reading| {
             let row = places.binary_search(&reading.row).ok()?;
             let before = row.saturating_sub(1);
@@ -278,7 +283,7 @@ impl Rows {
     fn all(&self) -> Vec<f64> {
         let mut all = vec![f64::NAN; self.pressure_pa.len() + self.missing.len()];
         for (row, p) in self.pressure_pa.iter().enumerate() {
-            all[row + self.missing.partition_point(|missing| *missing <= row)] = *p;
+            all[on_grid(row, &self.missing)] = *p;
         }
         all
     }

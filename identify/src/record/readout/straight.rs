@@ -4,10 +4,10 @@
 //! to how near it is to the reading: both together tell when it was. Its pressure is that of the lines there.
 
 use super::super::bends::{Bends, MOST_OF_USUAL};
-use super::beat::Beat;
+use super::beat::{BY_CHANCE, Beat, Mark};
 use super::even::{Between, FEWEST_READINGS, LONGEST};
 use super::uneven::{Reading, Uneven};
-use records::median;
+use records::{Line, median};
 
 /// The shortest period, rows: two rows show a line, and some must lie between two that do not bend by a reading.
 const SHORTEST: f64 = 2.2;
@@ -19,23 +19,17 @@ const SAME_WAY: f64 = 0.8;
 const FEWEST_PAIRS: [usize; 2] = [FEWEST_READINGS / 2, FEWEST_READINGS / 4];
 /// How well a beat is known, rows.
 const KNOWN_TO: f64 = 0.02;
-/// Natural logarithm of the probability that bends in any rows all lie beside readings, the best of all beats, by chance, and
-/// that of one whose period is known.
-const BY_CHANCE: [f64; 2] = [-25.0, -8.0];
 /// So many rows show that those between the readings lie on straight lines.
 const FEWEST_ROWS: usize = 10;
 
 /// The readout of these rows, those that are missing not a number; of a known period if there is one.
 pub fn interpolated(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
     let rows = Bent::of(pressure_pa);
+    if rows.marks.len() < FEWEST_PAIRS[1] {
+        return None;
+    }
     let longest = LONGEST.min(pressure_pa.len() / FEWEST_READINGS) as f64;
-    let beats = match like {
-        _ if rows.marks.len() < FEWEST_PAIRS[1] => Vec::new(),
-        Some(period) => vec![Beat::like(&rows.marks, period)],
-        None if longest > SHORTEST => Beat::of(&rows.marks, SHORTEST..longest),
-        None => Vec::new(),
-    };
-    let kept = beats
+    let kept = Beat::candidates(&rows.marks, like, SHORTEST..longest)
         .into_iter()
         .map(|beat| rows.refined(beat))
         .filter(|beat| rows.are_straight_between(*beat, like.is_some()));
@@ -51,7 +45,7 @@ struct Bent {
     /// Squares of those, the largest cut down.
     squares: Vec<f64>,
     /// Rows that bend by more than rounding makes them, and the square of their bends.
-    marks: Vec<(f64, f64)>,
+    marks: Vec<Mark>,
     /// Square of a bend that rounding makes.
     rounding: f64,
 }
@@ -168,10 +162,12 @@ fn readings(pressure_pa: &[f64], beat: Beat) -> Vec<Reading> {
 fn line_at(pressure_pa: &[f64], [from, to]: [f64; 2], at: f64) -> Option<(f64, f64)> {
     let end = ((to.floor() + 1.0).max(0.0) as usize).min(pressure_pa.len());
     let rows = (from.ceil().max(0.0) as usize..end).filter(|row| !pressure_pa[*row].is_nan());
-    let rows: Vec<(f64, f64)> = rows.map(|row| (row as f64 - at, pressure_pa[row])).collect();
-    let (count, from_pa) = (rows.len() as f64, rows.first()?.1);
-    let [middle, mean] = [0, 1].map(|k| rows.iter().map(|(t, p)| [*t, p - from_pa][k]).sum::<f64>() / count);
-    let along: f64 = rows.iter().map(|(t, _)| (t - middle).powi(2)).sum();
-    let slope = rows.iter().map(|(t, p)| (t - middle) * (p - from_pa - mean)).sum::<f64>() / along;
-    (along > 0.0).then(|| (from_pa + mean - slope * middle, 1.0 / count + middle * middle / along))
+    let from_pa = pressure_pa[rows.clone().next()?];
+    let (times, values): (Vec<f64>, Vec<f64>) = rows.map(|row| (row as f64 - at, pressure_pa[row] - from_pa)).unzip();
+    if times.len() < 2 {
+        return None;
+    }
+    let Line { middle_s: middle, mean, slope, .. } = Line::through(&times, &values);
+    let along: f64 = times.iter().map(|t| (t - middle).powi(2)).sum();
+    Some((from_pa + mean - slope * middle, 1.0 / times.len() as f64 + middle * middle / along))
 }

@@ -20,7 +20,7 @@ pub struct Uneven {
     pub between: Between,
     /// Rows from one reading to the next.
     pub period: f64,
-    /// The readings.
+    /// Each in a row of its own.
     pub readings: Vec<Reading>,
 }
 
@@ -171,9 +171,8 @@ mod tests {
             let long = Record::of(FINE, between, 8, 3000, |_| true);
             let short = Record::of(FINE, between, 9, 72, |_| true);
             assert!(!short.readout().is_slow());
-            let columns = |r: &'static Record| (&r.time_s[..], &r.pressure_pa[..]);
-            let [long, short]: [&'static Record; 2] = [Box::leak(Box::new(long)), Box::leak(Box::new(short))];
-            let both = Readout::of_logger(&[columns(long), columns(short)], None);
+            let [long, short_too] = [&long, &short].map(|r| (&r.time_s[..], &r.pressure_pa[..]));
+            let both = Readout::of_logger(&[long, short_too], None);
             assert_eq!(both[1].between, between);
             short.assert_read(&both[1], 0.9, [0.3, 1.0], "short");
         }
