@@ -105,6 +105,7 @@ pub fn run<const N: usize, T: OwnTest<N>>(
         if !test.goes_one_way(&problem.state) {
             problem.failure = Some(Failure::StepTooSmall);
         }
+        problem.state = test.at_rest(problem.state);
         pushed.push(Pushed { state: problem.state, energy: test.energy_of_push(problem.energy) });
         let length = duration - scenarios[*row as usize].push_time_s;
         (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);

@@ -1,7 +1,9 @@
 //! Many initial value problems, each over one smooth stretch of time: one a lane, each with its own steps, and a lane
-//! that is done takes the next problem.
+//! that is done takes the next problem. Steps are those of a Runge–Kutta pair ([`crate::step`]) or of the solution's own series
+//! ([`crate::expansion`]).
 
 use crate::corner;
+use crate::expansion::{ORDER, Stride};
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::Failure;
 use crate::step::{
@@ -266,7 +268,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
     watch: &mut W,
 ) {
     let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
-    if S::CHEAP {
+    if S::CHEAP && !S::BY_SERIES {
         begin::<N, S>(system, problems, relative);
     }
     let mut group: Group<N, S> = Group {
@@ -301,7 +303,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
         return run_in_turn::<N, FUSED, S, W>(group, problems, relative, watch);
     }
     loop {
-        group.through_memory().halt(problems);
+        group.through_memory().halt();
         if group.ended != 0 {
             group.refill(problems, &mut next, watch.kept() as u32);
         }
@@ -309,6 +311,10 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
             return;
         }
         let group = group.through_memory();
+        if S::BY_SERIES {
+            group.stride(relative, watch);
+            continue;
+        }
         let tried = group.planned();
         let (y, absolute) = (&group.y, (relative, &group.absolute));
         let step = attempt::<N, FUSED, S>(&group.system, group.t, tried, y, &group.moment, absolute);
@@ -331,7 +337,7 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
         if begins {
             group.load_to_begin(problems, begun);
         } else {
-            group.through_memory().halt(problems);
+            group.through_memory().halt();
             if group.ended != 0 {
                 group.refill(problems, &mut next, watch.kept() as u32);
             }
@@ -446,11 +452,16 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         black_box(self)
     }
 
-    /// Stores the solutions of lanes that are done and gives them the next problems.
+    /// Stores the solutions of lanes that have come to rest, failed where they are short of their end, and gives them the next
+    /// problems.
     #[inline(always)]
     fn refill(&mut self, problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
         while let Some(lane) = first(&mut self.ended) {
             if let Some(done) = problems.get_mut(self.owner[lane]) {
+                if self.t[lane] < self.length[lane] {
+                    let stuck = self.attempts[lane] < MAX_ATTEMPTS;
+                    done.failure = Some(if stuck { Failure::StepTooSmall } else { Failure::TooManySteps });
+                }
                 done.steps.to = kept;
                 for i in 0..N {
                     done.state[i] = self.y[i][lane];
@@ -472,21 +483,34 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
             self.system.load(lane, *next);
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];
-                self.moment.slope[i][lane] = problem.slope[i];
-                self.absolute[i][lane] = problem.absolute[i];
             }
-            for i in 0..2 {
-                self.moment.view.value[i][lane] = problem.view.value[i];
-                self.moment.view.slope[i][lane] = problem.view.slope[i];
-                self.moment.power[i][lane] = problem.power[i];
-                self.energy[i][lane] = 0.0;
+            for part in 0..2 {
+                self.energy[part][lane] = 0.0;
             }
             (self.t[lane], self.length[lane], self.longest[lane]) = (0.0, problem.length, problem.longest);
-            self.h[lane] = problem.first.min(problem.longest);
-            (self.attempts[lane], self.beyond[lane], self.since[lane]) = (0.0, 0.0, 0.0);
+            self.attempts[lane] = 0.0;
             self.owner[lane] = *next;
+            if !S::BY_SERIES {
+                self.begin(lane, problem);
+            }
             *next += 1;
         }
+    }
+
+    /// Puts into a lane what the pair's steps need of the start of its problem beside the states.
+    #[inline(always)]
+    fn begin(&mut self, lane: usize, problem: &Problem<N>) {
+        for i in 0..N {
+            self.moment.slope[i][lane] = problem.slope[i];
+            self.absolute[i][lane] = problem.absolute[i];
+        }
+        for i in 0..2 {
+            self.moment.view.value[i][lane] = problem.view.value[i];
+            self.moment.view.slope[i][lane] = problem.view.slope[i];
+            self.moment.power[i][lane] = problem.power[i];
+        }
+        self.h[lane] = problem.first.min(problem.longest);
+        (self.beyond[lane], self.since[lane]) = (0.0, 0.0);
     }
 
     /// Loads problems from `base` on into the lanes, to begin them.
@@ -573,26 +597,45 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         let h = h.min(self.longest);
         (self.t, self.h) = (t, h);
         self.attempts = self.attempts + 1.0;
-        self.going = (length - t).min(h - length * SMALLEST_SHARE).min(-self.attempts + MAX_ATTEMPTS);
+        self.rest_or_go();
     }
 
-    /// Marks lanes that have come to rest; those short of their end have failed.
+    /// Takes a step by the system's series, in every lane in which that has numbers.
     #[inline(always)]
-    fn halt(&mut self, problems: &mut [Problem<N>]) {
+    fn stride<W: Watch<N>>(&mut self, relative: f64, watch: &mut W) {
+        let expansion = self.system.expansion(&self.y);
+        let expansion = black_box(&expansion);
+        self.h = black_box(expansion.reach(relative)).min(self.longest);
+        let tried = black_box(self.planned());
+        let Stride { end, rise } = black_box(expansion.stride(tried));
+        let (t, length) = (self.t, self.length);
+        let received = tried * self.system.rates(t + tried, &end).power[0];
+        self.energy[0] +=
+            tried.where_positive(end[0] - self.y[0] - (rise - received) * (1.0 / ORDER as f64), Lanes::ZERO);
+        watch.see(&Tried { from: t, length: tried, begin: self.y, end, view: View::NONE, accepted: tried });
+        self.y = choose(tried, &end, &self.y);
+        let last = tried - (length - t) * NEARLY;
+        self.t = tried.where_positive(last.where_positive(length, t + tried), t);
+        self.attempts = self.attempts + 1.0;
+        self.rest_or_go();
+    }
+
+    /// Finds out which lanes have further to go, and may.
+    #[inline(always)]
+    fn rest_or_go(&mut self) {
+        let enough = self.h - self.length * SMALLEST_SHARE;
+        self.going = (self.length - self.t).min(enough).min(-self.attempts + MAX_ATTEMPTS);
+    }
+
+    /// Marks lanes that have come to rest.
+    #[inline(always)]
+    fn halt(&mut self) {
         let mut resting = 0;
         for lane in 0..WIDTH {
             // Not a number counts as at rest.
             let going = self.going[lane] > 0.0;
             resting |= u32::from(!going) << lane;
         }
-        resting &= !self.idle;
-        self.ended = resting;
-        while let Some(lane) = first(&mut resting) {
-            if self.t[lane] < self.length[lane] {
-                let stuck = self.attempts[lane] < MAX_ATTEMPTS;
-                let reason = if stuck { Failure::StepTooSmall } else { Failure::TooManySteps };
-                problems[self.owner[lane]].failure = Some(reason);
-            }
-        }
+        self.ended = resting & !self.idle;
     }
 }

@@ -8,7 +8,7 @@
 //! | sealed, without effects | the closed form (`exact_rows`), or where the integrator is asked for its one equation (`sealed`) |
 //! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
-//! | with a wall that warms only | its two equations (`walled`) |
+//! | with a wall that warms only | its two equations (`walled`), in the hold by their series (`expansion`) |
 //! | with a missing term that is a heat flow over the pressure | its one equation (`heated`) |
 //! | with one leak only, or with constant flows and at most one leak | its two equations (`flows`) |
 //! | with natural convection only, on one side of the wall's temperature | the push by two equations (`convective`, `convective_start`), the hold by a series (`convective_hold`) or as below |
@@ -42,6 +42,7 @@ mod course;
 mod elimination;
 mod exact_rows;
 mod exact_tests;
+mod expansion;
 mod filter;
 mod finish;
 mod fit;

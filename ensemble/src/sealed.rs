@@ -95,7 +95,12 @@ pub trait OwnTest<const N: usize>: Sized {
     fn energy_of_push(&self, integrated: [f64; 2]) -> [f64; 2] {
         integrated
     }
-    /// Whether a hold from these states goes one way, or may turn round as [`OwnTest::TURNS`] has it.
+    /// States of the hold by those that the push ends with.
+    #[inline]
+    fn at_rest(&self, pushed: [f64; N]) -> [f64; N] {
+        pushed
+    }
+    /// Whether a hold goes one way from where the push ends with these states, or may turn round as [`OwnTest::TURNS`] has it.
     fn goes_one_way(&self, states: &[f64; N]) -> bool;
     /// Whether a reading and a temperature that both fall when a hold begins are known to come to no peak behind it, by the states at
     /// its end.

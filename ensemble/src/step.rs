@@ -1,5 +1,6 @@
 //! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
 
+use crate::expansion::Expansion;
 use crate::lanes::{Lanes, each_lane};
 use crate::tableau::{A, C, E3, E5, STAGES};
 use chamber::real::Real;
@@ -73,9 +74,17 @@ pub trait LaneSystem<const N: usize> {
     const CHEAP: bool;
     /// Whether to compile it for machines without wide instructions, too.
     const ANYWHERE: bool = false;
+    /// Whether steps are taken by [`LaneSystem::expansion`], in the place of the pair.
+    const BY_SERIES: bool = false;
 
     /// The system at time `t`, s.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> Moment<N>;
+
+    /// The Taylor series of the states from `y` on.
+    #[inline(always)]
+    fn expansion(&self, _: &[Lanes; N]) -> Expansion<N> {
+        unreachable!("a system whose steps are taken by the pair")
+    }
 
     /// Puts states right that follow from others, at the end of a step over which they have gone a little astray.
     #[inline(always)]

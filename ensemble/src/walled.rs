@@ -6,17 +6,22 @@
 //!
 //! C_w  J/K  capacity of the wall that takes part; G  W/K  conductance from wall to surroundings. T in K, g in 1/s.
 //!
+//! While the piston rests the equations are dT/dt = k T (Tw − T) and dTw/dt = −r dT/dt + g (Tamb − Tw), k = c Aq/√V: steps go by
+//! their Taylor series ([`crate::expansion`]), of which each coefficient takes one product of series.
+//!
 //! While the piston rests T goes one way if, when it comes to rest, (T − Tw) (Tw − Tamb) is not negative: where T first met
 //! Tw, the wall would have to be on the other side of Tamb, from which neither the gas nor the surroundings push it there.
 
 use crate::advance::Loadable;
+use crate::expansion::Expansion;
 use crate::lanes::Lanes;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};
-use crate::step::{LaneSystem, Moment, View};
+use crate::step::{LaneSystem, Moment, View, multiply_add};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
+use core::hint::black_box;
 
 /// The effect on the gas, of those that there are, that such tests have.
 pub const EFFECTS: EffectSet = EffectSet::from_bits(crate::bit(NAME));
@@ -30,6 +35,8 @@ pub struct WalledTest {
     share: f64,
     /// g, 1/s.
     cooling: f64,
+    /// How fast small differences of temperature vanish, about, 1/s.
+    pace: f64,
 }
 
 /// C_w, J/K, and G, W/K.
@@ -51,7 +58,9 @@ impl OwnTest<2> for WalledTest {
     #[inline]
     fn new(s: &Scenario) -> Self {
         let (gas, [capacity, conductance]) = (Test::new(s), wall(s));
-        Self { gas, share: gas.capacity() / capacity, cooling: conductance / capacity }
+        let (share, cooling) = (gas.capacity() / capacity, conductance / capacity);
+        let pace = (gas.rate * (1.0 + share) + cooling).max(f64::MIN_POSITIVE);
+        Self { gas, share, cooling, pace }
     }
 
     #[inline]
@@ -70,12 +79,25 @@ impl OwnTest<2> for WalledTest {
         over_wall * over_ambient >= 0.0 && (over_wall != 0.0 || over_ambient == 0.0)
     }
 
+    /// T itself: its series takes one product of series, that of √T two.
+    #[inline]
+    fn at_rest(&self, [root, wall]: [f64; 2]) -> [f64; 2] {
+        [root * root, wall]
+    }
+
     fn moving(tests: &[Self]) -> Moving<'_> {
         Moving { tests, gas: sealed::Moving::NONE, share: Lanes::ZERO, cooling: Lanes::ZERO }
     }
 
     fn held(tests: &[Self]) -> Held<'_> {
-        Held { tests, gas: sealed::Held::NONE, share: Lanes::ZERO, cooling: Lanes::ZERO }
+        Held {
+            tests,
+            gas: sealed::Held::NONE,
+            share: Lanes::ZERO,
+            cooling: Lanes::ZERO,
+            pace: Lanes::ONE,
+            unit: Lanes::ONE,
+        }
     }
 }
 
@@ -115,7 +137,7 @@ impl LaneSystem<2> for Moving<'_> {
     }
 }
 
-/// Tests, one a lane, while their pistons rest.
+/// Tests, one a lane, while their pistons rest. The states are T and Tw.
 #[derive(Clone)]
 pub struct Held<'a> {
     tests: &'a [WalledTest],
@@ -123,6 +145,9 @@ pub struct Held<'a> {
     gas: sealed::Held<'static>,
     share: Lanes,
     cooling: Lanes,
+    /// How fast small differences of temperature vanish, about, 1/s, and one over that.
+    pace: Lanes,
+    unit: Lanes,
 }
 
 impl Loadable for Held<'_> {
@@ -132,49 +157,100 @@ impl Loadable for Held<'_> {
         self.gas.load_test(lane, &test.gas);
         self.share[lane] = test.share;
         self.cooling[lane] = test.cooling;
+        (self.pace[lane], self.unit[lane]) = (test.pace, 1.0 / test.pace);
+    }
+}
+
+/// Applies a macro to the powers from 1 on, each with those between it and 0, the middle ones first: what has just been found is
+/// waited for last.
+macro_rules! each_power {
+    ($apply:ident) => {
+        $apply! {
+            1: ; 2: 1; 3: 1 2; 4: 2 1 3; 5: 2 3 1 4; 6: 3 2 4 1 5; 7: 3 4 2 5 1 6; 8: 4 3 5 2 6 1 7; 9: 4 5 3 6 2 7 1 8;
+            10: 5 4 6 3 7 2 8 1 9; 11: 5 6 4 7 3 8 2 9 1 10;
+        }
+    };
+}
+
+impl Held<'_> {
+    /// Taylor coefficients of T and Tw in powers of the time over `unit`, s: each follows from those of lower powers,
+    ///
+    /// (j + 1) T_(j+1) = k u Σ T_i D_(j−i),  (j + 1) Tw_(j+1) = −r (j + 1) T_(j+1) − g u (Tw − Tamb)_j,  D = Tw − T
+    ///
+    /// In the sum that with i = j and that with i = 0 meet in T_j (D_0 − (1 + r) T_0), so that little waits for T_j.
+    // The last difference leads to no further term.
+    #[allow(unused_assignments)]
+    #[inline(always)]
+    fn terms<const M: usize>(&self, &[temperature, wall]: &[Lanes; 2], unit: Lanes) -> [[Lanes; M]; 2] {
+        let (exchange, cooling) = (self.gas.exchange * unit, self.cooling * unit);
+        // Of T, of Tw and of Tw − T.
+        let [mut gas, mut warm, mut warmer] = [[Lanes::ZERO; M]; 3];
+        (gas[0], warm[0], warmer[0]) = (temperature, wall, wall - temperature);
+        let both = self.share + 1.0;
+        let balance = warmer[0] - both * temperature;
+        let mut lost = (wall - self.gas.wall) * cooling;
+        let mut rise = temperature * warmer[0] * exchange;
+        macro_rules! next {
+            ($($power:literal: $($part:literal)*;)*) => {$(
+                if $power + 1 < M {
+                    gas[$power] = rise;
+                    warm[$power] = -multiply_add::<true>(self.share, rise, lost);
+                    warmer[$power] = -multiply_add::<true>(both, rise, lost);
+                    let mut heat = -(temperature * lost);
+                    $(heat = multiply_add::<true>(gas[$part], warmer[$power - $part], heat);)*
+                    heat = multiply_add::<true>(rise, balance, heat);
+                    let per_power = 1.0 / ($power + 1) as f64;
+                    rise = heat * (exchange * per_power);
+                    lost = warm[$power] * (cooling * per_power);
+                }
+            )*};
+        }
+        each_power!(next);
+        gas[M - 1] = rise;
+        warm[M - 1] = -multiply_add::<true>(self.share, rise, lost);
+        [gas, warm]
     }
 }
 
 impl LaneSystem<2> for Held<'_> {
     const CHEAP: bool = true;
+    const BY_SERIES: bool = true;
 
     #[inline(always)]
-    fn rates(&self, _: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {
-        let temperature = state * state;
-        let heat = self.gas.exchange * (wall - temperature);
-        let power = [temperature * heat, Lanes::ZERO];
-        let warming = self.cooling * (self.gas.wall - wall) - self.share * power[0];
+    fn rates(&self, _: Lanes, &[temperature, wall]: &[Lanes; 2]) -> Moment<2> {
+        let heat = temperature * (self.gas.exchange * (wall - temperature));
+        let warming = self.cooling * (self.gas.wall - wall) - self.share * heat;
         // The pressure is in proportion to the temperature.
-        let view = View { value: [temperature; 2], slope: [power[0]; 2] };
-        Moment { slope: [state * 0.5 * heat, warming], view, power }
+        let view = View { value: [temperature; 2], slope: [heat; 2] };
+        Moment { slope: [heat, warming], view, power: [heat, Lanes::ZERO] }
+    }
+
+    #[inline(always)]
+    fn expansion(&self, states: &[Lanes; 2]) -> Expansion<2> {
+        // The states are read anew, and the result passes through memory: else the compiler shares parts of both and computes lanes
+        // in odd groups.
+        let [temperature, wall] = black_box(states);
+        let decay = self.gas.exchange * ((self.share + 2.0) * *temperature - *wall) + self.cooling;
+        let decay = black_box(decay * self.unit);
+        let terms = self.terms(black_box(states), self.unit);
+        Expansion { terms, decay, unit: self.unit, per_unit: self.pace }
     }
 }
 
 impl Holding<2> for Held<'_> {
     #[inline(always)]
-    fn guess(&self, [state, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
-        self.gas.guess_from(state[0] * state[0], begin)
+    fn guess(&self, [states, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
+        self.gas.guess_from(states[0], begin)
     }
 
-    /// By the equations' recursion: each coefficient follows from those of lower powers.
     #[inline(always)]
-    fn series(&self, &[state, wall]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
-        let (exchange, cooling) = (self.gas.exchange * length, self.cooling * length);
-        let (mut gas, mut wall) =
-            ([state * state, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO], [wall, Lanes::ZERO, Lanes::ZERO]);
-        let mut lost = cooling * (self.gas.wall - wall[0]);
-        for order in 0..3 {
-            let mut heat = Lanes::ZERO;
-            for part in 0..=order {
-                heat += gas[part] * (wall[order - part] - gas[order - part]);
-            }
-            let (heat, per_order) = (exchange * heat, 1.0 / (order + 1) as f64);
-            gas[order + 1] = heat * per_order;
-            if order < 2 {
-                wall[order + 1] = (lost - self.share * heat) * per_order;
-                lost = -cooling * wall[order + 1];
-            }
-        }
+    fn reading<R: Real>(states: &[R; 2]) -> R {
+        states[0]
+    }
+
+    #[inline(always)]
+    fn series(&self, states: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
+        let [gas, _] = self.terms(states, length);
         gas
     }
 }

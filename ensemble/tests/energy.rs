@@ -41,6 +41,17 @@ fn error(s: &Scenario, o: &Outcome) -> f64 {
     wrong(o.temperature_final_k, last).max(wrong(o.pressure_peak_pa, closed.pressure(peak, end)))
 }
 
+/// Asserts that the energy error is as large as what outcomes are wrong by at each tolerance, and falls with it.
+fn assert_shows(name: &str, set: EffectSet, rows: &[Scenario], error: impl Fn(usize, &Outcome) -> f64) {
+    for (tolerance, most) in [(1e-4, 1e-3), (1e-7, 1e-6), (1e-10, 1e-9)] {
+        let outcomes = integrated(set, rows, tolerance);
+        let closure = outcomes.iter().map(|o| o.energy_error).fold(0.0, f64::max);
+        let error = outcomes.iter().enumerate().map(|(i, o)| error(i, o)).fold(0.0, f64::max);
+        println!("{name}, tolerance {tolerance:e}: closure {closure:.1e}, error {error:.1e}");
+        assert!(closure > 0.1 * error && closure < most, "{name}, {tolerance:e}: {closure:e} {error:e}");
+    }
+}
+
 #[test]
 fn the_energy_error_is_as_large_as_what_the_solution_is_wrong_by_and_falls_with_it() {
     let closed = sealed(128);
@@ -48,15 +59,24 @@ fn the_energy_error_is_as_large_as_what_the_solution_is_wrong_by_and_falls_with_
     let mut open = closed.clone();
     open.iter_mut().for_each(|s| s.mass_flow_in_kg_per_s = 1e-30);
     for (name, rows) in [("one equation", &closed), ("mass and energy", &open)] {
-        for (tolerance, most) in [(1e-4, 1e-3), (1e-7, 1e-6), (1e-10, 1e-9)] {
-            let outcomes = integrated(EffectSet::NONE, rows, tolerance);
-            let largest = |of: &dyn Fn(usize) -> f64| (0..rows.len()).map(of).fold(0.0, f64::max);
-            let closure = largest(&|i| outcomes[i].energy_error);
-            let error = largest(&|i| error(&rows[i], &outcomes[i]));
-            println!("{name}, tolerance {tolerance:e}: closure {closure:.1e}, error {error:.1e}");
-            assert!(closure > 0.1 * error && closure < most, "{name}, {tolerance:e}: {closure:e} {error:e}");
-        }
+        assert_shows(name, EffectSet::NONE, rows, |i, o| error(&rows[i], o));
     }
+}
+
+#[test]
+fn so_it_is_in_front_of_a_wall_that_warms() {
+    let (wall, _) = effects::find("wall_heating").unwrap();
+    let (mut rows, mut r) = (sealed(128), Numbers(8));
+    for s in &mut rows {
+        let parameters = [r.log_between(0.1, 100.0), r.log_between(0.01, 1.0)];
+        s.chamber.effects.of_mut(wall).copy_from_slice(&parameters);
+    }
+    let exact = integrated(EffectSet::one(wall), &rows, 1e-13);
+    let wrong = |found: f64, exact: f64| (found / exact - 1.0).abs();
+    assert_shows("a wall that warms", EffectSet::one(wall), &rows, |i, o| {
+        wrong(o.temperature_final_k, exact[i].temperature_final_k)
+            .max(wrong(o.pressure_peak_pa, exact[i].pressure_peak_pa))
+    });
 }
 
 #[test]
