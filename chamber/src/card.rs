@@ -70,6 +70,17 @@ pub enum ActsOn {
     RecordedStroke,
 }
 
+/// Where a diagnosis tries an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Tried {
+    /// From the first round on, by itself and beside others.
+    Always,
+    /// In later rounds, beside others: by itself it would imitate simpler effects.
+    BesideOthers,
+    /// Nowhere: it is in a model only where a user puts it there.
+    Never,
+}
+
 /// Whether the closed form of the sealed chamber (see [`exact`](crate::exact)) survives an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClosedForm {
@@ -128,6 +139,10 @@ pub enum Unit {
     WattPerKelvin,
     /// Sonic conductance of ISO 6358, m³/(s Pa).
     SonicConductance,
+    /// Speed, m/s.
+    MetrePerSecond,
+    /// Coefficient of a speed, s/m.
+    SecondPerMetre,
     /// (s/m)^0.8: coefficient of a speed to the power 0.8.
     SpeedPower,
     /// Area, m².
@@ -149,6 +164,8 @@ impl Unit {
             Unit::One | Unit::SpeedPower | Unit::OfTable => None,
             Unit::Second => Some("s"),
             Unit::Metre => Some("m"),
+            Unit::MetrePerSecond => Some("m_per_s"),
+            Unit::SecondPerMetre => Some("s_per_m"),
             Unit::CubicMetre => Some("m3"),
             Unit::Kelvin | Unit::KelvinDifference => Some("k"),
             Unit::Pascal | Unit::PascalDifference => Some("pa"),
@@ -169,6 +186,8 @@ impl Unit {
             Unit::One => "1",
             Unit::Second => "s",
             Unit::Metre => "m",
+            Unit::MetrePerSecond => "m/s",
+            Unit::SecondPerMetre => "s/m",
             Unit::CubicMetre => "m3",
             Unit::Kelvin | Unit::KelvinDifference => "K",
             Unit::Pascal | Unit::PascalDifference => "Pa",
@@ -300,8 +319,8 @@ pub struct Card {
     pub scope: Scope,
     /// Whether the closed form of the sealed chamber survives it.
     pub closed_form: ClosedForm,
-    /// Whether a diagnosis tries it by itself; another effect is in a model only where a user puts it there.
-    pub candidate: bool,
+    /// Where a diagnosis tries it.
+    pub tried: Tried,
     /// Its parameters. The effect is off when each is neutral.
     pub parameters: &'static [Parameter],
     /// Its own states.
@@ -313,6 +332,11 @@ pub struct Card {
 }
 
 impl Card {
+    /// Whether a diagnosis tries it at all.
+    pub const fn is_candidate(&self) -> bool {
+        !matches!(self.tried, Tried::Never)
+    }
+
     /// What most effects have in common: they change the gas, belong to the rig, have no state of their own, leave no
     /// closed form, and a diagnosis tries them.
     pub const DEFAULT: Card = Card {
@@ -324,7 +348,7 @@ impl Card {
         acts_on: ActsOn::Gas,
         scope: Scope::Rig,
         closed_form: ClosedForm::Lost,
-        candidate: true,
+        tried: Tried::Always,
         parameters: &[],
         states: &[],
         length: |_| 0,

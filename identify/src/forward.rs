@@ -191,6 +191,9 @@ const MOST_EVALUATIONS: (usize, usize) = (10_000, 60);
 /// The same for each step of a mesh that is taken again: numbers with which the model is that much stiffer lie too far away.
 const MOST_BY_MESH: usize = 60;
 
+/// Own states of a warming wall and of decaying turbulence, the first of all: common in tight gas.
+const OF_WALL_AND_TURBULENCE: usize = 2;
+
 /// One run of the model along a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a, R> {
@@ -245,8 +248,17 @@ impl<R: Scalar> Run<'_, R> {
         disturbance: &impl Disturbance<R>,
         on_step: impl FnMut(f64, R),
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
-        if self.course.mass_flow.is_none() && OfTightGas::suits(self.set) {
-            self.in_states::<OWN>(OfTightGas, times, mesh, disturbance, on_step)
+        let is_tight = self.course.mass_flow.is_none();
+        if is_tight && OfTightGas::<0>::suits(self.set) {
+            self.in_states::<OWN>(OfTightGas::<0>, times, mesh, disturbance, on_step)
+        } else if is_tight && OfTightGas::<OF_WALL_AND_TURBULENCE>::suits(self.set) {
+            self.in_states::<{ OWN + OF_WALL_AND_TURBULENCE }>(
+                OfTightGas::<OF_WALL_AND_TURBULENCE>,
+                times,
+                mesh,
+                disturbance,
+                on_step,
+            )
         } else if balance::moving_states(self.set.without(effects::of_sensor())) <= FEW_STATES {
             self.in_states::<FEW_STATES>(OfAnyGas::<FEW_OWN_STATES>, times, mesh, disturbance, on_step)
         } else {

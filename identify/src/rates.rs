@@ -23,26 +23,29 @@ impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfAnyGas<M> {
     }
 }
 
-/// Of gas that no effect and no flow lets in or out, with effects that have no own states: a fraction of the work.
+/// Of gas that no effect and no flow lets in or out, with the effects' first `M` own states: a fraction of the work.
 #[derive(Clone, Copy)]
-pub struct OfTightGas;
+pub struct OfTightGas<const M: usize>;
 
-impl OfTightGas {
+impl<const M: usize> OfTightGas<M> {
     /// Whether gas with the effects in `set` is such gas, where the record has no flow.
     pub fn suits(set: EffectSet) -> bool {
         let of_gas = set.without(effects::of_sensor()).without(effects::of_recorded_stroke());
-        effects::KEEP_THE_MASS.contains(of_gas) && effects::own_states_of(of_gas) == 0
+        effects::KEEP_THE_MASS.contains(of_gas) && effects::own_states_of(of_gas) <= M
     }
 }
 
-impl<R: Scalar> Balances<R, OWN> for OfTightGas {
+impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfTightGas<M> {
     #[inline(always)]
-    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; OWN]) -> [R; OWN] {
+    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
+        const { assert!(N == OWN + M) };
         let set = set.intersection(effects::KEEP_THE_MASS);
         let contents = balance.contents(boundary, state);
-        let (_, rates, []) = balance.evaluate_within(&Tight, set, boundary, &contents, &[]);
-        let mut out = [R::ZERO; OWN];
+        let own: [R; M] = core::array::from_fn(|i| state[OWN + i]);
+        let (_, rates, own) = balance.evaluate_within(&Tight, set, boundary, &contents, &own);
+        let mut out = [R::ZERO; N];
         out[ENERGY] = rates.energy;
+        out[OWN..].copy_from_slice(&own);
         out
     }
 }
@@ -112,14 +115,16 @@ mod tests {
         chamber.effects.of_mut(surface)[0] = 1e-3;
         let set: EffectSet =
             [convection, surface, effect("record_delay"), effect("position_averaging")].into_iter().collect();
-        assert!(OfTightGas::suits(set));
+        assert!(OfTightGas::<0>::suits(set));
         assert!(
-            ["leakage", "gas_zones", "tube_volume"].iter().all(|name| !OfTightGas::suits(EffectSet::one(effect(name))))
+            ["leakage", "gas_zones", "tube_volume"]
+                .iter()
+                .all(|name| !OfTightGas::<0>::suits(EffectSet::one(effect(name))))
         );
         let boundary = Boundary { velocity: -0.5, ..Boundary::closed(0.05, 293.0, 1.013e5) };
         let balance = Balance::of(chamber);
         let state = balance.state_at(EffectSet::ALL, &boundary, 8e5, 350.0);
-        let tight = OfTightGas.rates(set, &balance, &boundary, &core::array::from_fn(|i| state[i]));
+        let tight: [f64; OWN] = OfTightGas::<0>.rates(set, &balance, &boundary, &core::array::from_fn(|i| state[i]));
         let few: [f64; FEW_STATES] = core::array::from_fn(|i| state[i]);
         let any = OfAnyGas::<FEW_OWN_STATES>.rates(set, &balance, &boundary, &few);
         assert_eq!(tight, any[..OWN]);

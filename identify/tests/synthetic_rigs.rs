@@ -1,6 +1,6 @@
 //! The tracing on rigs that do not exist: other geometries and strengths than the labelled cases have.
 
-use chamber::card::ActsOn;
+use chamber::card::{ActsOn, Tried};
 use chamber::effects;
 use chamber::simulate::Start;
 use identify::fit::covariance;
@@ -22,8 +22,9 @@ fn is_told(found: &Found, effect: &str) -> bool {
 
 #[test]
 fn each_effect_of_the_list_is_named_on_a_rig_of_its_own() {
-    for (e, card) in effects::all().filter(|(_, card)| card.candidate) {
-        let plain = Recipe { repeats: 2, ..Recipe::from_seed(100 + e as u64) };
+    let by_themselves = effects::all().filter(|(_, card)| card.tried == Tried::Always);
+    for (seed, (e, card)) in (100..).zip(by_themselves) {
+        let plain = Recipe { repeats: 2, ..Recipe::from_seed(seed) };
         // What a record does to the stroke, or adds to the pressure, is no matter of the chamber.
         let mut recipe = if card.acts_on == ActsOn::RecordedStroke { plain } else { plain.with_strength(e, 1.0) };
         match card.name {
@@ -356,8 +357,25 @@ fn the_interval_of_a_leak_holds_the_truth_where_records_do_not_tell_its_critical
 }
 
 #[test]
+fn turbulence_that_decays_is_found_behind_the_effects_that_imitate_it_and_beside_others() {
+    let plain = Recipe { repeats: 2, ..Recipe::from_seed(43) }.with("decaying_turbulence", &[3.0, 0.3]);
+    let leak = plain.leak_of(1.0);
+    for (recipe, effects) in [
+        (plain.clone(), vec!["decaying_turbulence"]),
+        (plain.with("leakage", &[leak, 0.3]), vec!["leakage", "decaying_turbulence"]),
+    ] {
+        let found = traced(&recipe);
+        assert_eq!(found.verdict, Verdict::Explained);
+        assert_eq!(names(found.chosen.model.effects), effects);
+        let (turbulence, _) = chamber::effects::find("decaying_turbulence").unwrap();
+        let [coefficient, decay_s] = [0, 1].map(|k| found.chosen.fit.chamber().effects.of(turbulence)[k]);
+        assert!((coefficient / 3.0 - 1.0).abs() < 0.2 && (decay_s / 0.3 - 1.0).abs() < 0.2, "{coefficient} {decay_s}");
+    }
+}
+
+#[test]
 fn what_no_card_describes_is_never_called_explained() {
-    for outside in [Outside::FadingTurbulence(0.6, 0.4), Outside::Compliance(0.004), Outside::Hysteresis(600.0)] {
+    for outside in [Outside::FrictionHeat(0.05), Outside::Compliance(0.004), Outside::Hysteresis(600.0)] {
         let found = traced(&Recipe { repeats: 2, ..Recipe::from_seed(41) }.with_outside(outside));
         assert_ne!(found.verdict, Verdict::Explained, "{}: {:?}", outside.name(), names(found.chosen.model.effects));
     }
@@ -403,7 +421,7 @@ fn from_rest<'a>(recipe: &'a Recipe, data: &'a Data, relative_tolerance: f64) ->
 
 #[test]
 fn the_fit_s_forward_model_is_the_simulator_s() {
-    for (e, card) in effects::all().filter(|(_, card)| card.candidate) {
+    for (e, card) in effects::all().filter(|(_, card)| card.is_candidate()) {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(61) }.with_strength(e, 1.0);
         let data = Data::prepare(&recipe.rig()).unwrap();
         let t = &data.traces[1];

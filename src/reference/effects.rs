@@ -1,7 +1,7 @@
 //! The page of effects, from their cards.
 
 use super::{MADE, table};
-use chamber::card::{Card, ClosedForm, Kind, Prior, Unit};
+use chamber::card::{Card, ClosedForm, Kind, Prior, Tried, Unit};
 use chamber::{Gas, effects};
 use report::number::shortest;
 use std::fmt::Write;
@@ -39,7 +39,11 @@ fn section(card: &Card) -> String {
         ClosedForm::Filter => " A filter of the reading.",
         ClosedForm::Lost => "",
     };
-    let by_itself = if card.candidate { "" } else { " `diagnose` tries it only where no named effect fits." };
+    let by_itself = match card.tried {
+        Tried::Always => "",
+        Tried::BesideOthers => " `diagnose` tries it only beside other effects.",
+        Tried::Never => " `diagnose` tries it only where no named effect fits.",
+    };
     writeln!(
         text,
         "Balance: {}. Scope: {}.{closed_form}{by_itself} Source: {}.\n",

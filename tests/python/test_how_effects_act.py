@@ -56,6 +56,10 @@ EFFECTS = {
         {"coefficient": 2.0},
         {"compression": (-1, -1, -1, 0), "expansion": (1, 1, 1, 0), "below ambient": (1, 1, ANY, 0)},
     ),
+    "decaying_turbulence": (
+        {"coefficient_s_per_m": 2.0, "decay_time_s": 0.3},
+        {"compression": (ANY, -1, -1, ANY), "expansion": (ANY, 1, 1, ANY), "below ambient": (ANY, 1, ANY, ANY)},
+    ),
     "gas_zones": ({"mass_fraction": 0.3, "conductance_w_per_k": 0.05}, SLOWER),
     "tube_volume": ({"volume_m3": 2e-6}, {"compression": (-1, -1, -1, -1), "expansion": (1, 1, 1, 1), "below ambient": (1, 1, 1, 1)}),
     "dead_volume_surface": (

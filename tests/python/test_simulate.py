@@ -15,6 +15,7 @@ EFFECTS = {
     "pressure_exponent": {"pressure_exponent": {"pressure_exponent": 0.25, "temperature_exponent": 0.9}},
     "natural_convection": {"natural_convection": {"exponent": 0.25}},
     "forced_convection": {"forced_convection": {"coefficient": 4.0}},
+    "decaying_turbulence": {"decaying_turbulence": {"coefficient_s_per_m": 3.0, "decay_time_s": 0.2}},
     "gas_column_length": {"gas_column_length": {"exponent": -0.5, "reference_length_m": 0.07}},
     "gas_zones": {"gas_zones": {"mass_fraction": 0.25, "conductance_w_per_k": 0.03}},
     "tube_volume": {"tube_volume": {"volume_m3": 3e-6}},

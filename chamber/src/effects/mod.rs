@@ -296,6 +296,7 @@ effects![
     pressure_exponent::PressureExponent,
     natural_convection::NaturalConvection,
     forced_convection::ForcedConvection,
+    decaying_turbulence::DecayingTurbulence,
     gas_column_length::GasColumnLength,
     gas_zones::GasZones,
     tube_volume::TubeVolume,

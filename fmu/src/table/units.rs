@@ -35,6 +35,7 @@ pub const UNITS: &[Unit] = &[
     Unit { name: "s", base: Some(&[("s", 1)]), displays: &[display("ms", 1e3)] },
     Unit { name: "m", base: Some(&[("m", 1)]), displays: &[display("mm", 1e3), display("cm", 1e2)] },
     Unit { name: "m/s", base: Some(&[("m", 1), ("s", -1)]), displays: &[display("mm/s", 1e3)] },
+    Unit { name: "m/s2", base: Some(&[("m", 1), ("s", -2)]), displays: &[] },
     Unit { name: "m2", base: Some(&[("m", 2)]), displays: &[display("cm2", 1e4)] },
     Unit {
         name: "m3",
@@ -78,6 +79,7 @@ pub const UNITS: &[Unit] = &[
         base: Some(&[("kg", -1), ("m", 4), ("s", 1)]),
         displays: &[display("l/(s.bar)", 1e8), display("l/(min.bar)", 6e9)],
     },
+    Unit { name: "s/m", base: Some(&[("m", -1), ("s", 1)]), displays: &[] },
     Unit { name: "(s/m)0.8", base: None, displays: &[] },
     Unit { name: "m2.K/(W.s0.5)", base: None, displays: &[] },
 ];
@@ -120,6 +122,7 @@ quantities! {
     TIME = "Time", "s", Some("ms"), 1e-2, Some(0.0);
     LENGTH = "Length", "m", Some("mm"), 0.1, None;
     VELOCITY = "Velocity", "m/s", Some("mm/s"), 0.1, None;
+    ACCELERATION = "Acceleration", "m/s2", None, 1.0, None;
     AREA = "Area", "m2", Some("cm2"), 1e-2, None;
     VOLUME = "Volume", "m3", Some("cm3"), 1e-5, Some(0.0);
     PRESSURE = "AbsolutePressure", "Pa", Some("bar"), 1e5, Some(0.0);
@@ -144,6 +147,7 @@ quantities! {
     HEAT_TRANSFER = "CoefficientOfHeatTransfer", "W/(m2.K)", None, 30.0, Some(0.0);
     GAS_CONSTANT = "SpecificHeatCapacity", "J/(kg.K)", None, 300.0, Some(0.0);
     SONIC_CONDUCTANCE = "SonicConductance", "m3/(s.Pa)", Some("l/(s.bar)"), 1e-12, Some(0.0);
+    PER_SPEED = "InverseVelocity", "s/m", None, 1.0, Some(0.0);
     SPEED_POWER = "SpeedPower", "(s/m)0.8", None, 1.0, Some(0.0);
     INVERSE_EFFUSIVITY = "InverseEffusivity", "m2.K/(W.s0.5)", None, 1e-3, Some(0.0);
     TABLE_VALUE = "TableValue", "", None, 1.0, None;
@@ -179,6 +183,8 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
         card::Unit::JoulePerKelvin => &HEAT_CAPACITY,
         card::Unit::WattPerKelvin => &THERMAL_CONDUCTANCE,
         card::Unit::SonicConductance => &SONIC_CONDUCTANCE,
+        card::Unit::MetrePerSecond => &VELOCITY,
+        card::Unit::SecondPerMetre => &PER_SPEED,
         card::Unit::SpeedPower => &SPEED_POWER,
         card::Unit::InverseEffusivity => &INVERSE_EFFUSIVITY,
         card::Unit::OfTable => &TABLE_VALUE,
@@ -198,6 +204,7 @@ pub fn rate_of(quantity: &Quantity) -> &'static Quantity {
     match quantity.unit {
         "kg" => &MASS_FLOW,
         "m" => &VELOCITY,
+        "m/s" => &ACCELERATION,
         "J" => &POWER,
         "K" => &TEMPERATURE_RATE,
         "Pa" => &PRESSURE_RATE,

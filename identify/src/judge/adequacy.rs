@@ -88,7 +88,8 @@ impl Adequacy {
         self.is_noise || self.is_next_to_nothing(before_pa) || is_little
     }
 
-    fn is_next_to_nothing(&self, before_pa: f64) -> bool {
+    /// Whether what is left is next to nothing beside a systematic misfit of so many Pa before.
+    pub fn is_next_to_nothing(&self, before_pa: f64) -> bool {
         self.systematic_pa < NEXT_TO_NOTHING * before_pa
     }
 }

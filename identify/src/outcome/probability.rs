@@ -37,7 +37,7 @@ pub fn meaning(verdict: Verdict) -> &'static str {
 /// own: they hold it, and only say that records differ.
 pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
     // A curve is a description, no hypothesis with a name.
-    let has_name = |c: &&Candidate| c.model.effects.iter().all(|e| CARDS[e].candidate);
+    let has_name = |c: &&Candidate| c.model.effects.iter().all(|e| CARDS[e].is_candidate());
     let sets = found.tried.iter().chain([&found.baseline, &found.chosen]).filter(has_name);
     let best = sets.clone().map(|c| c.delta_bic).fold(f64::MIN, f64::max);
     let (mut sum, mut each) = (0.0, [0.0; COUNT]);

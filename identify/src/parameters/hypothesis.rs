@@ -288,14 +288,23 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
 fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2]) {
     let size = sizes.size_of(parameter.unit, parameter.typical);
     // A capacity is off at zero and without effect when large: only its logarithm is at home in a fit.
-    let logarithmic = parameter.unit == Unit::JoulePerKelvin;
-    let (low, mut high) = (*parameter.bounds.start(), *parameter.bounds.end());
-    if matches!(parameter.unit, Unit::WattPerKelvin) {
-        // Beyond this a conductance holds both its sides at one temperature, and only makes the model stiff.
-        high = high.min(300.0 * size);
+    if parameter.unit == Unit::JoulePerKelvin {
+        // From half the gas's own capacity to so much that nothing warms.
+        return (true, size, [-3.7, 9.0]);
     }
-    // From half the gas's own capacity to so much that nothing warms.
-    (logarithmic, size, if logarithmic { [-3.7, 9.0] } else { [low / size, high / size] })
+    let (low, mut high) = (*parameter.bounds.start(), *parameter.bounds.end());
+    if parameter.unit == Unit::Second && low > 0.0 {
+        // A time constant that cannot be zero; by more than rounding within what its card allows.
+        return (true, size, [(low / size).ln() + f64::EPSILON.sqrt(), (high / size).ln() - f64::EPSILON.sqrt()]);
+    }
+    match parameter.unit {
+        // Beyond this a conductance holds both its sides at one temperature, and only makes the model stiff.
+        Unit::WattPerKelvin => high = high.min(300.0 * size),
+        // Beyond this the bore's own area is nothing beside it, and only its product with λ0 counts.
+        Unit::SquareMetre => high = high.min(300.0 * size),
+        _ => {}
+    }
+    (false, size, [low / size, high / size])
 }
 
 /// The paper's model of a rig before anything is fitted.

@@ -69,6 +69,9 @@ impl Sizes {
             Unit::One | Unit::OfTable => typical.abs(),
             // Doubles the coefficient at the largest speed, whose power 0.8 forced convection goes by.
             Unit::SpeedPower => self.speed.powf(-0.8),
+            // The same.
+            Unit::SecondPerMetre => 1.0 / self.speed,
+            Unit::MetrePerSecond => self.speed,
             Unit::Second => self.row,
             // A usual stroke.
             Unit::Metre => 0.1,

@@ -261,7 +261,7 @@ impl Search {
     /// what the names took off. Otherwise they may imitate what leaves it, however little that is.
     pub(super) fn needs_no_more_names(&self) -> bool {
         let left = &self.chosen_adequacy;
-        let explains = self.chosen.model.of_rig().is_empty() || left.explains(self.baseline_adequacy.systematic_pa);
+        let explains = self.chosen.model.of_rig().is_empty() || self.explains(self.baseline_adequacy.systematic_pa);
         left.is_noise || left.is_good_enough && explains
     }
 

@@ -48,7 +48,7 @@ fn bases(data: &Data, part: &Fit, model: &Model) -> Vec<Chamber> {
     if has_lost_lambda0(&known) && shows(Sizes::of(data, &first)) {
         out.push(Chamber { heat_transfer: first.heat_transfer, geometry: first.geometry, ..known });
     }
-    let not_freed = model.effects.without(model.secondary).iter().filter(|e| CARDS[*e].candidate).collect();
+    let not_freed = model.effects.without(model.secondary).iter().filter(|e| CARDS[*e].is_candidate()).collect();
     out.extend(Some(as_stated(&known, not_freed)).filter(|stated| *stated != known));
     out
 }
@@ -212,8 +212,12 @@ fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes)
     if p.neutral > low && p.unit != Unit::Second {
         return vec![p.neutral];
     }
-    let size = sizes.size_of(p.unit, p.typical);
+    let is_decay = p.unit == Unit::Second && low > 0.0;
+    let size = if is_decay { sizes.relaxation } else { sizes.size_of(p.unit, p.typical) };
     let factors: &[f64] = match (free, p.unit) {
+        // Of what decays: it is gone long before the gas has relaxed, or lasts as long.
+        _ if is_decay => &[0.1, 1.0],
+        (_, Unit::SecondPerMetre) => &[0.5],
         // Within a row and beyond it: wherever the end of a move passes a row, the error has a corner over a time.
         (1, Unit::Second) => &[0.3, 3.0],
         // By itself a number has one valley, which is reached from where it does little.

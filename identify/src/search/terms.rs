@@ -4,13 +4,18 @@
 use crate::parameters::{self, Model};
 use crate::policy;
 use crate::record::data::Data;
-use chamber::card::{ActsOn, Card, Scope, Unit};
+use chamber::card::{ActsOn, Card, Scope, Tried, Unit};
 use chamber::effects::{self, CARDS, EffectSet};
 
 /// The model with one term more, each way there is; what is freed of the others stays free, as they needed it alone.
 pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
+    let suits = |card: &Card| match card.tried {
+        Tried::Always => true,
+        Tried::BesideOthers => !model.of_rig().is_empty(),
+        Tried::Never => false,
+    };
     let mut out = Vec::new();
-    for (e, card) in effects::all().filter(|(e, card)| card.candidate && !model.effects.has(*e)) {
+    for (e, card) in effects::all().filter(|(e, card)| suits(card) && !model.effects.has(*e)) {
         let one = EffectSet::one(e);
         let effects = model.effects.union(one);
         out.push(Model { effects, ..*model });
@@ -80,7 +85,7 @@ pub fn without_one(model: &Model) -> Vec<Model> {
 
 /// The model with one of the rig's effects that shift or smear records in time exchanged for another one, each way there is.
 pub fn with_other_timing(model: &Model) -> Vec<Model> {
-    let is_of_time = |card: &Card| card.candidate && parameters::is_timing(card);
+    let is_of_time = |card: &Card| card.is_candidate() && parameters::is_timing(card);
     let timings: EffectSet = effects::all().filter(|(_, card)| is_of_time(card)).map(|(e, _)| e).collect();
     let mut out = Vec::new();
     for gone in model.of_rig().iter().filter(|e| timings.has(*e)) {
@@ -133,7 +138,7 @@ pub fn growing_with_time() -> EffectSet {
 }
 
 fn is_of_record(card: &Card) -> bool {
-    card.candidate && card.scope == Scope::Record
+    card.is_candidate() && card.scope == Scope::Record
 }
 
 #[cfg(test)]

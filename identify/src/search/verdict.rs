@@ -3,6 +3,8 @@
 use super::{Candidate, Search, Verdict, terms};
 use crate::judge::{left_out, misfit};
 use crate::policy;
+use chamber::card::Tried;
+use chamber::effects::CARDS;
 
 impl Search {
     /// What the chosen model comes to: `follows_the_test` by [`kinds`](crate::judge::kinds), `carries_over` to records left out whole.
@@ -14,7 +16,7 @@ impl Search {
         // Noise is no more than that, whatever there was before.
         let before_pa = if self.chosen_adequacy.is_noise { 0.0 } else { self.to_be_explained_pa() };
         if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
-            return match self.chosen_adequacy.explains(before_pa) {
+            return match self.explains(before_pa) {
                 _ if nothing_named => Verdict::Adequate,
                 _ if self.chosen.fit.exhausted().is_some() || self.chosen.fit.needs_other_surroundings() => {
                     Verdict::Improved
@@ -28,6 +30,14 @@ impl Search {
             self.chosen_adequacy.systematic_pa < policy::PREDICTS_BETTER * self.baseline_adequacy.systematic_pa;
         let predicts_better = self.leaves_of_left_out(policy::PREDICTS_BETTER) || halves && carries_over;
         if predicts_better { Verdict::Improved } else { Verdict::Unexplained }
+    }
+
+    /// Whether the chosen names explain a systematic misfit of so many Pa. With one that is only tried beside others, what they leave
+    /// must be noise or next to nothing: they can imitate the rest of what they are not.
+    pub(super) fn explains(&self, before_pa: f64) -> bool {
+        let imitates = self.chosen.model.of_rig().iter().any(|e| CARDS[e].tried == Tried::BesideOthers);
+        let left = &self.chosen_adequacy;
+        if imitates { left.is_noise || left.is_next_to_nothing(before_pa) } else { left.explains(before_pa) }
     }
 
     /// The systematic misfit, Pa, that the chosen terms have to account for: that of the paper's model, or, where a timing is among

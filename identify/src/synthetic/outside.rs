@@ -36,9 +36,8 @@ pub enum Outside {
 }
 
 /// Their kinds at a strength (1 is well above the noise on most rigs).
-pub const KINDS: [fn(f64) -> Outside; 9] = [
+pub const KINDS: [fn(f64) -> Outside; 8] = [
     |s| Outside::HotGauge(30.0 * s, 0.5),
-    |s| Outside::FadingTurbulence(0.6 * s, 0.4),
     |s| Outside::Compliance(0.004 * s),
     |s| Outside::BentSensor(0.01 * s),
     |s| Outside::NeighbourLeak(3e-13 * s),

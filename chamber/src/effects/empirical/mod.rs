@@ -26,7 +26,7 @@ pub use term::Term;
 pub use variable::Variable;
 
 use super::Effect;
-use crate::card::{self, ActsOn, Card};
+use crate::card::{self, ActsOn, Card, Tried};
 use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 use curve::{curve, first_knot};
@@ -79,7 +79,7 @@ impl Effect for Empirical {
         source: "the residual itself; see theory/diagnosis",
         balance: card::Balance::Any,
         acts_on: ActsOn::Gas,
-        candidate: false,
+        tried: Tried::Never,
         parameters: &TABLE,
         length,
         check,
