@@ -1,8 +1,7 @@
 //! Linear equations in lanes, of the size that steps of [`conduction`](crate::conduction) have: eliminated once, solved for
 //! several right sides.
 
-use crate::lanes::Lanes;
-use crate::step::multiply_add;
+use crate::lanes::{Lanes, multiply_add};
 use chamber::real::Real;
 use core::hint::black_box;
 

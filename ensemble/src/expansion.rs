@@ -14,8 +14,7 @@
 //!
 //! so that the balance shows by how much P fails the equation.
 
-use crate::lanes::{Lanes, each_lane};
-use crate::step::multiply_add;
+use crate::lanes::{Lanes, each_lane, multiply_add};
 use chamber::real::Real;
 
 /// K. With more coefficients steps grow longer than the polynomials of degree 7 through their ends can follow.

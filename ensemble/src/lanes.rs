@@ -27,6 +27,12 @@ macro_rules! each_lane {
 }
 pub(crate) use each_lane;
 
+/// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
+#[inline(always)]
+pub fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+    if FUSED { each_lane!(i => a.0[i].mul_add(b.0[i], c.0[i])) } else { a * b + c }
+}
+
 impl Lanes {
     /// One number per lane, made from the lane's index.
     #[inline(always)]

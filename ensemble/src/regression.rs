@@ -4,9 +4,8 @@
 //! Pf and ΔP enter linearly and are eliminated (variable projection: G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10
 //! (1973) 413); what is left is Newton's method in ln τ, which from a good guess takes one step. Pressures in Pa, times in s.
 
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::{Lanes, WIDTH, each_lane, multiply_add};
 use crate::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
-use crate::step::multiply_add;
 use crate::time_constant;
 use chamber::real::Real;
 use core::f64::consts::{LN_2, LOG2_E};

@@ -1,7 +1,7 @@
 //! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
 
 use crate::expansion::Expansion;
-use crate::lanes::{Lanes, each_lane};
+use crate::lanes::{Lanes, multiply_add};
 use crate::tableau::{A, C, E3, E5, STAGES};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -131,12 +131,6 @@ const CHANCE: f64 = 2.5e-4;
 pub const PROBE: f64 = 0.01;
 /// Added to what is divided by (a choice between quotients would become branches).
 pub const TINY: f64 = 1e-300;
-
-/// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
-#[inline(always)]
-pub fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
-    if FUSED { each_lane!(i => a.0[i].mul_add(b.0[i], c.0[i])) } else { a * b + c }
-}
 
 /// Σ weight_j slope_j over the listed stages j, the latest last.
 macro_rules! weighted {

@@ -14,11 +14,11 @@
 
 use crate::advance::Loadable;
 use crate::expansion::Expansion;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, multiply_add};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};
-use crate::step::{LaneSystem, Moment, View, multiply_add};
+use crate::step::{LaneSystem, Moment, View};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use core::hint::black_box;

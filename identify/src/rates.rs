@@ -102,31 +102,43 @@ impl<R: Scalar, B: Balances<R, N>, const N: usize> WithSimd for Moving<'_, R, B,
 mod tests {
     use super::*;
     use chamber::balance::FEW_STATES;
-    use chamber::effects::{FEW_OWN_STATES, find};
+    use chamber::effects::{CARDS, FEW_OWN_STATES, find};
     use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+
+    /// Rates of tight gas and of any gas with these effects at their typical values: all states that the first has.
+    fn tight_and_any<const N: usize, const M: usize>(names: &[&str]) -> [[f64; N]; 2] {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let set: EffectSet = names.iter().map(|name| find(name).unwrap().0).collect();
+        for effect in set.iter() {
+            let typical = CARDS[effect].parameters.iter().map(|parameter| parameter.typical);
+            chamber.effects.of_mut(effect).iter_mut().zip(typical).for_each(|(to, typical)| *to = typical);
+        }
+        assert!(OfTightGas::<M>::suits(set));
+        let boundary = Boundary { velocity: -0.5, ..Boundary::closed(0.05, 293.0, 1.013e5) };
+        let balance = Balance::of(chamber);
+        let mut state = balance.state_at(EffectSet::ALL, &boundary, 8e5, 350.0);
+        state[OWN..].iter_mut().for_each(|own| *own += 0.25);
+        let tight: [f64; N] = OfTightGas::<M>.rates(set, &balance, &boundary, &core::array::from_fn(|i| state[i]));
+        let few: [f64; FEW_STATES] = core::array::from_fn(|i| state[i]);
+        let any = OfAnyGas::<FEW_OWN_STATES>.rates(set, &balance, &boundary, &few);
+        [tight, core::array::from_fn(|i| any[i])]
+    }
 
     #[test]
     fn tight_gas_has_the_same_rates_as_any_gas_to_the_last_bit() {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-        let effect = |name: &str| find(name).unwrap().0;
-        let (convection, surface) = (effect("natural_convection"), effect("dead_volume_surface"));
-        chamber.effects.of_mut(convection)[0] = 0.25;
-        chamber.effects.of_mut(surface)[0] = 1e-3;
-        let set: EffectSet =
-            [convection, surface, effect("record_delay"), effect("position_averaging")].into_iter().collect();
-        assert!(OfTightGas::<0>::suits(set));
-        assert!(
-            ["leakage", "gas_zones", "tube_volume"]
-                .iter()
-                .all(|name| !OfTightGas::<0>::suits(EffectSet::one(effect(name))))
-        );
-        let boundary = Boundary { velocity: -0.5, ..Boundary::closed(0.05, 293.0, 1.013e5) };
-        let balance = Balance::of(chamber);
-        let state = balance.state_at(EffectSet::ALL, &boundary, 8e5, 350.0);
-        let tight: [f64; OWN] = OfTightGas::<0>.rates(set, &balance, &boundary, &core::array::from_fn(|i| state[i]));
-        let few: [f64; FEW_STATES] = core::array::from_fn(|i| state[i]);
-        let any = OfAnyGas::<FEW_OWN_STATES>.rates(set, &balance, &boundary, &few);
-        assert_eq!(tight, any[..OWN]);
+        let without_states = ["natural_convection", "dead_volume_surface", "record_delay", "position_averaging"];
+        let [tight, any] = tight_and_any::<OWN, 0>(&without_states);
+        assert_eq!(tight, any);
+        let [tight, any] =
+            tight_and_any::<{ OWN + 2 }, 2>(&["wall_heating", "decaying_turbulence", "natural_convection"]);
+        assert_eq!(tight, any);
+        assert!(tight[OWN..].iter().all(|rate| *rate != 0.0));
+    }
+
+    #[test]
+    fn gas_that_an_effect_lets_in_or_out_or_that_has_more_states_is_none_of_it() {
+        let suits = |name: &str| OfTightGas::<0>::suits(EffectSet::one(find(name).unwrap().0));
+        assert!(!["leakage", "tube_volume", "gas_zones", "wall_heating"].into_iter().any(suits));
     }
 }

@@ -253,8 +253,7 @@ def trace(chamber, logger, moves, pressure, end, rate, position_noise, g):
     start = chamber.ambient_temperature + chamber.warm_start
     x0, chamber.ambient_rate = moves[0][2], logger.ambient_rise / end
     mass = pressure * chamber.volume(x0) / (chamber.gas_constant * start)
-    y = np.array([pressure, mass, start, chamber.ambient_temperature, pressure])
-    scale = np.array([pressure, mass, 300.0, 300.0, pressure])
+    y, scale = chamber.at_rest(pressure, mass, start)
     column = 4 if chamber.value("sensor_lag", "time_constant_s") else 0
     shown, positions = np.empty(len(grid)), np.empty(len(grid))
     for begin, finish, at in rigs.stroke(moves):

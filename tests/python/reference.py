@@ -138,12 +138,13 @@ class Chamber:
     def at_rest(self, pressure, mass, temperature):
         """States of `rates` when all is in equilibrium, and their sizes."""
         memory = np.zeros(len(MODE_RATES) if "wall_conduction" in self.effects else 0)
-        y = np.concatenate([[pressure, mass, temperature, self.ambient_temperature, pressure, 0.0], memory])
-        return y, np.concatenate([[pressure, mass, 300.0, 300.0, pressure, 0.1], memory + 10.0])
+        turbulence = np.zeros(int("decaying_turbulence" in self.effects))
+        y = np.concatenate([[pressure, mass, temperature, self.ambient_temperature, pressure], memory, turbulence])
+        return y, np.concatenate([[pressure, mass, 300.0, 300.0, pressure], memory + 10.0, turbulence + 0.1])
 
     def rates(self, y, x, v, mdot):
-        p, m, core, tw, lagged, turbulence = y[:6]
-        modes = y[6:]
+        p, m, core, tw, lagged = y[:5]
+        modes, turbulence = np.split(y[5:], [len(y) - 5 - int("decaying_turbulence" in self.effects)])
         g, r = self.gamma, self.gas_constant
         cp = g * r / (g - 1)
         volume, dv = self.volume(x, p), self.piston_area * v
@@ -166,8 +167,8 @@ class Chamber:
         seen = dict(pressure=p, temperature=t, temperature_difference=t1 - wall, position=x, velocity=v, mass=m)
         seen["piston_power"] = p * self.piston_area * v
         share = self.curve("coefficient_share", **seen)
-        share = (1 + share) * (1 + self.value("decaying_turbulence", "coefficient_s_per_m") * turbulence)
-        flux = self.coefficient(p, t1, wall, x, v) * share * (t1 - wall)
+        stirred = 1 + self.value("decaying_turbulence", "coefficient_s_per_m") * turbulence.sum()
+        flux = self.coefficient(p, t1, wall, x, v) * stirred * (1 + share) * (t1 - wall)
         q = self.curve("heat_flow", **seen) - flux * self.heat_area(x, p)
         dmodes = inverse * MODE_WEIGHTS * flux - MODE_RATES * modes if len(modes) else modes
         leak_in, leak_out = self.leak(p, t)
@@ -208,9 +209,8 @@ class Chamber:
         dtw = (-q + outer * (self.ambient_temperature - tw)) / capacity if capacity else 0.0
         lag = self.value("sensor_lag", "time_constant_s")
         dlag = (p - lagged) / lag if lag else 0.0
-        decay_time = self.value("decaying_turbulence", "decay_time_s", 0.3)
-        dturbulence = (abs(v) - turbulence) / decay_time
-        return np.concatenate([[dp, flow_in - flow_out, dcore, dtw, dlag, dturbulence], dmodes]), q
+        dturbulence = (abs(v) - turbulence) / self.value("decaying_turbulence", "decay_time_s", 0.3)
+        return np.concatenate([[dp, flow_in - flow_out, dcore, dtw, dlag], dmodes, dturbulence]), q
 
 
 def bends(times, positions, window, apart):

@@ -36,7 +36,8 @@ def exact_pressure(times):
 
 def test_cvode_agrees_with_co_simulation_and_the_exact_ramp_and_hold(fmu):  # noqa: F811
     together = run(fmu, "CoSimulation", relative_tolerance=1e-11)
-    apart = run(fmu, "ModelExchange", relative_tolerance=1e-9)
+    # CVODE's tolerance is on the mean over all states, of which those of effects that are off never err.
+    apart = run(fmu, "ModelExchange", relative_tolerance=5e-10)
     exact = exact_pressure(together["time"])
     assert np.max(np.abs(together["pressure"] / exact - 1)) < 1e-8
     for row, truth in zip(together, exact):

@@ -47,7 +47,7 @@ impl Effect for DecayingTurbulence {
         states: &[OwnState {
             name: "turbulence_speed",
             unit: Unit::MetrePerSecond,
-            nominal: 1.0,
+            nominal: 0.5,
             doc: "Steady piston speed u that would keep the turbulence up",
         }],
         ..Card::DEFAULT

@@ -4,12 +4,11 @@
 
 use super::rule::{NODES, RULE};
 use super::{Keep, step::Gas};
-use crate::lanes::{Lanes, each_lane};
+use crate::lanes::{Lanes, each_lane, multiply_add};
 use crate::outcome::SETTLED;
 use crate::regression::{Guess, Records};
 use crate::root::{Beyond, Curve, root};
 use crate::samples::{self, Samples};
-use crate::step::multiply_add;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};

@@ -7,10 +7,10 @@
 //! clock, as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
 
 use crate::advance::{FIRST_OF_BENT, LONGEST_OF_MOVE, Loadable, Problem};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, multiply_add};
 use crate::scenario::Scenario;
 use crate::sealed::{self, OwnTest};
-use crate::step::{LaneSystem, Moment, View, multiply_add};
+use crate::step::{LaneSystem, Moment, View};
 use chamber::effects::wall_conduction::{KERNEL, MODES, Mode};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;

@@ -348,6 +348,33 @@ mod tests {
         assert!((warmer.correction.warmer - as_stated.correction.warmer - 0.5).abs() < 1e-9);
     }
 
+    /// The last number that a fit of this effect alone has free, on a rig.
+    fn last_axis(effect: usize) -> (Axis, Sizes) {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let chamber = first_chamber(&data);
+        let sizes = Sizes::of(&data, &chamber);
+        let h = Hypothesis::new(&data, Model::with(EffectSet::one(effect)), &chamber, &sizes);
+        (*h.axes.last().unwrap(), sizes)
+    }
+
+    #[test]
+    fn a_time_constant_at_the_end_of_what_its_card_allows_can_be_written_into_a_model() {
+        let (turbulence, card) = find("decaying_turbulence").unwrap();
+        let (decay, _) = last_axis(turbulence);
+        assert_eq!(decay.slot, Slot::Effect(turbulence, 1));
+        let [least, most] = decay.bounds.map(|x| decay.value(x));
+        let allowed = &card.parameters[1].bounds;
+        assert!(allowed.contains(&least) && allowed.contains(&most), "{least} {most}");
+        assert!(least < 1.001 * allowed.start() && most > 0.999 * allowed.end(), "{least} {most}");
+    }
+
+    #[test]
+    fn an_additional_area_is_none_beside_which_that_of_the_bore_is_nothing() {
+        let (area, sizes) = last_axis(find("dead_volume_surface").unwrap().0);
+        let most_m2 = area.value(area.bounds[1]);
+        assert!((most_m2 / (30.0 * sizes.volume.powf(2.0 / 3.0)) - 1.0).abs() < 1e-9, "{most_m2}");
+    }
+
     #[test]
     fn a_position_is_early_by_little_more_than_half_a_row_and_only_behind_a_low_pass() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();

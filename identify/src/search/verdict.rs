@@ -106,7 +106,7 @@ mod tests {
     use crate::parameters::Model;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
-    use chamber::effects::find;
+    use chamber::effects::{EffectSet, find};
 
     #[test]
     fn what_effects_explain_beside_a_timing_is_judged_by_what_the_timing_alone_leaves() {
@@ -125,6 +125,19 @@ mod tests {
         let by_the_leak_pa = to_be_explained_pa(&["leakage", "record_delay"]);
         let noise_pa = recipe.noise_rms_pa();
         assert!((noise_pa..0.5 * all_pa).contains(&by_the_leak_pa), "{by_the_leak_pa} of {all_pa}, noise {noise_pa}");
+    }
+
+    #[test]
+    fn little_that_is_left_is_explained_by_effects_that_are_tried_by_themselves_only() {
+        let mut search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
+        let mut explains = |name: &str, left: f64| {
+            search.chosen.model = Model::with(EffectSet::one(find(name).unwrap().0));
+            let left = Adequacy { systematic_pa: left * 100.0, ..search.chosen_adequacy.clone() };
+            search.chosen_adequacy = Adequacy { is_noise: false, is_good_enough: true, ..left };
+            search.explains(100.0)
+        };
+        assert!(explains("leakage", 0.05) && !explains("leakage", 0.2));
+        assert!(explains("decaying_turbulence", 0.01) && !explains("decaying_turbulence", 0.05));
     }
 
     /// Errors on left-out data that are this share of the paper's model's.
