@@ -7,7 +7,7 @@
 
 use crate::characteristic::Characteristic;
 use crate::isentrope::Isentrope;
-use crate::rates::{Balances, Moving, OfAnyGas, OfTightGas};
+use crate::rates::{Balances, Moving, OF_WALL_AND_TURBULENCE, OfAnyGas, OfTightGas};
 use crate::record::course::Course;
 use crate::record::gaps;
 use crate::record::true_stroke::{Moment, TrueStroke};
@@ -191,9 +191,6 @@ const MOST_EVALUATIONS: (usize, usize) = (10_000, 60);
 /// The same for each step of a mesh that is taken again: numbers with which the model is that much stiffer lie too far away.
 const MOST_BY_MESH: usize = 60;
 
-/// Own states of a warming wall and of decaying turbulence, the first of all: common in tight gas.
-const OF_WALL_AND_TURBULENCE: usize = 2;
-
 /// One run of the model along a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a, R> {
@@ -252,13 +249,8 @@ impl<R: Scalar> Run<'_, R> {
         if is_tight && OfTightGas::<0>::suits(self.set) {
             self.in_states::<OWN>(OfTightGas::<0>, times, mesh, disturbance, on_step)
         } else if is_tight && OfTightGas::<OF_WALL_AND_TURBULENCE>::suits(self.set) {
-            self.in_states::<{ OWN + OF_WALL_AND_TURBULENCE }>(
-                OfTightGas::<OF_WALL_AND_TURBULENCE>,
-                times,
-                mesh,
-                disturbance,
-                on_step,
-            )
+            let balances = OfTightGas::<OF_WALL_AND_TURBULENCE>;
+            self.in_states::<{ OWN + OF_WALL_AND_TURBULENCE }>(balances, times, mesh, disturbance, on_step)
         } else if balance::moving_states(self.set.without(effects::of_sensor())) <= FEW_STATES {
             self.in_states::<FEW_STATES>(OfAnyGas::<FEW_OWN_STATES>, times, mesh, disturbance, on_step)
         } else {

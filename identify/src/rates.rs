@@ -23,6 +23,9 @@ impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfAnyGas<M> {
     }
 }
 
+/// Own states of a warming wall and of decaying turbulence, the first of all: those that tight gas has most often.
+pub const OF_WALL_AND_TURBULENCE: usize = 2;
+
 /// Of gas that no effect and no flow lets in or out, with the effects' first `M` own states: a fraction of the work.
 #[derive(Clone, Copy)]
 pub struct OfTightGas<const M: usize>;
@@ -130,8 +133,8 @@ mod tests {
         let without_states = ["natural_convection", "dead_volume_surface", "record_delay", "position_averaging"];
         let [tight, any] = tight_and_any::<OWN, 0>(&without_states);
         assert_eq!(tight, any);
-        let [tight, any] =
-            tight_and_any::<{ OWN + 2 }, 2>(&["wall_heating", "decaying_turbulence", "natural_convection"]);
+        let with_states = ["wall_heating", "decaying_turbulence", "natural_convection"];
+        let [tight, any] = tight_and_any::<{ OWN + OF_WALL_AND_TURBULENCE }, OF_WALL_AND_TURBULENCE>(&with_states);
         assert_eq!(tight, any);
         assert!(tight[OWN..].iter().all(|rate| *rate != 0.0));
     }

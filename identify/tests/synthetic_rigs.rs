@@ -360,14 +360,14 @@ fn the_interval_of_a_leak_holds_the_truth_where_records_do_not_tell_its_critical
 fn turbulence_that_decays_is_found_behind_the_effects_that_imitate_it_and_beside_others() {
     let plain = Recipe { repeats: 2, ..Recipe::from_seed(43) }.with("decaying_turbulence", &[3.0, 0.3]);
     let leak = plain.leak_of(1.0);
-    for (recipe, effects) in [
+    let (turbulence, _) = effects::find("decaying_turbulence").unwrap();
+    for (recipe, expected) in [
         (plain.clone(), vec!["decaying_turbulence"]),
         (plain.with("leakage", &[leak, 0.3]), vec!["leakage", "decaying_turbulence"]),
     ] {
         let found = traced(&recipe);
         assert_eq!(found.verdict, Verdict::Explained);
-        assert_eq!(names(found.chosen.model.effects), effects);
-        let (turbulence, _) = chamber::effects::find("decaying_turbulence").unwrap();
+        assert_eq!(names(found.chosen.model.effects), expected);
         let [coefficient, decay_s] = [0, 1].map(|k| found.chosen.fit.chamber().effects.of(turbulence)[k]);
         assert!((coefficient / 3.0 - 1.0).abs() < 0.2 && (decay_s / 0.3 - 1.0).abs() < 0.2, "{coefficient} {decay_s}");
     }

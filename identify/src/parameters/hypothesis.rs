@@ -3,7 +3,7 @@
 use super::axis::{Axis, Own, Slot};
 use super::curve::{self, axis_of_value, curve_of};
 use super::model::{Model, delays_position, delays_pressure};
-use super::sizes::Sizes;
+use super::sizes::{Sizes, is_decay};
 use super::stated::{REST_DEVIATION_K, stated};
 use crate::characteristic::Characteristic;
 use crate::forward::Correction;
@@ -293,16 +293,14 @@ fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2])
         return (true, size, [-3.7, 9.0]);
     }
     let (low, mut high) = (*parameter.bounds.start(), *parameter.bounds.end());
-    if parameter.unit == Unit::Second && low > 0.0 {
-        // A time constant that cannot be zero; by more than rounding within what its card allows.
+    if is_decay(parameter) {
+        // By more than rounding within what its card allows.
         return (true, size, [(low / size).ln() + f64::EPSILON.sqrt(), (high / size).ln() - f64::EPSILON.sqrt()]);
     }
-    match parameter.unit {
-        // Beyond this a conductance holds both its sides at one temperature, and only makes the model stiff.
-        Unit::WattPerKelvin => high = high.min(300.0 * size),
-        // Beyond this the bore's own area is nothing beside it, and only its product with λ0 counts.
-        Unit::SquareMetre => high = high.min(300.0 * size),
-        _ => {}
+    if matches!(parameter.unit, Unit::WattPerKelvin | Unit::SquareMetre) {
+        // Beyond this a conductance holds both its sides at one temperature and only makes the model stiff, and the bore's area is
+        // nothing beside an additional one, of which only the product with λ0 counts.
+        high = high.min(300.0 * size);
     }
     (false, size, [low / size, high / size])
 }

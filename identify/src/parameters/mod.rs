@@ -8,7 +8,7 @@
 //! prior take part in every evidence, test and interval.
 //! Secondary parameters of an effect stay as its card has them unless the records speak for others; how far they are known
 //! takes part in the intervals of the rest.
-//! λ0 and wall capacities move on a logarithmic scale, everything else on a linear one within the bounds of its card.
+//! λ0, wall capacities and times of decay move on a logarithmic scale, everything else on a linear one within the bounds of its card.
 
 mod axis;
 mod curve;
@@ -21,4 +21,4 @@ pub use axis::{Axis, Own, Slot};
 pub use curve::curve_of;
 pub use hypothesis::{Hypothesis, Setting, first_chamber};
 pub use model::{Model, delays_position, delays_pressure, is_timing, names};
-pub use sizes::Sizes;
+pub use sizes::{Sizes, is_decay};

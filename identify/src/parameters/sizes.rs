@@ -2,7 +2,7 @@
 
 use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
-use chamber::card::Unit;
+use chamber::card::{Parameter, Unit};
 
 /// Speeds below this are none of a piston, m/s.
 const LEAST_SPEED: f64 = 1e-3;
@@ -92,6 +92,11 @@ impl Sizes {
             Unit::SonicConductance => 0.01 * self.volume / self.duration / 1e5,
         }
     }
+}
+
+/// Whether a parameter is a time in which something decays: one that cannot be zero.
+pub fn is_decay(parameter: &Parameter) -> bool {
+    parameter.unit == Unit::Second && *parameter.bounds.start() > 0.0
 }
 
 fn fastest(t: &Prepared) -> f64 {

@@ -2,7 +2,7 @@
 
 use crate::fit::{self, Descent, Fit, Selection, Until};
 use crate::judge::evidence;
-use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
+use crate::parameters::{Hypothesis, Model, Sizes, first_chamber, is_decay};
 use crate::policy::{FIRST_GUESS_REACH, FIRST_LAMBDA0};
 use crate::record::data::Data;
 use chamber::Chamber;
@@ -212,11 +212,10 @@ fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes)
     if p.neutral > low && p.unit != Unit::Second {
         return vec![p.neutral];
     }
-    let is_decay = p.unit == Unit::Second && low > 0.0;
-    let size = if is_decay { sizes.relaxation } else { sizes.size_of(p.unit, p.typical) };
+    let size = if is_decay(p) { sizes.relaxation } else { sizes.size_of(p.unit, p.typical) };
     let factors: &[f64] = match (free, p.unit) {
         // Of what decays: it is gone long before the gas has relaxed, or lasts as long.
-        _ if is_decay => &[0.1, 1.0],
+        _ if is_decay(p) => &[0.1, 1.0],
         (_, Unit::SecondPerMetre) => &[0.5],
         // Within a row and beyond it: wherever the end of a move passes a row, the error has a corner over a time.
         (1, Unit::Second) => &[0.3, 3.0],

@@ -8,8 +8,6 @@
 pub enum Outside {
     /// The wall is warmer than the surroundings by so many K.
     WarmWall(f64),
-    /// λ is raised by this share after a move, fading with this time constant, s.
-    FadingTurbulence(f64, f64),
     /// The volume grows with pressure: relative growth for each bar above ambient.
     Compliance(f64),
     /// The reading bends: relative error at 5 bar, growing with the square.
@@ -52,7 +50,6 @@ impl Outside {
     pub fn name(self) -> &'static str {
         match self {
             Outside::WarmWall(_) => "warm wall",
-            Outside::FadingTurbulence(..) => "fading turbulence",
             Outside::Compliance(_) => "compliant volume",
             Outside::BentSensor(_) => "bent sensor",
             Outside::NeighbourLeak(_) => "leak from a neighbour",

@@ -98,12 +98,6 @@ impl Stroke {
     pub fn has_corner_near(&self, t: f64, reach: f64) -> bool {
         self.moves.iter().any(|m| (t - m.begin_s).abs() < reach || (t - m.begin_s - m.length_s).abs() < reach)
     }
-
-    /// When the last move before `t` was half done, s.
-    pub fn moved_s(&self, t: f64) -> f64 {
-        let middle = |m: &Move| m.begin_s + 0.5 * m.length_s;
-        self.moves.iter().map(middle).filter(|s| *s < t).fold(f64::INFINITY, |_, s| s)
-    }
 }
 
 #[cfg(test)]

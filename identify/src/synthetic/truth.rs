@@ -129,10 +129,6 @@ impl Truth<'_> {
         let conductance = found.heat_transfer_coefficient * self.chamber.geometry.heat_transfer_area(gas.volume);
         let colder = self.ambient_at(t) - gas.temperature;
         rates[ENERGY] += match self.outside {
-            Some(Outside::FadingTurbulence(share, fade_s)) => {
-                let since = inside - self.stroke.moved_s(inside);
-                if since > 0.0 { conductance * share * (-since / fade_s).exp() * colder } else { 0.0 }
-            }
             Some(Outside::OneSided(share)) => conductance * share * colder.max(0.0),
             Some(Outside::FrictionHeat(share)) => {
                 share * gas.pressure * self.chamber.geometry.piston_area * at.velocity.abs()
