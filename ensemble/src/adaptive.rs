@@ -3,12 +3,13 @@
 //! way that looks for all places where a record turns.
 
 use crate::Batch;
-use crate::advance::{Loadable, Nobody, Problem, Steps, advance};
+use crate::advance::{Nobody, advance};
 use crate::finish;
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::log::Attempted;
 use crate::outcome::{Failure, Outcome, closure};
+use crate::problem::{Loadable, Problem, Steps};
 use crate::regression::{Guess, Records};
 use crate::samples::{self, Samples};
 use crate::sealed::{Ending, Holding, OwnTest, Within};

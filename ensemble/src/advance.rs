@@ -4,11 +4,12 @@
 
 use crate::corner;
 use crate::expansion::{ORDER, Stride};
+use crate::first_step::{begin, first_step};
 use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::math::inverse_eighth_root;
 use crate::outcome::Failure;
-use crate::step::{
-    Attempt, FEELING, LaneSystem, Moment, PROBE, Stages, TINY, View, attempt, judge, probe, size, stages_in_turn,
-};
+use crate::problem::{Loadable, Problem, Steps};
+use crate::step::{Attempt, FEELING, LaneSystem, Moment, Stages, View, attempt, judge, stages_in_turn};
 use crate::tableau::STAGES;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -22,11 +23,6 @@ const GROW: f64 = 2.5;
 const SHRINK: f64 = 0.3;
 /// Share of a step that was not a number, to be tried next.
 const NOT_A_NUMBER: f64 = 0.1;
-/// Share of the length that the estimate gives, for the first step: its time scale is a guess.
-const FIRST: f64 = 0.6;
-/// Estimated error of a step of the time scale's length L, relative to the distance |dy/dt| L: what the pair's
-/// estimate gives for dy/dt = −y/L at h = L, where it still grows with the eighth power.
-const ERROR_AT_SCALE: f64 = 6.6e-7;
 /// Longest step, as a share of the stretch, of a solution that is looked into: its interpolant needs knots beside.
 pub const LONGEST: f64 = 0.26;
 /// Longest step, as a share of the stretch, where the piston moves: over a whole push both error estimates can vanish at
@@ -41,85 +37,6 @@ const FORESIGHT: f64 = 1.0;
 const NEARLY: f64 = 1.0 - 1e-12;
 /// A step shorter than this share of the stretch is no progress.
 const SMALLEST_SHARE: f64 = 1e-14;
-
-/// A system whose lanes can be filled from a list of problems.
-pub trait Loadable {
-    /// Puts the constants of problem `index` into a lane.
-    fn load(&mut self, lane: usize, index: usize);
-}
-
-/// One initial value problem, and after [`advance`] its solution.
-#[derive(Clone, Copy, Debug)]
-pub struct Problem<const N: usize> {
-    /// Length of the stretch, s.
-    pub length: f64,
-    /// States at its start; afterwards at its end.
-    pub state: [f64; N],
-    /// Absolute tolerance of each state.
-    pub absolute: [f64; N],
-    /// Longest step that may be tried, s.
-    pub longest: f64,
-    /// Length of its first step, s; zero where that is to be found out.
-    pub first: f64,
-    /// Rates of the states at the stretch's start, per second.
-    slope: [f64; N],
-    power: [f64; 2],
-    /// What is seen at its start.
-    pub view: View<f64>,
-    /// Energy received as heat and enthalpy, and work on the piston: integrals of [`Moment::power`].
-    pub energy: [f64; 2],
-    /// Where the watch has kept its steps.
-    pub steps: Steps,
-    /// Why it was given up.
-    pub failure: Option<Failure>,
-}
-
-impl<const N: usize> Problem<N> {
-    /// To be solved over `length`, s, from `state`, with these absolute tolerances.
-    pub fn new(length: f64, state: [f64; N], absolute: [f64; N]) -> Self {
-        let view = View { value: [0.0; 2], slope: [0.0; 2] };
-        let steps = Steps::default();
-        let (slope, power, energy) = ([0.0; N], [0.0; 2], [0.0; 2]);
-        let (longest, first) = (f64::INFINITY, 0.0);
-        Self { length, state, absolute, longest, first, slope, power, view, energy, steps, failure: None }
-    }
-}
-
-impl<const N: usize> Problem<N> {
-    /// Notes what a lane has found out about its start.
-    #[inline(always)]
-    fn begin(&mut self, lane: usize, moment: &Moment<N>, first: Lanes) {
-        if self.first == 0.0 {
-            self.first = first[lane];
-        }
-        for i in 0..2 {
-            self.view.value[i] = moment.view.value[i][lane];
-            self.view.slope[i] = moment.view.slope[i][lane];
-            self.power[i] = moment.power[i][lane];
-        }
-        for i in 0..N {
-            self.slope[i] = moment.slope[i][lane];
-        }
-    }
-}
-
-/// Where a watch has kept a problem's steps: one lane of consecutive steps.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Steps {
-    /// Number of the problem's first step in the watch's history.
-    pub from: u32,
-    /// Number of the step after the problem's last one.
-    pub to: u32,
-    /// Lane in which these steps were taken.
-    pub lane: u32,
-}
-
-impl Steps {
-    /// Number of steps kept.
-    pub fn count(&self) -> u32 {
-        self.to - self.from
-    }
-}
 
 /// An attempted step of all lanes.
 #[derive(Clone, Copy, Debug)]
@@ -136,13 +53,6 @@ pub struct Tried<const N: usize> {
     pub view: View<Lanes>,
     /// Per lane: 1 where the step was accepted, 2 where it was and a kink had cut it short, else 0.
     pub accepted: Lanes,
-}
-
-/// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
-#[inline(always)]
-fn inverse_eighth_root(x: Lanes) -> Lanes {
-    const ONE: u64 = 0x3ff0_0000_0000_0000;
-    each_lane!(i => f64::from_bits((ONE + ONE / 8).wrapping_sub(x.0[i].to_bits() >> 3)))
 }
 
 /// Lane-wise choice where `condition` > 0.
@@ -374,76 +284,6 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
     }
 }
 
-/// First rates and step length of all problems: the length at which the error, growing with the eighth power, should
-/// meet the tolerance, from the time scale L = |dy/dt|/|d²y/dt²|.
-#[inline(always)]
-fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(system: &S, problems: &mut [Problem<N>], relative: f64) {
-    let mut system = system.clone();
-    let count = problems.len();
-    for base in (0..count).step_by(WIDTH) {
-        let (mut y, mut absolute, mut length) = ([Lanes::ZERO; N], [Lanes::ZERO; N], Lanes::ZERO);
-        for lane in 0..WIDTH {
-            let index = (base + lane).min(count - 1);
-            let problem = &problems[index];
-            system.load(lane, index);
-            length[lane] = problem.length;
-            for i in 0..N {
-                y[i][lane] = problem.state[i];
-                absolute[i][lane] = problem.absolute[i];
-            }
-        }
-        let (system, y, absolute) = (black_box(&mut system), black_box(&y), black_box(&absolute));
-        let (mut begin, mut there, mut time, mut ahead) = (Moment::NONE, [Lanes::ZERO; N], Lanes::ZERO, *y);
-        // There, and a short way ahead: by one copy of the rates.
-        for evaluation in 0..black_box(2) {
-            let moment = system.rates(time, &ahead);
-            if evaluation > 0 {
-                there = moment.slope;
-                break;
-            }
-            time = probe(length, y, absolute, &moment.slope, relative);
-            for i in 0..N {
-                ahead[i] += moment.slope[i] * time;
-            }
-            begin = moment;
-        }
-        let first = first_step(length, y, absolute, [&begin.slope, &there], time, relative);
-        for (lane, problem) in problems[base..].iter_mut().take(WIDTH).enumerate() {
-            problem.begin(lane, &begin, first);
-        }
-    }
-}
-
-/// Length of the step from `y`, s, by the rates there and a time `probe` ahead.
-#[inline(always)]
-fn first_step<const N: usize>(
-    length: Lanes,
-    y: &[Lanes; N],
-    absolute: &[Lanes; N],
-    [slope, there]: [&[Lanes; N]; 2],
-    probe: Lanes,
-    relative: f64,
-) -> Lanes {
-    // A state that starts from rest has no time scale of its own yet and takes that of the others.
-    let mut common = length;
-    for i in 0..N {
-        let (rate, bend) = (slope[i].abs(), (there[i] - slope[i]).abs());
-        common = (rate - bend).where_positive(common.min(rate * probe / (bend + TINY)), common);
-    }
-    let mut first = length;
-    for i in 0..N {
-        let (rate, bend) = (slope[i].abs(), (there[i] - slope[i]).abs());
-        let moves = rate - bend;
-        let scale = moves.where_positive(rate * probe / (bend + TINY), common);
-        let rate = moves.where_positive(rate, bend * scale / probe);
-        let size = size(y[i], absolute[i], relative) * (relative / ERROR_AT_SCALE);
-        let share = inverse_eighth_root(rate * scale / size + 1e-30);
-        first = first.min(scale * (share * FIRST).min(Lanes::ONE));
-    }
-    // Something, should the rates vanish or not be numbers: the step's own error decides.
-    first.where_positive(first, length * PROBE)
-}
-
 impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
     /// Keeps the compiler from carrying lanes from one phase into the next as single numbers, which it would then
     /// compute with one by one.
@@ -596,7 +436,6 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         to.power = choose(good, &from.power, &to.power);
         let h = h.min(self.longest);
         (self.t, self.h) = (t, h);
-        self.attempts = self.attempts + 1.0;
         self.rest_or_go();
     }
 
@@ -616,13 +455,13 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
         self.y = choose(tried, &end, &self.y);
         let last = tried - (length - t) * NEARLY;
         self.t = tried.where_positive(last.where_positive(length, t + tried), t);
-        self.attempts = self.attempts + 1.0;
         self.rest_or_go();
     }
 
-    /// Finds out which lanes have further to go, and may.
+    /// Counts an attempt, and finds out which lanes have further to go, and may.
     #[inline(always)]
     fn rest_or_go(&mut self) {
+        self.attempts = self.attempts + 1.0;
         let enough = self.h - self.length * SMALLEST_SHARE;
         self.going = (self.length - self.t).min(enough).min(-self.attempts + MAX_ATTEMPTS);
     }

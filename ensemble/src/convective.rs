@@ -11,13 +11,14 @@
 //!
 //! The gas has to stay on one side of the wall's temperature ([`stays_on_a_side`]). T in K, k in 1/(K s), u a pure number.
 
-use crate::advance::{LONGEST, Loadable, Problem};
+use crate::advance::LONGEST;
 use crate::clock::Clock;
 use crate::convective_start::Pushes;
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::math;
 use crate::plan::starts_singular;
+use crate::problem::{Loadable, Problem};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};

@@ -3,12 +3,12 @@
 
 use crate::Batch;
 use crate::adaptive;
-use crate::advance::Problem;
 use crate::convective::{ConvectiveTest, EFFECTS};
 use crate::convective_hold::{self, Holds, Record, Solve};
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::Outcome;
+use crate::problem::Problem;
 use crate::regression::Records;
 use crate::relaxing_rows::{self, AfterPush};
 use crate::sealed::{Ending, OwnTest};

@@ -1,7 +1,7 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
-use crate::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Problem, Steps, advance};
+use crate::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, advance};
 use crate::conduction;
 use crate::filter::Sensor;
 use crate::fit;
@@ -9,6 +9,7 @@ use crate::general::{self, General, Row};
 use crate::history::{History, Knot};
 use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
 use crate::plan::Plan;
+use crate::problem::{Problem, Steps};
 use crate::reader::{self, Answer, Bends, ROUNDING, Traces, seen_from};
 use crate::regression::Regression;
 use crate::relaxing_rows::{self, AfterPush};

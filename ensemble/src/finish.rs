@@ -1,10 +1,10 @@
 //! When tests settle, one a lane.
 
-use crate::advance::Steps;
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::log::Attempted;
 use crate::outcome::SETTLED;
+use crate::problem::Steps;
 use crate::root::{Beyond, root};
 use crate::sealed::{Holding, Within};
 use crate::turns::Turns;

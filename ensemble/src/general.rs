@@ -4,11 +4,11 @@
 //! closed chamber 1/U is a constant and a decaying exponential while the piston rests, and over an adiabatic push 1/√U is
 //! V^((γ − 1)/2), nearly even in the clock: steps are longer than with √U.
 
-use crate::advance::Loadable;
 use crate::chambers::load_chamber;
 use crate::corner::{self, OfEffects};
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
+use crate::problem::Loadable;
 use crate::step::{LaneSystem, Moment, View};
 use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::{self, EffectSet, OWN_STATES};
@@ -295,9 +295,10 @@ impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::advance::{Nobody, Problem, run};
+    use crate::advance::{Nobody, run};
     use crate::outcome::closure;
     use crate::plan::Plan;
+    use crate::problem::Problem;
     use crate::scenario::{Hold, Scenario};
     use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 

@@ -7,10 +7,10 @@
 //! with corners at the P_k, up to which steps go ([`crate::corner`]). While the piston rests T' is a function of T alone, so that T
 //! goes one way, and between two corners that function is a quadratic one. The state is √T; y in W, T in K.
 
-use crate::advance::Loadable;
 use crate::corner::{self, Corners};
 use crate::hermite::Hermite;
 use crate::lanes::Lanes;
+use crate::problem::Loadable;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};

@@ -2,8 +2,9 @@
 //!
 //! It is bounded. When it is full the integration stops, and the caller goes on with fewer rows at a time.
 
-use crate::advance::{Steps, Tried, Watch};
+use crate::advance::{Tried, Watch};
 use crate::lanes::Lanes;
+use crate::problem::Steps;
 use crate::step::View;
 
 /// Lanes that a step takes: its end, whether it was accepted (2 where up to a kink), two quantities and their slopes.

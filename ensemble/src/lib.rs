@@ -45,6 +45,7 @@ mod exact_tests;
 mod expansion;
 mod filter;
 mod finish;
+mod first_step;
 mod fit;
 mod flows;
 mod followed;
@@ -65,6 +66,7 @@ mod outcome;
 #[doc(hidden)]
 pub mod plain;
 mod plan;
+mod problem;
 mod reader;
 mod readings;
 mod record;

@@ -4,7 +4,7 @@
 //! exp: x = k ln 2 + r, |r| ≤ ½ ln 2 (Cody and Waite, 1980), Taylor polynomial of degree 13 in r.
 //! ln: x = 2^k m, m in [√½, √2), the odd series in s = (m − 1)/(m + 1) (as in fdlibm, 1993, here with its exact
 //! coefficients 2/(2i + 1)).
-//! x^n = 2^(n lb x): the same series, shorter.
+//! x^n = 2^(n lb x): the same series, shorter. And x^(−1/8) to the few per cent that the length of a step needs.
 
 use crate::lanes::{Lanes, each_lane};
 use chamber::real::Real;
@@ -12,6 +12,13 @@ use chamber::real::Real;
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
+
+/// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
+#[inline(always)]
+pub fn inverse_eighth_root(x: Lanes) -> Lanes {
+    const ONE: u64 = 0x3ff0_0000_0000_0000;
+    each_lane!(i => f64::from_bits((ONE + ONE / 8).wrapping_sub(x.0[i].to_bits() >> 3)))
+}
 
 /// e^x for x in [−708, 709]; outside, the value at the bound.
 #[inline(always)]

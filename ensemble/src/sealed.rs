@@ -11,12 +11,13 @@
 //! constant. The state is √T: in it the integrals of heat and work over a step are others than that of the state. T in K, V
 //! in m³, energies over m cv.
 
-use crate::advance::{LONGEST_OF_MOVE, Loadable, Problem};
+use crate::advance::LONGEST_OF_MOVE;
 use crate::clock::Clock;
 use crate::fit;
 use crate::hermite::Hermite;
 use crate::lanes::Lanes;
 use crate::outcome::{Outcome, Standing, to_be_lost};
+use crate::problem::{Loadable, Problem};
 use crate::regression::{Guess, Regression};
 use crate::scenario::Scenario;
 use crate::step::{LaneSystem, Moment, View};

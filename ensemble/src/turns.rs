@@ -4,11 +4,11 @@
 //! A hold is taken to be such a one by the slopes at its ends and by the ends of its steps; whether it turns more often between
 //! two of these is not asked.
 
-use crate::advance::Steps;
 use crate::hermite::Hermite;
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::log::Attempted;
+use crate::problem::Steps;
 use crate::root::{Curve, root};
 use crate::sealed::{Holding, OwnTest, Within};
 use crate::step::View;

@@ -12,9 +12,9 @@
 //! While the piston rests T goes one way if, when it comes to rest, (T − Tw) (Tw − Tamb) is not negative: where T first met
 //! Tw, the wall would have to be on the other side of Tamb, from which neither the gas nor the surroundings push it there.
 
-use crate::advance::Loadable;
 use crate::expansion::Expansion;
 use crate::lanes::{Lanes, multiply_add};
+use crate::problem::Loadable;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};

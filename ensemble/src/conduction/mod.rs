@@ -21,7 +21,6 @@ mod rule;
 mod step;
 
 use crate::Batch;
-use crate::advance::{self, Problem};
 use crate::chambers::Chambers;
 use crate::elimination::Factors;
 use crate::filter::Sensor;
@@ -30,6 +29,7 @@ use crate::history::History;
 use crate::instructions::Wide;
 use crate::kept;
 use crate::lanes::{Lanes, WIDTH};
+use crate::problem::{self, Problem};
 use crate::step::View;
 use chamber::balance::Balance;
 use chamber::effects::wall_conduction::MODES;
@@ -115,7 +115,7 @@ pub fn hold<const N: usize>(
             for (lane, &index) in group.iter().enumerate() {
                 if held.good[lane] > 0.0 {
                     let problem = &mut problems[index];
-                    problem.steps = advance::Steps { from, to: history.len() as u32, lane: lane as u32 };
+                    problem.steps = problem::Steps { from, to: history.len() as u32, lane: lane as u32 };
                     problem.view = View {
                         value: held.begin.value.map(|value| value[lane]),
                         slope: held.begin.slope.map(|slope| slope[lane]),

@@ -6,8 +6,9 @@
 //! f is c m cv over the wall's effusivity, so that in the hold b is f/√V. The state of the gas is z = 1/√T, nearly even in the
 //! clock, as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
 
-use crate::advance::{FIRST_OF_BENT, LONGEST_OF_MOVE, Loadable, Problem};
+use crate::advance::{FIRST_OF_BENT, LONGEST_OF_MOVE};
 use crate::lanes::{Lanes, multiply_add};
+use crate::problem::{Loadable, Problem};
 use crate::scenario::Scenario;
 use crate::sealed::{self, OwnTest};
 use crate::step::{LaneSystem, Moment, View};

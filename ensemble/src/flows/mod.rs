@@ -19,10 +19,11 @@
 mod equations;
 mod openings;
 
-use crate::advance::{LONGEST, Loadable};
+use crate::advance::LONGEST;
 use crate::corner::{self, Corners};
 use crate::hermite::Hermite;
 use crate::lanes::Lanes;
+use crate::problem::Loadable;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use crate::sealed::{self, Holding, OwnTest, Test};
