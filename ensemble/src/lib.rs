@@ -9,6 +9,7 @@
 //! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand (`kept`) |
 //! | of either kind behind a sensor | the same, filtered (`readings`) |
 //! | with a wall that warms only | its two equations (`walled`), in the hold by their series (`expansion`) |
+//! | with turbulence that decays only | its two equations (`stirred`) |
 //! | with a missing term that is a heat flow over the pressure | its one equation (`heated`) |
 //! | with one leak only, or with constant flows and at most one leak | its two equations (`flows`) |
 //! | with natural convection only, on one side of the wall's temperature | the push by two equations (`convective`, `convective_start`), the hold by a series (`convective_hold`) or as below |
@@ -79,6 +80,7 @@ mod scenario;
 mod sealed;
 mod series;
 mod step;
+mod stirred;
 mod tableau;
 mod time_constant;
 mod turns;
@@ -115,6 +117,7 @@ pub struct Kernel {
     instructions: InstructionSet,
     adaptive: adaptive::Memory<1, sealed::Test>,
     walled: adaptive::Memory<2, walled::WalledTest>,
+    stirred: adaptive::Memory<2, stirred::StirredTest>,
     heated: adaptive::Memory<1, heated::HeatedTest>,
     convective: convective_rows::Memory,
     integrated: adaptive::Memory<2, convective::ConvectiveTest>,
@@ -143,6 +146,7 @@ impl Kernel {
             instructions: InstructionSet(arch),
             adaptive: memory,
             walled,
+            stirred,
             heated,
             convective,
             integrated,
@@ -160,6 +164,7 @@ impl Kernel {
             sorted.orifices.sort_by_cached_key(|row| flows::kind::<Orifice>(&scenarios[row.0 as usize]));
             adaptive::run(batch, memory, &sorted.sealed, out);
             adaptive::run(batch, walled, &sorted.walled, out);
+            adaptive::run(batch, stirred, &sorted.stirred, out);
             adaptive::run(batch, heated, &sorted.heated, out);
             adaptive::run(batch, integrated, &sorted.integrated, out);
             adaptive::run(batch, orifices, &sorted.orifices, out);
@@ -256,6 +261,8 @@ struct Sorted {
     sealed: Vec<(u32, f64)>,
     /// The same with a wall that warms.
     walled: Vec<(u32, f64)>,
+    /// The same with turbulence that decays.
+    stirred: Vec<(u32, f64)>,
     /// The same with a heat flow over the pressure.
     heated: Vec<(u32, f64)>,
     /// The same with natural convection.
@@ -311,6 +318,7 @@ impl Sorted {
     fn fill(&mut self, set: EffectSet, Batch { arch, scenarios, options }: Batch, out: &mut [Outcome]) {
         self.sealed.clear();
         self.walled.clear();
+        self.stirred.clear();
         self.heated.clear();
         self.integrated.clear();
         self.orifices.clear();
@@ -350,6 +358,7 @@ impl Sorted {
             let alone = wide && sealed && shows_the_gas;
             let own = match of_gas {
                 walled::EFFECTS if alone && walled::has_wall(s) => Some(&mut self.walled),
+                stirred::EFFECTS if alone && stirred::is_stirred(s) => Some(&mut self.stirred),
                 heated::EFFECTS if alone && heated::is_heated(s) => Some(&mut self.heated),
                 conduction::EFFECT if alone && !integrates => Some(&mut self.remembering),
                 convective::EFFECTS if !(alone && convective::stays_on_a_side(s)) => None,

@@ -270,6 +270,27 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
     (EffectSet::one(wall), rows)
 }
 
+/// Tight rows whose piston stirs the gas, little or much, for a time that is short or long beside the push and the hold, from gases
+/// much colder or warmer than the wall, pushed or not.
+pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let turbulence = effects::find("decaying_turbulence").unwrap().0;
+    let mut r = Numbers(53);
+    let mut rows = sealed(count);
+    for (k, s) in rows.iter_mut().enumerate() {
+        let values = s.chamber.effects.of_mut(turbulence);
+        values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 100.0) };
+        values[1] = r.log_between(0.005, 50.0);
+        if k % 3 == 0 || k % 17 == 0 {
+            s.initial_temperature_k = r.between(200.0, 400.0);
+        }
+        if k % 17 == 0 {
+            s.final_position_m = s.initial_position_m;
+        }
+        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
+    }
+    (EffectSet::one(turbulence), rows)
+}
+
 /// Tight rows whose missing term is a heat flow over the pressure: of up to eight knots across the pressures of the test, as strong
 /// as the heat that the wall takes or far weaker, from gases much colder or warmer than the wall, pushed or not.
 pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {

@@ -1,8 +1,8 @@
 //! A row is its own: its neighbours, its place and the instruction set change nothing but, for the last, rounding.
 
 use crate::common::{
-    assert_independent, assert_same, convective, flowing, heated, kept, relaxing, remembering, results, sealed, varied,
-    walled, with_a_curve_of_the_reading, with_instructions,
+    assert_independent, assert_same, convective, flowing, heated, kept, relaxing, remembering, results, sealed,
+    stirred, varied, walled, with_a_curve_of_the_reading, with_instructions,
 };
 use crate::numbers::Numbers;
 use chamber::{EffectSet, effects};
@@ -11,7 +11,7 @@ use ensemble::{InstructionSet, Options, Solver};
 #[test]
 fn a_row_does_not_depend_on_its_neighbours() {
     let (relaxing, remembering, walled) = (relaxing(300), remembering(300), walled(700));
-    let (flowing, heated) = (flowing(700), heated(300));
+    let (flowing, heated, stirred) = (flowing(700), heated(300), stirred(300));
     let convective = convective(300);
     let (kept, curved) = (kept(300), with_a_curve_of_the_reading(100));
     let (lag, _) = effects::find("sensor_lag").unwrap();
@@ -27,6 +27,7 @@ fn a_row_does_not_depend_on_its_neighbours() {
         (relaxing.0, relaxing.1, Solver::Auto),
         (remembering.0, remembering.1, Solver::Auto),
         (walled.0, walled.1, Solver::Auto),
+        (stirred.0, stirred.1, Solver::Auto),
         (flowing.0, flowing.1, Solver::Auto),
         (heated.0, heated.1, Solver::Auto),
         (convective.0, convective.1[0].clone(), Solver::Auto),
@@ -44,10 +45,11 @@ fn a_row_does_not_depend_on_its_neighbours() {
 
 #[test]
 fn every_instruction_set_gives_the_same_but_for_the_last_digits() {
-    let (walled, flowing, heated) = (walled(64), flowing(128), heated(64));
+    let (walled, flowing, heated, stirred) = (walled(64), flowing(128), heated(64), stirred(64));
     for (set, rows, solver) in [
         (EffectSet::NONE, sealed(64), Solver::Adaptive),
         (walled.0, walled.1, Solver::Auto),
+        (stirred.0, stirred.1, Solver::Auto),
         (flowing.0, flowing.1, Solver::Auto),
         (heated.0, heated.1, Solver::Auto),
         (EffectSet::NONE, sealed(64), Solver::Auto),

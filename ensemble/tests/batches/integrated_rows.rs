@@ -1,7 +1,7 @@
 //! Rows that only the integrator solves: against the plain one.
 
 use crate::common::{
-    assert_close, assert_same, flowing, heated, reference, results, sealed, varied, walled, with_instructions,
+    assert_close, assert_same, flowing, heated, reference, results, sealed, stirred, varied, walled, with_instructions,
 };
 use crate::numbers::Numbers;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
@@ -48,6 +48,15 @@ fn a_heat_flow_over_the_pressure_agrees_with_the_plain_integrator_whichever_way_
     for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
         assert_same(&o, &reference(set, s), 1e-8, &format!("row {k}"));
         assert!(o.status.is_err() || o.energy_error < 1e-7, "row {k}: {}", o.energy_error);
+    }
+}
+
+#[test]
+fn turbulence_that_decays_agrees_with_the_plain_integrator_however_fast_it_does() {
+    let (set, rows) = stirred(300);
+    for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {
+        assert_same(&o, &reference(set, s), 1e-8, &format!("row {k}"));
+        assert!(o.energy_error < 1e-7, "row {k}: {}", o.energy_error);
     }
 }
 
