@@ -10,6 +10,13 @@ use thiserror::Error;
 pub trait System<R, const N: usize> {
     /// dy/dt at time `t`.
     fn rates(&self, t: f64, y: &[R; N]) -> [R; N];
+
+    /// When the rates have a first corner within a step, s: steps are made to end there, as across a corner their error estimates
+    /// are blind. Unless told otherwise they have none.
+    #[inline(always)]
+    fn corner(&self, _: &Step<R, N>) -> Option<f64> {
+        None
+    }
 }
 
 impl<R, const N: usize, F: Fn(f64, &[R; N]) -> [R; N]> System<R, N> for F {
@@ -116,6 +123,11 @@ impl<R: Real, const N: usize> Step<R, N> {
         Dense { from: self.from, per_length: 1.0 / self.length, terms }
     }
 
+    /// States at its start.
+    pub fn start(&self) -> [R; N] {
+        self.start
+    }
+
     /// States at its end.
     pub fn end(&self) -> [R; N] {
         self.end
@@ -201,7 +213,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         Self { time, state, step: 0.0, longest: f64::INFINITY, max_steps: MAX_STEPS, tolerance }
     }
 
-    /// Integrates to `end`, s, over a stretch on which the system is smooth; hands each accepted step to `on_step`.
+    /// Integrates to `end`, s, over a stretch on which the system is smooth but for its corners; hands each accepted step to `on_step`.
     ///
     /// # Errors
     /// When no step meets the tolerance, or [`Integrator::max_steps`] is exceeded; time and states are then those of the last
@@ -242,19 +254,25 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
             let (until, most) = plan.map_or((end, 1.0), |until| (until, PLANNED));
             let left = until - self.time;
             let length = if plan.is_some() && !rejected { left } else { self.step.min(self.longest) };
-            let is_last = length >= left * (1.0 - 1e-12);
+            let mut is_last = length >= left * (1.0 - 1e-12);
             // Two even steps rather than one whole and a sliver.
-            let h = if is_last { left } else { length.min(0.5 * left) };
+            let mut h = if is_last { left } else { length.min(0.5 * left) };
             step.attempt(system, self.time, h);
-            let error = self.error(&step);
+            let mut error = self.error(&step);
+            let corner = if error <= most { system.corner(&step) } else { None };
+            if let Some(at) = corner {
+                (is_last, h) = (false, at - self.time);
+                step.attempt(system, self.time, h);
+                error = self.error(&step);
+            }
             if error <= most {
                 self.time = if is_last { until } else { self.time + h };
                 self.state = step.end;
                 on_step(&step);
                 step.go_on();
                 let factor = (SAFETY * error.max(1e-10).powf(-0.2)).clamp(SHRINK, if rejected { 1.0 } else { GROW });
-                // A step cut short by the end says nothing against the longer one that was planned.
-                self.step = if is_last { self.step.max(h * factor) } else { h * factor };
+                // A step cut short by the end or a corner says nothing against the longer one that was planned.
+                self.step = if is_last || corner.is_some() { self.step.max(h * factor) } else { h * factor };
                 rejected = false;
                 if is_last && until == end {
                     return Ok(());

@@ -22,6 +22,7 @@
 
 pub mod balance;
 pub mod card;
+mod corner;
 pub mod dual;
 pub mod effects;
 pub mod exact;

@@ -4,8 +4,9 @@
 //! while the steps pass by. Time in s, pressure in Pa.
 
 use crate::balance::Boundary;
+use crate::corner;
 use crate::effects::{self, EffectSet, EffectValues, OWN_STATES};
-use crate::integrate::{IntegrationError, Integrator, Step};
+use crate::integrate::{IntegrationError, Integrator, Step, System};
 use crate::model::Chamber;
 use crate::real::Scalar;
 use std::cell::Cell;
@@ -30,6 +31,44 @@ pub trait Inputs<R> {
     /// The longest first step on a stretch and the longest one at all, s, whose stages pass over nothing that happens there.
     fn longest_steps(&self, _stretch: usize) -> [f64; 2] {
         [f64::INFINITY; 2]
+    }
+}
+
+/// The equations of a chamber that is followed.
+pub trait Equations<R, const N: usize> {
+    /// The rates of its states at a time, s.
+    fn rates(&self, time: f64, boundary: &Boundary<R>, state: &[R; N]) -> [R; N];
+
+    /// Numbers that change their sign where the rates have corners; none unless told otherwise.
+    #[inline(always)]
+    fn sides(&self, _: &Boundary<R>, _: &[R; N]) -> Option<[f64; effects::KINKS]> {
+        None
+    }
+}
+
+impl<R, const N: usize, F: Fn(f64, &Boundary<R>, &[R; N]) -> [R; N]> Equations<R, N> for F {
+    #[inline(always)]
+    fn rates(&self, time: f64, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
+        self(time, boundary, state)
+    }
+}
+
+/// Equations on one stretch of inputs.
+struct OnStretch<'a, I, E> {
+    inputs: &'a I,
+    stretch: usize,
+    equations: &'a E,
+}
+
+impl<R: Scalar, const N: usize, I: Inputs<R>, E: Equations<R, N>> System<R, N> for OnStretch<'_, I, E> {
+    #[inline(always)]
+    fn rates(&self, t: f64, y: &[R; N]) -> [R; N] {
+        self.equations.rates(t, &self.inputs.boundary(self.stretch, t), y)
+    }
+
+    #[inline(always)]
+    fn corner(&self, step: &Step<R, N>) -> Option<f64> {
+        corner::first(step, |t, y| self.equations.sides(&self.inputs.boundary(self.stretch, t), y))
     }
 }
 
@@ -77,7 +116,7 @@ pub fn follow<R: Scalar, const N: usize>(
     integrator: &mut Integrator<R, N>,
     last: f64,
     mesh: &Mesh,
-    rates: impl Fn(f64, &Boundary<R>, &[R; N]) -> [R; N],
+    equations: impl Equations<R, N>,
     mut on_step: impl FnMut(usize, f64, &Step<R, N>),
 ) -> Result<Mesh, IntegrationError> {
     let mut taken = Mesh { ends: Vec::with_capacity(mesh.ends.len()) };
@@ -96,7 +135,7 @@ pub fn follow<R: Scalar, const N: usize>(
             passed.set(passed.get() + shares[passed.get()..].iter().take_while(|share| place(**share) <= time).count());
             shares.get(passed.get()).map(|share| place(*share))
         };
-        let system = |t: f64, state: &[R; N]| rates(t, &inputs.boundary(stretch, t), state);
+        let system = OnStretch { inputs, stretch, equations: &equations };
         integrator.advance_by(&system, end, next, |step| {
             let until = step.from + step.length;
             taken.ends.push((until - from) / (end - from));

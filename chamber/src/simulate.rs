@@ -5,7 +5,7 @@ use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
 use crate::real::{Real, Scalar};
-use crate::record::{self, Inputs, Mesh, Readings};
+use crate::record::{self, Equations, Inputs, Mesh, Readings};
 
 /// One row of a simulation. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,14 +115,37 @@ fn in_states<R: Scalar, const N: usize>(
     let mut recorder = Recorder { balance: &balance, set, inputs, times, readings, samples };
     recorder.record(0, begin, || |_| initial);
     let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-    let rates = |_: f64, boundary: &Boundary<R>, state: &[R; N]| balance.rates(set, boundary, state);
-    record::follow(inputs, &mut integrator, last, &Mesh::default(), rates, |stretch, until, step| {
+    let equations = Balances { balance: &balance, set };
+    record::follow(inputs, &mut integrator, last, &Mesh::default(), equations, |stretch, until, step| {
         recorder.record(stretch, until, || {
             let dense = step.dense();
             move |t| dense.at(t)
         });
     })?;
     Ok(recorder.samples)
+}
+
+/// The balances of a chamber with a set of effects.
+struct Balances<'a, R> {
+    balance: &'a Balance<R>,
+    set: EffectSet,
+}
+
+impl<R: Scalar, const N: usize> Equations<R, N> for Balances<'_, R> {
+    #[inline]
+    fn rates(&self, _: f64, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
+        self.balance.rates(self.set, boundary, state)
+    }
+
+    #[inline]
+    fn sides(&self, boundary: &Boundary<R>, state: &[R; N]) -> Option<[f64; effects::KINKS]> {
+        if self.set.intersection(effects::WITH_KINKS).is_empty() {
+            return None;
+        }
+        let (at, rates, _) = self.balance.evaluate(self.set, boundary, state);
+        let values = &self.balance.chamber.effects;
+        Some(effects::kinks(self.set, values, &balance::own_states(state), &at, &rates).map(Scalar::value))
+    }
 }
 
 /// Fills samples while the integration passes by: the gas at each row's time, beside the sensor's reading.

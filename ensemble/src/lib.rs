@@ -502,7 +502,6 @@ sets_with_code_of_their_own![
     general::TIGHT | general::ASKED | bit("wall_heating"),
     general::TIGHT | general::ASKED | relaxation::EFFECTS.bits(),
     general::TIGHT | bit("gas_zones"),
-    general::TIGHT | bit("decaying_turbulence"),
     general::TIGHT | general::ASKED | on_the_gas_with(effects::MANY) & effects::KEEP_THE_MASS.bits(),
     general::TIGHT | general::ASKED | conduction::EFFECTS.bits(),
     bit("leakage") | bit("supply_leakage") | bit("laminar_leakage") | general::ASKED,

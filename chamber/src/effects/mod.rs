@@ -192,6 +192,9 @@ macro_rules! effects {
         /// Number of functions that [`kinks`] gives.
         pub const KINKS: usize = 0 $(+ $module::$name::KINKS)*;
 
+        /// The effects that have some.
+        pub const WITH_KINKS: EffectSet = EffectSet::of([$($module::$name::KINKS > 0),*]);
+
         /// [`Effect::kinks`] of all effects, in order; one for those that are not in `set`.
         pub fn kinks<R: Real>(
             set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], at: &Conditions<R>, rates: &Rates<R>,
