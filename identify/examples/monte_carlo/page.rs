@@ -115,7 +115,7 @@ pub fn write(files: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
          2–6 experiments of 1–4 repeats at 0.9–6 bar, one or two moves of 0.05–0.8 s (ramps with corners between the rows, sines, cubics, quintics, trapezoids). \
          Strength 1 is about what a worn bench shows: a leak that loses 1 % of the gas in a relaxation time at 3 bar, a wall of 8 heat capacities of the gas, \
          |Δn| = 0.15 in an exponent of λ (0.3 for the gas column), k = 1.5 (s/m)^0.8, a zone of 20 % of the mass, a tube of 3 % of the volume, 10 ms of lag or delay, \
-         150 Pa/s of drift. Every rig file states bore, position and ambient temperature with errors drawn from their default tolerances, and positions lie off a straight line by a wave drawn from the default linearity (0.02 % of the way). Other signs, critical ratios from 0.1 to 0.55 and other proportions of second parameters are drawn on wide rigs.\n\n",
+         150 Pa/s of drift. Every rig file states bore, position, ambient temperature and heat capacity ratio with errors drawn from their default tolerances, and positions lie off a straight line by a wave drawn from the default linearity (0.02 % of the way). Other signs, critical ratios from 0.1 to 0.55 and other proportions of second parameters are drawn on wide rigs.\n\n",
         files.join(" "),
         lines.len(),
         seconds / 60.0,

@@ -44,7 +44,7 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
     let seed = index + 1_000_000 * (1 + place as u64);
     let mut recipe = if wide { Recipe::wide(seed) } else { Recipe::from_seed(seed) };
     let mut random = Random::new(seed);
-    // Bore, position and ambient temperature are stated as well as their tolerances say, and positions as straight.
+    // Bore, position, ambient temperature and the gas are stated as well as their tolerances say, and positions as straight.
     recipe.faults.stated = Stated::drawn(&mut random);
     recipe.faults.position_wave = Some(Wave::drawn(&mut Random::new(seed ^ 0xbe7)));
     let (recipe, truth, strength) = match study {

@@ -10,8 +10,8 @@ const VERDICTS: [&str; 5] = ["adequate", "explained", "improved", "unexplained",
 /// `recordings.md`: how it was made, a table of the rigs without and with an effect, the wrong names.
 pub fn page(options: &Options, rows: &[Row]) -> String {
     let stated = if options.tolerances {
-        "Every rig file states bore, position and ambient temperature with errors drawn from their default tolerances \
-         (standard deviations 0.5 %, 0.5 % and 0.5 mm, 2 K), and its positions lie off a straight line by a wave \
+        "Every rig file states bore, position, ambient temperature and heat capacity ratio with errors drawn from their default \
+         tolerances (standard deviations 0.5 %, 0.5 % and 0.5 mm, 2 K, 0.05 %), and its positions lie off a straight line by a wave \
          drawn from the default linearity (0.02 % of the way)."
     } else {
         "Rig files state bore, position and ambient temperature exactly where the row does not say otherwise."

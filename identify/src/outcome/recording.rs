@@ -50,7 +50,7 @@ impl NoiseFound {
             hum_hz: noise.hum.map(|h| h.frequency_hz),
             step_pa: noise.step_pa,
             outliers: data.outliers(),
-            readout_hz: data.traces.iter().find_map(|t| t.readout.rate_hz(t.row_s())),
+            readout_hz: data.traces.iter().find_map(|t| t.readout.readings.rate_hz(t.row_s())),
         }
     }
 }
@@ -136,13 +136,13 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
         ));
     }
     out.extend(left_out(data));
-    let slow: Vec<_> = data.traces.iter().filter(|t| t.readout.is_slow()).collect();
+    let slow: Vec<_> = data.traces.iter().filter(|t| t.readout.readings.are_slow()).collect();
     if let Some(t) = slow.first() {
         out.push(format!(
             "the pressure is read at {:.3} Hz and the rows in between {}: only the readings count{} ({} of {} records)",
-            t.readout.rate_hz(t.row_s()).unwrap_or(0.0),
-            t.readout.between.words(),
-            if t.readout.by_own_clock.is_empty() { "" } else { ", each when it was taken" },
+            t.readout.readings.rate_hz(t.row_s()).unwrap_or(0.0),
+            t.readout.readings.between().words(),
+            t.readout.readings.by_own_clock().map_or("", |_| ", each when it was taken"),
             slow.len(),
             data.traces.len()
         ));
@@ -213,7 +213,7 @@ fn opened(data: &Data) -> Option<String> {
 /// Whether the rig states a slower readout than the records show.
 fn every_row_is_a_reading(data: &Data) -> Option<String> {
     let stated_hz = data.stated_readout_hz?;
-    let is_slower = |t: &Prepared| stated_hz * t.row_s() < 0.5 && !t.readout.is_slow();
+    let is_slower = |t: &Prepared| stated_hz * t.row_s() < 0.5 && !t.readout.readings.are_slow();
     data.traces.iter().all(is_slower).then(|| {
         format!(
             "the rig states a readout of {} Hz, but the rows in between neither repeat a reading nor lie on straight lines: every row counts as a reading",

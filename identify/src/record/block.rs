@@ -100,7 +100,7 @@ pub fn blocks(
     const CORNER_ROWS: usize = 20;
     let mut out = Vec::new();
     let (low, high) = extremes(position_m);
-    let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.period;
+    let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.readings.period();
     let unresolved = Unresolved::new(motion, look.window_s);
     let between_rows = BetweenRows::new(motion, look);
     // Rows around one reading of the position share its error, and count as one.

@@ -129,7 +129,7 @@ mod tests {
         let (time_s, position_m, pressure_pa) = rows();
         let mut motion = Motion::detect(&time_s, &position_m);
         motion.noise_m = 1e-4;
-        let (readout, look) = (Readout::every_row(), Look::default());
+        let (readout, look) = (Readout::default(), Look::default());
         let mut all = blocks(&time_s, &pressure_pa, &motion, &readout, &position_m, GAMMA, look);
         share(&mut all, &pressure_pa, &motion, &position_m, GAMMA);
         (all.into_iter().filter(|b| b.phase == Phase::Hold).collect(), motion)

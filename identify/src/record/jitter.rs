@@ -8,8 +8,8 @@
 //! low-pass shows of a wrong position later is not the same row's, and remains. Position in m, time in s.
 
 use crate::record::between_rows::{OF_NOISE, cubic};
-use crate::record::data::usual_row_s;
 use crate::record::local_cubic::local_cubic;
+use crate::record::row_time::usual_row_s;
 use crate::record::scatter::scatter;
 
 /// Rows on either side of the cubic through the neighbours.

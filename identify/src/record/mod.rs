@@ -28,6 +28,7 @@ mod prepare;
 pub mod ramp;
 pub mod readout;
 pub mod repeats;
+mod row_time;
 pub mod saturation;
 mod scatter;
 mod smoothed;

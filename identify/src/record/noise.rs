@@ -392,7 +392,7 @@ mod tests {
         let position = |i: usize| 0.1 - 0.01 * (i / 17) as f64 - 0.002 * (i % 17).saturating_sub(12) as f64;
         let (time_s, position_m): (Vec<f64>, Vec<f64>) = (0..68).map(|i| (0.05 * i as f64, position(i))).unzip();
         let pressure_pa: Vec<f64> = position_m.iter().map(|x| 2e4 / x + 80.0 * random.normal()).collect();
-        let (motion, readout) = (Motion::detect(&time_s, &position_m), Readout::every_row());
+        let (motion, readout) = (Motion::detect(&time_s, &position_m), Readout::default());
         let quiet = Quiet { time_s: &time_s, pressure_pa: &pressure_pa, motion: &motion, readout: &readout };
         assert!(windows(&[quiet], LEAST[0].0).is_empty());
         let noise = Noise::from_quiet_parts(&[quiet], None, None);
@@ -408,7 +408,7 @@ mod tests {
         let time_s: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i)).collect();
         let position_m: Vec<f64> = time_s.iter().map(|t| position(*t) + 1e-5 * random.normal()).collect();
         let pressure_pa: Vec<f64> = time_s.iter().map(|t| 2e4 / position(*t) + 80.0 * random.normal()).collect();
-        let (motion, readout) = (Motion::detect(&time_s, &position_m), Readout::every_row());
+        let (motion, readout) = (Motion::detect(&time_s, &position_m), Readout::default());
         assert!(motion.segments.iter().all(|s| s.phase == Phase::Move));
         let quiet = Quiet { time_s: &time_s, pressure_pa: &pressure_pa, motion: &motion, readout: &readout };
         let noise = Noise::from_quiet_parts(&[quiet], None, None);
@@ -437,7 +437,7 @@ mod tests {
         };
         let time_s: Vec<f64> = (0..1000).map(|i| 0.02 * i as f64).collect();
         let pressure_pa: Vec<f64> = time_s.iter().map(|t| given(*t)).collect();
-        let (motion, readout) = (Motion::detect(&time_s, &vec![0.1; time_s.len()]), Readout::every_row());
+        let (motion, readout) = (Motion::detect(&time_s, &vec![0.1; time_s.len()]), Readout::default());
         let quiet = Quiet { time_s: &time_s, pressure_pa: &pressure_pa, motion: &motion, readout: &readout };
         let noise = Noise::from_quiet_parts(&[quiet], None, None);
         assert!(noise.sticks && (noise.step_pa / STEP_PA - 1.0).abs() < 1e-6, "{noise:?}");

@@ -99,7 +99,7 @@ struct Far {
 impl Far {
     fn of(t: &Prepared, residual: &[f64], noise_pa: f64) -> Self {
         let is_looked_at =
-            |i: usize| t.readout.is_reading(i) && !t.readout.is_open(i) && t.spikes.binary_search(&i).is_err();
+            |i: usize| t.readout.readings.are_at(i) && !t.readout.is_open(i) && t.spikes.binary_search(&i).is_err();
         let rows: Vec<usize> = (0..residual.len()).filter(|&i| is_looked_at(i)).collect();
         let at_moves = reach_of_moves(t, &rows);
         let far = far_from_median(&rows, residual, noise_pa);
@@ -278,6 +278,6 @@ mod tests {
         let mut p: Vec<f64> =
             (0..400).map(|i| 1e5 + 4e3 * f64::from((i - 100).clamp(0, 20)) + 50.0 * random.normal()).collect();
         (p[60], p[300]) = (p[60] + 5e3, p[300] - 4e3);
-        assert_eq!(spikes(&p, &Readout::every_row(), 50.0), [60, 300]);
+        assert_eq!(spikes(&p, &Readout::default(), 50.0), [60, 300]);
     }
 }

@@ -3,14 +3,15 @@
 use crate::error::Error;
 use crate::record::between_rows::Look;
 use crate::record::course::Course;
-use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES, usual_row_s};
+use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
 use crate::record::first_volume::first_guess;
 use crate::record::jitter::{self, Stamped, Times};
 use crate::record::level;
 use crate::record::noise::{Noise, Quiet};
 use crate::record::outliers;
 use crate::record::positions::Positions;
-use crate::record::readout::{Between, Readout};
+use crate::record::readout::{Between, Readings, Readout, of_logger};
+use crate::record::row_time::usual_row_s;
 use crate::record::saturation::{self, End};
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
@@ -35,16 +36,17 @@ impl Data {
             columns.push(Columns::of(trace)?);
         }
         let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], &c.pressure_pa[..])).collect();
-        let readouts = Readout::of_logger(&records, rig.sensor.readout_hz);
-        for (c, readout) in columns.iter_mut().zip(&readouts) {
-            c.take_readings(readout);
+        let readings = of_logger(&records, rig.sensor.readout_hz);
+        for (c, readings) in columns.iter_mut().zip(readings) {
+            c.take(readings);
         }
         let declared = Declared::of(rig);
         let mut ends: Vec<End> = Vec::new();
-        for ((c, mended), readout) in columns.iter_mut().zip(&mended).zip(readouts) {
-            ends.extend(checks::trace(c.trace, &c.pressure_pa, &c.motion, &readout, declared, &rig.cylinder)?);
+        for (c, mended) in columns.iter_mut().zip(&mended) {
+            ends.extend(checks::trace(c.trace, &c.pressure_pa, &c.motion, &c.readout, declared, &rig.cylinder)?);
             let (unfollowed, at_gaps) = (c.motion.unfollowed(), gaps::rows(&c.motion));
-            c.readout = Readout { unfollowed, at_gaps, open_s: mended.open_s.clone(), ..readout };
+            (c.readout.unfollowed, c.readout.at_gaps) = (unfollowed, at_gaps);
+            c.readout.open_s = mended.open_s.clone();
         }
         leave_out_saturated(&mut columns, ends)?;
         if columns.is_empty() {
@@ -163,17 +165,19 @@ impl<'a> Columns<'a> {
         let pressure_pa = Cow::Borrowed(pressure_pa);
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = gaps::motion(&time_s, &trace.position_m, positions);
-        let (row_s, readout) = (usual_row_s(&time_s), Readout::every_row());
+        let (row_s, readout) = (usual_row_s(&time_s), Readout::default());
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, row_s, motion, readout })
     }
 
-    /// Sets each reading that was not taken right at a row to its own time. The stroke goes through the rows' times already, which
+    /// Takes the readings, and sets each that was not taken right at a row to its own time. The stroke goes through the rows' times already, which
     /// are not those of positions that come in the same messages.
-    fn take_readings(&mut self, readout: &Readout) {
-        let Some((time_s, pressure_pa)) = readout.taken(&self.time_s, &self.pressure_pa) else { return };
-        (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
-        let rows: Vec<usize> = readout.by_own_clock.iter().map(|taken| taken.row).collect();
-        if self.positions.change_in(&rows, &self.trace.position_m) {
+    fn take(&mut self, readings: Readings) {
+        if let Some((time_s, pressure_pa)) = readings.at_their_times(&self.time_s, &self.pressure_pa) {
+            (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
+        }
+        let rows: Vec<usize> = readings.by_own_clock().into_iter().flatten().map(|taken| taken.row).collect();
+        self.readout.readings = readings;
+        if !rows.is_empty() && self.positions.change_in(&rows, &self.trace.position_m) {
             self.motion = gaps::motion(&self.time_s, &self.trace.position_m, self.positions);
         }
     }
@@ -328,7 +332,7 @@ mod tests {
             trace.time_s = trace.time_s.iter().copied().step_by(ROW).collect();
         }
         let (data, paper) = baseline::fitted(Data::prepare(&rig).unwrap()).unwrap();
-        assert!(data.traces.iter().all(|t| !t.readout.by_own_clock.is_empty()));
+        assert!(data.traces.iter().all(|t| t.readout.readings.by_own_clock().is_some()));
         let judged = adequacy::test(&data, &paper);
         assert!(judged.is_noise, "{judged:?}");
     }

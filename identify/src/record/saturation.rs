@@ -87,7 +87,7 @@ fn is_saturated(
         let stroke = way(s.first..s.end);
         s.phase == Phase::Move
             && stroke > SHORT_MOVE * travel
-            && inside.len() as f64 >= LONGEST_HONEST_RUN as f64 * readout.period
+            && inside.len() as f64 >= LONGEST_HONEST_RUN as f64 * readout.readings.period()
             && way(inside.clone()) > SHORT_PART * stroke
             && change_pa(pressure_pa[first], &trace.position_m[inside]) > step_pa
             && (noisy || last + 1 > first.max(s.first) + (s.end - s.first))

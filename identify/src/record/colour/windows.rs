@@ -68,7 +68,7 @@ pub fn quiet_rows(t: &Prepared, segment: usize, late: bool) -> Vec<usize> {
 fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], out: &mut Vec<Window>) {
     let traces: Vec<&Prepared> = of.iter().map(|&k| &data.traces[k]).collect();
     let Some(first) = traces.first().filter(|_| repeats::are_alike(&traces)) else { return };
-    if traces.iter().any(|t| !t.readout.is_as_slow_as(&first.readout)) {
+    if traces.iter().any(|t| !t.readout.readings.are_as_slow_as(&first.readout.readings)) {
         return;
     }
     for segment in 0..first.course.motion.segments.len() {
@@ -95,5 +95,5 @@ pub fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     let values: Vec<f64> = values.chunks_exact(averaged).map(mean).collect();
     let row_s = t.time_s.last().map_or(0.01, |last| last / (t.time_s.len() - 1) as f64);
-    Some(Window { values, distance_s: row_s * (t.readout.period * averaged as f64), averaged })
+    Some(Window { values, distance_s: row_s * (t.readout.readings.period() * averaged as f64), averaged })
 }

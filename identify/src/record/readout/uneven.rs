@@ -26,7 +26,8 @@ pub struct Uneven {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Readout, by_own_clock, like};
+    use super::super::Readings;
+    use super::super::find::{by_own_clock, like, of_logger};
     use super::*;
     use crate::synthetic::Random;
 
@@ -81,22 +82,23 @@ mod tests {
             Self { time_s, pressure_pa: kept.into_iter().map(shown).collect(), readings }
         }
 
-        fn readout(&self) -> Readout {
-            Readout::of_logger(&[(&self.time_s, &self.pressure_pa)], None).remove(0)
+        fn readout(&self) -> Readings {
+            of_logger(&[(&self.time_s, &self.pressure_pa)], None).remove(0)
         }
 
         /// Checks that at least this share of its readings is found, no others, and when they were taken, rows, and their pressures, Pa.
-        fn assert_read(&self, found: &Readout, share: f64, within: [f64; 2], what: &str) {
-            let count = self.pressure_pa.len() as f64 / found.period;
-            assert!(found.by_own_clock.len() as f64 > share * count, "{what}: {}", found.by_own_clock.len());
-            for taken in &found.by_own_clock {
+        fn assert_read(&self, found: &Readings, share: f64, within: [f64; 2], what: &str) {
+            let count = self.pressure_pa.len() as f64 / found.period();
+            let taken = found.by_own_clock().unwrap();
+            assert!(taken.len() as f64 > share * count, "{what}: {}", taken.len());
+            for taken in taken {
                 let at = taken.time_s / ROW_S;
                 let off = |[true_at, p]: &[f64; 2]| [true_at - at, p - taken.pressure_pa].map(f64::abs);
                 let nearest = self.readings.iter().map(off).min_by(|a, b| a[0].total_cmp(&b[0])).unwrap();
                 assert!(nearest[0] < within[0] && nearest[1] < within[1], "{what}, row {}: {nearest:?}", taken.row);
-                assert!(found.is_reading(taken.row));
+                assert!(found.are_at(taken.row));
             }
-            let (time_s, _) = found.taken(&self.time_s, &self.pressure_pa).unwrap();
+            let (time_s, _) = found.at_their_times(&self.time_s, &self.pressure_pa).unwrap();
             assert!(time_s.windows(2).all(|w| w[1] > w[0]), "{what}");
         }
     }
@@ -112,13 +114,13 @@ mod tests {
                     let rows = if period < 20.0 { 3000 } else { 6000 };
                     let whole = Record::of(sensor, between, seed, rows, |_| true);
                     let found = whole.readout();
-                    assert_eq!(found.between, between, "{what}");
-                    assert!((found.period / period - 1.0).abs() < 2e-4, "{what}: {}", found.period);
+                    assert_eq!(found.between(), between, "{what}");
+                    assert!((found.period() / period - 1.0).abs() < 2e-4, "{what}: {}", found.period());
                     whole.assert_read(&found, 0.98, [0.1, 1.0], &what);
                     let with_gaps =
                         Record::of(sensor, between, seed, rows, |row| row % 97 != 5 && !(900..950).contains(&row));
                     let found = with_gaps.readout();
-                    assert_eq!(found.between, between, "{what}");
+                    assert_eq!(found.between(), between, "{what}");
                     with_gaps.assert_read(&found, 0.9, [0.2, 1.0], &what);
                 }
             }
@@ -131,7 +133,7 @@ mod tests {
         let sensor = Sensor { period: 3.02, ..FINE };
         let record = Record::of(sensor, Between::Held, 1, 9000, |_| true);
         let found = record.readout();
-        assert!((found.period - 3.02).abs() < 1e-4, "{}", found.period);
+        assert!((found.period() - 3.02).abs() < 1e-4, "{}", found.period());
         record.assert_read(&found, 0.99, [0.05, 1e-3], "slow clock");
     }
 
@@ -147,7 +149,7 @@ mod tests {
             };
             record.pressure_pa = (0..3000).map(shown).collect();
             let found = record.readout();
-            assert_eq!(found.between, Between::Held, "{seed}");
+            assert_eq!(found.between(), Between::Held, "{seed}");
             record.assert_read(&found, 0.98, [0.35, 1e-3], "not steady");
         }
     }
@@ -159,8 +161,8 @@ mod tests {
             record.pressure_pa[row] += 2e4;
         }
         let found = record.readout();
-        assert_eq!(found.between, Between::Held);
-        let readings = &found.by_own_clock;
+        assert_eq!(found.between(), Between::Held);
+        let readings = found.by_own_clock().unwrap();
         let spoilt = readings.iter().filter(|taken| (taken.row + 3000 - 40).is_multiple_of(173)).count();
         assert!((730..740).contains(&readings.len()) && spoilt < 10, "{} {spoilt}", readings.len());
     }
@@ -170,10 +172,10 @@ mod tests {
         for between in [Between::Held, Between::Interpolated] {
             let long = Record::of(FINE, between, 8, 3000, |_| true);
             let short = Record::of(FINE, between, 9, 72, |_| true);
-            assert!(!short.readout().is_slow());
+            assert!(!short.readout().are_slow());
             let [long, short_too] = [&long, &short].map(|r| (&r.time_s[..], &r.pressure_pa[..]));
-            let both = Readout::of_logger(&[long, short_too], None);
-            assert_eq!(both[1].between, between);
+            let both = of_logger(&[long, short_too], None);
+            assert_eq!(both[1].between(), between);
             short.assert_read(&both[1], 0.9, [0.3, 1.0], "short");
         }
     }
@@ -183,8 +185,8 @@ mod tests {
         for between in [Between::Held, Between::Interpolated] {
             for stated_hz in [1.0 / (4.07 * ROW_S), 60.0, 100.0] {
                 let record = Record::of(FINE, between, 12, 3000, |_| true);
-                let found = Readout::of_logger(&[(&record.time_s, &record.pressure_pa)], Some(stated_hz)).remove(0);
-                assert_eq!(found.between, between, "{stated_hz}");
+                let found = of_logger(&[(&record.time_s, &record.pressure_pa)], Some(stated_hz)).remove(0);
+                assert_eq!(found.between(), between, "{stated_hz}");
                 record.assert_read(&found, 0.98, [0.05, 1.0], "stated");
             }
         }

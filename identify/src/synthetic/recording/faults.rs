@@ -54,14 +54,14 @@ pub struct Stated {
 
 impl Stated {
     /// Errors drawn from the tolerances that a rig file has by default (standard deviations): bore and position scale
-    /// 0.5 %, position 0.5 mm, ambient temperature 2 K.
+    /// 0.5 %, position 0.5 mm, ambient temperature 2 K, heat capacity ratio 0.05 %.
     pub fn drawn(random: &mut Random) -> Self {
         Self {
             bore_times: 1.0 + 0.005 * random.normal(),
             position_times: 1.0 + 0.005 * random.normal(),
             position_offset_m: 5e-4 * random.normal(),
             ambient_offset_k: 2.0 * random.normal(),
-            ..Self::default()
+            heat_capacity_ratio_times: 1.0 + 5e-4 * random.normal(),
         }
     }
 }

@@ -238,7 +238,7 @@ pub const ALL: &[Recording] = &[
     },
     Recording {
         name: "within-tolerance",
-        what: "bore, position and ambient temperature stated with errors drawn from their tolerances",
+        what: "bore, position, ambient temperature and the gas stated with errors drawn from their tolerances",
         changes: |r, random| r.faults.stated = Stated::drawn(random),
         ..PLAIN
     },
