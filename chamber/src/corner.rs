@@ -7,6 +7,9 @@
 use crate::integrate::Step;
 use crate::real::Scalar;
 
+/// A function of order one that is smaller is zero: gas that has come to the temperature of its wall, but for the error of the
+/// integration, is on no side of it.
+const ZERO: f64 = 1e-8;
 /// Corners nearer than this share of a step to one of its ends are at that end.
 const NEAR: f64 = 1e-4;
 /// As often is the part of a step that a corner lies in halved.
@@ -20,7 +23,8 @@ pub fn first<R: Scalar, const N: usize, const K: usize>(
 ) -> Option<f64> {
     let before = sides(step.from, &step.start())?;
     let after = sides(step.from + step.length, &step.end())?;
-    if (0..K).all(|i| before[i] * after[i] >= 0.0) {
+    let changes = |i: &usize| before[*i] * after[*i] < 0.0 && before[*i].abs().min(after[*i].abs()) > ZERO;
+    if !(0..K).any(|i| changes(&i)) {
         return None;
     }
     let dense = step.dense();
@@ -28,7 +32,7 @@ pub fn first<R: Scalar, const N: usize, const K: usize>(
         let time = step.from + share * step.length;
         sides(time, &dense.at(R::from(time))).map_or(f64::NAN, |values| values[i])
     };
-    let roots = (0..K).filter(|&i| before[i] * after[i] < 0.0).map(|i| root(before[i], |share| at(share, i)));
+    let roots = (0..K).filter(changes).map(|i| root(before[i], |share| at(share, i)));
     let share = roots.filter(|share| (NEAR..=1.0 - NEAR).contains(share)).fold(f64::INFINITY, f64::min);
     (share < 1.0).then(|| step.from + share * step.length)
 }
@@ -81,6 +85,29 @@ mod tests {
         assert!(ends.iter().any(|end| (end - corner).abs() < 1e-7), "{ends:?}");
         let z = 0.1 * (20.0f64 * (0.6 - corner)).exp_m1();
         assert!((run.state[0] / (z + 0.7 - 0.6) - 1.0).abs() < 1e-8, "{}", run.state[0]);
+    }
+
+    #[test]
+    fn a_function_that_has_come_to_zero_cuts_no_steps() {
+        // Gas on its way to the temperature of the wall, with a corner there.
+        let cooling = |t: f64, y: &[f64; 1]| [-y[0] + 1e-9 * (1e3 * t).sin()];
+        let steps = |cuts: bool| {
+            struct Cooling<F>(F, bool);
+            impl<F: Fn(f64, &[f64; 1]) -> [f64; 1]> System<f64, 1> for Cooling<F> {
+                fn rates(&self, t: f64, y: &[f64; 1]) -> [f64; 1] {
+                    (self.0)(t, y)
+                }
+
+                fn corner(&self, step: &Step<f64, 1>) -> Option<f64> {
+                    first(step, |_, y| self.1.then_some([y[0], 1.0]))
+                }
+            }
+            let mut run = Integrator::new(0.0, [1.0], Tolerance { relative: 1e-9, absolute: [1e-9] });
+            let mut count = 0;
+            run.advance(&Cooling(cooling, cuts), 200.0, |_| count += 1).unwrap();
+            count
+        };
+        assert_eq!(steps(true), steps(false));
     }
 
     #[test]
