@@ -34,7 +34,7 @@ pub fn first<R: Scalar, const N: usize, const K: usize>(
     };
     let roots = (0..K).filter(changes).map(|i| root(before[i], |share| at(share, i)));
     let share = roots.filter(|share| (NEAR..=1.0 - NEAR).contains(share)).fold(f64::INFINITY, f64::min);
-    (share < 1.0).then(|| step.from + share * step.length)
+    (share < 1.0).then_some(step.from + share * step.length)
 }
 
 /// Where between 0 and 1 a function changes its sign that is `before` at 0.

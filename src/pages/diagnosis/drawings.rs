@@ -227,7 +227,9 @@ fn spectrum_chart(found: &Diagnosed) -> Chart<'static> {
                 .traces
                 .iter()
                 .zip(residuals)
-                .map(|(t, r)| (t.row_s() * t.readout.period, rows(t, |i| r[i]).into_iter().map(|p| p.1).collect()))
+                .map(|(t, r)| {
+                    (t.row_s() * t.readout.readings.period(), rows(t, |i| r[i]).into_iter().map(|p| p.1).collect())
+                })
                 .collect();
             let borrowed: Vec<(f64, &[f64])> = of.iter().map(|(s, r)| (*s, r.as_slice())).collect();
             line(spectrum::density(&borrowed), colour, label, 1.3)
