@@ -12,7 +12,7 @@ use crate::real::Scalar;
 const ZERO: f64 = 1e-8;
 /// Corners nearer than this share of a step to one of its ends are at that end.
 const NEAR: f64 = 1e-4;
-/// As often is the part of a step that a corner lies in halved.
+/// How often the part of a step that a corner lies in is halved.
 const HALVINGS: usize = 30;
 
 /// When the first of these functions of the time and the states changes its sign within a step; `sides` tells that there are none.

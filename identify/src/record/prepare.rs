@@ -169,8 +169,8 @@ impl<'a> Columns<'a> {
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, row_s, motion, readout })
     }
 
-    /// Takes the readings, and sets each that was not taken right at a row to its own time. The stroke goes through the rows' times already, which
-    /// are not those of positions that come in the same messages.
+    /// Takes the readings, and sets each that was not taken right at a row to its own time. The stroke goes through the rows' times
+    /// already, which are not those of positions that come in the same messages.
     fn take(&mut self, readings: Readings) {
         if let Some((time_s, pressure_pa)) = readings.at_their_times(&self.time_s, &self.pressure_pa) {
             (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
