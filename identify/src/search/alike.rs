@@ -33,7 +33,7 @@ impl Search {
         let chosen = self.chosen.model;
         let is_other = |m: &Model| m.terms() == chosen.terms() && !m.has_same_terms(&chosen);
         let is_near = |c: &&Candidate| {
-            let by = self.chosen.delta_bic - c.delta_bic;
+            let by = self.chosen.lead_over(c);
             by < policy::INDISTINGUISHABLE
                 || by < policy::INDISTINGUISHABLE_WITHIN_A_ROW && self.differs_within_a_row(c)
         };

@@ -27,7 +27,7 @@ mod verdict;
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::adequacy::{self, Adequacy};
-use crate::judge::evidence::bic;
+use crate::judge::evidence::{bic, bic_in_uncertain_gas};
 use crate::judge::left_out::{self, Fold, HeldOut};
 use crate::judge::sanity;
 use crate::parameters::{Model, Sizes};
@@ -53,6 +53,12 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// By how much its evidence is larger than that of another, with the gas as stated or no better known than that: whichever is less.
+    pub fn lead_over(&self, other: &Self) -> f64 {
+        let in_uncertain_gas = bic_in_uncertain_gas(&other.fit) - bic_in_uncertain_gas(&self.fit);
+        (self.delta_bic - other.delta_bic).min(in_uncertain_gas)
+    }
+
     /// Error on left-out data as it is reported, Pa rms, where it was judged.
     pub fn held_out_pa(&self) -> Option<f64> {
         self.held_out.map(|error| error.rmse_pa)
