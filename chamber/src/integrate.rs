@@ -213,7 +213,8 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         Self { time, state, step: 0.0, longest: f64::INFINITY, max_steps: MAX_STEPS, tolerance }
     }
 
-    /// Integrates to `end`, s, over a stretch on which the system is smooth but for its corners; hands each accepted step to `on_step`.
+    /// Integrates to `end`, s, over a stretch on which the system is smooth but for its corners; hands each accepted step to
+    /// `on_step`.
     ///
     /// # Errors
     /// When no step meets the tolerance, or [`Integrator::max_steps`] is exceeded; time and states are then those of the last

@@ -246,6 +246,16 @@ pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
     ([conduction, column, warm, surface, lag, delay].into_iter().collect(), rows)
 }
 
+/// Starts the row of that number, every third, from gas much colder or warmer than the wall; every 17th, too, which is not pushed.
+fn start_anywhere(s: &mut Scenario, k: usize, r: &mut Numbers) {
+    if k % 3 == 0 || k % 17 == 0 {
+        s.initial_temperature_k = r.between(200.0, 400.0);
+    }
+    if k % 17 == 0 {
+        s.final_position_m = s.initial_position_m;
+    }
+}
+
 /// Tight rows in front of a wall that warms, of any capacity and cooling that make a difference, from gases much colder or
 /// warmer than the wall: a third of the holds turn round.
 pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
@@ -256,12 +266,7 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
         let values = s.chamber.effects.of_mut(wall);
         values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 1e4) };
         values[1] = if k % 5 == 4 { 0.0 } else { r.log_between(1e-3, 10.0) };
-        if k % 3 == 0 || k % 17 == 0 {
-            s.initial_temperature_k = r.between(200.0, 400.0);
-        }
-        if k % 17 == 0 {
-            s.final_position_m = s.initial_position_m;
-        }
+        start_anywhere(s, k, &mut r);
         if k % 19 == 0 {
             s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
         }
@@ -280,12 +285,7 @@ pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
         let values = s.chamber.effects.of_mut(turbulence);
         values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 100.0) };
         values[1] = r.log_between(0.005, 50.0);
-        if k % 3 == 0 || k % 17 == 0 {
-            s.initial_temperature_k = r.between(200.0, 400.0);
-        }
-        if k % 17 == 0 {
-            s.final_position_m = s.initial_position_m;
-        }
+        start_anywhere(s, k, &mut r);
         s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
     }
     (EffectSet::one(turbulence), rows)

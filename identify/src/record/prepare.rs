@@ -44,8 +44,8 @@ impl Data {
         let mut ends: Vec<End> = Vec::new();
         for (c, mended) in columns.iter_mut().zip(&mended) {
             ends.extend(checks::trace(c.trace, &c.pressure_pa, &c.motion, &c.readout, declared, &rig.cylinder)?);
-            let (unfollowed, at_gaps) = (c.motion.unfollowed(), gaps::rows(&c.motion));
-            (c.readout.unfollowed, c.readout.at_gaps) = (unfollowed, at_gaps);
+            c.readout.unfollowed = c.motion.unfollowed();
+            c.readout.at_gaps = gaps::rows(&c.motion);
             c.readout.open_s = mended.open_s.clone();
         }
         leave_out_saturated(&mut columns, ends)?;
@@ -174,12 +174,12 @@ impl<'a> Columns<'a> {
     fn take(&mut self, readings: Readings) {
         if let Some((time_s, pressure_pa)) = readings.at_their_times(&self.time_s, &self.pressure_pa) {
             (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
+            let rows: Vec<usize> = readings.by_own_clock().into_iter().flatten().map(|taken| taken.row).collect();
+            if self.positions.change_in(&rows, &self.trace.position_m) {
+                self.motion = gaps::motion(&self.time_s, &self.trace.position_m, self.positions);
+            }
         }
-        let rows: Vec<usize> = readings.by_own_clock().into_iter().flatten().map(|taken| taken.row).collect();
         self.readout.readings = readings;
-        if !rows.is_empty() && self.positions.change_in(&rows, &self.trace.position_m) {
-            self.motion = gaps::motion(&self.time_s, &self.trace.position_m, self.positions);
-        }
     }
 
     fn quiet(&self) -> Quiet<'_> {

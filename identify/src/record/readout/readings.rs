@@ -80,8 +80,9 @@ impl Readings {
     /// Times, s, and pressures, Pa, of a record's rows with each reading at the time at which it was taken; `None` where that was
     /// right at the rows.
     pub fn at_their_times(&self, time_s: &[f64], pressure_pa: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let own = self.by_own_clock()?;
         let (mut time_s, mut pressure_pa) = (time_s.to_vec(), pressure_pa.to_vec());
-        for taken in self.by_own_clock()? {
+        for taken in own {
             (time_s[taken.row], pressure_pa[taken.row]) = (taken.time_s, taken.pressure_pa);
         }
         Some((time_s, pressure_pa))
