@@ -180,6 +180,8 @@ impl<const N: usize> Real for Dual<N> {
 }
 
 impl<const N: usize> Scalar for Dual<N> {
+    const DERIVATIVES: usize = N;
+
     #[inline(always)]
     fn value(self) -> f64 {
         self.value

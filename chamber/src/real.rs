@@ -85,6 +85,9 @@ pub fn reciprocals<R: Real, const N: usize>(numbers: [R; N]) -> [R; N] {
 
 /// A [`Real`] with a single value to decide by (step sizes, branches of a host): not for lanes.
 pub trait Scalar: Real {
+    /// How many derivatives it carries.
+    const DERIVATIVES: usize;
+
     /// The number without its derivatives.
     fn value(self) -> f64;
 }
@@ -124,6 +127,8 @@ impl Real for f64 {
 }
 
 impl Scalar for f64 {
+    const DERIVATIVES: usize = 0;
+
     #[inline(always)]
     fn value(self) -> f64 {
         self

@@ -7,7 +7,7 @@
 
 use crate::characteristic::Characteristic;
 use crate::isentrope::Isentrope;
-use crate::rates::{Balances, Moving, OF_WALL_AND_TURBULENCE, OfAnyGas, OfTightGas};
+use crate::rates::{Balances, Instructions, Moving, OF_WALL_AND_TURBULENCE, OfAnyGas, OfTightGas};
 use crate::record::course::Course;
 use crate::record::gaps;
 use crate::record::true_stroke::{Moment, TrueStroke};
@@ -18,7 +18,6 @@ use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::{Real, Scalar};
 use chamber::record::{self, Inputs, Mesh, Readings};
 use chamber::simulate::{Start, tolerance};
-use pulp::Arch;
 use std::cell::Cell;
 
 /// By how much surroundings and stroke differ from what is recorded or stated.
@@ -222,7 +221,7 @@ impl<R: Scalar> Run<'_, R> {
     /// # Errors
     /// Where the state leaves what the equations can follow.
     pub fn pressures_along(&self, times: &[f64], mesh: &Mesh) -> Result<(Vec<R>, Mesh), IntegrationError> {
-        self.along(times, mesh, &Undisturbed, |_, _| ())
+        self.along(times, mesh, &Undisturbed, &mut |_, _| ())
     }
 
     /// The same with a disturbance of the gas; `on_step` is told the time, s, and the mass of gas, kg, after each step.
@@ -232,18 +231,18 @@ impl<R: Scalar> Run<'_, R> {
     pub fn disturbed(
         &self,
         times: &[f64],
-        disturbance: &impl Disturbance<R>,
-        on_step: impl FnMut(f64, R),
+        disturbance: &dyn Disturbance<R>,
+        mut on_step: impl FnMut(f64, R),
     ) -> Result<Vec<R>, IntegrationError> {
-        Ok(self.along(times, &Mesh::default(), disturbance, on_step)?.0)
+        Ok(self.along(times, &Mesh::default(), disturbance, &mut on_step)?.0)
     }
 
     fn along(
         &self,
         times: &[f64],
         mesh: &Mesh,
-        disturbance: &impl Disturbance<R>,
-        on_step: impl FnMut(f64, R),
+        disturbance: &dyn Disturbance<R>,
+        on_step: &mut dyn FnMut(f64, R),
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
         let is_tight = self.course.mass_flow.is_none();
         if is_tight && OfTightGas::<0>::suits(self.set) {
@@ -264,8 +263,8 @@ impl<R: Scalar> Run<'_, R> {
         balances: impl Balances<R, N>,
         times: &[f64],
         mesh: &Mesh,
-        disturbance: &impl Disturbance<R>,
-        mut on_step: impl FnMut(f64, R),
+        disturbance: &dyn Disturbance<R>,
+        on_step: &mut dyn FnMut(f64, R),
     ) -> Result<(Vec<R>, Mesh), IntegrationError> {
         let Run { chamber, set, start, correction, course, relative_tolerance } = *self;
         let Some(&last) = times.last() else { return Ok(Default::default()) };
@@ -284,7 +283,7 @@ impl<R: Scalar> Run<'_, R> {
         if mesh.steps() > 0 {
             most_evaluations = most_evaluations.min(MOST_BY_MESH * mesh.steps());
         }
-        let arch = Arch::new();
+        let instructions = Instructions::new();
         let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
         let rates = |t: f64, boundary: &Boundary<R>, state: &[R; N]| -> [R; N] {
             evaluations.set(evaluations.get() + 1);
@@ -292,7 +291,7 @@ impl<R: Scalar> Run<'_, R> {
                 return [R::from(f64::NAN); N];
             }
             let disturbance = disturbance.at(t);
-            arch.dispatch(Moving { balances, set: gas_set, balance, isentrope, boundary, state, disturbance })
+            instructions.rates(Moving { balances, set: gas_set, balance, isentrope, boundary, state, disturbance })
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
         let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
@@ -342,7 +341,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
     }
 
     /// Takes every reading due in a step that ends at `until`, s.
-    fn pass<const N: usize>(&mut self, stretch: usize, until: f64, step: &Step<R, N>, extra: &impl Disturbance<R>) {
+    fn pass<const N: usize>(&mut self, stretch: usize, until: f64, step: &Step<R, N>, extra: &dyn Disturbance<R>) {
         let reach = record::reach(until);
         if self.lag.is_none() && !self.readings.is_due(reach) {
             return;

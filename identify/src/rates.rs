@@ -4,7 +4,8 @@ use crate::isentrope::Isentrope;
 use chamber::balance::{Balance, Boundary, ENERGY, MASS, OWN, Tight};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Scalar;
-use pulp::{Simd, WithSimd};
+#[cfg(target_arch = "x86_64")]
+use pulp::x86::V3;
 
 /// Balances of the first `N` states.
 pub trait Balances<R, const N: usize>: Copy {
@@ -53,7 +54,7 @@ impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfTightGas<M>
     }
 }
 
-/// The balances at one moment: to be worked out with the widest instructions of the processor, which numbers with derivatives use.
+/// The balances at one moment.
 pub struct Moving<'a, R, B, const N: usize> {
     /// Which balances.
     pub balances: B,
@@ -71,13 +72,11 @@ pub struct Moving<'a, R, B, const N: usize> {
     pub disturbance: Option<[R; 4]>,
 }
 
-impl<R: Scalar, B: Balances<R, N>, const N: usize> WithSimd for Moving<'_, R, B, N> {
-    type Output = [R; N];
-
+impl<R: Scalar, B: Balances<R, N>, const N: usize> Moving<'_, R, B, N> {
     /// Rates of the states, the energy referred to the first volume, with a disturbance added; its mass enters or leaves at the
     /// gas's temperature.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [R; N] {
+    fn rates(self) -> [R; N] {
         let Self { balances, set, balance, isentrope, boundary, state, disturbance } = self;
         let referred = isentrope.at(balance, boundary);
         let mut state = *state;
@@ -98,6 +97,40 @@ impl<R: Scalar, B: Balances<R, N>, const N: usize> WithSimd for Moving<'_, R, B,
         };
         rates[ENERGY] = referred.rate(state[ENERGY], rates[ENERGY]);
         rates
+    }
+}
+
+/// Instructions that derivatives, four at a time, are computed with: AVX2 where the processor has it. Wider ones gain little, as
+/// there are few derivatives, and would take as much code again.
+#[derive(Clone, Copy)]
+pub struct Instructions {
+    #[cfg(target_arch = "x86_64")]
+    wide: Option<V3>,
+}
+
+impl Instructions {
+    /// Those of this processor.
+    pub fn new() -> Self {
+        Self {
+            #[cfg(target_arch = "x86_64")]
+            wide: V3::try_new(),
+        }
+    }
+
+    /// Rates of the states by the balances at a moment: see [`Moving`].
+    #[inline(always)]
+    pub fn rates<R: Scalar, B: Balances<R, N>, const N: usize>(self, moving: Moving<'_, R, B, N>) -> [R; N] {
+        #[cfg(target_arch = "x86_64")]
+        if R::DERIVATIVES > 0
+            && let Some(wide) = self.wide
+        {
+            // They come with the function that the closure is inlined into.
+            return wide.vectorize(
+                #[inline(always)]
+                || moving.rates(),
+            );
+        }
+        moving.rates()
     }
 }
 

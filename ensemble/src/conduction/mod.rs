@@ -36,7 +36,7 @@ use chamber::effects::wall_conduction::MODES;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use core::hint::black_box;
-use lengths::{LEVELS, number, parted_all};
+use lengths::{Growth, LEVELS, OF_ENDS};
 use pulp::{Simd, WithSimd};
 use response::{Response, WorkOut};
 use rule::NODES;
@@ -47,6 +47,9 @@ pub use push::EFFECT;
 
 /// The effects on the gas that a row may have: a wall that remembers, and those that keep λ/T, area and wall what they are.
 pub const EFFECTS: EffectSet = effects::REMEMBERING.union(kept::EFFECTS);
+
+/// The largest relative tolerance that steps are taken with: a looser one would save little.
+const LOOSEST: f64 = 1e-8;
 
 /// What is kept from one batch to the next.
 pub struct Memory {
@@ -89,7 +92,7 @@ pub fn hold<const N: usize>(
             let problem = |lane: usize| &problems[at(lane)];
             let Memory { chambers, last } = memory;
             let balance = chambers.gather(arch, set, |lane| &row(lane).balance.chamber);
-            let parts = parted_all(level, |lane| problem(lane).length);
+            let parts = OF_ENDS.parted_all(level, |lane| problem(lane).length);
             let left = Lanes::from_fn(|lane| parts[lane].1);
             if last.length != left {
                 arch.dispatch(Wide(WorkOut { response: last, length: left }));
@@ -105,10 +108,11 @@ pub fn hold<const N: usize>(
                 ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.ambient_temperature),
                 ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.ambient_pressure),
                 steps: Steps {
+                    growth: OF_ENDS,
                     level,
                     counts: Lanes::from_fn(|lane| parts[lane].0 as f64),
                     last,
-                    relative: options.relative_tolerance,
+                    relative: options.relative_tolerance.min(LOOSEST),
                 },
                 history,
             }));
@@ -142,6 +146,7 @@ trait Keep {
 /// Steps through holds, one a lane.
 #[derive(Clone, Copy)]
 struct Steps<'a> {
+    growth: Growth,
     level: usize,
     /// How many steps each takes before its last.
     counts: Lanes,
@@ -153,7 +158,7 @@ struct Steps<'a> {
 /// Takes the gas to the ends of the holds; positive where all steps were good.
 #[inline(always)]
 fn through(gas: &mut Gas, steps: Steps, kept: &mut impl Keep) -> Lanes {
-    let Steps { level, counts, last, relative } = steps;
+    let Steps { growth, level, counts, last, relative } = steps;
     let gas = black_box(gas);
     let mut factors = black_box(Factors::NONE);
     let (mut time, mut taken, mut good) = (Lanes::ZERO, 0, Lanes::ONE);
@@ -162,7 +167,7 @@ fn through(gas: &mut Gas, steps: Steps, kept: &mut impl Keep) -> Lanes {
         if !goes_on.any_positive() {
             break;
         }
-        let (response, begin) = (Response::of(number(level, taken)), gas.temperature);
+        let (response, begin) = (Response::of(growth.number(level, taken)), gas.temperature);
         let step = black_box(&mut *gas).step::<f64>(response, relative, &mut factors);
         let goes = black_box(goes_on.where_positive(Lanes::ONE, Lanes::ZERO));
         good = goes.where_positive(good.min(step.good), good);

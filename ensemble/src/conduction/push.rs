@@ -6,14 +6,14 @@
 //! f is c m cv over the wall's effusivity, so that in the hold b is f/√V. The state of the gas is z = 1/√T, nearly even in the
 //! clock, as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
 
-use crate::advance::{FIRST_OF_BENT, LONGEST_OF_MOVE};
+use crate::advance::LONGEST_OF_MOVE;
 use crate::lanes::{Lanes, multiply_add};
 use crate::problem::{Loadable, Problem};
 use crate::scenario::Scenario;
 use crate::sealed::{self, OwnTest};
 use crate::step::{LaneSystem, Moment, View};
+use chamber::effects::EffectSet;
 use chamber::effects::wall_conduction::{KERNEL, MODES, Mode};
-use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use core::hint::black_box;
 
@@ -52,13 +52,13 @@ impl Test {
     pub fn push(&self, s: &Scenario, relative: f64) -> Problem<N> {
         let (mut state, mut absolute) = ([0.0; N], [0.0; N]);
         state[0] = 1.0 / s.initial_temperature_k.sqrt();
-        let nominal = &effects::NOMINALS[effects::STATE_OFFSETS[const { crate::place(NAME) }]..];
         for mode in 0..MODES {
-            absolute[1 + mode] = relative * nominal[mode] / KERNEL[mode].weight;
+            // The wall's surface to the same as the gas.
+            absolute[1 + mode] = relative * s.initial_temperature_k / KERNEL[mode].weight;
         }
         let mut push = Problem::new(s.push_time_s, state, absolute);
-        push.first = FIRST_OF_BENT * push.length;
         push.longest = LONGEST_OF_MOVE * push.length;
+        push.first = push.longest;
         push
     }
 }

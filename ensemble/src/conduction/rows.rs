@@ -3,11 +3,11 @@
 //! steps do not do, are left to the way that looks for all places where a record turns.
 
 use super::dense::{self, Passed, Settle};
-use super::lengths::{LEVELS, parted_all};
+use super::lengths::{LEVELS, OF_NODES};
 use super::push::{Moving, N, Test};
 use super::response::{Response, WorkOut};
 use super::step::Gas;
-use super::{Steps, through};
+use super::{LOOSEST, Steps, through};
 use crate::Batch;
 use crate::advance::{Nobody, advance};
 use crate::instructions::Wide;
@@ -67,7 +67,7 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
         return;
     }
     let Batch { arch, scenarios, options } = batch;
-    let relative = options.relative_tolerance;
+    let relative = options.relative_tolerance.min(LOOSEST);
     let Memory { tests, problems, open, left, .. } = memory;
     tests.clear();
     problems.clear();
@@ -108,7 +108,7 @@ fn hold(
     let at = |lane: usize| group[lane.min(group.len() - 1)];
     let test = |lane: usize| &tests[at(lane)];
     let scenario = |lane: usize| &scenarios[rows[at(lane)].0 as usize];
-    let parts = parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
+    let parts = OF_NODES.parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
     let length = Lanes::from_fn(|lane| parts[lane].1);
     if last.length != length {
         arch.dispatch(Wide(WorkOut { response: last, length }));
@@ -122,7 +122,7 @@ fn hold(
     steps.clear();
     let [end, reached] = arch.dispatch(Wide(Hold {
         gas: Gas::of([cooling, feed], wall, pushed, modes),
-        steps: Steps { level, counts, last, relative: options.relative_tolerance },
+        steps: Steps { growth: OF_NODES, level, counts, last, relative: options.relative_tolerance.min(LOOSEST) },
         kept: steps,
     }));
     let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));

@@ -248,10 +248,10 @@ pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
 
 /// Starts the row of that number, every third, from gas much colder or warmer than the wall; every 17th, too, which is not pushed.
 fn start_anywhere(s: &mut Scenario, k: usize, r: &mut Numbers) {
-    if k % 3 == 0 || k % 17 == 0 {
+    if k.is_multiple_of(3) || k.is_multiple_of(17) {
         s.initial_temperature_k = r.between(200.0, 400.0);
     }
-    if k % 17 == 0 {
+    if k.is_multiple_of(17) {
         s.final_position_m = s.initial_position_m;
     }
 }
