@@ -177,6 +177,7 @@ POLICY = {
     "MOST_IN_ALL: usize = 6": "more than six terms",
     "GO_ON: usize = 3": "the three best of all, and the three best without",
     "PAIRED: usize = 6": "The six best single terms are also tried in pairs",
+    "EXCHANGED_FROM: usize = 3": "three or more effects of the rig explain the records",
     "FITTED: usize = 8": "eight with terms of single records and eight without",
     "JUDGED: usize = 4": "for the four best of these that may enter",
     "FAR_LESS_NOISE: f64 = 0.7": "less than 0.7 of what was taken for noise",

@@ -1,19 +1,22 @@
-//! How a search ends: terms that nothing needs go out again (`needed`), what is left is judged (`verdict`), and where it is more than
-//! noise the missing term is read off as a curve ([`curve`](super::curve)). At last the reported model is checked for contradictions
-//! (`contradictions`).
+//! How a search ends: terms that nothing needs go out again (`needed`), what is left is judged (`verdict`), sets with one effect
+//! exchanged are tried where several explain the records, and where more than noise is left the missing term is read off as a curve
+//! ([`curve`](super::curve)). At last the reported model is checked for contradictions (`contradictions`).
 
 use super::{Candidate, Found, Search, Verdict, contradictions, terms};
 use crate::error::Error;
 use crate::judge::{adequacy, kinds};
+use crate::policy;
 use crate::record::data::Data;
 
 impl Search {
     /// Comes to a verdict, with the data as the search has weighed them.
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
-        let by_geometry = self.leave_out_unneeded();
-        let mut follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
-        let mut carries_over = self.carries_over();
-        let mut verdict = self.verdict(follows_the_test, carries_over);
+        let mut by_geometry = self.leave_out_unneeded();
+        let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
+        if verdict == Verdict::Explained && self.try_others_in_place() {
+            by_geometry = self.leave_out_unneeded();
+            (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
+        }
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
             self.refuse_pressures()?;
         }
@@ -56,6 +59,32 @@ impl Search {
         Ok((self.data, found))
     }
 
+    /// The verdict on the chosen model, whether what the records have for themselves follows the kind of test, and whether it carries
+    /// over to records that were left out whole.
+    fn judged_as_a_whole(&self) -> (Verdict, bool, bool) {
+        let follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
+        let carries_over = self.carries_over();
+        (self.verdict(follows_the_test, carries_over), follows_the_test, carries_over)
+    }
+
+    /// Tries sets with another effect in the place of each of the chosen ones, where these are so many that the search, which adds
+    /// one effect after another, has not come to all such sets; whether one entered that is better also in a gas known within its
+    /// tolerance only.
+    fn try_others_in_place(&mut self) -> bool {
+        let chosen = self.chosen.clone();
+        if chosen.model.of_rig().iter().count() < policy::EXCHANGED_FROM {
+            return false;
+        }
+        let parts = self.without_one();
+        self.keep(parts.iter().cloned());
+        let others = parts.iter().flat_map(|part| terms::added_to(&self.data, &part.model));
+        let models =
+            others.filter(|model| !model.has_terms_of_records() && !model.has_same_terms(&chosen.model)).collect();
+        let mut better = self.fit_promising([models]);
+        better.retain(|c| c.lead_over(&chosen) > policy::DECISIVE);
+        self.take_best(better)
+    }
+
     /// Takes a model with a curve as the last step of those that led to it.
     fn take_curve(&mut self, with_curve: &Candidate) {
         self.steps.retain(|s| terms::is_part(&s.model, &with_curve.model));
@@ -63,5 +92,29 @@ impl Search {
         self.tried.insert(0, with_curve.clone());
         self.chosen = with_curve.clone();
         self.chosen_adequacy = adequacy::test(&self.data, &self.chosen.fit);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Model;
+    use crate::search::starts::fit_model;
+    use crate::synthetic::Recipe;
+    use chamber::effects::{EffectSet, find};
+
+    #[test]
+    fn an_effect_that_stands_for_another_one_beside_two_more_is_exchanged_for_it() {
+        let set = |names: [&str; 3]| names.map(|name| find(name).unwrap().0).into_iter().collect::<EffectSet>();
+        let (truth, imitation) =
+            (["leakage", "sensor_drift", "wall_heating"], ["laminar_leakage", "sensor_drift", "wall_heating"]);
+        let recipe = set(truth).iter().fold(Recipe::from_seed(5), |recipe, effect| recipe.with_strength(effect, 1.0));
+        let mut search = Search::after_first_fit(&recipe);
+        let fit = fit_model(&search.data, Model::with(set(imitation)), &search.baseline.fit, &search.sizes).unwrap();
+        search.chosen = search.judged(search.candidate(fit));
+        search.chosen_adequacy = adequacy::test(&search.data, &search.chosen.fit);
+        assert!(search.try_others_in_place());
+        assert_eq!(search.chosen.model.effects, set(truth));
+        assert!(!search.try_others_in_place());
     }
 }

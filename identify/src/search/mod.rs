@@ -350,6 +350,13 @@ impl Search {
 
     /// Fits the promising of each of these groups that were not tried yet; whether one of them entered.
     fn try_all(&mut self, groups: impl IntoIterator<Item = Vec<Model>>) -> bool {
+        let found = self.fit_promising(groups);
+        self.take_best(found)
+    }
+
+    /// Fits and judges the promising of each of these groups that were not tried yet; the answer is without those that exhaust an
+    /// effect.
+    fn fit_promising(&mut self, groups: impl IntoIterator<Item = Vec<Model>>) -> Vec<Candidate> {
         let fresh = |models: Vec<Model>| {
             let is_fresh = |model: &Model| {
                 let has_it =
@@ -365,7 +372,7 @@ impl Search {
         let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());
         self.judge(&mut found, policy::JUDGED);
         self.keep(found.iter().cloned().chain(exhausting));
-        self.take_best(found)
+        found
     }
 
     /// Adds to what was tried: of each model the better fit stays, the best evidence first.

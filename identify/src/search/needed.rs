@@ -39,7 +39,7 @@ impl Search {
 
     /// The chosen model without each of its terms in turn: with the secondary parameters of the others as free as they are, which a
     /// term may have entered in place of, or with none of them free, whichever has the better evidence.
-    fn without_one(&self) -> Vec<Candidate> {
+    pub(super) fn without_one(&self) -> Vec<Candidate> {
         let models = terms::without_one(&self.chosen.model);
         models
             .into_par_iter()
