@@ -59,6 +59,22 @@ pub fn fit_until(
     finish(data, hypothesis, found, selection)
 }
 
+/// The same where it ends after so many iterations, at a minimum or not.
+///
+/// # Errors
+/// [`Failure`].
+pub fn fit_within(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    rig: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    selection: &Selection,
+    iterations: usize,
+) -> Result<Fit, Failure> {
+    let found = descend(data, hypothesis, rig, own, selection, Until::after(iterations))?;
+    finish(data, hypothesis, found, selection)
+}
+
 /// The sum of squares that the first step from these coordinates promises; `None` where the simulation fails.
 pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>]) -> Option<f64> {
     let linear = linearise(data, hypothesis, rig, own, &all_blocks(data), None).ok()?;
