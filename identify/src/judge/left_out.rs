@@ -151,7 +151,7 @@ pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
 
 /// Iterations of a fit to what a fold leaves in: it begins near its minimum, and predicts about as well from where it has come to if
 /// that is a narrow valley, along which it would creep on.
-const MOST_ITERATIONS: usize = 12;
+const MOST_ITERATIONS: usize = 40;
 
 /// A fit to what a fold leaves in, from the numbers that the fit to all has. What the rig states has no part in a prediction.
 fn without_left_out(data: &Data, fitted: &Fit, fold: &Fold) -> Option<Fit> {
