@@ -59,19 +59,18 @@ pub fn fit_until(
     finish(data, hypothesis, found, selection)
 }
 
-/// The same where it ends after so many iterations, at a minimum or not.
+/// [`fit`] by one descent, wherever that ends.
 ///
 /// # Errors
 /// [`Failure`].
-pub fn fit_within(
+pub fn fit_once(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: Vec<f64>,
     own: Vec<Vec<f64>>,
     selection: &Selection,
-    iterations: usize,
 ) -> Result<Fit, Failure> {
-    let found = descend(data, hypothesis, rig, own, selection, Until::after(iterations))?;
+    let found = descend(data, hypothesis, rig, own, selection, Until::SETTLED)?;
     finish(data, hypothesis, found, selection)
 }
 

@@ -149,14 +149,11 @@ pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
     all.held_out()
 }
 
-/// Iterations of a fit to what a fold leaves in: it begins near its minimum, and predicts about as well from where it has come to if
-/// that is a narrow valley, along which it would creep on.
-const MOST_ITERATIONS: usize = 40;
-
-/// A fit to what a fold leaves in, from the numbers that the fit to all has. What the rig states has no part in a prediction.
+/// A fit to what a fold leaves in, from the numbers that the fit to all has. What the rig states has no part in a prediction. One descent
+/// does: along a narrow valley another would creep on without predicting better.
 fn without_left_out(data: &Data, fitted: &Fit, fold: &Fold) -> Option<Fit> {
     let h = Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
-    fit::fit_within(data, &h, fitted.rig.clone(), fitted.own.clone(), &fold.selection, MOST_ITERATIONS).ok()
+    fit::fit_once(data, &h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()
 }
 
 /// What records left out whole add to a fit's sum of squares, for each of their blocks less their own numbers, over what the others

@@ -11,10 +11,10 @@ use crate::record::data::Data;
 impl Search {
     /// Comes to a verdict, with the data as the search has weighed them.
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
-        let mut by_geometry = self.leave_out_unneeded();
+        let (mut by_geometry, parts) = self.leave_out_unneeded();
         let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
-        if verdict == Verdict::Explained && self.try_others_in_place() {
-            by_geometry = self.leave_out_unneeded();
+        if verdict == Verdict::Explained && self.try_others_in_place(&parts) {
+            (by_geometry, _) = self.leave_out_unneeded();
             (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
         }
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
@@ -67,15 +67,14 @@ impl Search {
         (self.verdict(follows_the_test, carries_over), follows_the_test, carries_over)
     }
 
-    /// Tries sets with another effect in the place of each of the chosen ones, where these are so many that the search, which adds
-    /// one effect after another, has not come to all such sets; whether one entered that is better also in a gas known within its
-    /// tolerance only.
-    fn try_others_in_place(&mut self) -> bool {
+    /// Tries sets with another effect in the place of each of the chosen ones, by what is left without it, where these are so many
+    /// that the search, which adds one effect after another, has not come to all such sets; whether one entered that is better also
+    /// in a gas known within its tolerance only.
+    fn try_others_in_place(&mut self, parts: &[Candidate]) -> bool {
         let chosen = self.chosen.clone();
         if chosen.model.of_rig().iter().count() < policy::EXCHANGED_FROM {
             return false;
         }
-        let parts = self.without_one();
         self.keep(parts.iter().cloned());
         let others = parts.iter().flat_map(|part| terms::added_to(&self.data, &part.model));
         let models =
@@ -113,8 +112,10 @@ mod tests {
         let fit = fit_model(&search.data, Model::with(set(imitation)), &search.baseline.fit, &search.sizes).unwrap();
         search.chosen = search.judged(search.candidate(fit));
         search.chosen_adequacy = adequacy::test(&search.data, &search.chosen.fit);
-        assert!(search.try_others_in_place());
+        let (_, parts) = search.leave_out_unneeded();
+        assert!(search.try_others_in_place(&parts));
         assert_eq!(search.chosen.model.effects, set(truth));
-        assert!(!search.try_others_in_place());
+        let (_, parts) = search.leave_out_unneeded();
+        assert!(!search.try_others_in_place(&parts));
     }
 }

@@ -15,18 +15,20 @@ use rayon::prelude::*;
 
 impl Search {
     /// Terms that are not decisive beside the others go out again; so do effects that a wrong geometry can stand for, of which the
-    /// last are returned.
-    pub(super) fn leave_out_unneeded(&mut self) -> Option<EffectSet> {
+    /// last are returned, with what is left without each of its terms in turn.
+    pub(super) fn leave_out_unneeded(&mut self) -> (Option<EffectSet>, Vec<Candidate>) {
         let mut by_geometry = None;
         while self.chosen.model.terms() > 0 {
-            let asked = |less: Candidate| (self.needed(&less), self.needed_in_wide_geometry(&less), less);
-            let least = |(needed, wide, _): &(f64, f64, Candidate)| needed.min(*wide);
-            let weakest = self.without_one().into_iter().map(asked).min_by(|a, b| least(a).total_cmp(&least(b)));
-            let Some((needed, wide, less)) = weakest else { break };
-            if needed.min(wide) > policy::DECISIVE {
-                break;
+            let mut parts = self.without_one();
+            let least = |less| self.needed(less).min(self.needed_in_wide_geometry(less));
+            let needed: Vec<f64> = parts.iter().map(least).collect();
+            let weakest = (0..parts.len()).min_by(|a, b| needed[*a].total_cmp(&needed[*b]));
+            let Some(weakest) = weakest else { break };
+            if needed[weakest] > policy::DECISIVE {
+                return (by_geometry, parts);
             }
-            if needed > policy::DECISIVE {
+            let less = parts.swap_remove(weakest);
+            if self.needed(&less) > policy::DECISIVE {
                 by_geometry = Some(self.chosen.model.effects.without(less.model.effects));
             }
             self.steps.retain(|s| terms::is_part(&s.model, &less.model) && s.model != less.model);
@@ -34,12 +36,12 @@ impl Search {
             self.chosen = self.judged(less);
             self.steps.push(self.chosen.clone());
         }
-        by_geometry
+        (by_geometry, Vec::new())
     }
 
     /// The chosen model without each of its terms in turn: with the secondary parameters of the others as free as they are, which a
     /// term may have entered in place of, or with none of them free, whichever has the better evidence.
-    pub(super) fn without_one(&self) -> Vec<Candidate> {
+    fn without_one(&self) -> Vec<Candidate> {
         let models = terms::without_one(&self.chosen.model);
         models
             .into_par_iter()
