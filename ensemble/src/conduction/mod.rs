@@ -30,6 +30,7 @@ use crate::instructions::Wide;
 use crate::kept;
 use crate::lanes::{Lanes, WIDTH};
 use crate::problem::{self, Problem};
+use crate::scenario::Options;
 use crate::step::View;
 use chamber::balance::Balance;
 use chamber::effects::wall_conduction::MODES;
@@ -48,8 +49,10 @@ pub use push::EFFECT;
 /// The effects on the gas that a row may have: a wall that remembers, and those that keep λ/T, area and wall what they are.
 pub const EFFECTS: EffectSet = effects::REMEMBERING.union(kept::EFFECTS);
 
-/// The largest relative tolerance that steps are taken with: a looser one would save little.
-const LOOSEST: f64 = 1e-8;
+/// The relative tolerance that steps are taken with: a looser one than this would save little.
+fn relative(options: &Options) -> f64 {
+    options.relative_tolerance.min(1e-8)
+}
 
 /// What is kept from one batch to the next.
 pub struct Memory {
@@ -112,7 +115,7 @@ pub fn hold<const N: usize>(
                     level,
                     counts: Lanes::from_fn(|lane| parts[lane].0 as f64),
                     last,
-                    relative: options.relative_tolerance.min(LOOSEST),
+                    relative: relative(options),
                 },
                 history,
             }));

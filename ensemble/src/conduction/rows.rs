@@ -7,7 +7,7 @@ use super::lengths::{LEVELS, OF_NODES};
 use super::push::{Moving, N, Test};
 use super::response::{Response, WorkOut};
 use super::step::Gas;
-use super::{LOOSEST, Steps, through};
+use super::{Steps, relative, through};
 use crate::Batch;
 use crate::advance::{Nobody, advance};
 use crate::instructions::Wide;
@@ -67,7 +67,7 @@ pub fn run(batch: Batch, memory: &mut Memory, rows: &[(u32, f64)], out: &mut [Ou
         return;
     }
     let Batch { arch, scenarios, options } = batch;
-    let relative = options.relative_tolerance.min(LOOSEST);
+    let relative = relative(options);
     let Memory { tests, problems, open, left, .. } = memory;
     tests.clear();
     problems.clear();
@@ -122,7 +122,7 @@ fn hold(
     steps.clear();
     let [end, reached] = arch.dispatch(Wide(Hold {
         gas: Gas::of([cooling, feed], wall, pushed, modes),
-        steps: Steps { growth: OF_NODES, level, counts, last, relative: options.relative_tolerance.min(LOOSEST) },
+        steps: Steps { growth: OF_NODES, level, counts, last, relative: relative(options) },
         kept: steps,
     }));
     let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
