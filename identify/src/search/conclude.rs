@@ -13,7 +13,7 @@ impl Search {
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
         let (mut by_geometry, parts) = self.leave_out_unneeded();
         let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
-        if verdict == Verdict::Explained && self.try_others_in_place(&parts) {
+        if verdict == Verdict::Explained && (self.try_others_in_place(&parts) | self.take_likelier_in_uncertain_gas()) {
             (by_geometry, _) = self.leave_out_unneeded();
             (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
         }

@@ -53,10 +53,9 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// By how much its evidence is larger than that of another, with the gas as stated or no better known than that: whichever is less.
+    /// By how much its evidence is larger than that of another, in a gas no better known than stated.
     pub fn lead_over(&self, other: &Self) -> f64 {
-        let in_uncertain_gas = bic_in_uncertain_gas(&other.fit) - bic_in_uncertain_gas(&self.fit);
-        (self.delta_bic - other.delta_bic).min(in_uncertain_gas)
+        bic_in_uncertain_gas(&other.fit) - bic_in_uncertain_gas(&self.fit)
     }
 
     /// Error on left-out data as it is reported, Pa rms, where it was judged.
