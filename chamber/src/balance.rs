@@ -38,7 +38,7 @@ pub fn own_states<R: Real, const N: usize>(state: &[R; N]) -> [R; OWN_STATES] {
 
 /// A chamber with what its balances would divide by and take roots of again and again worked out once.
 #[derive(Clone, Copy, Debug)]
-pub struct Balance<R = f64> {
+pub struct Balances<R = f64> {
     /// Gas, shape, heat transfer and effects that it is of.
     pub chamber: Chamber<R>,
     /// γ − 1.
@@ -63,15 +63,15 @@ pub struct Balance<R = f64> {
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
     let contents = Contents::new(mass, energy, chamber.geometry.volume(boundary.position));
-    Balance::of(*chamber).conditions(effects::CALORIC.union(effects::VOLUMETRIC), boundary, &contents)
+    Balances::of(*chamber).conditions(effects::CALORIC.union(effects::VOLUMETRIC), boundary, &contents)
 }
 
-/// [`Balance::state_at`] of a chamber that is asked only once.
+/// [`Balances::state_at`] of a chamber that is asked only once.
 pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
-    Balance::of(*chamber).state_at(EffectSet::ALL, boundary, pressure, temperature)
+    Balances::of(*chamber).state_at(EffectSet::ALL, boundary, pressure, temperature)
 }
 
-/// [`Balance::evaluate`] of a chamber that is asked only once.
+/// [`Balances::evaluate`] of a chamber that is asked only once.
 #[inline(always)]
 pub fn evaluate<R: Real>(
     set: EffectSet,
@@ -79,10 +79,10 @@ pub fn evaluate<R: Real>(
     boundary: &Boundary<R>,
     state: &[R; STATES],
 ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
-    Balance::of(*chamber).evaluate(set, boundary, state)
+    Balances::of(*chamber).evaluate(set, boundary, state)
 }
 
-/// [`Balance::rates`] of a chamber that is asked only once.
+/// [`Balances::rates`] of a chamber that is asked only once.
 #[inline(always)]
 pub fn rates<R: Real>(
     set: EffectSet,
@@ -90,10 +90,10 @@ pub fn rates<R: Real>(
     boundary: &Boundary<R>,
     state: &[R; STATES],
 ) -> [R; STATES] {
-    Balance::of(*chamber).rates(set, boundary, state)
+    Balances::of(*chamber).rates(set, boundary, state)
 }
 
-impl<R: Real> Balance<R> {
+impl<R: Real> Balances<R> {
     /// Of that chamber.
     #[inline(always)]
     pub fn of(chamber: Chamber<R>) -> Self {
@@ -250,7 +250,7 @@ impl<R: Real> Balance<R> {
         self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own_states(state))
     }
 
-    /// [`Balance::evaluate`] where the contents and the effects' own states are at hand; the position goes unread. The first
+    /// [`Balances::evaluate`] where the contents and the effects' own states are at hand; the position goes unread. The first
     /// `M` own states do where the effects in `set` have no others.
     #[inline(always)]
     pub fn evaluate_contents<const M: usize>(
@@ -263,7 +263,7 @@ impl<R: Real> Balance<R> {
         self.evaluate_within(&(), set, boundary, contents, own)
     }
 
-    /// [`Balance::evaluate_contents`] within these surroundings.
+    /// [`Balances::evaluate_contents`] within these surroundings.
     #[inline(always)]
     pub fn evaluate_within<const M: usize, S: Surroundings<R>>(
         &self,
@@ -427,7 +427,7 @@ mod tests {
             ambient_temperature: 293.0,
             ambient_pressure: 1.013e5,
         };
-        let balance = Balance::of(chamber);
+        let balance = Balances::of(chamber);
         let before = balance.state_at(set, &at, 3e5, 293.0);
         let mut after = before;
         balance.heat(set, &at, &mut after, 0.1);
@@ -457,7 +457,7 @@ mod tests {
             mass_flow_out: 2e-6,
             ..Boundary::closed(0.05, 293.0, 1.013e5)
         };
-        let state = Balance::of(chamber).state_at(set, &boundary, 8e5, 350.0);
+        let state = Balances::of(chamber).state_at(set, &boundary, 8e5, 350.0);
         (chamber, boundary, state)
     }
 
@@ -466,7 +466,7 @@ mod tests {
         let like = effects::CALORIC.union(effects::VOLUMETRIC);
         for set in like.iter().map(EffectSet::one).chain([EffectSet::NONE, like]) {
             let (chamber, boundary, state) = breathing(set);
-            let (at, ..) = Balance::of(chamber).evaluate(set, &boundary, &state);
+            let (at, ..) = Balances::of(chamber).evaluate(set, &boundary, &state);
             assert!((at.per_temperature() * at.temperature - 1.0).abs() < 1e-13, "{set:?}");
         }
     }
@@ -478,7 +478,7 @@ mod tests {
             let (chamber, boundary, mut state) = breathing(set);
             let place = OWN + effects::STATE_OFFSETS[zones];
             state[place] = 330.0;
-            let (at, rates, own) = Balance::of(chamber).evaluate(set, &boundary, &state);
+            let (at, rates, own) = Balances::of(chamber).evaluate(set, &boundary, &state);
             let (core, rate) = (state[place], own[place - OWN]);
             let [fraction, conductance] = [chamber.effects.of(zones)[0], chamber.effects.of(zones)[1]];
             let rest = (at.temperature - fraction * core) / (1.0 - fraction);

@@ -216,7 +216,7 @@ impl<'a, R: Scalar> Readings<'a, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::balance::{self, Balance, FEW_STATES};
+    use crate::balance::{self, Balances, FEW_STATES};
     use crate::signals::Signals;
     use crate::simulate::tolerance;
     use crate::{AreaLaw, Gas, Geometry, HeatTransfer};
@@ -233,7 +233,7 @@ mod tests {
         let initial = balance::state_at(&chamber, &signals.boundary(0, 0.0), PRESSURE_PA, 293.0);
         let initial: [f64; FEW_STATES] = core::array::from_fn(|i| initial[i]);
         let mut integrator = Integrator::new(0.0, initial, tolerance(relative, &initial));
-        let balance = Balance::of(chamber);
+        let balance = Balances::of(chamber);
         let rates = |_: f64, boundary: &Boundary<f64>, state: &[f64; FEW_STATES]| {
             balance.rates_with_own::<FEW_STATES, { effects::FEW_OWN_STATES }>(EffectSet::NONE, boundary, state)
         };

@@ -1,6 +1,6 @@
 //! A chamber along given inputs, sampled where a record has its rows, as the gas is and as the sensor shows it.
 
-use crate::balance::{self, Balance, Boundary, Conditions, ENERGY, FEW_STATES, MASS, OWN, Rates, STATES};
+use crate::balance::{self, Balances, Boundary, Conditions, ENERGY, FEW_STATES, MASS, OWN, Rates, STATES};
 use crate::effects::{self, EffectSet};
 use crate::integrate::{IntegrationError, Integrator, Tolerance};
 use crate::model::Chamber;
@@ -110,12 +110,12 @@ fn in_states<R: Scalar, const N: usize>(
     let initial = balance::state_at(chamber, &inputs.boundary(0, begin), start.pressure, start.temperature);
     let initial: [R; N] = core::array::from_fn(|i| initial[i]);
     let readings = Readings::new(chamber, set, times, begin);
-    let balance = Balance::of(*chamber);
+    let balance = Balances::of(*chamber);
     let samples = Vec::with_capacity(times.len());
     let mut recorder = Recorder { balance: &balance, set, inputs, times, readings, samples };
     recorder.record(0, begin, || |_| initial);
     let mut integrator = Integrator::new(begin, initial, tolerance(relative_tolerance, &initial));
-    let equations = Balances { balance: &balance, set };
+    let equations = WithEffects { balance: &balance, set };
     record::follow(inputs, &mut integrator, last, &Mesh::default(), equations, |stretch, until, step| {
         recorder.record(stretch, until, || {
             let dense = step.dense();
@@ -126,12 +126,12 @@ fn in_states<R: Scalar, const N: usize>(
 }
 
 /// The balances of a chamber with a set of effects.
-struct Balances<'a, R> {
-    balance: &'a Balance<R>,
+struct WithEffects<'a, R> {
+    balance: &'a Balances<R>,
     set: EffectSet,
 }
 
-impl<R: Scalar, const N: usize> Equations<R, N> for Balances<'_, R> {
+impl<R: Scalar, const N: usize> Equations<R, N> for WithEffects<'_, R> {
     #[inline]
     fn rates(&self, _: f64, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
         self.balance.rates(self.set, boundary, state)
@@ -150,7 +150,7 @@ impl<R: Scalar, const N: usize> Equations<R, N> for Balances<'_, R> {
 
 /// Fills samples while the integration passes by: the gas at each row's time, beside the sensor's reading.
 struct Recorder<'a, R, I> {
-    balance: &'a Balance<R>,
+    balance: &'a Balances<R>,
     set: EffectSet,
     inputs: &'a I,
     times: &'a [f64],

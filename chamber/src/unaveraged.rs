@@ -111,7 +111,7 @@ impl Unaveraged {
             true => ((to + BESIDE * window) / step).ceil() + BAND as f64,
             false => (to / step).floor() + REACH as f64,
         };
-        let system = System { knots: (last - first) as usize + 1, rests };
+        let system = SplineSystem { knots: (last - first) as usize + 1, rests };
         if rests == [false; 2] && system.compared().len() < FEWEST_COMPARED {
             return None;
         }
@@ -168,14 +168,14 @@ impl Unaveraged {
 }
 
 /// The least squares in steps of the spline.
-struct System {
+struct SplineSystem {
     /// Knots, known ones at a rest included.
     knots: usize,
     /// Whether the record rests before and behind the motion.
     rests: [bool; 2],
 }
 
-impl System {
+impl SplineSystem {
     /// Knots whose coefficients are sought.
     fn unknown(&self) -> Range<usize> {
         let [before, behind] = self.rests.map(|rests| if rests { BAND } else { 0 });

@@ -5,7 +5,7 @@
 mod any;
 
 use any::{any_boundary, any_chamber};
-use chamber::balance::{self, Balance, Boundary, ENERGY, MASS, OWN, STATES, Tight};
+use chamber::balance::{self, Balances, Boundary, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects;
 use chamber::integrate::{Integrator, Tolerance};
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
@@ -38,7 +38,7 @@ proptest! {
                 *to = parameter.typical;
             }
             let set = EffectSet::one(index);
-            let (balance, state) = (Balance::of(chamber), balance::state_at(&chamber, &boundary, p, t));
+            let (balance, state) = (Balances::of(chamber), balance::state_at(&chamber, &boundary, p, t));
             let (_, open, own) = balance.evaluate(set, &boundary, &state);
             prop_assert_eq!(open.mass, 0.0, "{}", card.name);
             let contents = balance.contents(&boundary, &state);

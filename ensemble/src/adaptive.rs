@@ -22,10 +22,10 @@ use pulp::{Simd, WithSimd};
 pub struct Memory<const N: usize, T> {
     tests: Vec<T>,
     problems: Vec<Problem<N>>,
-    pushed: Vec<Pushed<N>>,
+    pushed: Vec<PushEnd<N>>,
     log: Vec<Attempted<N>>,
     order: Vec<usize>,
-    knots: Vec<Knot<N>>,
+    knots: Vec<StepEnd<N>>,
     records: Records,
     /// Numbers of the tests that were not solved in this way but may be in another.
     pub left: Vec<u32>,
@@ -48,7 +48,7 @@ impl<const N: usize, T> Default for Memory<N, T> {
 
 /// How the push of a test has ended.
 #[derive(Clone, Copy)]
-struct Pushed<const N: usize> {
+struct PushEnd<const N: usize> {
     state: [f64; N],
     /// Energy received as heat and enthalpy, and work, in the reading's unit.
     energy: [f64; 2],
@@ -56,12 +56,12 @@ struct Pushed<const N: usize> {
 
 /// Ends of steps through the hold, one of each test: time in the hold, s, and states.
 #[derive(Clone, Copy)]
-struct Knot<const N: usize> {
+struct StepEnd<const N: usize> {
     time: Lanes,
     state: [Lanes; N],
 }
 
-impl<const N: usize> Knot<N> {
+impl<const N: usize> StepEnd<N> {
     const NONE: Self = Self { time: Lanes::ZERO, state: [Lanes::ZERO; N] };
 }
 
@@ -107,7 +107,7 @@ pub fn run<const N: usize, T: OwnTest<N>>(
             problem.failure = Some(Failure::StepTooSmall);
         }
         problem.state = test.at_rest(problem.state);
-        pushed.push(Pushed { state: problem.state, energy: test.energy_of_push(problem.energy) });
+        pushed.push(PushEnd { state: problem.state, energy: test.energy_of_push(problem.energy) });
         let length = duration - scenarios[*row as usize].push_time_s;
         (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);
     }
@@ -140,7 +140,7 @@ pub fn run<const N: usize, T: OwnTest<N>>(
         let settling = finish::settling(arch, &system, log, &steps, turns.as_ref(), [begin, end]);
         let regression = options.fit.then(|| {
             knots.clear();
-            knots.push(Knot { time: Lanes::ZERO, state });
+            knots.push(StepEnd { time: Lanes::ZERO, state });
             for (lane, steps) in steps.iter().enumerate() {
                 add_knots(knots, lane, log, *steps);
             }
@@ -167,7 +167,7 @@ pub fn run<const N: usize, T: OwnTest<N>>(
                 Some(reason) => Outcome::failed(reason),
                 None => {
                     let scenario = &scenarios[row as usize];
-                    let Pushed { state, energy: [received, work] } = &pushed[index];
+                    let PushEnd { state, energy: [received, work] } = &pushed[index];
                     let received = received + problem.energy[0];
                     let hold = duration - scenario.push_time_s;
                     let ending = Ending {
@@ -199,13 +199,13 @@ pub fn run<const N: usize, T: OwnTest<N>>(
 }
 
 /// Copies the ends of a problem's accepted steps into a lane, after the first knot.
-fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Attempted<N>], steps: Steps) {
+fn add_knots<const N: usize>(knots: &mut Vec<StepEnd<N>>, lane: usize, log: &[Attempted<N>], steps: Steps) {
     let column = steps.lane as usize;
     let mut index = 1;
     for step in &log[steps.from as usize..steps.to as usize] {
         if step.accepted[column] > 0.0 {
             if index == knots.len() {
-                knots.push(Knot::NONE);
+                knots.push(StepEnd::NONE);
             }
             knots[index].time[lane] = step.from[column] + step.length[column];
             for i in 0..N {
@@ -219,7 +219,7 @@ fn add_knots<const N: usize>(knots: &mut Vec<Knot<N>>, lane: usize, log: &[Attem
 /// The records through the hold, a part for each step. The answer is a guess of τ.
 struct Record<'a, const N: usize, H> {
     system: &'a H,
-    knots: &'a [Knot<N>],
+    knots: &'a [StepEnd<N>],
     /// Begin of the hold, s.
     begin: Lanes,
     pressure_per_reading: Lanes,
@@ -246,7 +246,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let next = black_box(each_lane!(i => samples::after(end.0[i])));
             let length = black_box(time - from.time);
             if !records.takes(next - first) {
-                from = Knot { time, state };
+                from = StepEnd { time, state };
                 continue;
             }
             let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
@@ -254,7 +254,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let since = black_box(begin + from.time);
             records.push(first, &nodes, &nodes.values(&within, since, length, pressure_per_reading));
             first = next;
-            from = Knot { time, state };
+            from = StepEnd { time, state };
         }
         system.guess([black_box(&knots[0].state), black_box(&from.state)], black_box(begin))
     }

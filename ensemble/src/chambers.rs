@@ -1,7 +1,7 @@
 //! Chambers side by side, one a lane.
 
 use crate::lanes::{Lanes, WIDTH};
-use chamber::balance::Balance;
+use chamber::balance::Balances;
 use chamber::effects::EffectSet;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use pulp::{Arch, Simd, WithSimd};
@@ -21,12 +21,12 @@ pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
 }
 
 /// Balances of chambers, one a lane, of one area law: of their effects those that were asked for last.
-pub struct Chambers(Balance<Lanes>);
+pub struct Chambers(Balances<Lanes>);
 
 impl Default for Chambers {
     fn default() -> Self {
         let geometry = Geometry::new(1.0, 0.0, 0.0, AreaLaw::Total);
-        Self(Balance::of(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(1.0)).lift()))
+        Self(Balances::of(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(1.0)).lift()))
     }
 }
 
@@ -37,7 +37,7 @@ impl Chambers {
         arch: Arch,
         set: EffectSet,
         chamber: impl Fn(usize) -> &'a Chamber,
-    ) -> &Balance<Lanes> {
+    ) -> &Balances<Lanes> {
         let all = &mut self.0.chamber;
         all.geometry.area_law = chamber(0).geometry.area_law;
         for lane in 0..WIDTH {
@@ -49,15 +49,15 @@ impl Chambers {
                 }
             }
         }
-        arch.dispatch(WorkOut(&mut self.0));
+        arch.dispatch(WorkOutBalances(&mut self.0));
         &self.0
     }
 }
 
 /// Works out what balances keep beside their chambers.
-struct WorkOut<'a>(&'a mut Balance<Lanes>);
+struct WorkOutBalances<'a>(&'a mut Balances<Lanes>);
 
-impl WithSimd for WorkOut<'_> {
+impl WithSimd for WorkOutBalances<'_> {
     type Output = ();
 
     #[inline(always)]

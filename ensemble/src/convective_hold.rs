@@ -12,7 +12,7 @@
 //! Not for n near to a whole number, where a term has no such integral, nor for gas far from the wall's temperature
 //! ([`has_series`]). Temperatures in K, times in s since the push.
 
-use crate::followed::{self, Followed, Moment};
+use crate::followed::{self, Followed, HoldMoment};
 use crate::lanes::Lanes;
 use crate::math::in_powers_fused;
 use crate::outcome::SETTLED;
@@ -62,11 +62,11 @@ pub struct Ends {
     /// From when on the temperature is within 1 % of its way from its end, s.
     pub settling: Lanes,
     relaxations: Lanes,
-    series: Series,
+    series: TimeOfRelaxations,
 }
 
 /// The time over relaxations, s: see [`Curve::at`].
-struct Series {
+struct TimeOfRelaxations {
     exponent: Lanes,
     wall: Lanes,
     /// v0.
@@ -81,7 +81,7 @@ struct Series {
     sum: Lanes,
 }
 
-impl Series {
+impl TimeOfRelaxations {
     #[inline(always)]
     fn new(holds: &Holds) -> Self {
         let Holds { exponent, rate, wall, pushed, .. } = *holds;
@@ -163,7 +163,7 @@ impl Series {
     }
 }
 
-impl Curve for Series {
+impl Curve for TimeOfRelaxations {
     #[inline(always)]
     fn at(&self, relaxations: Lanes) -> Lanes {
         let (left, grown) = ((-relaxations).exp(), (self.exponent * relaxations).exp());
@@ -180,7 +180,7 @@ impl WithSimd for Solve<'_> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let holds = black_box(self.0);
-        let series = black_box(Series::new(holds));
+        let series = black_box(TimeOfRelaxations::new(holds));
         let relaxations = series.after(holds.hold);
         let end = series.temperature(relaxations);
         let settling = series.at(series.relaxations(end + (holds.pushed - end) * SETTLED));
@@ -219,12 +219,12 @@ struct Held<'a> {
 
 impl Followed for Held<'_> {
     #[inline(always)]
-    fn moment(&self, relaxations: f64) -> Moment {
+    fn moment(&self, relaxations: f64) -> HoldMoment {
         let Ends { series, relaxations: last, .. } = self.ends;
         let goes_on = *last - relaxations;
         let at = last.min(Lanes::from(relaxations));
         let [time, slopes @ ..] = series.with_slopes(at);
-        Moment::new(goes_on.where_positive(time, self.hold), at, slopes)
+        HoldMoment::new(goes_on.where_positive(time, self.hold), at, slopes)
     }
 
     #[inline(always)]

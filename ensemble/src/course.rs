@@ -10,13 +10,13 @@ use crate::history::{History, Knot};
 use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
 use crate::plan::Plan;
 use crate::problem::{Problem, Steps};
-use crate::reader::{self, Answer, Bends, ROUNDING, Traces, seen_from};
+use crate::reader::{self, Bends, ROUNDING, RowAnswer, Traces, seen_from};
 use crate::regression::Regression;
 use crate::relaxing_rows::{self, AfterPush};
 use crate::scenario::{Scenario, lets_gas_pass};
 use crate::step::View;
 use crate::{Batch, Kind};
-use chamber::balance::{Balance, ENERGY, MASS, STATES};
+use chamber::balance::{Balances, ENERGY, MASS, STATES};
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::simulate::tolerance;
@@ -31,11 +31,11 @@ const FEWEST: usize = 16;
 const KNOTS: usize = 1 << 11;
 
 /// A row that is being integrated, stretch by stretch.
-struct Course<'a> {
+struct IntegratedRow<'a> {
     row: u32,
     scenario: &'a Scenario,
     plan: &'a Plan,
-    balance: &'a Balance,
+    balance: &'a Balances,
     sensor: Sensor,
     bends: Bends<'a>,
     /// Number of states that count in the error norm.
@@ -64,7 +64,7 @@ type Passed = (Steps, View<f64>);
 /// Working memory, kept from one chunk to the next.
 #[derive(Default)]
 pub struct Memory {
-    balances: Vec<Balance>,
+    balances: Vec<Balances>,
     trail: Trail,
     reader: reader::Memory,
     relaxing: relaxing_rows::Memory,
@@ -94,7 +94,7 @@ pub fn run<const N: usize, const BITS: u32>(
     let (mut courses, mut states) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
     let mut first = 0;
     for ((row, plan), balance) in rows.iter().zip(&*balances) {
-        let (mut course, all) = Course::begin(*row, plan, balance, &batch.scenarios[*row as usize]);
+        let (mut course, all) = IntegratedRow::begin(*row, plan, balance, &batch.scenarios[*row as usize]);
         course.counted -= if BITS & general::TIGHT == 0 { 0.0 } else { 1.0 };
         course.first = first;
         first += plan.stretches.len();
@@ -111,7 +111,7 @@ pub fn run<const N: usize, const BITS: u32>(
             run::<N, BITS>(batch, memory, set, kind, rows, out);
         }
     } else if kind == Kind::Relaxing {
-        let mut pushed: Vec<AfterPush> = courses.iter().map(Course::after_push).collect();
+        let mut pushed: Vec<AfterPush> = courses.iter().map(IntegratedRow::after_push).collect();
         relaxing_rows::run(batch, relaxing, set, &mut pushed, out);
     } else {
         read(batch, reader, trail, &courses, out);
@@ -119,8 +119,8 @@ pub fn run<const N: usize, const BITS: u32>(
 }
 
 /// The balances of rows.
-fn work_out(balances: &mut Vec<Balance>, rows: &[(u32, Plan)], scenarios: &[Scenario]) {
-    balances.resize(rows.len(), Balance::of(scenarios[rows[0].0 as usize].chamber));
+fn work_out(balances: &mut Vec<Balances>, rows: &[(u32, Plan)], scenarios: &[Scenario]) {
+    balances.resize(rows.len(), Balances::of(scenarios[rows[0].0 as usize].chamber));
     for (balance, (row, _)) in balances.iter_mut().zip(rows) {
         balance.chamber = scenarios[*row as usize].chamber;
         balance.work_out();
@@ -128,7 +128,7 @@ fn work_out(balances: &mut Vec<Balance>, rows: &[(u32, Plan)], scenarios: &[Scen
 }
 
 /// Reads what is asked of rows off their traces.
-fn read(batch: Batch, reader: &mut reader::Memory, trail: &Trail, courses: &[Course], out: &mut [Outcome]) {
+fn read(batch: Batch, reader: &mut reader::Memory, trail: &Trail, courses: &[IntegratedRow], out: &mut [Outcome]) {
     let Batch { arch, options, .. } = batch;
     let mut rest = courses;
     while !rest.is_empty() {
@@ -160,7 +160,7 @@ fn integrate<const N: usize, const BITS: u32>(
     batch: Batch,
     Trail { passed, history }: &mut Trail,
     set: EffectSet,
-    (courses, states): (&mut [Course], &mut [States<N>]),
+    (courses, states): (&mut [IntegratedRow], &mut [States<N>]),
     stretches: usize,
     mut remembers: Option<&mut conduction::Memory>,
 ) -> bool {
@@ -175,14 +175,14 @@ fn integrate<const N: usize, const BITS: u32>(
             break;
         }
         history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
-        let mut pass = |course: &mut Course, states: &mut States<N>, problem: &Problem<N>| {
+        let mut pass = |course: &mut IntegratedRow, states: &mut States<N>, problem: &Problem<N>| {
             passed[course.first + index] = (problem.steps, problem.view);
             states.state = problem.state;
             let contents = General::<N, BITS>::mass_and_energy(&problem.state, course.initial[MASS]);
             let is_gas = General::<N, BITS>::holds_gas(&problem.state);
             course.pass(contents, problem.energy, problem.failure.or((!is_gas).then_some(Failure::Empty)));
         };
-        let problem = |course: &Course, states: &States<N>| {
+        let problem = |course: &IntegratedRow, states: &States<N>| {
             let mut problem = Problem::new(course.plan.stretches[index].length, states.state, states.absolute);
             (problem.longest, problem.first) = course.steps(index);
             problem
@@ -232,9 +232,9 @@ struct End {
     ambient_temperature: f64,
 }
 
-impl<'a> Course<'a> {
+impl<'a> IntegratedRow<'a> {
     /// A row at its start, and all states of its chamber there.
-    fn begin(row: u32, plan: &'a Plan, balance: &'a Balance, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
+    fn begin(row: u32, plan: &'a Plan, balance: &'a Balances, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
         let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
         let of_gas = crate::on_the_gas(plan.active);
         let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
@@ -344,7 +344,7 @@ impl<'a> Course<'a> {
     }
 
     /// How its record stands at the end, where the gas has that pressure, Pa, and the wall comes to that temperature, K.
-    fn standing(&self, a: &Answer, gas_pressure: f64, wall: f64) -> Standing {
+    fn standing(&self, a: &RowAnswer, gas_pressure: f64, wall: f64) -> Standing {
         let Plan { duration, push_end, delay, .. } = *self.plan;
         let hold = duration - push_end;
         let reading = self.sensor.shown(gas_pressure, duration);
@@ -364,7 +364,7 @@ impl<'a> Course<'a> {
     }
 
     /// The outcome from what the record has answered.
-    fn outcome(&self, a: &Answer, regression: Option<Regression>) -> Outcome {
+    fn outcome(&self, a: &RowAnswer, regression: Option<Regression>) -> Outcome {
         let End { position, volume, ambient_temperature: ambient } = self.end();
         let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;
         let (settling_time_s, flows_on) = self.standing(a, gas_pressure, ambient).judge(a.settling);

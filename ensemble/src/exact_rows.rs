@@ -16,7 +16,7 @@ use crate::regression::{Guess, Records, Regression, decay};
 use crate::root::Curve;
 use crate::scenario::Scenario;
 use crate::sealed::Ending;
-use chamber::balance::Balance;
+use chamber::balance::Balances;
 use chamber::effects::EffectSet;
 use chamber::exact::Closed;
 use chamber::real::Real;
@@ -133,7 +133,7 @@ struct Changed {
 /// Finds this out.
 struct Change<'a> {
     set: EffectSet,
-    balance: &'a Balance<Lanes>,
+    balance: &'a Balances<Lanes>,
     /// Without the effects.
     tests: &'a Tests,
 }
@@ -157,7 +157,7 @@ impl WithSimd for Change<'_> {
 }
 
 /// Effects that keep the closed form, and the balances with their parameters.
-type Effects<'a> = Option<(EffectSet, &'a Balance<Lanes>)>;
+type Effects<'a> = Option<(EffectSet, &'a Balances<Lanes>)>;
 
 struct Solve<'a> {
     tests: &'a Tests,
@@ -269,14 +269,14 @@ impl Solved<'_> {
 }
 
 /// The pressures while the piston rests, P = Pf/(1 − ε e^(−k t)), in Pa.
-struct Hold<const FUSED: bool> {
+struct ExactHold<const FUSED: bool> {
     at_rest: Lanes,
     excess: Lanes,
     rate: Lanes,
     slowness: Lanes,
 }
 
-impl<const FUSED: bool> Relaxing for Hold<FUSED> {
+impl<const FUSED: bool> Relaxing for ExactHold<FUSED> {
     type Knot = Lanes;
     type Course<'a> = &'a Self;
 
@@ -296,7 +296,7 @@ impl<const FUSED: bool> Relaxing for Hold<FUSED> {
     }
 }
 
-impl<const FUSED: bool> Curve for &Hold<FUSED> {
+impl<const FUSED: bool> Curve for &ExactHold<FUSED> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         self.at_rest / (Lanes::ONE - decay::<FUSED>(time * self.rate) * self.excess)
@@ -325,7 +325,7 @@ impl Record<'_> {
         let Self { tests: t, ends, records } = self;
         let wall = t.closed.ambient_temperature;
         let excess = black_box(Lanes::ONE - wall / ends.pushed);
-        let hold = Hold::<FUSED> {
+        let hold = ExactHold::<FUSED> {
             at_rest: black_box(t.closed.mass_gas_constant * wall / t.to),
             excess,
             rate: ends.rate,

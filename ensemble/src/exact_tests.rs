@@ -1,7 +1,7 @@
 //! Push-and-hold tests that have a closed form: the numbers that it needs, of one and of as many as there are lanes.
 
 use crate::gauss::NODES;
-use crate::kept::{Exchange, Heat, Part};
+use crate::kept::{Exchange, Heat, RampPart};
 use crate::lanes::{Lanes, WIDTH};
 use crate::scenario::Scenario;
 use chamber::Chamber;
@@ -47,19 +47,19 @@ impl ExactTest {
 /// The closed form of a moving piston. Its parts are a trait's, not closures: these would be compiled for any machine.
 pub trait Ramp {
     /// 1/T at the end of one of the equal parts of a ramp.
-    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes;
+    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes;
 }
 
 impl Ramp for Closed<Lanes> {
     #[inline(always)]
-    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes {
+    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes {
         self.ramp_part(inverse, part.root, part.step, part.dwell)
     }
 }
 
 impl Ramp for Exchange<'_, Lanes> {
     #[inline(always)]
-    fn part(&self, part: &Part<Lanes>, inverse: Lanes) -> Lanes {
+    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes {
         part.end(self, inverse)
     }
 }
@@ -143,12 +143,12 @@ impl Tests {
 
     /// One of the equal parts of the push.
     #[inline(always)]
-    fn part(&self, index: usize) -> Part<Lanes> {
+    fn part(&self, index: usize) -> RampPart<Lanes> {
         let (begin, end) = (self.from.sqrt(), self.to.sqrt());
         let step = (end - begin) / self.parts;
         let dwell = self.push * 2.0 / (begin + end) / self.parts;
         let Closed { ambient_temperature: wall, expansion, .. } = self.closed;
-        Part { root: begin + step * index as f64, step, dwell, wall, expansion }
+        RampPart { root: begin + step * index as f64, step, dwell, wall, expansion }
     }
 
     /// Temperatures at the end of the push, K, each in its own number of parts.
@@ -157,7 +157,7 @@ impl Tests {
         let first = self.part(0);
         let mut inverse = self.start.recip();
         for index in 0..self.most_parts() {
-            let part = Part { root: first.root + first.step * index as f64, ..first };
+            let part = RampPart { root: first.root + first.step * index as f64, ..first };
             let next = ramp.part(&part, inverse);
             inverse = (self.parts - index as f64).where_positive(next, inverse);
         }

@@ -63,6 +63,6 @@ impl<const N: usize, H: Holding<N>> WithSimd for Entry<'_, N, H> {
     fn with_simd<I: Simd>(self, simd: I) -> Lanes {
         let Self { system, length, ends, low, end, band } = self;
         let within = Within { system, ends: [&ends[0], &ends[1]], length }.polynomial(simd);
-        root(&Beyond { curve: within, end, band }, low, Lanes::ONE)
+        root(&Beyond { curve: &within, value: end, band }, low, Lanes::ONE)
     }
 }

@@ -20,19 +20,19 @@ const STRAIGHT: f64 = 1e-6;
 /// A hold that was followed to its end, one a lane.
 pub trait Followed {
     /// The moment after so many relaxations, or at the end of a hold that has fewer.
-    fn moment(&self, relaxations: f64) -> Moment;
+    fn moment(&self, relaxations: f64) -> HoldMoment;
     /// Pressure, Pa, after so many.
     fn pressure(&self, relaxations: Lanes) -> Lanes;
 }
 
 /// A moment of a hold: the time since the push, s, and Taylor coefficients of the relaxations over it.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment {
+pub struct HoldMoment {
     time: Lanes,
     relaxations: [Lanes; 4],
 }
 
-impl Moment {
+impl HoldMoment {
     /// By the time, s, and its first three derivatives there over the relaxations.
     #[inline(always)]
     pub fn new(time: Lanes, relaxations: Lanes, [first, second, third]: [Lanes; 3]) -> Self {
@@ -61,24 +61,24 @@ pub struct Record<'a, F>(pub &'a F);
 impl<F: Followed> Relaxing for Record<'_, F> {
     const ENDS: &'static [f64] = SLOWING_ENDS;
     const IS_LONG: bool = true;
-    type Knot = Moment;
+    type Knot = HoldMoment;
     type Course<'a>
         = Course<'a, F>
     where
         Self: 'a;
 
     #[inline(always)]
-    fn knot(&self, relaxations: f64) -> Moment {
+    fn knot(&self, relaxations: f64) -> HoldMoment {
         self.0.moment(relaxations)
     }
 
     #[inline(always)]
-    fn time(knot: &Moment) -> Lanes {
+    fn time(knot: &HoldMoment) -> Lanes {
         knot.time
     }
 
     #[inline(always)]
-    fn course(&self, [begin, end]: [&Moment; 2]) -> Course<'_, F> {
+    fn course(&self, [begin, end]: [&HoldMoment; 2]) -> Course<'_, F> {
         let way = end.time - begin.time;
         // Lanes without a way from one to the other have no samples there.
         let way = way.where_positive(way, Lanes::ONE);
@@ -130,10 +130,10 @@ mod tests {
     }
 
     impl Followed for Slowing {
-        fn moment(&self, relaxations: f64) -> Moment {
+        fn moment(&self, relaxations: f64) -> HoldMoment {
             let (n, grown) = (self.0, (self.0 * relaxations).exp());
             let slopes = [grown + 0.5, n * grown, n * n * grown];
-            Moment::new(Lanes::from(self.time(relaxations)), Lanes::from(relaxations), slopes.map(Lanes::from))
+            HoldMoment::new(Lanes::from(self.time(relaxations)), Lanes::from(relaxations), slopes.map(Lanes::from))
         }
 
         fn pressure(&self, relaxations: Lanes) -> Lanes {

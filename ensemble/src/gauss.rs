@@ -17,7 +17,7 @@ pub const NODES: usize = 16;
 const PAIRS: usize = NODES / 2;
 
 /// What the rule makes of values at its nodes.
-pub struct Rule {
+pub struct GaussRule {
     /// The integrals of the polynomials through them: of the even part from the middle to the later node of a pair, of the odd
     /// one from 0 to either; to be multiplied by [`Mirrored`].
     up_to_node: [[[f64; PAIRS]; PAIRS]; 2],
@@ -45,7 +45,7 @@ impl<R: Real> Mirrored<R> {
     }
 }
 
-impl Rule {
+impl GaussRule {
     /// Its own integrals, from 0 to each node, of the polynomial that has these values at the nodes.
     #[inline(always)]
     pub fn up_to_nodes<R: Real>(&self, Mirrored([sums, differences]): &Mirrored<R>, out: &mut [R; NODES]) {
@@ -78,7 +78,7 @@ fn weighted<R: Real>(values: &[R; PAIRS], weights: &[f64; PAIRS]) -> R {
 }
 
 /// Its matrices, worked out at their first use.
-pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
+pub static RULE: LazyLock<GaussRule> = LazyLock::new(|| {
     let nodes: [(f64, f64); NODES] = core::array::from_fn(node);
     // Legendre's polynomials at a place from 0 to 1.
     let legendre = |x: f64| {
@@ -112,7 +112,7 @@ pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
             powers[n + 1][power] = ((2 * n + 1) as f64 * raised - n as f64 * powers[n - 1][power]) / (n + 1) as f64;
         }
     }
-    Rule { up_to_node, legendre: core::array::from_fn(coefficient), powers }
+    GaussRule { up_to_node, legendre: core::array::from_fn(coefficient), powers }
 });
 
 /// Place, from 0 to 1, and weight of a node.
@@ -130,7 +130,7 @@ impl<R: Real> Panel<R> {
     /// The polynomial through values at the nodes. By way of Legendre's series, whose terms fall so fast that powers lose
     /// no digits.
     #[inline(always)]
-    pub fn through(values: &[R; NODES], rule: &Rule) -> Self {
+    pub fn through(values: &[R; NODES], rule: &GaussRule) -> Self {
         // Inner loops are sums: any other the compiler would vectorise by gathering numbers from all lanes.
         let [mut terms, mut powers] = [[R::ZERO; NODES]; 2];
         let values = Mirrored::new(values);

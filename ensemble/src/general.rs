@@ -10,7 +10,7 @@ use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use crate::problem::Loadable;
 use crate::step::{LaneSystem, Moment, View};
-use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
+use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 
@@ -25,7 +25,7 @@ pub const AT_RUN_TIME: u32 = EffectSet::ALL.bits() | ASKED;
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'a> {
     /// Its chamber's balance.
-    pub balance: &'a Balance,
+    pub balance: &'a Balances,
     /// The stretch it is in.
     pub stretch: &'a Stretch,
     /// How many states it has: mass unless it is tight, energy and those of its own effects.
@@ -39,7 +39,7 @@ pub struct Row<'a> {
 pub struct General<'a, const N: usize, const BITS: u32> {
     rows: &'a [Row<'a>],
     set: EffectSet,
-    balance: Balance<Lanes>,
+    balance: Balances<Lanes>,
     per_gas_constant: Lanes,
     /// Of tight chambers: the mass, kg, and its root.
     mass: Lanes,
@@ -101,7 +101,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     pub fn new(rows: &'a [Row<'a>], set: EffectSet) -> Self {
         const { assert!(N == states(BITS)) };
         let Row { balance, stretch, .. } = rows[0];
-        let balance = Balance::of(balance.chamber.lift());
+        let balance = Balances::of(balance.chamber.lift());
         let all = balance::moving_states(set);
         let moving = Self::PLACES.iter().filter(|place| **place < all).count();
         let stretch = stretch.lift();
@@ -337,7 +337,7 @@ mod tests {
         let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(1.04));
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
         let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
-        let balance = Balance::of(chamber);
+        let balance = Balances::of(chamber);
         let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
         for share in [0.0, 1e-6, 0.01] {
             let (mut state, mut received, mut work) = (General::<2, 0>::states(&all), 0.0, 0.0);

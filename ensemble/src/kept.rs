@@ -10,7 +10,7 @@
 //! Where c f A is linear in V the equation is the paper's with other constants, and so is its solution ([`Exchange::line`]).
 
 use crate::gauss::{Mirrored, NODES, RULE, node};
-use chamber::balance::{Balance, Boundary, Conditions, Contents};
+use chamber::balance::{Balances, Boundary, Conditions, Contents};
 use chamber::card::ClosedForm;
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::exact::Closed;
@@ -33,7 +33,7 @@ pub struct Exchange<'a, R> {
     set: EffectSet,
     /// c/λ0, to be multiplied by λ and the area.
     per_coefficient: R,
-    balance: &'a Balance<R>,
+    balance: &'a Balances<R>,
     /// A state of the gas: what the effects look at beside the volume does not matter.
     boundary: Boundary<R>,
 }
@@ -45,7 +45,7 @@ impl<'a, R: Real> Exchange<'a, R> {
     /// Of a chamber in surroundings of that temperature, K, whose closed form without the effects is `closed`, while its
     /// piston rests.
     #[inline(always)]
-    pub fn new(set: EffectSet, balance: &'a Balance<R>, closed: &Closed<R>, ambient_temperature: R) -> Self {
+    pub fn new(set: EffectSet, balance: &'a Balances<R>, closed: &Closed<R>, ambient_temperature: R) -> Self {
         let law = &balance.chamber.heat_transfer;
         let scale = (closed.mass_gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
         let boundary = Boundary::closed(R::ZERO, ambient_temperature, R::from(1e5));
@@ -78,7 +78,7 @@ impl<'a, R: Real> Exchange<'a, R> {
     #[inline(always)]
     pub fn at(&self, volume: R) -> R {
         let at = self.conditions(volume);
-        let Balance { chamber, area, .. } = self.balance;
+        let Balances { chamber, area, .. } = self.balance;
         let coefficient = chamber.heat_transfer.coefficient;
         let coefficient = effects::heat_transfer_factor(self.set, &chamber.effects, &at, coefficient);
         let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
@@ -118,7 +118,7 @@ impl<R: Real> Heat<R> for Closed<R> {
 
 /// One of the equal parts, in √V, of a ramp.
 #[derive(Clone, Copy, Debug)]
-pub struct Part<R> {
+pub struct RampPart<R> {
     /// √V at its start, and its rise.
     pub root: R,
     /// The rise of √V.
@@ -131,7 +131,7 @@ pub struct Part<R> {
     pub expansion: R,
 }
 
-impl<R: Real> Part<R> {
+impl<R: Real> RampPart<R> {
     /// At the nodes b dt/dx, in 1/K, into `exchange`, and how fast ln(1/T) grows where nothing is fed into `rates`; the
     /// factor by which 1/T so grows over the whole. (Arrays of lanes are too large to be handed back.)
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! What is asked of curves, one a lane: where they turn round, when they come within a band for good, and values.
 
 use crate::lanes::Lanes;
-use crate::root::{Curve, crossing, root};
+use crate::root::{Beyond, Curve, crossing, root};
 use crate::samples::POINTS;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -49,20 +49,6 @@ impl<C: Curve> Curve for Turning<'_, C> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         self.curve.rise(time, self.beside)
-    }
-}
-
-/// How far a curve is from a value, beyond a band around it.
-struct Beyond<'a, C> {
-    curve: &'a C,
-    value: Lanes,
-    band: Lanes,
-}
-
-impl<C: Curve> Curve for Beyond<'_, C> {
-    #[inline(always)]
-    fn at(&self, time: Lanes) -> Lanes {
-        (self.curve.at(time) - self.value).abs() - self.band
     }
 }
 

@@ -6,7 +6,7 @@ use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome, Standing, to_be_lost};
 use crate::plan::{Plan, Stretch};
 use crate::reader::Bends;
-use crate::regression::{Guess, Part, Records};
+use crate::regression::{Guess, RecordPart, Records};
 use crate::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::{Options, Scenario, lets_gas_pass};
 use chamber::Chamber;
@@ -16,7 +16,7 @@ use chamber::integrate::{Dense, IntegrationError, Integrator};
 use chamber::simulate::tolerance;
 
 /// An accepted step with what is needed to look into it.
-struct Piece {
+struct AcceptedStep {
     stretch: usize,
     stretch_begin: f64,
     from: f64,
@@ -28,13 +28,13 @@ struct Run<'a> {
     set: EffectSet,
     chamber: &'a Chamber,
     plan: &'a Plan,
-    pieces: Vec<Piece>,
+    pieces: Vec<AcceptedStep>,
     initial: [f64; STATES],
 }
 
 impl Run<'_> {
     /// Pressure that the record shows, Pa, and gas temperature, K, in a piece at a time of the gas, s.
-    fn at(&self, piece: &Piece, t: f64) -> (f64, f64) {
+    fn at(&self, piece: &AcceptedStep, t: f64) -> (f64, f64) {
         self.shown(&self.plan.stretches[piece.stretch], t - piece.stretch_begin, &piece.states.at(t), t)
     }
 
@@ -104,7 +104,7 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
         integrator
             .advance(&system, begin + stretch.length, |step| {
                 let states = step.dense();
-                pieces.push(Piece {
+                pieces.push(AcceptedStep {
                     stretch: index,
                     stretch_begin: begin,
                     from: step.from,
@@ -201,7 +201,7 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<crate::outcome:
     let mut records = Records::default();
     for (time, pressure) in &record {
         let samples = Samples { first: (time * SAMPLE_RATE_HZ).round(), count: 1.0 };
-        records.add(0, Part { samples, pressure: [*pressure; POINTS] });
+        records.add(0, RecordPart { samples, pressure: [*pressure; POINTS] });
     }
     let end = plan.stretches.last()?.boundary(0.0).position;
     let volume = scenario.chamber.geometry.volume(end);

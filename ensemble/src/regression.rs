@@ -26,14 +26,14 @@ const FEWEST: f64 = 5.0;
 
 /// A record between two of its samples.
 #[derive(Clone, Copy, Debug)]
-pub struct Part<R = f64> {
+pub struct RecordPart<R = f64> {
     /// Those from one knot to the next, with their count and times.
     pub samples: Samples<R>,
     /// Pressure at the nodes of their sum.
     pub pressure: [R; POINTS],
 }
 
-impl Part<Lanes> {
+impl RecordPart<Lanes> {
     const NONE: Self =
         Self { samples: Samples { first: Lanes::ZERO, count: Lanes::ZERO }, pressure: [Lanes::ZERO; POINTS] };
 }
@@ -73,7 +73,7 @@ pub enum Guess {
 /// Pressure records to regress, one in each lane, as parts of a curve.
 #[derive(Debug)]
 pub struct Records {
-    parts: Vec<Part<Lanes>>,
+    parts: Vec<RecordPart<Lanes>>,
     lengths: [usize; WIDTH],
     nodes: Vec<[Node; POINTS]>,
     /// Number of the first sample, and the pressure that all others are less by.
@@ -96,9 +96,9 @@ pub struct Regression {
 /// Pf and ΔP, Pa, and τ, s, by lane, NaN where the record determines none; and how far the record is from that
 /// exponential at most, as a share of its own rise.
 #[derive(Clone, Copy, Debug)]
-pub struct Found([Lanes; 4]);
+pub struct Regressions([Lanes; 4]);
 
-impl Found {
+impl Regressions {
     /// The regression of one lane; `None` where its record determines none.
     pub fn lane(&self, lane: usize) -> Option<Regression> {
         let [final_pressure, rise, time_constant, misfit] = self.0.map(|found| found[lane]);
@@ -146,10 +146,10 @@ impl Records {
 
     /// Appends a part to one record.
     #[inline(always)]
-    pub fn add(&mut self, lane: usize, part: Part) {
+    pub fn add(&mut self, lane: usize, part: RecordPart) {
         let index = self.lengths[lane];
         if index == self.parts.len() {
-            self.parts.push(Part::NONE);
+            self.parts.push(RecordPart::NONE);
         }
         self.lengths[lane] += 1;
         let to = &mut self.parts[index];
@@ -161,7 +161,7 @@ impl Records {
     }
 
     /// Least squares from a guess of τ on.
-    pub fn fit(&mut self, arch: Arch, guess: Guess) -> Found {
+    pub fn fit(&mut self, arch: Arch, guess: Guess) -> Regressions {
         arch.dispatch(Fitting { records: self, guess })
     }
 
@@ -169,7 +169,7 @@ impl Records {
     #[inline(always)]
     fn lay_out(&mut self) {
         for index in 0..self.parts.len() {
-            let Part { samples, pressure } = *black_box(&self.parts[index]);
+            let RecordPart { samples, pressure } = *black_box(&self.parts[index]);
             let nodes = black_box(samples.nodes());
             self.push(samples.first, &nodes, &pressure);
         }
@@ -183,10 +183,10 @@ struct Fitting<'a> {
 }
 
 impl WithSimd for Fitting<'_> {
-    type Output = Found;
+    type Output = Regressions;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Found {
+    fn with_simd<I: Simd>(self, _: I) -> Regressions {
         self.records.lay_out();
         let Records { nodes, begin, .. } = self.records;
         if I::IS_SCALAR {
@@ -300,7 +300,7 @@ fn least_squares<const FUSED: bool>(
     nodes: &mut [[Node; POINTS]],
     [first, reference]: [Lanes; 2],
     guess: &Guess,
-) -> Found {
+) -> Regressions {
     let (mut count, mut pressure) = (Lanes::ZERO, Lanes::ZERO);
     for node in nodes.as_flattened() {
         count += node.weight;
@@ -368,7 +368,7 @@ fn least_squares<const FUSED: bool>(
         span = [span[0].min(pressure), span[1].max(pressure)];
     }
     let own = black_box(farthest) / (span[1] - span[0]);
-    Found([pressure, rise, black_box(log_tau).exp(), own])
+    Regressions([pressure, rise, black_box(log_tau).exp(), own])
 }
 
 #[cfg(test)]
@@ -380,7 +380,7 @@ mod tests {
     fn sampled(records: &mut Records, lane: usize, pressures: &[f64]) {
         for (k, p) in pressures.iter().enumerate() {
             let samples = Samples { first: 40.0 + k as f64, count: 1.0 };
-            records.add(lane, Part { samples, pressure: [*p; POINTS] });
+            records.add(lane, RecordPart { samples, pressure: [*p; POINTS] });
         }
     }
 
@@ -439,7 +439,7 @@ mod tests {
             let count = (2.0 * parts as f64).min(end - first);
             let samples = Samples { first, count };
             let pressure = samples.nodes().numbers.map(|k| 2e5 + 7e4 * (-(k - 12.0) / SAMPLE_RATE_HZ / tau).exp());
-            records.add(4, Part { samples, pressure });
+            records.add(4, RecordPart { samples, pressure });
             first += count;
         }
         let Regression { final_pressure: pf, rise, time_constant: found, .. } =

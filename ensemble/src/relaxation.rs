@@ -14,7 +14,7 @@ use crate::outcome::SETTLED;
 use crate::record::{self, Relaxing};
 use crate::regression::{Guess, Records};
 use crate::root::{Curve, root, root_between};
-use chamber::balance::{Balance, Boundary, Contents, Tight};
+use chamber::balance::{Balances, Boundary, Contents, Tight};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -45,7 +45,7 @@ const SLOWEST: f64 = 1e-16;
 /// Tests at the end of their pushes, one a lane; SI units.
 pub struct Pushed<'a> {
     /// With the parameters of the effects.
-    pub balance: &'a Balance<Lanes>,
+    pub balance: &'a Balances<Lanes>,
     /// Mass, kg.
     pub mass: Lanes,
     /// Internal energy, J.
@@ -70,7 +70,7 @@ pub struct Ends<'a> {
     pub settling: Lanes,
     /// How many relaxations the hold takes.
     relaxations: Lanes,
-    gas: Gas<'a>,
+    gas: GasOverRelaxations<'a>,
 }
 
 impl Ends<'_> {
@@ -87,7 +87,7 @@ impl Ends<'_> {
 
 /// A part of the hold.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct HoldPart {
     /// u at its start; its length, zero in lanes that go without it; and one over that.
     from: Lanes,
     length: Lanes,
@@ -98,9 +98,9 @@ pub struct Part {
 }
 
 /// The gas over u.
-struct Gas<'a> {
+struct GasOverRelaxations<'a> {
     set: EffectSet,
-    balance: &'a Balance<Lanes>,
+    balance: &'a Balances<Lanes>,
     boundary: Boundary<Lanes>,
     contents: Contents<Lanes>,
     wall: Lanes,
@@ -113,7 +113,7 @@ struct Gas<'a> {
     slowest: Lanes,
 }
 
-impl<'a> Gas<'a> {
+impl<'a> GasOverRelaxations<'a> {
     #[inline(always)]
     fn new(set: EffectSet, pushed: &Pushed<'a>) -> Self {
         let set = set.intersection(EFFECTS);
@@ -164,7 +164,7 @@ impl<'a> Gas<'a> {
 
 /// The time over u.
 struct Time<'a> {
-    parts: &'a [Part],
+    parts: &'a [HoldPart],
 }
 
 impl Curve for Time<'_> {
@@ -194,7 +194,7 @@ impl<C: Curve> Curve for Left<'_, C> {
 }
 
 /// A time over the share of a part.
-impl Curve for Part {
+impl Curve for HoldPart {
     #[inline(always)]
     fn at(&self, share: Lanes) -> Lanes {
         self.begin + self.time.at(share)
@@ -210,7 +210,7 @@ pub struct Solve<'b, 'a> {
     /// Relative tolerance of the temperatures.
     pub relative: f64,
     /// The parts of the last hold are dropped.
-    pub parts: &'b mut Vec<Part>,
+    pub parts: &'b mut Vec<HoldPart>,
 }
 
 impl<'a> WithSimd for Solve<'_, 'a> {
@@ -220,7 +220,7 @@ impl<'a> WithSimd for Solve<'_, 'a> {
     fn with_simd<I: Simd>(self, _: I) -> Ends<'a> {
         let Self { set, pushed: start, relative, parts } = self;
         let start = black_box(start);
-        let gas = black_box(Gas::new(set, start));
+        let gas = black_box(GasOverRelaxations::new(set, start));
         let last = (gas.excess.abs() * (1.0 / AT_REST)).max(Lanes::ONE).ln();
         let (mut from, mut begin, mut length) = (Lanes::ZERO, Lanes::ZERO, Lanes::from(FIRST).min(last));
         let mut end = last;
@@ -246,7 +246,7 @@ impl<'a> WithSimd for Solve<'_, 'a> {
             let moves = gas.excess.abs() * (-from).exp();
             let good = (total * relative - (one + other) * moves * INTEGRATED).min(open);
             let good = good.where_positive(Lanes::ONE, Lanes::ZERO);
-            let part = black_box(Part {
+            let part = black_box(HoldPart {
                 from,
                 length: good * length,
                 per_length: good.where_positive(length, Lanes::ONE).recip(),
@@ -279,7 +279,7 @@ pub struct Record<'a> {
     pub pushed: &'a Pushed<'a>,
     /// How they go on.
     pub ends: &'a Ends<'a>,
-    pub parts: &'a [Part],
+    pub parts: &'a [HoldPart],
     /// Where their records go.
     pub records: &'a mut Records,
 }
@@ -302,7 +302,7 @@ impl WithSimd for Record<'_> {
 
 /// Holds that were followed to their ends.
 struct Held<'a> {
-    gas: &'a Gas<'a>,
+    gas: &'a GasOverRelaxations<'a>,
     time: Time<'a>,
     hold: Lanes,
     relaxations: Lanes,

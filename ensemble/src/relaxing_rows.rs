@@ -7,7 +7,7 @@ use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, SETTLED, closure};
 use crate::regression::Records;
-use crate::relaxation::{Part, Pushed, Record, Solve};
+use crate::relaxation::{HoldPart, Pushed, Record, Solve};
 use crate::scenario::Scenario;
 use crate::sealed::{Ending, Test};
 use chamber::balance::{self, Boundary, ENERGY};
@@ -77,7 +77,7 @@ impl AfterPush {
 #[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
-    parts: Vec<Part>,
+    parts: Vec<HoldPart>,
     records: Records,
 }
 

@@ -21,17 +21,17 @@ pub trait Curve {
     }
 }
 
-/// How far a curve is from where it ends, beyond a band.
-pub struct Beyond<C> {
-    pub curve: C,
-    pub end: Lanes,
+/// How far a curve is from a value, beyond a band around it.
+pub struct Beyond<'a, C> {
+    pub curve: &'a C,
+    pub value: Lanes,
     pub band: Lanes,
 }
 
-impl<C: Curve> Curve for Beyond<C> {
+impl<C: Curve> Curve for Beyond<'_, C> {
     #[inline(always)]
     fn at(&self, place: Lanes) -> Lanes {
-        (self.curve.at(place) - self.end).abs() - self.band
+        (self.curve.at(place) - self.value).abs() - self.band
     }
 }
 

@@ -118,7 +118,7 @@ pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
                 attempted.put(steps[lane].lane as usize, lane, &mut length, &mut ends);
             }
         }
-        [turns.share, turns.value] = arch.dispatch(Wide(Turn { system, length, ends: &ends, sign }));
+        [turns.share, turns.value] = arch.dispatch(Wide(FindTurn { system, length, ends: &ends, sign }));
     }
     turns
 }
@@ -144,7 +144,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Seen<'_, N, H> {
 }
 
 /// The share of a step of that length between two states at which the reading turns, and the reading there.
-struct Turn<'a, const N: usize, H> {
+struct FindTurn<'a, const N: usize, H> {
     system: &'a H,
     length: Lanes,
     ends: &'a [[Lanes; N]; 2],
@@ -164,7 +164,7 @@ impl Curve for Leaving {
     }
 }
 
-impl<const N: usize, H: Holding<N>> WithSimd for Turn<'_, N, H> {
+impl<const N: usize, H: Holding<N>> WithSimd for FindTurn<'_, N, H> {
     type Output = [Lanes; 2];
 
     #[inline(always)]

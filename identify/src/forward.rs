@@ -7,12 +7,12 @@
 
 use crate::characteristic::Characteristic;
 use crate::isentrope::Isentrope;
-use crate::rates::{Balances, Instructions, Moving, OF_WALL_AND_TURBULENCE, OfAnyGas, OfTightGas};
+use crate::rates::{Instructions, Moving, OF_WALL_AND_TURBULENCE, OfAnyGas, OfGas, OfTightGas};
 use crate::record::course::Course;
 use crate::record::gaps;
 use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
-use chamber::balance::{self, Balance, Boundary, Contents, ENERGY, FEW_STATES, MASS, OWN, STATES};
+use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, FEW_STATES, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::{Real, Scalar};
@@ -150,7 +150,7 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
     /// Behind a gap the gas is as warm as its record asks for, by heat out of the wall.
     fn behind<const N: usize>(&self, stretch: usize, state: &mut [R; N]) {
         let Some(gap) = self.gaps.iter().position(|gap| *gap == stretch) else { return };
-        let balance = Balance::of(*self.chamber);
+        let balance = Balances::of(*self.chamber);
         let isentrope = Isentrope::through(&balance, &self.boundary(0, self.begin()));
         let boundary = self.boundary(stretch, self.end(stretch));
         let referred = isentrope.at(&balance, &boundary);
@@ -260,7 +260,7 @@ impl<R: Scalar> Run<'_, R> {
     /// The same in the first `N` states.
     fn in_states<const N: usize>(
         &self,
-        balances: impl Balances<R, N>,
+        balances: impl OfGas<R, N>,
         times: &[f64],
         mesh: &Mesh,
         disturbance: &dyn Disturbance<R>,
@@ -270,7 +270,7 @@ impl<R: Scalar> Run<'_, R> {
         let Some(&last) = times.last() else { return Ok(Default::default()) };
         let inputs = &Passing::new(course, chamber, set, correction);
         let begin = inputs.begin();
-        let (gas_set, balance) = (set.without(effects::of_sensor()), &Balance::of(*chamber));
+        let (gas_set, balance) = (set.without(effects::of_sensor()), &Balances::of(*chamber));
         let at_begin = inputs.boundary(0, begin);
         let isentrope = &Isentrope::through(balance, &at_begin);
         let initial = balance.state_at(EffectSet::ALL, &at_begin, start.pressure, start.temperature);
@@ -306,7 +306,7 @@ impl<R: Scalar> Run<'_, R> {
 
 /// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
 struct Sensor<'a, R> {
-    balance: &'a Balance<R>,
+    balance: &'a Balances<R>,
     isentrope: &'a Isentrope,
     set: EffectSet,
     inputs: &'a Passing<'a, R>,
@@ -320,7 +320,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
     /// Before the record the chamber is at rest at its first pressure, or goes on as it moves at the record's start, so that a lag
     /// has followed it for a long time.
     fn new(
-        balance: &'a Balance<R>,
+        balance: &'a Balances<R>,
         isentrope: &'a Isentrope,
         set: EffectSet,
         inputs: &'a Passing<'a, R>,

@@ -6,7 +6,7 @@
 //! piston's velocity, which the noise of recorded positions shakes from row to row, and changes with heat and flows alone. An
 //! integrator takes longer steps on it and cannot pass over what the stroke does between its stages.
 
-use chamber::balance::{Balance, Boundary};
+use chamber::balance::{Balances, Boundary};
 use chamber::real::Scalar;
 use std::cell::Cell;
 
@@ -23,7 +23,7 @@ pub struct Isentrope {
 
 impl Isentrope {
     /// Through the volume, m³, that the chamber has at that boundary.
-    pub fn through<R: Scalar>(balance: &Balance<R>, boundary: &Boundary<R>) -> Self {
+    pub fn through<R: Scalar>(balance: &Balances<R>, boundary: &Boundary<R>) -> Self {
         let volume = balance.chamber.geometry.volume(boundary.position).value();
         Self { per_volume: 1.0 / volume, exponent: balance.expansion.value(), last: Cell::new([volume, 1.0, 0.0]) }
     }
@@ -44,7 +44,7 @@ impl Isentrope {
 
     /// At a boundary.
     #[inline(always)]
-    pub fn at<R: Scalar>(&self, balance: &Balance<R>, boundary: &Boundary<R>) -> Referred<R> {
+    pub fn at<R: Scalar>(&self, balance: &Balances<R>, boundary: &Boundary<R>) -> Referred<R> {
         let geometry = &balance.chamber.geometry;
         let volume = geometry.volume(boundary.position);
         let compression = balance.expansion * geometry.piston_area * boundary.velocity / volume;
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn the_velocity_of_the_piston_has_no_part_in_the_rate() {
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let balance = Balance::of(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5)));
+        let balance = Balances::of(Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5)));
         let isentrope = Isentrope::through(&balance, &at(0.1, 0.0));
         let begin = balance.state_at(EffectSet::NONE, &at(0.1, 0.0), 3e5, 310.0);
         let rate = |velocity: f64| {

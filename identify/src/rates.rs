@@ -1,25 +1,25 @@
 //! The rates of the gas's states at one moment: what an integration along a record asks for most often.
 
 use crate::isentrope::Isentrope;
-use chamber::balance::{Balance, Boundary, ENERGY, MASS, OWN, Tight};
+use chamber::balance::{Balances, Boundary, ENERGY, MASS, OWN, Tight};
 use chamber::effects::{self, EffectSet};
 use chamber::real::Scalar;
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::V3;
 
-/// Balances of the first `N` states.
-pub trait Balances<R, const N: usize>: Copy {
+/// The balances of a kind of gas, for the first `N` states.
+pub trait OfGas<R, const N: usize>: Copy {
     /// Rates of these states, per second.
-    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N];
+    fn rates(self, set: EffectSet, balance: &Balances<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N];
 }
 
 /// Of any gas, with the effects' first `M` own states.
 #[derive(Clone, Copy)]
 pub struct OfAnyGas<const M: usize>;
 
-impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfAnyGas<M> {
+impl<R: Scalar, const N: usize, const M: usize> OfGas<R, N> for OfAnyGas<M> {
     #[inline(always)]
-    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
+    fn rates(self, set: EffectSet, balance: &Balances<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
         balance.rates_with_own::<N, M>(set, boundary, state)
     }
 }
@@ -39,9 +39,9 @@ impl<const M: usize> OfTightGas<M> {
     }
 }
 
-impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfTightGas<M> {
+impl<R: Scalar, const N: usize, const M: usize> OfGas<R, N> for OfTightGas<M> {
     #[inline(always)]
-    fn rates(self, set: EffectSet, balance: &Balance<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
+    fn rates(self, set: EffectSet, balance: &Balances<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
         const { assert!(N == OWN + M) };
         let set = set.intersection(effects::KEEP_THE_MASS);
         let contents = balance.contents(boundary, state);
@@ -56,12 +56,12 @@ impl<R: Scalar, const N: usize, const M: usize> Balances<R, N> for OfTightGas<M>
 
 /// The balances at one moment.
 pub struct Moving<'a, R, B, const N: usize> {
-    /// Which balances.
+    /// Of which gas.
     pub balances: B,
     /// Effects of the gas and its wall.
     pub set: EffectSet,
     /// Of the chamber at its coordinates of the fit.
-    pub balance: &'a Balance<R>,
+    pub balance: &'a Balances<R>,
     /// What the energy is referred to.
     pub isentrope: &'a Isentrope,
     /// What is imposed.
@@ -72,7 +72,7 @@ pub struct Moving<'a, R, B, const N: usize> {
     pub disturbance: Option<[R; 4]>,
 }
 
-impl<R: Scalar, B: Balances<R, N>, const N: usize> Moving<'_, R, B, N> {
+impl<R: Scalar, B: OfGas<R, N>, const N: usize> Moving<'_, R, B, N> {
     /// Rates of the states, the energy referred to the first volume, with a disturbance added; its mass enters or leaves at the
     /// gas's temperature.
     #[inline(always)]
@@ -119,7 +119,7 @@ impl Instructions {
 
     /// Rates of the states by the balances at a moment: see [`Moving`].
     #[inline(always)]
-    pub fn rates<R: Scalar, B: Balances<R, N>, const N: usize>(self, moving: Moving<'_, R, B, N>) -> [R; N] {
+    pub fn rates<R: Scalar, B: OfGas<R, N>, const N: usize>(self, moving: Moving<'_, R, B, N>) -> [R; N] {
         #[cfg(target_arch = "x86_64")]
         if R::DERIVATIVES > 0
             && let Some(wide) = self.wide
@@ -152,7 +152,7 @@ mod tests {
         }
         assert!(OfTightGas::<M>::suits(set));
         let boundary = Boundary { velocity: -0.5, ..Boundary::closed(0.05, 293.0, 1.013e5) };
-        let balance = Balance::of(chamber);
+        let balance = Balances::of(chamber);
         let mut state = balance.state_at(EffectSet::ALL, &boundary, 8e5, 350.0);
         state[OWN..].iter_mut().for_each(|own| *own += 0.25);
         let tight: [f64; N] = OfTightGas::<M>.rates(set, &balance, &boundary, &core::array::from_fn(|i| state[i]));

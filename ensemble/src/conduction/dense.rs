@@ -3,7 +3,7 @@
 //! which the gas is of the surface: where T met the surface it would not move, but the surface would go back towards Tw.
 
 use super::rule::{NODES, RULE};
-use super::{Keep, step::Gas};
+use super::{Keep, step::GasAndWall};
 use crate::lanes::{Lanes, each_lane, multiply_add};
 use crate::outcome::SETTLED;
 use crate::regression::{Guess, Records};
@@ -32,7 +32,7 @@ pub struct Passed {
 /// Keeps all that is to be known of them.
 impl Keep for Vec<Passed> {
     #[inline(always)]
-    fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &Gas) {
+    fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &GasAndWall) {
         let length = goes.where_positive(gas.since, Lanes::ZERO);
         let warming = -(gas.cooling * length);
         let mut slopes = gas.drives;
@@ -107,7 +107,7 @@ impl WithSimd for Settle<'_> {
             good = spare.where_positive(good, Lanes::ZERO);
         }
         let curve = black_box(&last).inside();
-        let share = root(&Beyond { curve, end, band }, Lanes::ZERO, Lanes::ONE);
+        let share = root(&Beyond { curve: &curve, value: end, band }, Lanes::ZERO, Lanes::ONE);
         [last.end - last.length * (Lanes::ONE - share), good]
     }
 }

@@ -32,16 +32,16 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::problem::{self, Problem};
 use crate::scenario::Options;
 use crate::step::View;
-use chamber::balance::Balance;
+use chamber::balance::Balances;
 use chamber::effects::wall_conduction::MODES;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use core::hint::black_box;
 use lengths::{Growth, LEVELS, OF_ENDS};
 use pulp::{Simd, WithSimd};
-use response::{Response, WorkOut};
+use response::{Response, WorkOutResponses};
 use rule::NODES;
-use step::Gas;
+use step::GasAndWall;
 
 /// The effect that tests have which [`rows`] solves.
 pub use push::EFFECT;
@@ -98,10 +98,10 @@ pub fn hold<const N: usize>(
             let parts = OF_ENDS.parted_all(level, |lane| problem(lane).length);
             let left = Lanes::from_fn(|lane| parts[lane].1);
             if last.length != left {
-                arch.dispatch(Wide(WorkOut { response: last, length: left }));
+                arch.dispatch(Wide(WorkOutResponses { response: last, length: left }));
             }
             let from = history.len() as u32;
-            let held = arch.dispatch(Wide(Hold {
+            let held = arch.dispatch(Wide(SolveHolds {
                 set,
                 balance,
                 mass: Lanes::from_fn(|lane| row(lane).mass),
@@ -110,7 +110,7 @@ pub fn hold<const N: usize>(
                 volume: Lanes::from_fn(|lane| row(lane).balance.chamber.geometry.volume(row(lane).stretch.position)),
                 ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.ambient_temperature),
                 ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.ambient_pressure),
-                steps: Steps {
+                steps: HoldSteps {
                     growth: OF_ENDS,
                     level,
                     counts: Lanes::from_fn(|lane| parts[lane].0 as f64),
@@ -143,12 +143,12 @@ pub fn hold<const N: usize>(
 /// Sees the steps through holds.
 trait Keep {
     /// A step of the lanes where `goes` is positive: its end, s, T at its start, and the gas at its end.
-    fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &Gas);
+    fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &GasAndWall);
 }
 
 /// Steps through holds, one a lane.
 #[derive(Clone, Copy)]
-struct Steps<'a> {
+struct HoldSteps<'a> {
     growth: Growth,
     level: usize,
     /// How many steps each takes before its last.
@@ -160,8 +160,8 @@ struct Steps<'a> {
 
 /// Takes the gas to the ends of the holds; positive where all steps were good.
 #[inline(always)]
-fn through(gas: &mut Gas, steps: Steps, kept: &mut impl Keep) -> Lanes {
-    let Steps { growth, level, counts, last, relative } = steps;
+fn through(gas: &mut GasAndWall, steps: HoldSteps, kept: &mut impl Keep) -> Lanes {
+    let HoldSteps { growth, level, counts, last, relative } = steps;
     let gas = black_box(gas);
     let mut factors = black_box(Factors::NONE);
     let (mut time, mut taken, mut good) = (Lanes::ZERO, 0, Lanes::ONE);
@@ -187,35 +187,35 @@ fn through(gas: &mut Gas, steps: Steps, kept: &mut impl Keep) -> Lanes {
 }
 
 /// Keeps what is seen at their ends.
-struct Seen<'a> {
+struct KeepViews<'a> {
     history: &'a mut History,
     /// P/T, Pa/K.
     per_temperature: Lanes,
 }
 
-impl Keep for Seen<'_> {
+impl Keep for KeepViews<'_> {
     #[inline(always)]
-    fn keep(&mut self, end: Lanes, goes: Lanes, _: Lanes, gas: &Gas) {
+    fn keep(&mut self, end: Lanes, goes: Lanes, _: Lanes, gas: &GasAndWall) {
         self.history.push(end, goes, &gas.view(self.per_temperature, gas.drives[NODES - 1]));
     }
 }
 
 /// As many holds as there are lanes.
-struct Hold<'a> {
+struct SolveHolds<'a> {
     set: EffectSet,
-    balance: &'a Balance<Lanes>,
+    balance: &'a Balances<Lanes>,
     mass: Lanes,
     energy: Lanes,
     modes: [Lanes; MODES],
     volume: Lanes,
     ambient_temperature: Lanes,
     ambient_pressure: Lanes,
-    steps: Steps<'a>,
+    steps: HoldSteps<'a>,
     history: &'a mut History,
 }
 
 /// How they end.
-struct Held {
+struct HoldEnds {
     /// Positive where they are solved.
     good: Lanes,
     /// What is seen at the start.
@@ -226,21 +226,21 @@ struct Held {
     heat: Lanes,
 }
 
-impl WithSimd for Hold<'_> {
-    type Output = Held;
+impl WithSimd for SolveHolds<'_> {
+    type Output = HoldEnds;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Held {
+    fn with_simd<I: Simd>(self, _: I) -> HoldEnds {
         let Self { balance, mass, modes, volume, steps, history, .. } = self;
         let capacity = mass * balance.cv;
         let temperature = self.energy / capacity;
         let surroundings = [self.ambient_temperature, self.ambient_pressure];
-        let mut gas = Gas::new(self.set, balance, [mass, volume, temperature], surroundings, modes);
+        let mut gas = GasAndWall::new(self.set, balance, [mass, volume, temperature], surroundings, modes);
         let per_temperature = mass * balance.chamber.gas.gas_constant / volume;
         let begin = gas.view(per_temperature, gas.drives[0]);
-        let good = through(&mut gas, steps, &mut Seen { history, per_temperature });
+        let good = through(&mut gas, steps, &mut KeepViews { history, per_temperature });
         let energy = gas.temperature * capacity;
         let heat = (gas.temperature - temperature) * capacity;
-        black_box(Held { good, begin, energy, modes: gas.modes, heat })
+        black_box(HoldEnds { good, begin, energy, modes: gas.modes, heat })
     }
 }

@@ -74,12 +74,12 @@ impl Response<f64> {
 }
 
 /// Works out the responses over a length, s, in each lane.
-pub struct WorkOut<'a> {
+pub struct WorkOutResponses<'a> {
     pub response: &'a mut Response<Lanes>,
     pub length: Lanes,
 }
 
-impl WithSimd for WorkOut<'_> {
+impl WithSimd for WorkOutResponses<'_> {
     type Output = ();
 
     #[inline(always)]

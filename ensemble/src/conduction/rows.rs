@@ -5,9 +5,9 @@
 use super::dense::{self, Passed, Settle};
 use super::lengths::{LEVELS, OF_NODES};
 use super::push::{Moving, N, Test};
-use super::response::{Response, WorkOut};
-use super::step::Gas;
-use super::{Steps, relative, through};
+use super::response::{Response, WorkOutResponses};
+use super::step::GasAndWall;
+use super::{HoldSteps, relative, through};
 use crate::Batch;
 use crate::advance::{Nobody, advance};
 use crate::instructions::Wide;
@@ -111,7 +111,7 @@ fn hold(
     let parts = OF_NODES.parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
     let length = Lanes::from_fn(|lane| parts[lane].1);
     if last.length != length {
-        arch.dispatch(Wide(WorkOut { response: last, length }));
+        arch.dispatch(Wide(WorkOutResponses { response: last, length }));
     }
     let pushed = Lanes::from_fn(|lane| temperature(&problems[at(lane)].state));
     let wall = Lanes::from_fn(|lane| test(lane).gas.closed.ambient_temperature);
@@ -120,9 +120,9 @@ fn hold(
         core::array::from_fn(|mode| Lanes::from_fn(|lane| problems[at(lane)].state[1 + mode] * KERNEL[mode].weight));
     let counts = Lanes::from_fn(|lane| parts[lane].0 as f64);
     steps.clear();
-    let [end, reached] = arch.dispatch(Wide(Hold {
-        gas: Gas::of([cooling, feed], wall, pushed, modes),
-        steps: Steps { growth: OF_NODES, level, counts, last, relative: relative(options) },
+    let [end, reached] = arch.dispatch(Wide(FollowHolds {
+        gas: GasAndWall::of([cooling, feed], wall, pushed, modes),
+        steps: HoldSteps { growth: OF_NODES, level, counts, last, relative: relative(options) },
         kept: steps,
     }));
     let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
@@ -159,13 +159,13 @@ fn hold(
 }
 
 /// Holds, one a lane: temperatures at their ends, K, and whether they are good.
-struct Hold<'a> {
-    gas: Gas,
-    steps: Steps<'a>,
+struct FollowHolds<'a> {
+    gas: GasAndWall,
+    steps: HoldSteps<'a>,
     kept: &'a mut Vec<Passed>,
 }
 
-impl WithSimd for Hold<'_> {
+impl WithSimd for FollowHolds<'_> {
     type Output = [Lanes; 2];
 
     #[inline(always)]

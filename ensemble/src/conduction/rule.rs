@@ -21,7 +21,7 @@ pub const GUESSED: usize = 5;
 const BEFORE_LAST: f64 = 0.02;
 
 /// What the rule makes of values at the nodes of a step of length one.
-pub struct Rule {
+pub struct RadauRule {
     /// Coefficients in powers of the place of the polynomial that is one at a node and zero at the others.
     pub powers: [[f64; TERMS]; NODES],
     /// The same of its integral from the start on, from the first power on.
@@ -35,7 +35,7 @@ pub struct Rule {
 }
 
 /// Worked out at its first use.
-pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
+pub static RULE: LazyLock<RadauRule> = LazyLock::new(|| {
     let powers = filter::polynomials(PLACES);
     let integrated = powers.map(|of| core::array::from_fn(|power| of[power] / (power + 1) as f64));
     let integral = |polynomial: &[f64; TERMS], x: f64| {
@@ -47,5 +47,5 @@ pub static RULE: LazyLock<Rule> = LazyLock::new(|| {
     let fourth = core::array::from_fn(|node| (powers[node][4] + 630.0 * fifth[node]) / 70.0 * BEFORE_LAST);
     let beyond = filter::polynomials::<GUESSED>(core::array::from_fn(|k| PLACES[NODES - GUESSED + k] - 1.0));
     let ahead = core::array::from_fn(|power| beyond.map(|polynomial| polynomial[power]));
-    Rule { powers, integrated, integrals, last: [fifth, fourth], ahead }
+    RadauRule { powers, integrated, integrals, last: [fifth, fourth], ahead }
 });

@@ -9,7 +9,7 @@ use crate::elimination::Factors;
 use crate::kept;
 use crate::lanes::{Lanes, multiply_add};
 use crate::step::View;
-use chamber::balance::{Balance, Boundary, Contents};
+use chamber::balance::{Balances, Boundary, Contents};
 use chamber::effects::wall_conduction::MODES;
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
@@ -31,7 +31,7 @@ const ERROR: f64 = 0.02;
 
 /// The gas and the wall of each lane.
 #[derive(Clone, Copy)]
-pub struct Gas {
+pub struct GasAndWall {
     /// a and b.
     pub cooling: Lanes,
     feed: Lanes,
@@ -54,12 +54,12 @@ pub struct Step {
     pub good: Lanes,
 }
 
-impl Gas {
+impl GasAndWall {
     /// At the start of a hold: mass, kg, volume, m³, temperature, K; temperature, K, and pressure, Pa, of the surroundings; modes, K.
     #[inline(always)]
     pub fn new(
         set: EffectSet,
-        balance: &Balance<Lanes>,
+        balance: &Balances<Lanes>,
         [mass, volume, temperature]: [Lanes; 3],
         [ambient_temperature, ambient_pressure]: [Lanes; 2],
         modes: [Lanes; MODES],

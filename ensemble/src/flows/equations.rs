@@ -1,6 +1,6 @@
 //! The rates of ν = 1/√M and z = 1/√T: the equations in the head of [`super`], over lanes or over their series.
 
-use super::openings::{Gas, Law, Passage};
+use super::openings::{GasInside, Law, Passage};
 use crate::lanes::Lanes;
 use crate::series::Series;
 use chamber::real::Real;
@@ -40,7 +40,7 @@ macro_rules! each_constant {
 }
 
 /// What the geometry and the clock make of the rates at one moment.
-pub struct Place<R> {
+pub struct PlaceFactors<R> {
     /// Half the heat exchanged, over 1/√M: c √M (a1 V + a0)/(2 √V).
     pub exchange: R,
     /// (γ − 1) V'/(2 V).
@@ -96,10 +96,10 @@ impl<R: Real> Constants<R> {
 
     /// The equations. What no lane has is left out: to the last digit the same.
     #[inline(always)]
-    pub fn rates<L: Law>(&self, at: &Place<R>, state: &State<R>) -> Rates<R> {
+    pub fn rates<L: Law>(&self, at: &PlaceFactors<R>, state: &State<R>) -> Rates<R> {
         let &State { per_root_mass, per_root, root, root_energy, per_energy } = state;
         let (temperature, ratio) = (root * root, at.outside * per_energy);
-        let gas = Gas { root, temperature, energy: root_energy * root_energy, ratio };
+        let gas = GasInside { root, temperature, energy: root_energy * root_energy, ratio };
         let cooled = at.work - at.exchange * per_root_mass * (self.wall - temperature);
         let inward = ratio - 1.0;
         // The flow out, and what it takes along of mass, of temperature and of heat and enthalpy.

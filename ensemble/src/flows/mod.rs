@@ -31,7 +31,7 @@ use crate::series::Series;
 use crate::step::{LaneSystem, Moment, View};
 use chamber::real::Real;
 use core::hint::black_box;
-use equations::{Constants, Place, State, energy};
+use equations::{Constants, PlaceFactors, State, energy};
 pub use openings::{GAP, Gap, ORIFICES, Orifice};
 use openings::{Law, Passage};
 use std::marker::PhantomData;
@@ -215,7 +215,7 @@ impl<L: Law> LaneSystem<2> for Moving<'_, L> {
         let per_square = per_w * per_w;
         let per_volume = per_square * per_square;
         let width = self.width * per_w;
-        let at = Place {
+        let at = PlaceFactors {
             exchange: self.gas.exchange_at([w, square]),
             work: self.work * per_w,
             outside: self.constants.passage.pressure * (square * square),
@@ -256,7 +256,7 @@ pub struct Held<'a, L> {
     tests: &'a [FlowTest<L>],
     gas: sealed::Held<'static>,
     constants: Constants<Lanes>,
-    /// As in [`Place`].
+    /// As in [`PlaceFactors`].
     outside: Lanes,
     width: Lanes,
     per_volume: Lanes,
@@ -279,8 +279,8 @@ impl<L: Law> Loadable for Held<'_, L> {
 impl<L: Law> Held<'_, L> {
     /// What there is in place of the geometry, over a volume that stays.
     #[inline(always)]
-    fn place<R: Real + From<Lanes>>(&self) -> Place<R> {
-        Place {
+    fn place<R: Real + From<Lanes>>(&self) -> PlaceFactors<R> {
+        PlaceFactors {
             exchange: self.gas.exchange.into(),
             work: R::ZERO,
             outside: self.outside.into(),

@@ -24,7 +24,7 @@ impl<R: Real> Passage<R> {
 }
 
 /// The gas at one moment.
-pub struct Gas<R> {
+pub struct GasInside<R> {
     /// √T and T.
     pub root: R,
     pub temperature: R,
@@ -42,12 +42,12 @@ pub trait Law: Copy + Sync {
     /// That opening of a scenario.
     fn passage(scenario: &Scenario) -> Passage;
     /// The flow out of the gas.
-    fn outflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>) -> [R; 2];
+    fn outflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>) -> [R; 2];
     /// The flow in, where 1/√T of the outside is `per_root_outside`.
-    fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2];
+    fn inflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, per_root_outside: R) -> [R; 2];
     /// The flow in where `inward` is positive, else the flow out.
     #[inline(always)]
-    fn flow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, inward: R, per_root_outside: R) -> [R; 2] {
+    fn flow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, inward: R, per_root_outside: R) -> [R; 2] {
         let (into, out) = (Self::inflow(passage, gas, per_root_outside), Self::outflow(passage, gas));
         [inward.where_positive(into[0], out[0]), inward.where_positive(into[1], out[1])]
     }
@@ -82,17 +82,17 @@ impl Law for Orifice {
     }
 
     #[inline(always)]
-    fn outflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>) -> [R; 2] {
+    fn outflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>) -> [R; 2] {
         [iso6358::relative_outflow(gas.ratio, passage.critical_ratio), gas.root]
     }
 
     #[inline(always)]
-    fn inflow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2] {
+    fn inflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, per_root_outside: R) -> [R; 2] {
         [iso6358::relative_inflow(gas.ratio, passage.critical_ratio), gas.temperature * per_root_outside]
     }
 
     #[inline(always)]
-    fn flow<R: Real>(passage: &Passage<R>, gas: &Gas<R>, inward: R, per_root_outside: R) -> [R; 2] {
+    fn flow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, inward: R, per_root_outside: R) -> [R; 2] {
         let scale = inward.where_positive(gas.temperature * per_root_outside, gas.root);
         [iso6358::relative_flow(gas.ratio, passage.critical_ratio), scale]
     }
@@ -131,12 +131,12 @@ impl Law for Gap {
     }
 
     #[inline(always)]
-    fn outflow<R: Real>(_: &Passage<R>, gas: &Gas<R>) -> [R; 2] {
+    fn outflow<R: Real>(_: &Passage<R>, gas: &GasInside<R>) -> [R; 2] {
         [R::ONE - gas.ratio * gas.ratio, gas.energy]
     }
 
     #[inline(always)]
-    fn inflow<R: Real>(_: &Passage<R>, gas: &Gas<R>, per_root_outside: R) -> [R; 2] {
+    fn inflow<R: Real>(_: &Passage<R>, gas: &GasInside<R>, per_root_outside: R) -> [R; 2] {
         let warmth = gas.temperature * (per_root_outside * per_root_outside);
         [gas.ratio * gas.ratio - 1.0, gas.energy * warmth]
     }

@@ -1,7 +1,7 @@
 //! Records of sensors that make a bent curve of their reading: cut where the reading turns round and where it comes to a bend,
 //! so that over each piece the record is a straight line over the reading, and one-way.
 
-use super::{Job, Memory, Piece, Traces};
+use super::{Job, Memory, TracePiece, Traces};
 use crate::look::Question;
 use crate::samples::POINTS;
 use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
@@ -68,7 +68,7 @@ impl Straight {
 
 /// A place inside a piece at which it is cut.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct CutPlace {
     piece: usize,
     /// Time from the segment's start, s; not a number where it is being looked for.
     time: f64,
@@ -96,16 +96,16 @@ impl Traces<'_> {
         let (mut turned, mut places) = (turns.iter().peekable(), Vec::new());
         for &row in &bent {
             for index in self.pieces_of(row) {
-                let Piece { times, shown, .. } = self.memory.pieces[index];
+                let TracePiece { times, shown, .. } = self.memory.pieces[index];
                 let turn = turned.next_if(|turn| turn.piece == index).map(|turn| (turn.answer[0], turn.answer[1]));
                 let mut begin = (times[0], shown[0]);
                 for end in turn.into_iter().chain([(times[1], shown[1])]) {
                     for reading in self.rows[row].bends.between(begin.1, end.1) {
-                        places.push(Place { piece: index, time: f64::NAN, reading });
+                        places.push(CutPlace { piece: index, time: f64::NAN, reading });
                         let numbers = [begin.0, end.0, end.1, (end.1 - reading).abs()];
                         self.memory.jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
                     }
-                    places.push(Place { piece: index, time: end.0, reading: end.1 });
+                    places.push(CutPlace { piece: index, time: end.0, reading: end.1 });
                     begin = end;
                 }
             }
@@ -118,7 +118,7 @@ impl Traces<'_> {
     }
 
     /// Cuts pieces at places in the order of the pieces and of their times, the end of each piece among them.
-    fn cut_at(&mut self, places: &[Place]) {
+    fn cut_at(&mut self, places: &[CutPlace]) {
         let pieces = core::mem::take(&mut self.memory.pieces);
         let mut places = places.iter().peekable();
         let out = &mut self.memory.pieces;
@@ -138,7 +138,7 @@ impl Traces<'_> {
                     // One way, or none.
                     let slopes = [shown[1] - shown[0]; 2];
                     let straight = Straight::through(readings, shown);
-                    out.push(Piece { times: [rest.times[0], time], shown, slopes, straight, ..rest });
+                    out.push(TracePiece { times: [rest.times[0], time], shown, slopes, straight, ..rest });
                     (rest.times[0], rest.shown[0]) = (time, place.reading);
                 }
                 if old.shown.contains(&index) {

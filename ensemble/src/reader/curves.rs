@@ -30,11 +30,11 @@ impl Traces<'_> {
             let lag = Lanes::from_fn(|lane| self.of_segment(piece(lane).segment).0.sensor.lag);
             let found = arch.dispatch(Follow { inside, to_powers: &self.memory.to_powers, from, length, lag });
             for (lane, &index) in group.iter().enumerate() {
-                let Followed { pressure, from, length, kept, fed, .. } = found;
+                let LaggedPiece { pressure, from, length, kept, fed, .. } = found;
                 let pressure = pressure.map(|term| term[lane]);
                 self.memory.pieces[index].lag = lags.len() as u32;
                 let [from, length, kept, fed] = [from, length, kept, fed].map(|of| of[lane]);
-                lags.push(Followed { pressure, from, length, kept, fed, begin: 0.0 });
+                lags.push(LaggedPiece { pressure, from, length, kept, fed, begin: 0.0 });
             }
         }
         for row in 0..self.rows.len() {
@@ -47,7 +47,7 @@ impl Traces<'_> {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
                 let elapsed = plan.stretches[segment.stretch as usize].elapsed;
                 let piece = &mut self.memory.pieces[index];
-                let Followed { pressure, kept, fed, begin, .. } = &mut lags[piece.lag as usize];
+                let LaggedPiece { pressure, kept, fed, begin, .. } = &mut lags[piece.lag as usize];
                 *begin = reading;
                 let gas = [pressure[0], pressure.iter().sum()];
                 let readings = [reading, reading * *kept + *fed];
@@ -114,7 +114,7 @@ impl Traces<'_> {
 
 /// What a piece does to the reading of a sensor that lags: it leaves it as `kept` of what it was, and `fed` Pa beside.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Followed<R> {
+pub(super) struct LaggedPiece<R> {
     /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
     pressure: [R; TERMS],
     /// Its start and its length, s.
@@ -136,7 +136,7 @@ struct Follow<'a> {
 }
 
 impl WithSimd for Follow<'_> {
-    type Output = Followed<Lanes>;
+    type Output = LaggedPiece<Lanes>;
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Self::Output {
@@ -144,7 +144,7 @@ impl WithSimd for Follow<'_> {
         let pressure = to_powers.of(&Interpolant::new(&inside), from, length);
         let stiffness = length / lag;
         let fed = Lagged { pressure, begin: Lanes::ZERO, stiffness }.at(Lanes::ONE);
-        Followed { pressure, from, length, kept: kept(stiffness), fed, begin: Lanes::ZERO }
+        LaggedPiece { pressure, from, length, kept: kept(stiffness), fed, begin: Lanes::ZERO }
     }
 }
 

@@ -21,7 +21,7 @@ use crate::regression::Records;
 use crate::samples::POINTS;
 use bends::Straight;
 use chamber::real::Real;
-use curves::{Followed, Prompt};
+use curves::{LaggedPiece, Prompt};
 use pulp::Arch;
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ pub const ROUNDING: f64 = 1e-12;
 
 /// The answers about one row. Pressures of the record, temperatures of the gas.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Answer {
+pub struct RowAnswer {
     /// Peak from the end of the push on, Pa.
     pub pressure_peak: f64,
     /// When it stands, s of the record.
@@ -69,7 +69,7 @@ impl Trace<'_> {
     }
 
     /// Cuts a segment, by its number, stretch and knots, into pieces.
-    fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<Piece>) {
+    fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<TracePiece>) {
         let Sensor { lag, drift, .. } = self.sensor;
         let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
         // Time, what the record shows there and its slope, of a sensor that follows at once.
@@ -81,7 +81,7 @@ impl Trace<'_> {
         let mut begin = seen(&knots[0]);
         for (knot, to) in knots[1..].iter().enumerate() {
             let end = seen(to);
-            let mut piece = Piece {
+            let mut piece = TracePiece {
                 segment,
                 knot: knot as u32,
                 lag: 0,
@@ -109,15 +109,15 @@ impl Trace<'_> {
 pub struct Memory {
     knots: Vec<Knot>,
     segments: Vec<Segment>,
-    pieces: Vec<Piece>,
+    pieces: Vec<TracePiece>,
     /// By row.
     cut: Vec<Cut>,
     /// In the order of the pieces.
-    turns: Vec<Turn>,
+    turns: Vec<TraceTurn>,
     /// Segments and intervals in which the temperature comes to a peak.
     warmest: Vec<(u32, u32)>,
     /// Of the pieces behind sensors that lag.
-    lags: Vec<Followed<f64>>,
+    lags: Vec<LaggedPiece<f64>>,
     to_powers: ToPowers,
     jobs: Vec<Job>,
     records: Records,
@@ -133,7 +133,7 @@ struct Segment {
 
 /// A part of a record between two knots, or of such a part where the sensor lags or bends its reading.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct TracePiece {
     segment: u32,
     /// The knot at which its interval begins, of its segment's.
     knot: u32,
@@ -163,7 +163,7 @@ struct Cut {
 
 /// Where a record turns round inside a piece.
 #[derive(Clone, Copy, Debug)]
-struct Turn {
+struct TraceTurn {
     piece: usize,
     /// Time from the segment's start, s.
     time: f64,
@@ -225,13 +225,13 @@ impl<'a> Traces<'a> {
     }
 
     /// The answers about each row; none about those without a record.
-    pub fn answers(&mut self, arch: Arch) -> Vec<Option<Answer>> {
+    pub fn answers(&mut self, arch: Arch) -> Vec<Option<RowAnswer>> {
         self.cut();
         self.follow_lags(arch);
         self.bend(arch);
         self.find_turns(arch);
         self.memory.jobs.clear();
-        let mut answers: Vec<Option<Answer>> = (0..self.rows.len()).map(|row| self.answer(row)).collect();
+        let mut answers: Vec<Option<RowAnswer>> = (0..self.rows.len()).map(|row| self.answer(row)).collect();
         self.find_settling(arch, &mut answers);
         self.find_temperatures(arch, &mut answers);
         answers
@@ -299,7 +299,7 @@ impl<'a> Traces<'a> {
         self.work(arch, |_| Question::Turn);
         let Memory { turns, jobs, .. } = &mut *self.memory;
         turns.clear();
-        turns.extend(jobs.iter().map(|&Job { piece, answer: [time, shown, ..], .. }| Turn { piece, time, shown }));
+        turns.extend(jobs.iter().map(|&Job { piece, answer: [time, shown, ..], .. }| TraceTurn { piece, time, shown }));
     }
 
     /// The reading of a row's sensor, Pa, at a time of the record, s, before the gas of the test arrives.
@@ -308,7 +308,7 @@ impl<'a> Traces<'a> {
     }
 
     /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
-    fn answer(&mut self, row: usize) -> Option<Answer> {
+    fn answer(&mut self, row: usize) -> Option<RowAnswer> {
         let Memory { pieces, cut, turns, .. } = &*self.memory;
         let Cut { all, shown, turns: of_row, plain, .. } = &cut[row];
         if let Some(segment) = *plain {
@@ -331,7 +331,7 @@ impl<'a> Traces<'a> {
                 }
             }
         }
-        let mut look = |piece: &Piece, time: f64, value: f64| {
+        let mut look = |piece: &TracePiece, time: f64, value: f64| {
             if sign * value > pressure {
                 (pressure, peak_time) = (sign * value, self.record_time(piece.segment, time));
             }
@@ -355,7 +355,7 @@ impl<'a> Traces<'a> {
         let outside = |value: f64| (value - pressure_final).abs() > band;
         let mut turns = turns.iter().rev().peekable();
         let entry = shown.clone().rev().find_map(|index| {
-            let Piece { times: [begin, mut later], shown: [value, _], .. } = pieces[index];
+            let TracePiece { times: [begin, mut later], shown: [value, _], .. } = pieces[index];
             if let Some(turn) = turns.next_if(|turn| turn.piece == index) {
                 if outside(turn.shown) {
                     return Some((index, turn.time, later));
@@ -369,11 +369,11 @@ impl<'a> Traces<'a> {
             self.memory.jobs.push(Job { piece, numbers, answer: [0.0; POINTS] });
         }
         let temperature_peak = f64::NEG_INFINITY;
-        Some(Answer { pressure_peak, peak_time, pressure_final, temperature_peak, ..Answer::default() })
+        Some(RowAnswer { pressure_peak, peak_time, pressure_final, temperature_peak, ..RowAnswer::default() })
     }
 
     /// Final and peak temperatures of the gas.
-    fn find_temperatures(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
+    fn find_temperatures(&mut self, arch: Arch, answers: &mut [Option<RowAnswer>]) {
         let mut turns = core::mem::take(&mut self.memory.warmest);
         let sign = |rows: &[Trace], row: u32| rows[row as usize].sign();
         for (index, segment) in self.memory.segments.iter().enumerate() {
@@ -428,7 +428,7 @@ impl<'a> Traces<'a> {
     }
 
     /// When the records come within 1 % of their ends for good: does the jobs of [`Traces::answer`].
-    fn find_settling(&mut self, arch: Arch, answers: &mut [Option<Answer>]) {
+    fn find_settling(&mut self, arch: Arch, answers: &mut [Option<RowAnswer>]) {
         self.work(arch, |[outside, later, value, band]| Question::Enter { between: [outside, later], value, band });
         for job in &self.memory.jobs {
             let segment = self.memory.pieces[job.piece].segment;

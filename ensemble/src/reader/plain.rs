@@ -2,7 +2,7 @@
 //! it turns round and the one in which it settles: between its turns it goes one way, so that peaks stand at its ends or turns.
 
 use super::bends::Straight;
-use super::{Answer, Cut, Job, Memory, PRESSURE, Piece, ROUNDING, TEMPERATURE, Trace, Traces};
+use super::{Cut, Job, Memory, PRESSURE, ROUNDING, RowAnswer, TEMPERATURE, Trace, TracePiece, Traces};
 use crate::history::Knot;
 use crate::outcome::SETTLED;
 use crate::plan::Plan;
@@ -26,7 +26,7 @@ impl Trace<'_> {
         &self,
         segment: u32,
         knots: &[Knot],
-        pieces: &mut Vec<Piece>,
+        pieces: &mut Vec<TracePiece>,
         warmest: &mut Vec<(u32, u32)>,
     ) -> bool {
         let (had, noted) = (pieces.len(), warmest.len());
@@ -43,7 +43,7 @@ impl Trace<'_> {
                 return false;
             }
             if turns[PRESSURE] < 0.0 {
-                pieces.push(Piece::plain(segment, knots, index));
+                pieces.push(TracePiece::plain(segment, knots, index));
             }
             if turns[TEMPERATURE] < 0.0 && self.sign() * end[TEMPERATURE] < 0.0 {
                 warmest.push((segment, index as u32));
@@ -53,7 +53,7 @@ impl Trace<'_> {
     }
 }
 
-impl Piece {
+impl TracePiece {
     /// That of a plain record from a knot to the next.
     fn plain(segment: u32, knots: &[Knot], index: usize) -> Self {
         let ends = [&knots[index], &knots[index + 1]];
@@ -72,7 +72,7 @@ impl Piece {
 impl Traces<'_> {
     /// The answer about a plain record but for the settling time; where that has to be found inside an interval, it becomes a
     /// job. The peak of the temperature is that of its ends, times the sign of peaks.
-    pub(super) fn answer_plain(&mut self, row: usize, segment: u32) -> Answer {
+    pub(super) fn answer_plain(&mut self, row: usize, segment: u32) -> RowAnswer {
         let Memory { knots, segments, pieces, cut, turns, jobs, .. } = &mut *self.memory;
         let (trace, knots) = (&self.rows[row], &knots[segments[segment as usize].knots.clone()]);
         let turns = &turns[cut[row].turns.clone()];
@@ -103,10 +103,10 @@ impl Traces<'_> {
         if let Some((index, from, later)) = entry {
             let numbers = [from, later, pressure_final, band];
             jobs.push(Job { piece: pieces.len(), numbers, answer: [0.0; POINTS] });
-            pieces.push(Piece::plain(segment, knots, index));
+            pieces.push(TracePiece::plain(segment, knots, index));
         }
         let temperatures = [0, last].map(|index| knots[index].view.value[TEMPERATURE]);
-        Answer {
+        RowAnswer {
             pressure_peak,
             peak_time: trace.plan.stretches[trace.plan.hold].elapsed + time,
             pressure_final,
@@ -125,7 +125,7 @@ impl Traces<'_> {
             if let Cut { plain: Some(segment), all, .. } = cut {
                 let from = pieces.len();
                 let knots = &knots[segments[*segment as usize].knots.clone()];
-                pieces.extend((0..knots.len() - 1).map(|index| Piece::plain(*segment, knots, index)));
+                pieces.extend((0..knots.len() - 1).map(|index| TracePiece::plain(*segment, knots, index)));
                 *all = from..pieces.len();
             }
         }

@@ -1,15 +1,15 @@
 //! Step 1 of the paper on the samples of traced records.
 
-use super::{Answer, Cut, Job, Memory, Trace, Traces};
+use super::{Cut, Job, Memory, RowAnswer, Trace, Traces};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::Question;
-use crate::regression::{Guess, Part, Regression};
+use crate::regression::{Guess, RecordPart, Regression};
 use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use pulp::Arch;
 
 impl Traces<'_> {
     /// The first sample of each record that counts: the larger of those beside the peak.
-    fn first_samples(&mut self, arch: Arch, answers: &[Option<Answer>]) -> Vec<Option<f64>> {
+    fn first_samples(&mut self, arch: Arch, answers: &[Option<RowAnswer>]) -> Vec<Option<f64>> {
         let mut jobs = core::mem::take(&mut self.memory.jobs);
         jobs.clear();
         let mut firsts: Vec<Option<f64>> = Vec::with_capacity(answers.len());
@@ -46,7 +46,7 @@ impl Traces<'_> {
     }
 
     /// Samples up to and at the start of the pieces: before it a late record shows the gas before the test.
-    fn samples_before(&self, row: usize, mut first: f64, to: &mut Vec<Part>) {
+    fn samples_before(&self, row: usize, mut first: f64, to: &mut Vec<RecordPart>) {
         to.clear();
         let Cut { all, begin: at_begin, .. } = &self.memory.cut[row];
         let Some(piece) = self.memory.pieces[all.clone()].first() else { return };
@@ -58,7 +58,7 @@ impl Traces<'_> {
             let samples = Samples { first, count: (samples::after(begin) - first).min(most) };
             let reading = |number: f64| at_begin + sensor.drift * (number / SAMPLE_RATE_HZ - begin);
             let pressure = samples.nodes().numbers.map(|number| bends.shown(reading(number)));
-            to.push(Part { samples, pressure });
+            to.push(RecordPart { samples, pressure });
             first += samples.count;
         }
     }
@@ -67,7 +67,7 @@ impl Traces<'_> {
     pub fn regressions(
         &mut self,
         arch: Arch,
-        answers: &[Option<Answer>],
+        answers: &[Option<RowAnswer>],
         guess: impl Fn(usize) -> f64,
     ) -> Vec<Option<Regression>> {
         self.cut_plain();
@@ -75,7 +75,7 @@ impl Traces<'_> {
         self.memory.jobs.clear();
         // Per job: the samples its piece holds.
         let mut held: Vec<Samples> = Vec::new();
-        let mut befores: Vec<Vec<Part>> = vec![Vec::new(); answers.len()];
+        let mut befores: Vec<Vec<RecordPart>> = vec![Vec::new(); answers.len()];
         for row in 0..answers.len() {
             let Some(first) = firsts[row] else { continue };
             self.samples_before(row, first, &mut befores[row]);
@@ -107,7 +107,7 @@ impl Traces<'_> {
                     records.add(row - base, *part);
                 }
                 while let Some((job, samples)) = jobs.next_if(|(job, _)| row_of(job) == row) {
-                    records.add(row - base, Part { samples, pressure: job.answer });
+                    records.add(row - base, RecordPart { samples, pressure: job.answer });
                 }
             }
             let last = group.end - 1;

@@ -88,7 +88,7 @@ pub struct Events<'a> {
 }
 
 /// What is found.
-pub struct Found {
+pub struct FoundEvents {
     /// Extreme reading, Pa, the smallest of an expansion, and when it is shown, s.
     pub peak: Lanes,
     pub peak_time: Lanes,
@@ -103,10 +103,10 @@ pub struct Found {
 }
 
 impl WithSimd for Events<'_> {
-    type Output = Found;
+    type Output = FoundEvents;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Found {
+    fn with_simd<I: Simd>(self, _: I) -> FoundEvents {
         let Self { tests, pieces, turns, end } = self;
         let sign = (tests.to - tests.from).where_positive(-Lanes::ONE, Lanes::ONE);
         let (mut peak, mut peak_time, mut last) = (Lanes::from(f64::MIN), Lanes::ZERO, Lanes::ZERO);
@@ -134,7 +134,7 @@ impl WithSimd for Events<'_> {
                 later = seen.where_positive(time, later);
             }
         }
-        Found { peak, peak_time, last, band, piece: at, between }
+        FoundEvents { peak, peak_time, last, band, piece: at, between }
     }
 }
 
@@ -144,7 +144,7 @@ impl WithSimd for Events<'_> {
 pub struct Enter<'a> {
     pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,
-    pub found: &'a Found,
+    pub found: &'a FoundEvents,
 }
 
 impl WithSimd for Enter<'_> {

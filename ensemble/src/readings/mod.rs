@@ -25,9 +25,9 @@ use crate::regression::Regression;
 use crate::scenario::Scenario;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
-use events::{Enter, Events, Found, Turn, TurnBehind};
+use events::{Enter, Events, FoundEvents, Turn, TurnBehind};
 use hold::{HoldRecord, Relaxation};
-use pieces::{Build, Corners, Piece, Polynomial, Push, Shown};
+use pieces::{Build, HoldPieces, Piece, Polynomial, Push, Shown};
 use pulp::Arch;
 use sensors::Sensors;
 
@@ -45,7 +45,7 @@ pub struct Behind {
 
 /// The answers about one record.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Answer {
+pub struct RecordAnswer {
     /// Extreme reading from the end of the push on, Pa.
     pub peak: f64,
     /// Time of that reading, s.
@@ -85,7 +85,7 @@ impl Behind {
     }
 }
 
-impl Answer {
+impl RecordAnswer {
     /// The outcome, where that of a record that shows the gas is `gas` and `behind` is the sensor.
     pub fn outcome(
         &self,
@@ -197,7 +197,7 @@ impl<'a> Readings<'a> {
             corners[1][lane] = sensors.delay[lane] + turns[0];
             corners[2][lane] = sensors.delay[lane] + turns[1];
         }
-        self.arch.dispatch(Corners { hold, sensors, corners, pieces: &mut self.memory.pieces });
+        self.arch.dispatch(HoldPieces { hold, sensors, corners, pieces: &mut self.memory.pieces });
     }
 
     /// A piece of each lane, not the same one of all.
@@ -258,10 +258,10 @@ impl<'a> Readings<'a> {
     }
 
     /// The answers about each record; an expansion's peak is its smallest pressure.
-    pub fn answers(&self) -> [Answer; WIDTH] {
+    pub fn answers(&self) -> [RecordAnswer; WIDTH] {
         let Memory { pieces, turns, .. } = &*self.memory;
         let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
-        let Found { last, between, band, .. } = found;
+        let FoundEvents { last, between, band, .. } = found;
         // The hold is searched only of sensors that drift.
         let of_hold = |lane: usize| found.piece[lane] >= self.memory.in_push as f64;
         let enter = Enter { hold: &self.hold, sensors: &self.sensors, found: &found };
@@ -280,7 +280,7 @@ impl<'a> Readings<'a> {
             // A record that never is outside has no piece to enter from.
             let outside = between[1][lane] > between[0][lane];
             let settling = if outside { settled[lane].max(0.0) } else { between[0][lane] };
-            Answer { peak: found.peak[lane], peak_time: found.peak_time[lane], last: last[lane], settling }
+            RecordAnswer { peak: found.peak[lane], peak_time: found.peak_time[lane], last: last[lane], settling }
         })
     }
 }

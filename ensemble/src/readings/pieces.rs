@@ -1,7 +1,7 @@
 //! The pieces of records, between which they may turn round: of the push, where they are late, and of the hold.
 
 use super::hold::{BehindLag, HoldRecord};
-use super::push::Pushed;
+use super::push::PushPressure;
 use super::sensors::Sensors;
 use super::{Memory, Readings};
 use crate::exact_tests::Tests;
@@ -88,7 +88,7 @@ impl Shown<'_> {
         let Polynomial { gas, lagged } = match push {
             Push::Behind(polynomial) => polynomial,
             Push::Gas(tests, nodes, panels) => {
-                let pushed = Pushed::new(tests, self.sensors, nodes, panels);
+                let pushed = PushPressure::new(tests, self.sensors, nodes, panels);
                 return pushed.shown((time - self.sensors.delay).max(-tests.push).min(Lanes::ZERO));
             }
         };
@@ -140,8 +140,8 @@ impl WithSimd for Build<'_, '_> {
     fn with_simd<I: Simd>(self, _: I) {
         let Readings { tests, memory, hold, sensors, duration, .. } = self.readings;
         let Memory { nodes, panels, pieces, in_push, polynomials, to_powers, .. } = &mut **memory;
-        Pushed::panels(tests, sensors, nodes, panels);
-        let pushed = Pushed::new(tests, sensors, nodes, panels);
+        PushPressure::panels(tests, sensors, nodes, panels);
+        let pushed = PushPressure::new(tests, sensors, nodes, panels);
         let mut writer = Writer { to_powers, sensors, reading: self.before, pieces, polynomials };
         // The record shows this moment at the end of the push.
         let first = -sensors.delay;
@@ -246,14 +246,14 @@ impl Writer<'_> {
 }
 
 /// The hold's pieces between its turns, where the sensors do not lag.
-pub struct Corners<'a> {
+pub struct HoldPieces<'a> {
     pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,
     pub corners: [Lanes; 4],
     pub pieces: &'a mut Vec<Piece>,
 }
 
-impl WithSimd for Corners<'_> {
+impl WithSimd for HoldPieces<'_> {
     type Output = ();
 
     #[inline(always)]

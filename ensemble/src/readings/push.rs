@@ -18,7 +18,7 @@ use core::hint::black_box;
 const WINDOWS: [[f64; 2]; 2] = [[37.0, 16.0], [16.0, 0.0]];
 
 /// The pressure during the push over the (negative) time since its end, s, of the gas.
-pub struct Pushed<'a> {
+pub struct PushPressure<'a> {
     tests: &'a Tests,
     /// 1/T at the nodes of its parts.
     nodes: &'a [[Lanes; NODES]],
@@ -34,7 +34,7 @@ pub struct Pushed<'a> {
     per_push: Lanes,
 }
 
-impl<'a> Pushed<'a> {
+impl<'a> PushPressure<'a> {
     /// What is positive where the nodes are enough.
     #[inline(always)]
     fn by_nodes(tests: &Tests, sensors: &Sensors) -> Lanes {
@@ -52,7 +52,7 @@ impl<'a> Pushed<'a> {
         }
     }
 
-    /// From 1/T at the nodes of the parts, and along them where [`Pushed::panels`] has made that.
+    /// From 1/T at the nodes of the parts, and along them where [`PushPressure::panels`] has made that.
     #[inline(always)]
     pub fn new(tests: &'a Tests, sensors: &Sensors, nodes: &'a [[Lanes; NODES]], panels: &'a [Panel<Lanes>]) -> Self {
         let by_nodes = Self::by_nodes(tests, sensors);
@@ -125,7 +125,7 @@ impl<'a> Pushed<'a> {
     }
 }
 
-impl Pushed<'_> {
+impl PushPressure<'_> {
     /// The pressure at a time, s, Pa, and its slope, Pa/s: P'/P = −u'/u − V'/V.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> [Lanes; 2] {
@@ -148,7 +148,7 @@ impl Pushed<'_> {
     }
 }
 
-impl Curve for Pushed<'_> {
+impl Curve for PushPressure<'_> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         self.shown(time)[0]

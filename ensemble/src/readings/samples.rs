@@ -1,7 +1,7 @@
 //! The samples of records from their peaks on, laid out for the regression.
 
 use super::pieces::{Piece, Push, Shown, hold_ends};
-use super::{Answer, Memory, Readings};
+use super::{Memory, Readings, RecordAnswer};
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::look::{Look, Question};
 use crate::record::ENDS;
@@ -17,7 +17,7 @@ const PIECES_BEHIND_A_LAG: usize = 24;
 
 impl Readings<'_> {
     /// Number of the first sample that counts: the larger of those beside the peak.
-    fn first_samples(&self, answers: &[Answer; WIDTH]) -> Lanes {
+    fn first_samples(&self, answers: &[RecordAnswer; WIDTH]) -> Lanes {
         let push = self.tests.push;
         let push_end = Lanes::from_fn(|lane| samples::from(push[lane]));
         let after = Lanes::from_fn(|lane| samples::from(push[lane] + answers[lane].peak_time).max(push_end[lane]));
@@ -42,7 +42,7 @@ impl Readings<'_> {
     }
 
     /// Lays the samples from the peak on out for the regression.
-    pub fn lay_out(&self, answers: &[Answer; WIDTH], records: &mut Records) {
+    pub fn lay_out(&self, answers: &[RecordAnswer; WIDTH], records: &mut Records) {
         let first = self.first_samples(answers);
         records.clear();
         self.arch.dispatch(Sample { readings: self, first, records });

@@ -10,7 +10,7 @@ use super::simulation::{Kind, Simulation};
 use super::states::{self, ALL, Origin, TRAVEL};
 use super::tangent::{D, Here, Seed, lifted, moving, tangents};
 use super::values::{INPUTS, OUTPUTS, Parameters, input, parameter};
-use chamber::balance::{self, Balance, ENERGY, MASS, OWN, STATES};
+use chamber::balance::{self, Balances, ENERGY, MASS, OWN, STATES};
 use chamber::dual::Dual;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
@@ -52,7 +52,7 @@ pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
     now.present()?;
     let parameters =
         Parameters { real: lifted(&now.parameters.real, &seed.parameters), choices: now.parameters.choices };
-    let balance = Balance::of(parameters.chamber());
+    let balance = Balances::of(parameters.chamber());
     let u = inputs_along(now, seed);
     let around = Around::of(&u, parameters.choices.external_wall, parameters.critical_ratios());
     let mut moment = Moment { balance: &balance, set: now.plant.set, boundary: inputs::boundary(&u), around };
@@ -89,7 +89,7 @@ fn here(now: &Simulation) -> Here<'_> {
 }
 
 /// What the sensor's chain adds; a longer delay shows an earlier reading.
-fn sensor_along(now: &Simulation, seed: &Seed, balance: &Balance<D>) -> Sensor<D> {
+fn sensor_along(now: &Simulation, seed: &Seed, balance: &Balances<D>) -> Sensor<D> {
     let longer = effects::delay(now.plant.set, &balance.chamber.effects).tangent[0];
     let delayed = now.delayed().map(|(value, rate)| Dual { value, tangent: [seed.delayed - rate * longer] });
     Sensor { elapsed: Dual { value: now.time - now.experiment.start, tangent: [seed.elapsed] }, delayed }

@@ -4,7 +4,7 @@
 use super::port::Around;
 use super::states::{ALL, HEAT, Origin, TRAVEL, WORK};
 use super::values::{OUTPUTS, output};
-use chamber::balance::{Balance, Boundary, Conditions, Contents, ENERGY, MASS, OWN, Rates};
+use chamber::balance::{Balances, Boundary, Conditions, Contents, ENERGY, MASS, OWN, Rates};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Scalar;
 
@@ -42,7 +42,7 @@ pub struct Sensor<R = f64> {
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a, R = f64> {
     /// Gas, geometry, heat transfer and effects, with what follows from them once.
-    pub balance: &'a Balance<R>,
+    pub balance: &'a Balances<R>,
     /// Effects that take part.
     pub set: EffectSet,
     /// Piston, flows and surroundings.

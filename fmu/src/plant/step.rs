@@ -13,7 +13,7 @@ use super::port::Around;
 use super::states::{self, ALL, HEAT, TRAVEL, WORK};
 use super::stroke::{Limits, Motion};
 use super::values::{Choices, Parameters, StrokeInput, input, parameter};
-use chamber::balance::{Balance, Boundary, Contents, ENERGY, MASS, OWN, STATES};
+use chamber::balance::{Balances, Boundary, Contents, ENERGY, MASS, OWN, STATES};
 use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES};
 use chamber::exact::Closed;
 use chamber::integrate::{IntegrationError, Integrator, Step, Tolerance};
@@ -49,7 +49,7 @@ pub struct Gas {
 #[derive(Clone, Debug)]
 pub struct Plant {
     /// Gas, geometry, heat transfer and effects, with what follows from them once.
-    pub balance: Balance,
+    pub balance: Balances,
     /// Effects that take part: those that are not neutral, but none of the wall where others hold its temperature.
     pub set: EffectSet,
     /// Whether their own states are among the few that most sets of effects have.
@@ -72,7 +72,7 @@ impl Plant {
         let chamber = parameters.chamber();
         let set = parameters.choices.admitted(chamber.active());
         Self {
-            balance: Balance::of(chamber),
+            balance: Balances::of(chamber),
             set,
             few_states: effects::own_states_of(set) <= FEW_OWN_STATES,
             choices: parameters.choices,

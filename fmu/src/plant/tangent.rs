@@ -5,7 +5,7 @@ use super::port::Around;
 use super::rates::{Moment, Present, Sensor};
 use super::states::{ALL, Origin};
 use super::values::{BASE, INPUTS, Parameters, REALS, input, output};
-use chamber::balance::Balance;
+use chamber::balance::Balances;
 use chamber::dual::Dual;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
@@ -79,9 +79,14 @@ pub fn tangents(all: &Present<D>) -> Present {
 }
 
 /// Derivatives where states and position change together: no stroke is taken up.
-pub fn moving(here: &Here<'_>, seed: &Seed, states: &[f64; ALL], sensor: impl Fn(&Balance<D>) -> Sensor<D>) -> Present {
+pub fn moving(
+    here: &Here<'_>,
+    seed: &Seed,
+    states: &[f64; ALL],
+    sensor: impl Fn(&Balances<D>) -> Sensor<D>,
+) -> Present {
     let parameters = here.parameters.lift::<D>();
-    let balance = Balance::of(parameters.chamber());
+    let balance = Balances::of(parameters.chamber());
     let u = lifted(&here.inputs, &seed.inputs);
     let around = Around::of(&u, parameters.choices.external_wall, parameters.critical_ratios());
     let moment = Moment { balance: &balance, set: here.set, boundary: inputs::boundary(&u), around };
@@ -93,6 +98,6 @@ pub fn reading_rate(here: &Here<'_>, states: &[f64; ALL], rates: [f64; ALL]) -> 
     let mut inputs = [0.0; INPUTS];
     inputs[input::POSITION] = here.inputs[input::VELOCITY];
     let seed = Seed { inputs, states: rates, ..Seed::ZERO };
-    let sensor = |_: &Balance<D>| Sensor { elapsed: D::ZERO, delayed: None };
+    let sensor = |_: &Balances<D>| Sensor { elapsed: D::ZERO, delayed: None };
     moving(here, &seed, states, sensor).outputs[output::MEASURED_PRESSURE]
 }

@@ -7,7 +7,7 @@
 use super::outside::Outside;
 use super::stroke::Stroke;
 use chamber::Chamber;
-use chamber::balance::{self, Balance, Boundary, Conditions, ENERGY, MASS, OWN, STATES, Surroundings};
+use chamber::balance::{self, Balances, Boundary, Conditions, ENERGY, MASS, OWN, STATES, Surroundings};
 use chamber::effects::{self, EffectSet};
 
 /// Step of the integration; moves begin and end at its multiples, s.
@@ -118,7 +118,7 @@ impl Truth<'_> {
                 at.velocity = of_stroke + nominal * per_bar * pressure_rate / 1e5 / area;
             }
         }
-        let balance = Balance::of(*self.chamber);
+        let balance = Balances::of(*self.chamber);
         let contents = balance.contents(&at, state);
         let (gas, found, own) =
             balance.evaluate_within(&Wall { warmer_k }, set, &at, &contents, &balance::own_states(state));
