@@ -137,7 +137,10 @@ impl Search {
         let fails_on_others = self.data.experiments.len() > 1 && !self.predicts_as_it_fits(settled, settled_pa);
         let least_share = if fails_on_others { 0.0 } else { LEAST_SHARE };
         let curves_on = |part| self.curves_on(part, empirical, settled.delta_bic, least_share);
-        let curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
+        let mut curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
+        // The error by which names give way is that on the usual folds.
+        let in_place_of_names = curves.par_iter_mut().filter(|c| c.candidate.model.terms() <= settled.model.terms());
+        in_place_of_names.for_each(|c| self.hold_out(&mut c.candidate));
         let acceptable = |c: &&Judged| {
             c.is_evident
                 && c.is_possible()
@@ -182,10 +185,14 @@ impl Search {
         }
     }
 
+    /// Whether there is a single experiment, which is left out in the same parts as by every other judgement.
+    fn has_one_experiment(&self) -> bool {
+        self.data.experiments.len() < 2
+    }
+
     /// Error on experiments left out whole, Pa rms.
     fn left_out(&self, c: &Candidate) -> Option<f64> {
-        // A single experiment is left out in the same parts as by every other judgement.
-        let known = c.held_out_pa().filter(|_| self.data.experiments.len() < 2);
+        let known = c.held_out_pa().filter(|_| self.has_one_experiment());
         let by_experiment = || left_out::error(&self.data, &c.fit, &left_out::by_experiment(&self.data));
         known.or_else(|| by_experiment().map(|error| error.rmse_pa))
     }
@@ -229,8 +236,10 @@ impl Search {
         refitted.retain(|(_, candidate)| candidate.delta_bic > least_bic);
         refitted.sort_by(|a, b| by_bic(&b.1, &a.1));
         refitted.truncate(JUDGED);
-        let judged = |(first_order, candidate): (Missing, Candidate)| {
-            let candidate = self.judged(candidate);
+        let judged = |(first_order, mut candidate): (Missing, Candidate)| {
+            if self.has_one_experiment() {
+                self.hold_out(&mut candidate);
+            }
             let left_out_pa = self.left_out(&candidate)?;
             let gain = |bic: &dyn Fn(&Fit) -> f64| bic(&part.fit) - bic(&candidate.fit);
             let is_evident = gain(&bic) > policy::DECISIVE + (REFITTED as f64).ln()

@@ -143,7 +143,7 @@ impl Search {
     }
 
     /// Judges a candidate by data left out, unless that was done.
-    fn hold_out(&self, c: &mut Candidate) {
+    pub(super) fn hold_out(&self, c: &mut Candidate) {
         if c.held_out.is_none() {
             c.held_out = left_out::error(&self.data, &c.fit, &self.folds);
         }
