@@ -39,7 +39,7 @@ use chamber::real::Real;
 use core::hint::black_box;
 use lengths::{Growth, LEVELS, OF_ENDS};
 use pulp::{Simd, WithSimd};
-use response::{Response, WorkOutResponses};
+use response::Response;
 use rule::NODES;
 use step::GasAndWall;
 
@@ -97,9 +97,7 @@ pub fn hold<const N: usize>(
             let balance = chambers.gather(arch, set, |lane| &row(lane).balance.chamber);
             let parts = OF_ENDS.parted_all(level, |lane| problem(lane).length);
             let left = Lanes::from_fn(|lane| parts[lane].1);
-            if last.length != left {
-                arch.dispatch(Wide(WorkOutResponses { response: last, length: left }));
-            }
+            last.reach(left, arch);
             let from = history.len() as u32;
             let held = arch.dispatch(Wide(SolveHolds {
                 set,

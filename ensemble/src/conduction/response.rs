@@ -4,11 +4,12 @@
 use super::lengths::{LENGTHS, length};
 use super::rule::{NODES, PLACES, RULE};
 use crate::filter;
+use crate::instructions::Wide;
 use crate::lanes::Lanes;
 use chamber::effects::wall_conduction::{KERNEL, MODES, Mode};
 use chamber::real::Real;
 use core::hint::black_box;
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 use std::sync::OnceLock;
 
 /// How the modes respond to d over a step.
@@ -73,10 +74,19 @@ impl Response<f64> {
     }
 }
 
-/// Works out the responses over a length, s, in each lane.
-pub struct WorkOutResponses<'a> {
-    pub response: &'a mut Response<Lanes>,
-    pub length: Lanes,
+impl Response<Lanes> {
+    /// Those over a length, s, in each lane; nothing to be done where they are there already.
+    pub fn reach(&mut self, length: Lanes, arch: Arch) {
+        if self.length != length {
+            arch.dispatch(Wide(WorkOutResponses { response: self, length }));
+        }
+    }
+}
+
+/// Works the responses out.
+struct WorkOutResponses<'a> {
+    response: &'a mut Response<Lanes>,
+    length: Lanes,
 }
 
 impl WithSimd for WorkOutResponses<'_> {

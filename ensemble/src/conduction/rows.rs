@@ -5,7 +5,7 @@
 use super::dense::{self, Passed, Settle};
 use super::lengths::{LEVELS, OF_NODES};
 use super::push::{Moving, N, Test};
-use super::response::{Response, WorkOutResponses};
+use super::response::Response;
 use super::step::GasAndWall;
 use super::{HoldSteps, relative, through};
 use crate::Batch;
@@ -110,9 +110,7 @@ fn hold(
     let scenario = |lane: usize| &scenarios[rows[at(lane)].0 as usize];
     let parts = OF_NODES.parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
     let length = Lanes::from_fn(|lane| parts[lane].1);
-    if last.length != length {
-        arch.dispatch(Wide(WorkOutResponses { response: last, length }));
-    }
+    last.reach(length, arch);
     let pushed = Lanes::from_fn(|lane| temperature(&problems[at(lane)].state));
     let wall = Lanes::from_fn(|lane| test(lane).gas.closed.ambient_temperature);
     let [cooling, feed] = [0, 1].map(|of| Lanes::from_fn(|lane| test(lane).held[of]));

@@ -4,7 +4,7 @@
 //! the size of the rig's numbers however many records there are.
 
 use super::Linear;
-use crate::parameters::Hypothesis;
+use super::room::Room;
 use nalgebra::{DMatrix, DVector};
 
 /// The normal equations.
@@ -97,9 +97,49 @@ impl System {
         Some((matrix, right))
     }
 
-    /// The step from `x`. A coordinate that it would take beyond a bound goes to that, and the others follow: in a narrow valley
-    /// a step that is only cut there leads up its wall.
-    pub fn step(&self, h: &Hypothesis, x: &[f64], damping: f64) -> Option<Step> {
+    /// The step that promises most. A coordinate that it would take beyond its room goes to the end of that, and the others follow: in
+    /// a narrow valley a step that is only cut there leads up its wall. `None` where the equations have no solution.
+    pub fn step(&self, room: &Room, damping: f64) -> Option<Step> {
+        let mut system = self.clone();
+        let mut at_ends: Vec<(usize, usize, f64)> = Vec::new();
+        loop {
+            let rig = system.step_of_rig(room, damping)?;
+            let mut own = system.steps_of_records(&rig, damping)?;
+            if !own.iter().flatten().chain(&rig).all(|step| step.is_finite()) {
+                return None;
+            }
+            at_ends.iter().for_each(|&(record, number, end)| own[record][number] = end);
+            let before = at_ends.len();
+            for (record, (wanted, room)) in own.iter().zip(&room.own).enumerate() {
+                for (number, (wanted, [least, most])) in wanted.iter().zip(room).enumerate() {
+                    let allowed = wanted.clamp(*least, *most);
+                    if *wanted != allowed {
+                        at_ends.push((record, number, allowed));
+                    }
+                }
+            }
+            if at_ends.len() == before {
+                let promised = self.promised(&rig, &own);
+                let own = own.into_iter().map(|own| own.as_slice().to_vec()).collect();
+                return Some(Step { rig: rig.as_slice().to_vec(), own, promised });
+            }
+            at_ends[before..].iter().for_each(|&(record, number, end)| system.hold(record, number, end));
+        }
+    }
+
+    /// Takes a record's own number out of what is free, at a step of that size.
+    fn hold(&mut self, record: usize, number: usize, step: f64) {
+        let Part { coupling, own, right } = &mut self.parts[record];
+        self.right -= coupling.column(number) * step;
+        *right -= own.column(number) * step;
+        coupling.column_mut(number).fill(0.0);
+        own.column_mut(number).fill(0.0);
+        own.row_mut(number).fill(0.0);
+        (own[(number, number)], right[number]) = (1.0, 0.0);
+    }
+
+    /// The step in the rig's coordinates within their room.
+    fn step_of_rig(&self, room: &Room, damping: f64) -> Option<DVector<f64>> {
         let (matrix, right) = self.reduced(damping)?;
         let mut free: Vec<usize> = (0..self.rig).filter(|&i| self.whole[(i, i)] > 0.0).collect();
         let mut rig = DVector::zeros(self.rig);
@@ -112,13 +152,7 @@ impl System {
                 sub[(i, i)] += (damping + 1e-14) * self.whole[(f, f)];
             }
             let solution = sub.cholesky()?.solve(&rhs);
-            let allowed = |i: usize, wanted: f64| {
-                let axis = &h.axes[i];
-                // A logarithm may change by at most a factor of e² at a time.
-                let most = if axis.logarithmic { 2.0 } else { f64::INFINITY };
-                wanted.clamp(-most, most).clamp(axis.bounds[0] - x[i], axis.bounds[1] - x[i])
-            };
-            let goes = |(&i, &wanted): (&usize, &f64)| (i, wanted, allowed(i, wanted));
+            let goes = |(&i, &wanted): (&usize, &f64)| (i, wanted, wanted.clamp(room.rig[i][0], room.rig[i][1]));
             let (within, beyond): (Vec<_>, Vec<_>) =
                 free.iter().zip(&solution).map(goes).partition(|(_, wanted, allowed)| wanted == allowed);
             for &(i, _, allowed) in if beyond.is_empty() { &within } else { &beyond } {
@@ -129,19 +163,25 @@ impl System {
             }
             free = within.into_iter().map(|(i, ..)| i).collect();
         }
-        let mut promised = 2.0 * self.right.dot(&rig) - rig.dot(&(&self.whole * &rig));
-        let mut own_steps = Vec::with_capacity(self.parts.len());
-        for part in &self.parts {
-            if part.is_absent() {
-                own_steps.push(vec![0.0; part.right.len()]);
-                continue;
-            }
-            let rhs = &part.right - part.coupling.tr_mul(&rig);
-            let own = damped(&part.own, damping).cholesky()?.solve(&rhs);
-            promised += 2.0 * own.dot(&rhs) - own.dot(&(&part.own * &own));
-            own_steps.push(own.as_slice().to_vec());
-        }
-        Some(Step { rig: rig.as_slice().to_vec(), own: own_steps, promised })
+        Some(rig)
+    }
+
+    /// The steps in the records' own coordinates that go with one of the rig's.
+    fn steps_of_records(&self, rig: &DVector<f64>, damping: f64) -> Option<Vec<DVector<f64>>> {
+        let of_record = |part: &Part| match part.is_absent() {
+            true => Some(DVector::zeros(part.right.len())),
+            false => Some(damped(&part.own, damping).cholesky()?.solve(&(&part.right - part.coupling.tr_mul(rig)))),
+        };
+        self.parts.iter().map(of_record).collect()
+    }
+
+    /// The decrease of χ² that a step promises.
+    fn promised(&self, rig: &DVector<f64>, own: &[DVector<f64>]) -> f64 {
+        let of_record = |(part, own): (&Part, &DVector<f64>)| {
+            2.0 * own.dot(&(&part.right - part.coupling.tr_mul(rig))) - own.dot(&(&part.own * own))
+        };
+        let of_rig = 2.0 * self.right.dot(rig) - rig.dot(&(&self.whole * rig));
+        of_rig + self.parts.iter().zip(own).map(of_record).sum::<f64>()
     }
 }
 
@@ -156,35 +196,37 @@ fn damped(matrix: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{Axis, Model, Slot};
     use chamber::record::Mesh;
-    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 
     #[test]
     fn a_step_to_a_bound_goes_along_the_valley() {
-        let axis = |slot, bounds| Axis { slot, logarithmic: false, scale: 1.0, bounds, prior: None };
-        let geometry = Geometry::new(0.02, 0.0, 1e-6, AreaLaw::Total);
-        let h = Hypothesis {
-            model: Model::PAPER,
-            axes: vec![axis(Slot::Lambda0, [-10.0, 10.0]), axis(Slot::DeadVolume, [-10.0, 1.0])],
-            stated: Vec::new(),
-            own: Vec::new(),
-            base: Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(30.0)),
-            positions_m: [0.0, 0.1],
-            at_rest: Vec::new(),
-            ambient_scatter_k: 0.0,
-        };
         // Residuals 1000 (y − x) and x + y − 8, from x = y = 0 on: the least is at x = y = 4, with y ≤ 1 at x = 1.
-        let linear = Linear {
-            blocks: 2,
-            residual: vec![0.0, 8.0],
-            by_rig: DMatrix::from_row_slice(2, 2, &[1000.0, -1000.0, 1.0, 1.0]),
-            by_own: DMatrix::zeros(2, 0),
-            mesh: Mesh::default(),
+        let by_both = DMatrix::from_row_slice(2, 2, &[1000.0, -1000.0, 1.0, 1.0]);
+        let (none, wide, bounded) = (DMatrix::zeros(2, 0), [-10.0, 10.0], [-10.0, 1.0]);
+        let step = |by_rig: DMatrix<f64>, by_own: DMatrix<f64>, room: Room| {
+            let rig = by_rig.ncols();
+            let linear = Linear { blocks: 2, residual: vec![0.0, 8.0], by_rig, by_own, mesh: Mesh::default() };
+            System::new(&[linear], rig).step(&room, 1e-9).unwrap()
         };
-        let step = System::new(&[linear], 2).step(&h, &[0.0, 0.0], 1e-9).unwrap();
-        assert_eq!(step.rig[1], 1.0);
-        assert!((step.rig[0] - 1.0).abs() < 1e-4, "{:?}", step.rig);
-        assert!((step.promised - (64.0 - 36.0)).abs() < 1e-2, "{}", step.promised);
+        let of_rig = step(by_both.clone(), none, Room { rig: vec![wide, bounded], own: vec![Vec::new()] });
+        let [x, y] = [0, 1].map(|k| by_both.columns(k, 1).into_owned());
+        let of_record = step(x, y, Room { rig: vec![wide], own: vec![vec![bounded]] });
+        for (x, y, promised) in [
+            (of_rig.rig[0], of_rig.rig[1], of_rig.promised),
+            (of_record.rig[0], of_record.own[0][0], of_record.promised),
+        ] {
+            assert_eq!(y, 1.0);
+            assert!((x - 1.0).abs() < 1e-4, "{x}");
+            assert!((promised - (64.0 - 36.0)).abs() < 1e-2, "{promised}");
+        }
+    }
+
+    #[test]
+    fn sensitivities_that_are_not_numbers_lead_nowhere() {
+        let by_own = DMatrix::from_row_slice(2, 1, &[1.0, f64::NAN]);
+        let by_rig = DMatrix::from_element(2, 1, 1.0);
+        let linear = Linear { blocks: 2, residual: vec![0.0, 8.0], by_rig, by_own, mesh: Mesh::default() };
+        let room = Room { rig: vec![[-1.0, 1.0]], own: vec![vec![[-1.0, 1.0]]] };
+        assert!(System::new(&[linear], 1).step(&room, 1e-9).is_none());
     }
 }

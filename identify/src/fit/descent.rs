@@ -8,7 +8,8 @@
 
 use super::bordered::{Step, System};
 use super::linear::{Failure, Linear, Linearised, Selection, linearise, residuals, total};
-use super::moved;
+use super::room::Room;
+use super::{moved, own_axes};
 use crate::parameters::{Axis, Hypothesis, Own};
 use crate::policy;
 use crate::record::data::Data;
@@ -102,8 +103,7 @@ pub fn descend(
     selection: &Selection,
     until: Until,
 ) -> Result<Descent, Failure> {
-    let own_axes = data.traces.iter().map(|t| hypothesis.own_of(t)).collect();
-    let problem = Problem { data, hypothesis, selection, own_axes };
+    let problem = Problem { data, hypothesis, selection, own_axes: own_axes(data, hypothesis) };
     let mut here = Descent::at(rig, own);
     let (mut damping, mut slow_iterations) = (FIRST_DAMPING, 0);
     while here.iterations < until.iterations && !here.converged {
@@ -162,7 +162,7 @@ impl Problem<'_> {
         let system = System::new(linear, self.hypothesis.axes.len());
         let leads_down = |trial: &Trial| trial.chi2 < here.chi2;
         for attempt in 0..MOST_DAMPINGS {
-            let Some(step) = system.step(self.hypothesis, &here.rig, *damping) else {
+            let Some(step) = system.step(&self.room(&here.rig, &here.own), *damping) else {
                 *damping = (*damping * MORE).max(LEAST_OF_SINGULAR);
                 continue;
             };
@@ -174,7 +174,7 @@ impl Problem<'_> {
             let bent = match &straight {
                 Some(trial) if attempt < BENT && !leads_down(trial) => system
                     .with_residuals(linear, &missed(linear, &step, &trial.residuals))
-                    .step(self.hypothesis, &trial.rig, *damping)
+                    .step(&self.room(&trial.rig, &trial.own), *damping)
                     .and_then(|bend| self.trial(here, linear, &step.bent_by(&bend))),
                 _ => None,
             };
@@ -191,6 +191,10 @@ impl Problem<'_> {
             }
         }
         Next::Nowhere
+    }
+
+    fn room(&self, rig: &[f64], own: &[Vec<f64>]) -> Room {
+        Room::around(self.hypothesis, &self.own_axes, rig, own)
     }
 
     /// A step from there, within the bounds; `None` where the simulation fails. Whether it leads down is a matter of the

@@ -16,6 +16,7 @@ pub mod covariance;
 mod descent;
 mod found;
 mod linear;
+mod room;
 
 use crate::parameters::{Axis, Hypothesis, Model, Own};
 use crate::record::data::Data;
@@ -25,6 +26,7 @@ pub use found::Fit;
 pub use linear::{Failure, Linear, Linearised, Selection, all_blocks, mean, points, readings, run};
 use linear::{linearise, linearise_in_all, total};
 use nalgebra::{DMatrix, DVector};
+use room::Room;
 
 /// Fits a hypothesis to the selected blocks, beginning from coordinates; where it does not converge, once more from where it
 /// stopped.
@@ -77,7 +79,8 @@ pub fn fit_once(
 /// The sum of squares that the first step from these coordinates promises; `None` where the simulation fails.
 pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>]) -> Option<f64> {
     let linear = linearise(data, hypothesis, rig, own, &all_blocks(data), None).ok()?;
-    let step = System::new(&linear, hypothesis.axes.len()).step(hypothesis, rig, 1e-4)?;
+    let room = Room::around(hypothesis, &own_axes(data, hypothesis), rig, own);
+    let step = System::new(&linear, hypothesis.axes.len()).step(&room, 1e-4)?;
     Some((total(&linear) - step.promised).max(0.0))
 }
 
@@ -134,6 +137,11 @@ fn ambient_scatter(data: &Data, h: &Hypothesis, own: &[Vec<f64>]) -> f64 {
     let deviations: Vec<f64> = h.of_each(data, own, Own::AmbientTemperature).flatten().filter_map(deviation).collect();
     let squares: f64 = deviations.iter().map(|z| z * z).sum();
     (squares / deviations.len().max(1) as f64).sqrt()
+}
+
+/// What each record has for itself.
+fn own_axes(data: &Data, hypothesis: &Hypothesis) -> Vec<Vec<Axis<Own>>> {
+    data.traces.iter().map(|t| hypothesis.own_of(t)).collect()
 }
 
 /// Coordinates after a step, within their bounds.
