@@ -48,10 +48,13 @@ impl Search {
 
     /// Takes the likeliest of the sets alike in the place of the chosen one, where that is likelier only with the gas exactly as
     /// stated; whether one is. Nobody knows a gas so well, and the search, which compares fits in the gas as stated, may have
-    /// followed an effect that stands for the rest.
+    /// followed an effect that stands for the rest. A set that is likelier in that gas, too, did not enter for another reason, and one
+    /// with terms of single records in the place of effects says less.
     pub(super) fn take_likelier_in_uncertain_gas(&mut self) -> bool {
         let lead = |c: &Candidate| c.lead_over(&self.chosen);
-        let likeliest = self.others_alike().max_by(|a, b| lead(a).total_cmp(&lead(b)));
+        let says_as_much = |c: &&Candidate| c.model.own == self.chosen.model.own;
+        let likely = self.others_alike().filter(says_as_much).filter(|c| c.delta_bic < self.chosen.delta_bic);
+        let likeliest = likely.max_by(|a, b| lead(a).total_cmp(&lead(b)));
         let Some(likelier) = likeliest.filter(|c| lead(c) > policy::INDISTINGUISHABLE).cloned() else { return false };
         self.put_in_place_of_chosen(self.judged(likelier));
         true
@@ -96,6 +99,9 @@ mod tests {
         assert!(surface.delta_bic > column.delta_bic + policy::DECISIVE);
         search.tried = vec![surface.clone(), column.clone()];
         search.chosen = surface;
+        search.tried[1].delta_bic = search.chosen.delta_bic + 1.0;
+        assert!(!search.take_likelier_in_uncertain_gas());
+        search.tried[1].delta_bic = column.delta_bic;
         assert!(search.take_likelier_in_uncertain_gas());
         assert_eq!(search.chosen.model, column.model);
         assert_eq!(search.alike(), []);
