@@ -15,7 +15,7 @@ use crate::policy;
 use crate::record::data::Data;
 use nalgebra::DVector;
 
-/// When a descent ends.
+/// When a descent ends, and a fit by descents.
 #[derive(Clone, Copy, Debug)]
 pub struct Until {
     /// After so many iterations at the latest.
@@ -25,12 +25,16 @@ pub struct Until {
     pub gain: f64,
     /// Or after so many iterations in a row that gained less.
     pub slow_iterations: usize,
+    /// Descents of a fit at most, each from where the one before stopped without converging.
+    pub descents: usize,
 }
 
 impl Until {
     /// At a minimum: a step that gains so little of χ² moves no number by more than a twentieth of its standard deviation (√0.002). The
     /// iterations only end a fit that creeps.
-    pub const SETTLED: Self = Self { iterations: 40, gain: 2e-3, slow_iterations: 1 };
+    pub const SETTLED: Self = Self { iterations: 40, gain: 2e-3, slow_iterations: 1, descents: 2 };
+    /// The same by one descent, wherever that ends.
+    pub const ONE_DESCENT: Self = Self { descents: 1, ..Self::SETTLED };
     /// Where steps gain next to nothing beside decisive evidence: the far end of a narrow valley is not waited for. A single
     /// iteration may gain little because its step was damped.
     pub const ROUGHLY: Self = Self { gain: 1e-3 * policy::DECISIVE, slow_iterations: 2, ..Self::SETTLED };
@@ -160,9 +164,10 @@ impl Problem<'_> {
     /// The first step that leads down, from the damping on that led down before.
     fn lower(&self, here: &Descent, linear: &[Linear], damping: &mut f64, settled: f64) -> Next {
         let system = System::new(linear, self.hypothesis.axes.len());
+        let room = self.room(&here.rig, &here.own);
         let leads_down = |trial: &Trial| trial.chi2 < here.chi2;
         for attempt in 0..MOST_DAMPINGS {
-            let Some(step) = system.step(&self.room(&here.rig, &here.own), *damping) else {
+            let Some(step) = system.step(&room, *damping) else {
                 *damping = (*damping * MORE).max(LEAST_OF_SINGULAR);
                 continue;
             };

@@ -55,24 +55,13 @@ pub fn fit_until(
     selection: &Selection,
     until: Until,
 ) -> Result<Fit, Failure> {
-    let first = descend(data, hypothesis, rig, own, selection, until)?;
-    let found =
-        if first.converged { first } else { descend(data, hypothesis, first.rig, first.own, selection, until)? };
-    finish(data, hypothesis, found, selection)
-}
-
-/// [`fit`] by one descent, wherever that ends.
-///
-/// # Errors
-/// [`Failure`].
-pub fn fit_once(
-    data: &Data,
-    hypothesis: &Hypothesis,
-    rig: Vec<f64>,
-    own: Vec<Vec<f64>>,
-    selection: &Selection,
-) -> Result<Fit, Failure> {
-    let found = descend(data, hypothesis, rig, own, selection, Until::SETTLED)?;
+    let mut found = descend(data, hypothesis, rig, own, selection, until)?;
+    for _ in 1..until.descents {
+        if found.converged {
+            break;
+        }
+        found = descend(data, hypothesis, found.rig, found.own, selection, until)?;
+    }
     finish(data, hypothesis, found, selection)
 }
 

@@ -9,7 +9,7 @@
 //! half asks for, given what is known of them beforehand. The mean before the first move alone would be a few rows' noise, several
 //! times as large after a push.
 
-use crate::fit::{self, Fit, readings};
+use crate::fit::{self, Fit, Until, readings};
 use crate::judge::misfit;
 use crate::parameters::{Hypothesis, Own};
 use crate::record::data::{Data, Prepared};
@@ -153,7 +153,8 @@ pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
 /// does: along a narrow valley another would creep on without predicting better.
 fn without_left_out(data: &Data, fitted: &Fit, fold: &Fold) -> Option<Fit> {
     let h = Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
-    fit::fit_once(data, &h, fitted.rig.clone(), fitted.own.clone(), &fold.selection).ok()
+    let (rig, own) = (fitted.rig.clone(), fitted.own.clone());
+    fit::fit_until(data, &h, rig, own, &fold.selection, Until::ONE_DESCENT).ok()
 }
 
 /// What records left out whole add to a fit's sum of squares, for each of their blocks less their own numbers, over what the others

@@ -101,7 +101,9 @@ mod tests {
         search.chosen = surface;
         search.tried[1].delta_bic = search.chosen.delta_bic + 1.0;
         assert!(!search.take_likelier_in_uncertain_gas());
-        search.tried[1].delta_bic = column.delta_bic;
+        search.tried[1] = Candidate { model: Model { own: column.model.effects, ..column.model }, ..column.clone() };
+        assert!(!search.take_likelier_in_uncertain_gas());
+        search.tried[1] = column.clone();
         assert!(search.take_likelier_in_uncertain_gas());
         assert_eq!(search.chosen.model, column.model);
         assert_eq!(search.alike(), []);

@@ -1,6 +1,7 @@
 //! How a search ends: terms that nothing needs go out again (`needed`), what is left is judged (`verdict`), sets with one effect
-//! exchanged are tried where several explain the records, and where more than noise is left the missing term is read off as a curve
-//! ([`curve`](super::curve)). At last the reported model is checked for contradictions (`contradictions`).
+//! exchanged are tried where several explain the records, of sets that are alike the likeliest is taken (`alike`), and where more than
+//! noise is left the missing term is read off as a curve ([`curve`](super::curve)). At last the reported model is checked for
+//! contradictions (`contradictions`).
 
 use super::{Candidate, Found, Search, Verdict, contradictions, terms};
 use crate::error::Error;
@@ -13,9 +14,12 @@ impl Search {
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
         let (mut by_geometry, parts) = self.leave_out_unneeded();
         let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
-        if verdict == Verdict::Explained && (self.try_others_in_place(&parts) | self.take_likelier_in_uncertain_gas()) {
-            (by_geometry, _) = self.leave_out_unneeded();
-            (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
+        if verdict == Verdict::Explained {
+            let one_entered = self.try_others_in_place(&parts);
+            if self.take_likelier_in_uncertain_gas() || one_entered {
+                (by_geometry, _) = self.leave_out_unneeded();
+                (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
+            }
         }
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
             self.refuse_pressures()?;

@@ -32,7 +32,7 @@ impl Search {
         self.put_in_place_of_chosen(best);
     }
 
-    /// A model that says the same as the chosen one in other scopes takes its place, and that of its step.
+    /// A model takes the place of the chosen one, and that of its step: it says the same in other scopes, or is alike.
     pub(super) fn put_in_place_of_chosen(&mut self, other: Candidate) {
         self.chosen_adequacy = adequacy::test(&self.data, &other.fit);
         self.steps.pop();
